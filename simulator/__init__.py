@@ -1,0 +1,1 @@
+"""The physics: from a scene to what a meter would read."""

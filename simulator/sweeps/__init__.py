@@ -1,0 +1,29 @@
+"""Sweeps: simulated and measured impedance spectra in one schema, and the files that hold them."""
+
+from simulator.sweeps.errors import InputError
+from simulator.sweeps.files import checked_output, read, whole_file, write
+from simulator.sweeps.impedance import (
+    branch_reactance,
+    parallel_capacitance,
+    series_capacitance,
+)
+from simulator.sweeps.passivity import Violation, violations
+from simulator.sweeps.schema import UNPRESSED, build, check, concatenate, impedance
+
+__all__ = [
+    "UNPRESSED",
+    "InputError",
+    "Violation",
+    "branch_reactance",
+    "build",
+    "check",
+    "checked_output",
+    "concatenate",
+    "impedance",
+    "parallel_capacitance",
+    "read",
+    "series_capacitance",
+    "violations",
+    "whole_file",
+    "write",
+]

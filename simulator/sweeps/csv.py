@@ -1,0 +1,129 @@
+"""Sweeps as CSV for people: one line per sweep, interface and frequency, named columns."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from simulator.sweeps.errors import InputError
+from simulator.sweeps.impedance import branch_reactance
+from simulator.sweeps.schema import DIMENSIONS, build
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+HEADER = ["sweep", "press", "row", "column", "interface", "frequency_Hz", "Rs_ohm", "X_ohm", "Cp_F"]
+UNLABELLED = {"sweep": "0", "press": "unknown", "row": "-1", "column": "-1", "interface": "unnamed"}
+QUANTITIES = ["Rs_ohm", "X_ohm", "Cp_F"]
+
+
+def write_csv(sweeps: xr.Dataset, path: Path) -> None:
+    """Write sweeps in long form; the numbers read back to the same bits."""
+    import pandas as pd
+
+    shape = tuple(sweeps.sizes[name] for name in DIMENSIONS)
+    sweep, interface, frequency = (axis.ravel() for axis in np.indices(shape))
+    table = {
+        "sweep": sweep,
+        **{name: sweeps[name].values[sweep] for name in ("press", "row", "column")},
+        "interface": sweeps["interface"].values[interface],
+        "frequency_Hz": sweeps["frequency"].values[frequency],
+        **{
+            column: sweeps[column.split("_")[0]].transpose(*DIMENSIONS).values.ravel()
+            for column in QUANTITIES
+        },
+    }
+    pd.DataFrame(table, columns=HEADER).to_csv(path, index=False, lineterminator="\n")
+
+
+def read_csv(path: Path) -> xr.Dataset:
+    """Sweeps from a CSV with named columns in any order.
+
+    `frequency_Hz` and `Rs_ohm` are required, and at least one of `X_ohm` and `Cp_F`. Where only
+    `Cp_F` is given, X is taken on the branch of `branch_reactance`. Columns that name the sweep,
+    the press and the interface may be absent from a file of one unlabelled sweep.
+
+    Raises InputError naming the file, and the line and column where there is one: an absent column,
+    a cell that is not a number, a sweep with other frequencies than the first.
+    """
+    table = _numbers(path, _text(path)).sort_values(
+        ["sweep", "interface", "frequency_Hz"], kind="stable"
+    )
+    sweeps = table["sweep"].unique()
+    interfaces = list(table["interface"].unique())
+    shape = (len(sweeps), len(interfaces), -1)
+    frequency = _common_frequencies(path, table, len(sweeps) * len(interfaces))
+    columns = {name: table[name].to_numpy().reshape(shape) for name in QUANTITIES if name in table}
+    if "X_ohm" not in columns:
+        columns["X_ohm"] = branch_reactance(columns["Rs_ohm"], columns["Cp_F"], frequency)
+    labels = table.drop_duplicates("sweep")
+    return build(
+        columns["Rs_ohm"] + 1j * columns["X_ohm"],
+        frequency,
+        interface=interfaces,
+        press=list(labels["press"]),
+        row=list(labels["row"].astype(int)),
+        column=list(labels["column"].astype(int)),
+        Cp=columns.get("Cp_F"),
+    )
+
+
+def _text(path: Path) -> pd.DataFrame:
+    import pandas as pd
+
+    try:
+        table = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8-sig")
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not a CSV of sweeps: {' '.join(str(error).split())}") from error
+    absent = [name for name in ("frequency_Hz", "Rs_ohm") if name not in table]
+    if not {"X_ohm", "Cp_F"} & set(table):
+        absent.append("X_ohm` or `Cp_F")
+    if absent:
+        raise InputError(f"{path}: column `{absent[0]}` is missing; found {', '.join(table)}")
+    if table.empty:
+        raise InputError(f"{path}: holds no sweep")
+    return table.assign(**{name: text for name, text in UNLABELLED.items() if name not in table})
+
+
+def _numbers(path: Path, table: pd.DataFrame) -> pd.DataFrame:
+    import pandas as pd
+
+    numeric = [name for name in HEADER if name in table and name not in ("press", "interface")]
+    in_order_of_appearance = pd.Categorical(table["interface"], table["interface"].unique())
+    return table.assign(
+        interface=in_order_of_appearance,
+        **{name: _finite(path, table[name]) for name in numeric},
+    )
+
+
+def _finite(path: Path, column: pd.Series) -> np.ndarray:
+    values = np.array([_float(text) for text in column])
+    bad = np.flatnonzero(~np.isfinite(values))
+    if bad.size:
+        raise InputError(
+            f"{path}: line {bad[0] + 2}: `{column.name}` must be a finite number, "
+            f"got {column.iloc[bad[0]]!r}"
+        )
+    return values
+
+
+def _float(text: str) -> float:
+    try:
+        return float(text)
+    except (TypeError, ValueError):
+        return np.nan
+
+
+def _common_frequencies(path: Path, table: pd.DataFrame, spectra: int) -> np.ndarray:
+    frequency = table["frequency_Hz"].to_numpy()
+    points = frequency.size // spectra
+    first = frequency[:points]
+    sizes = table.groupby(["sweep", "interface"], observed=True).size()
+    if len(sizes) != spectra or not np.array_equal(frequency, np.tile(first, spectra)):
+        raise InputError(
+            f"{path}: every sweep needs every interface, each at the same frequencies once"
+        )
+    return first

@@ -1,0 +1,44 @@
+"""Impedance and its names: Z = Rs + jX is the object; Cp, Cs and the phase are views of it."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from simulator.sweeps.errors import InputError
+
+
+def parallel_capacitance(Z: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64]:
+    """Cp = Im(1/Z) / omega, in F.
+
+    Z: ohm, shape (..., frequency). frequency: Hz, shape (frequency,).
+    """
+    Z, omega = np.asarray(Z), 2 * np.pi * np.asarray(frequency)
+    magnitude = np.abs(Z)
+    return -(Z.imag / magnitude) / magnitude / omega
+
+
+def series_capacitance(Z: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64]:
+    """Cs = -1 / (omega X), in F.
+
+    Z: ohm, shape (..., frequency). frequency: Hz, shape (frequency,).
+    """
+    return -1 / (2 * np.pi * np.asarray(frequency) * np.asarray(Z).imag)
+
+
+def branch_reactance(Rs: ArrayLike, Cp: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64]:
+    """X from (Rs, Cp) alone, on the branch whose phase lies between -90 and -45 degrees.
+
+    Cp = -X / (omega (Rs² + X²)) has two roots with X1 X2 = Rs². The one with |X| >= Rs is taken:
+    it is the branch of every uniform open RC line, which reaches -45 degrees only in the limit.
+
+    Rs: ohm, Cp: F, shapes (..., frequency). frequency: Hz. Returns X in ohm.
+    Raises InputError where no reactance gives the pair (2 omega Cp Rs > 1) or Cp <= 0.
+    """
+    Rs = np.asarray(Rs, dtype=float)
+    susceptance = 2 * np.pi * np.asarray(frequency) * np.asarray(Cp, dtype=float)
+    discriminant = 1 - (2 * susceptance * Rs) ** 2
+    rounding = 1e-5
+    if np.any(susceptance <= 0) or np.any(discriminant < -rounding):
+        raise InputError(
+            "no capacitive reactance has these Rs and Cp: need Cp > 0, 2 omega Cp Rs <= 1"
+        )
+    return -(1 + np.sqrt(np.maximum(discriminant, 0))) / (2 * susceptance)

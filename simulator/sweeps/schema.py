@@ -1,0 +1,130 @@
+"""The schema of sweeps: an `xarray.Dataset` over (sweep, interface, frequency)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from simulator.sweeps.errors import InputError
+from simulator.sweeps.impedance import parallel_capacitance
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import ArrayLike, NDArray
+
+UNPRESSED = "none"
+DIMENSIONS = ("sweep", "interface", "frequency")
+QUANTITIES = {
+    "Rs": ("series resistance, Re Z", "ohm"),
+    "X": ("series reactance, Im Z", "ohm"),
+    "Cp": ("parallel capacitance, Im(1/Z)/omega", "F"),
+}
+ERRORS = {
+    "Rs_error": ("estimated numerical error of Rs", "ohm"),
+    "Cp_error": ("estimated numerical error of Cp", "F"),
+}
+LABELS = {
+    "press": "the press as text",
+    "row": "pressed pixel's row: 0 nothing pressed, -1 no single pixel",
+    "column": "pressed pixel's column: 0 nothing pressed, -1 no single pixel",
+    "session": "mounting or device",
+}
+
+
+def build(
+    Z: ArrayLike,
+    frequency: ArrayLike,
+    *,
+    interface: Sequence[str],
+    press: Sequence[str],
+    row: Sequence[int],
+    column: Sequence[int],
+    session: Sequence[int] | None = None,
+    Cp: ArrayLike | None = None,
+    errors: Mapping[str, ArrayLike] | None = None,
+    attributes: Mapping[str, str | int | float] | None = None,
+) -> xr.Dataset:
+    """Sweeps from complex impedance.
+
+    Z: ohm, shape (sweep, interface, frequency). frequency: Hz, ascending. press, row, column,
+    session: one per sweep. Cp: F, shape of Z, where a meter displayed its own value instead of the
+    one that follows from Z. errors: `Rs_error` [ohm] and `Cp_error` [F], shape of Z.
+    Raises InputError where the result would break the schema (see `check`).
+    """
+    import xarray as xr
+
+    Z, frequency = np.asarray(Z, dtype=complex), np.asarray(frequency, dtype=float)
+    if Z.ndim != 3 or Z.shape[1:] != (len(interface), frequency.size):
+        raise InputError(
+            f"impedance must have shape (sweep, {len(interface)}, {frequency.size}), got {Z.shape}"
+        )
+    values = {
+        "Rs": Z.real,
+        "X": Z.imag,
+        "Cp": parallel_capacitance(Z, frequency) if Cp is None else np.asarray(Cp, dtype=float),
+        **{name: np.asarray(error, dtype=float) for name, error in (errors or {}).items()},
+    }
+    described = {**QUANTITIES, **ERRORS}
+    variables = {
+        name: (DIMENSIONS, value, {"long_name": described[name][0], "units": described[name][1]})
+        for name, value in values.items()
+    }
+    labels = {
+        "press": np.array(list(press), dtype=object),
+        "row": np.asarray(row, dtype=np.int64),
+        "column": np.asarray(column, dtype=np.int64),
+        "session": np.zeros(len(Z), dtype=np.int64)
+        if session is None
+        else np.asarray(session, dtype=np.int64),
+    }
+    coordinates = {
+        "interface": ("interface", np.array(list(interface), dtype=object)),
+        "frequency": ("frequency", frequency, {"long_name": "frequency", "units": "Hz"}),
+        **{name: ("sweep", value, {"long_name": LABELS[name]}) for name, value in labels.items()},
+    }
+    return check(xr.Dataset(variables, coordinates, attrs=dict(attributes or {})))
+
+
+def check(sweeps: xr.Dataset) -> xr.Dataset:
+    """The same sweeps, if they keep the schema.
+
+    Raises InputError naming the variable and what is wrong with it: absent, of other dimensions,
+    not finite, or frequencies that are not positive and ascending.
+    """
+    for name in (*QUANTITIES, *LABELS, "frequency", "interface"):
+        if name not in sweeps.variables:
+            raise InputError(f"`{name}` is missing from the sweeps")
+    for name in (*QUANTITIES, *(error for error in ERRORS if error in sweeps)):
+        if set(sweeps[name].dims) != set(DIMENSIONS):
+            raise InputError(f"`{name}` must have dimensions {DIMENSIONS}, got {sweeps[name].dims}")
+        if not np.isfinite(sweeps[name].values).all():
+            raise InputError(f"`{name}` must be finite everywhere")
+    frequency = sweeps["frequency"].values
+    if not (np.isfinite(frequency).all() and (frequency > 0).all()):
+        raise InputError("`frequency` must be finite and > 0 Hz")
+    if not (np.diff(frequency) > 0).all():
+        raise InputError("`frequency` must be ascending, without repeats")
+    return sweeps
+
+
+def impedance(sweeps: xr.Dataset) -> NDArray[np.complex128]:
+    """Z = Rs + jX in ohm, shape (sweep, interface, frequency)."""
+    Z = sweeps["Rs"] + 1j * sweeps["X"]
+    return Z.transpose(*DIMENSIONS).values
+
+
+def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    """One data set from several of the same interfaces and frequencies; attributes of the first.
+
+    Raises InputError where interfaces or frequencies differ.
+    """
+    import xarray as xr
+
+    first = parts[0]
+    for part in parts[1:]:
+        for name in ("interface", "frequency"):
+            if not np.array_equal(part[name].values, first[name].values):
+                raise InputError(f"sweeps of different `{name}` cannot be joined")
+    return xr.concat(parts, dim="sweep", combine_attrs="override", join="exact")
