@@ -1,0 +1,76 @@
+"""Scenes on disk: TOML files, and those that come with the package, addressable by name."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import tomli_w
+from pydantic import ValidationError
+
+from simulator.press import Press
+from simulator.scene import Scene
+from simulator.sweeps import InputError
+from simulator.validation import one_line
+
+BUILTIN = Path(__file__).parent / "scenes"
+
+
+def builtin_names() -> list[str]:
+    """The names of the scenes that come with the package."""
+    return sorted(path.stem for path in BUILTIN.glob("*.toml"))
+
+
+def load_scene(name_or_path: str | Path) -> Scene:
+    """The built-in scene of that name, or the one in the file at that path.
+
+    Raises InputError in one line naming the file, the key, the value and what is allowed.
+    """
+    if str(name_or_path) in builtin_names():
+        return read_scene(BUILTIN / f"{name_or_path}.toml")
+    path = Path(name_or_path)
+    if not path.exists() and path.suffix != ".toml" and path.parent == Path("."):
+        raise InputError(
+            f"{name_or_path}: no such file, and no built-in scene; "
+            f"there are {', '.join(builtin_names())}"
+        )
+    return read_scene(path)
+
+
+def read_scene(path: Path) -> Scene:
+    """The scene in a TOML file; raises InputError as `load_scene` does."""
+    try:
+        return parse_scene(path.read_text(encoding="utf-8"), source=str(path))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read: {error}") from error
+
+
+def parse_scene(text: str, source: str) -> Scene:
+    """The scene written in TOML; `source` names it in errors. Raises InputError."""
+    try:
+        return Scene.model_validate(tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{source}: not valid TOML: {error}") from error
+    except ValidationError as error:
+        raise InputError(f"{source}: {one_line(error)}") from error
+
+
+def scene_text(scene: Scene) -> str:
+    """The scene as TOML; `parse_scene` gives the same scene back."""
+    return tomli_w.dumps(scene.model_dump(by_alias=True, exclude_none=True))
+
+
+def check_press(press: Press, scene: Scene) -> Press:
+    """The same press, if it lies on the scene's pixels; raises InputError."""
+    for touch in press.touches:
+        for axis, index, count in (
+            ("row", touch.row, scene.pixels.rows),
+            ("column", touch.column, scene.pixels.columns),
+        ):
+            if not 1 <= index <= count:
+                raise InputError(
+                    f"press {press}: {axis} must be in 1..{count} on {scene.name}, got {index}"
+                )
+    return press

@@ -1,0 +1,65 @@
+"""Ranges with units, and what pydantic found wrong with a scene told in one line."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from pydantic import AfterValidator, ValidationError
+
+COMPARISONS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+
+
+def above_zero(unit: str) -> AfterValidator:
+    """Accepts finite numbers > 0; the error names the unit."""
+
+    def validate(value: float) -> float:
+        if not (math.isfinite(value) and value > 0):
+            raise ValueError(f"must be finite and > 0 {unit}, got {value:g}")
+        return value
+
+    return AfterValidator(validate)
+
+
+def at_least_zero(unit: str) -> AfterValidator:
+    """Accepts finite numbers >= 0; the error names the unit."""
+
+    def validate(value: float) -> float:
+        if not (math.isfinite(value) and value >= 0):
+            raise ValueError(f"must be finite and >= 0 {unit}, got {value:g}")
+        return value
+
+    return AfterValidator(validate)
+
+
+def one_line(error: ValidationError) -> str:
+    """The first problem that pydantic found, as one line: key, what is allowed, what was given."""
+    problems = error.errors(include_url=False)
+    first = next((found for found in problems if found["type"] == "extra_forbidden"), problems[0])
+    key = _key(first["loc"])
+    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
+    return f"{key}{_requirement(first)}{more}"
+
+
+def _key(location: tuple[int | str, ...]) -> str:
+    text = ""
+    for part in location:
+        text += f"[{part + 1}]" if isinstance(part, int) else f".{part}"
+    return f"`{text.lstrip('.')}` " if text else ""
+
+
+def _requirement(problem: Any) -> str:
+    kind, context, given = problem["type"], problem.get("ctx", {}), problem["input"]
+    if kind == "missing":
+        return "is missing"
+    if kind == "extra_forbidden":
+        return f"is not a known key, got {given!r}"
+    if kind == "too_short":
+        return f"must have at least {context['min_length']} item, got {given!r}"
+    if kind == "value_error":
+        return str(context["error"])
+    bounds = [f"{sign} {context[name]}" for name, sign in COMPARISONS.items() if name in context]
+    if bounds:
+        return f"must be {' and '.join(bounds)}, got {given!r}"
+    allowed = problem["msg"].removeprefix("Input should be ").removeprefix("a valid ")
+    return f"must be {allowed}, got {given!r}"
