@@ -38,9 +38,8 @@ class Press:
         """(row, column) of a single touch, (0, 0) at rest, (-1, -1) where it is no single pixel."""
         if not self.touches:
             return 0, 0
-        if len(self.touches) > 1:
-            return -1, -1
-        return self.touches[0].row, self.touches[0].column
+        first, *others = self.touches
+        return (-1, -1) if others else (first.row, first.column)
 
 
 def parse_press(text: str, default_factor: float) -> Press:

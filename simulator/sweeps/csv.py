@@ -95,17 +95,16 @@ def _numbers(path: Path, table: pd.DataFrame) -> pd.DataFrame:
     in_order_of_appearance = pd.Categorical(table["interface"], table["interface"].unique())
     return table.assign(
         interface=in_order_of_appearance,
-        **{name: _finite(path, table[name]) for name in numeric},
+        **{name: _finite(path, name, list(table[name])) for name in numeric},
     )
 
 
-def _finite(path: Path, column: pd.Series) -> np.ndarray:
+def _finite(path: Path, name: str, column: list[str]) -> np.ndarray:
     values = np.array([_float(text) for text in column])
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
         raise InputError(
-            f"{path}: line {bad[0] + 2}: `{column.name}` must be a finite number, "
-            f"got {column.iloc[bad[0]]!r}"
+            f"{path}: line {bad[0] + 2}: `{name}` must be a finite number, got {column[bad[0]]!r}"
         )
     return values
 

@@ -11,7 +11,7 @@ def parallel_capacitance(Z: ArrayLike, frequency: ArrayLike) -> NDArray[np.float
 
     Z: ohm, shape (..., frequency). frequency: Hz, shape (frequency,).
     """
-    Z, omega = np.asarray(Z), 2 * np.pi * np.asarray(frequency)
+    Z, omega = np.asarray(Z, dtype=np.complex128), 2 * np.pi * np.asarray(frequency)
     magnitude = np.abs(Z)
     return -(Z.imag / magnitude) / magnitude / omega
 
@@ -21,7 +21,8 @@ def series_capacitance(Z: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64
 
     Z: ohm, shape (..., frequency). frequency: Hz, shape (frequency,).
     """
-    return -1 / (2 * np.pi * np.asarray(frequency) * np.asarray(Z).imag)
+    X = np.asarray(Z, dtype=np.complex128).imag
+    return -1 / (2 * np.pi * np.asarray(frequency) * X)
 
 
 def branch_reactance(Rs: ArrayLike, Cp: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64]:

@@ -55,7 +55,8 @@ def build(
     """
     import xarray as xr
 
-    Z, frequency = np.asarray(Z, dtype=complex), np.asarray(frequency, dtype=float)
+    Z = np.asarray(Z, dtype=np.complex128)
+    frequency = np.asarray(frequency, dtype=np.float64)
     if Z.ndim != 3 or Z.shape[1:] != (len(interface), frequency.size):
         raise InputError(
             f"impedance must have shape (sweep, {len(interface)}, {frequency.size}), got {Z.shape}"

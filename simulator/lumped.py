@@ -1,0 +1,107 @@
+"""One resistor and one capacitor: the low-frequency limit of any press on any skin.
+
+Z(s) = 1/(s C) + R_lf + z_1 s + z_2 s² + ..., of which the first two terms are the model. Z is a sum
+of poles on s <= 0 with residues >= 0, so what is left out is never larger than its next terms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.circuit import Circuit, Drive
+from simulator.frequency import laplace_variable
+from simulator.mesh import Resolution
+from simulator.network import allowed_potentials
+from simulator.press import Press
+from simulator.scene import Scene
+from simulator.sheet import Sheet
+from simulator.sweeps import InputError, parallel_capacitance
+
+EXACT_ON_LINES = Resolution(order=4)
+
+
+@dataclass(frozen=True)
+class Series:
+    """Z(s) = 1/(s C) + R + first s + second s² + ... of one interface; F, ohm, ohm s, ohm s²."""
+
+    C: float
+    R: float
+    first: float
+    second: float
+
+
+class Lumped:
+    """A scene as one R and one C at each interface, with a bound of what that leaves out."""
+
+    def __init__(self, scene: Scene, circuit: Circuit, resolution: Resolution = EXACT_ON_LINES):
+        """Raises InputError where an interface is no capacitor at zero frequency."""
+        self.scene = scene
+        self._sheet = Sheet(scene, circuit, resolution)
+
+    def impedance(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Z in ohm, shape (interface, frequency); frequency in Hz."""
+        s = laplace_variable(frequency, self.scene.skin.foam.loss_tangent)
+        return np.stack([1 / (s * term.C) + term.R for term in self.series(press)])
+
+    def bounds(
+        self, press: Press, frequency: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Largest possible error of Rs in ohm and Cp in F, shapes (interface, frequency).
+
+        Of the truncation; the discretisation of R and C is not part of it.
+        """
+        s = laplace_variable(frequency, self.scene.skin.foam.loss_tangent)
+        Rs, Cp = zip(*(_bounds(term, s, frequency) for term in self.series(press)), strict=True)
+        return np.stack(Rs), np.stack(Cp)
+
+    def series(self, press: Press) -> list[Series]:
+        """The expansion at low frequency, one for each interface."""
+        moments = self._sheet.moments(press, 4)
+        return [_series(moments, self._sheet.terminal_field, d) for d in self._sheet.circuit.drives]
+
+
+def _bounds(
+    term: Series, s: NDArray[np.complex128], frequency: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Next terms of the series, or the range that Rs in [0, R] and Cp in [0, C] leave."""
+    size = np.abs(s)
+    Z = 1 / (s * term.C) + term.R
+    Rs_error = np.minimum(abs(term.first) * s.real + term.second * size**2, term.R)
+    Z_error = abs(term.first) * size
+    Y_error = np.divide(
+        Z_error,
+        np.abs(Z) * (np.abs(Z) - Z_error),
+        out=np.full(size.shape, np.inf),
+        where=np.abs(Z) > Z_error,
+    )
+    Cp = parallel_capacitance(Z, frequency)
+    Cp_error = np.minimum(Y_error / (2 * np.pi * frequency), np.maximum(term.C - Cp, Cp))
+    return Rs_error, Cp_error
+
+
+def _series(moments: NDArray[np.float64], field: NDArray[np.int64], drive: Drive) -> Series:
+    modes, common = allowed_potentials(field, drive)
+    if not common[0] or common[1:].any():
+        raise InputError("the lumped model needs an interface between the two sheets, both driven")
+    Y = modes.T @ moments @ modes
+    y = _without_floating(Y)
+    C = y[1]
+    R = -y[2] / C**2
+    first = (y[2] ** 2 / C - y[3]) / C**2
+    second = (-(y[2] ** 3) / C**2 + 2 * y[2] * y[3] / C - y[4]) / C**2
+    return Series(C, R, first, second)
+
+
+def _without_floating(Y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Coefficients of Y_00 - Y_0f Y_ff^-1 Y_f0 from those of Y, shape (power of s,)."""
+    orders = len(Y)
+    X = np.zeros((orders, Y.shape[1] - 1))
+    for k in range(1, orders):
+        known = Y[k, 1:, 0] - sum(Y[i, 1:, 1:] @ X[k - i] for i in range(1, k))
+        X[k] = np.linalg.solve(Y[0, 1:, 1:], known)
+    return np.array(
+        [Y[k, 0, 0] - sum(Y[i, 0, 1:] @ X[k - i] for i in range(1, k)) for k in range(orders)]
+    )

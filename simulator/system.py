@@ -1,0 +1,186 @@
+"""The discretised skin: K and M(c) over inner unknowns and terminals, in one sparsity pattern."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix, csc_matrix
+from skfem import BilinearForm, LinearForm
+from skfem.assembly import Basis, FacetBasis
+
+from simulator.assembly import (
+    DROPPED,
+    Pattern,
+    ReferenceMatrices,
+    areas,
+    element_pairs,
+    fill,
+    quadrilateral,
+    stiffness_weights,
+)
+from simulator.circuit import Circuit, Terminal
+from simulator.mesh import PixelMesh, Resolution, pixel_mesh
+from simulator.scene import Scene
+
+
+@dataclass(frozen=True)
+class System:
+    """(K + s M(c)) u = b, with each terminal's potential as one unknown.
+
+    Unknowns are the inner ones, 0 .. inner - 1, then one per terminal of the circuit.
+
+    one: inner coefficients of 1 V all over a field, shape (inner, field). stiffness: K in S,
+    sparse, shape (inner + terminals, inner + terminals).
+    """
+
+    inner: int
+    one: NDArray[np.float64]
+    stiffness: csc_matrix
+    pattern: Pattern
+    element_slots: NDArray[np.int64]
+    element_pixel: NDArray[np.int64]
+    element_area: NDArray[np.float64]
+    mass_reference: NDArray[np.float64]
+
+    def mass(self, c: NDArray[np.float64]) -> csc_matrix:
+        """M(c) in F, in the pattern of K. c: F/m², shape (row, column)."""
+        values = np.zeros(len(self.pattern.indices))
+        weights = (self.element_area * c.ravel()[self.element_pixel])[:, None]
+        fill(values, self.element_slots, weights, self.mass_reference)
+        return self.pattern.matrix(values)
+
+
+def build_system(scene: Scene, circuit: Circuit, resolution: Resolution) -> System:
+    """The system of a scene's circuit at a resolution: all that does not depend on the press."""
+    contacts = [contact for terminal in circuit.terminals for contact in terminal.contacts]
+    pixels = pixel_mesh(scene, contacts, resolution)
+    mesh, order = pixels.mesh, resolution.order
+    basis = Basis(mesh, quadrilateral(order), intorder=2 * order)
+    one = _constant(basis, order)
+    unknown, inner = _number(circuit, pixels, basis, one)
+    films = _films(circuit, pixels, basis, order, unknown, inner)
+
+    rows, columns = element_pairs(np.concatenate([field[basis.element_dofs] for field in unknown]))
+    pattern = Pattern.of_pairs(
+        np.concatenate([rows.ravel(), films.rows]),
+        np.concatenate([columns.ravel(), films.columns]),
+        size=inner + len(circuit.terminals),
+    )
+    element_slots = pattern.slots[: rows.size].reshape(rows.shape)
+    film_slots = pattern.slots[rows.size :]
+
+    reference = ReferenceMatrices.of_order(order)
+    conductance = np.diag(circuit.conductance)
+    stiffness_reference = np.stack([np.kron(conductance, k).ravel() for k in reference.stiffness])
+    values = np.zeros(len(pattern.indices))
+    fill(values, element_slots, stiffness_weights(mesh), stiffness_reference)
+    kept = film_slots != DROPPED
+    np.add.at(values, film_slots[kept], films.values[kept])
+    return System(
+        inner=inner,
+        one=_spread(one, unknown, inner),
+        stiffness=pattern.matrix(values),
+        pattern=pattern,
+        element_slots=element_slots,
+        element_pixel=pixels.pixel,
+        element_area=areas(mesh),
+        mass_reference=np.kron(circuit.coupling, reference.mass).reshape(1, -1).astype(float),
+    )
+
+
+def _constant(basis: Basis, order: int) -> NDArray[np.float64]:
+    """Coefficients of the function 1: nodal up to order 2, hierarchical from order 3."""
+    if order <= 2:
+        return np.ones(basis.N)
+    one = np.zeros(basis.N)
+    one[_vertices(basis)] = 1.0
+    return one
+
+
+def _vertices(basis: Basis) -> NDArray[np.int64]:
+    return np.asarray(basis.nodal_dofs).ravel()
+
+
+def _number(
+    circuit: Circuit, pixels: PixelMesh, basis: Basis, one: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], int]:
+    """The unknown of each field's coefficients, shape (field, coefficient), and how many are inner.
+
+    Under an ideal foil the trace is constant: coefficients of 1 are the terminal's unknown, the
+    others vanish and are dropped.
+    """
+    free = DROPPED - 1
+    unknown = np.full((circuit.fields, basis.N), free, dtype=np.int64)
+    owner = np.full_like(unknown, DROPPED)
+    for index, terminal in enumerate(circuit.terminals):
+        held = _held(terminal, pixels, basis)
+        unknown[terminal.field, held] = DROPPED
+        owner[terminal.field, held[one[held] == 1]] = index
+    inner = int(np.count_nonzero(unknown == free))
+    unknown[unknown == free] = np.arange(inner)
+    unknown[owner != DROPPED] = inner + owner[owner != DROPPED]
+    return unknown, inner
+
+
+def _held(terminal: Terminal, pixels: PixelMesh, basis: Basis) -> NDArray[np.int64]:
+    if not terminal.contacts:
+        return _vertices(basis)[:1]
+    facets = [pixels.facets(contact) for contact in terminal.contacts if contact.ideal]
+    if not facets:
+        return np.empty(0, dtype=np.int64)
+    return basis.get_dofs(np.concatenate(facets)).flatten()
+
+
+@dataclass(frozen=True)
+class _Entries:
+    rows: NDArray[np.int64]
+    columns: NDArray[np.int64]
+    values: NDArray[np.float64]
+
+
+def _films(
+    circuit: Circuit,
+    pixels: PixelMesh,
+    basis: Basis,
+    order: int,
+    unknown: NDArray[np.int64],
+    inner: int,
+) -> _Entries:
+    """Entries of K from contact resistance: the energy of (U - V)² / r_c along each foil."""
+    product = BilinearForm(lambda u, v, _: u * v)
+    parts = [(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))]
+    for index, terminal in enumerate(circuit.terminals):
+        at_terminal, field = inner + index, unknown[terminal.field]
+        for contact in terminal.contacts:
+            if contact.ideal:
+                continue
+            foil = FacetBasis(
+                pixels.mesh, basis.elem, facets=pixels.facets(contact), intorder=2 * order
+            )
+            trace = coo_matrix(product.assemble(foil))
+            weight = np.asarray(LinearForm(lambda v, _: v).assemble(foil))
+            touched = np.flatnonzero(weight)
+            terminals = np.full(len(touched), at_terminal)
+            parts += [
+                (field[trace.row], field[trace.col], np.asarray(trace.data) / contact.resistance),
+                (field[touched], terminals, -weight[touched] / contact.resistance),
+                (terminals, field[touched], -weight[touched] / contact.resistance),
+                (
+                    np.array([at_terminal]),
+                    np.array([at_terminal]),
+                    np.array([foil.dx.sum() / contact.resistance]),
+                ),
+            ]
+    return _Entries(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def _spread(
+    one: NDArray[np.float64], unknown: NDArray[np.int64], inner: int
+) -> NDArray[np.float64]:
+    spread = np.zeros((inner, len(unknown)))
+    for field, indices in enumerate(unknown):
+        is_inner = (indices >= 0) & (indices < inner)
+        spread[indices[is_inner], field] = one[is_inner]
+    return spread
