@@ -55,8 +55,8 @@ class Line:
         for C in c[::-1] * segment * self._width:
             T = tanh_ratio(s * R * C)
             Y = (Y + s * C * T) / (1 + Y * R * T)
-        Z = np.reciprocal(Y) + self._contact.resistance / self._width
-        return np.tile(Z, (self._interfaces, 1))
+        film = self._contact.resistance / self._width
+        return np.tile(film + 1 / Y, (self._interfaces, 1)).astype(np.complex128)
 
     def profile(self, press: Press) -> NDArray[np.float64]:
         """c in F/m² of each segment from the fed edge on; InputError where it varies across."""

@@ -76,7 +76,7 @@ class Sheet:
             solution = self._inner.solve(stiffness, right)
             moments.append((-1) ** (k - 1) * inner_charge.T @ solution)
             right = inner_mass @ solution
-        return np.asarray(moments)
+        return np.array(moments)
 
     def _terminal_lift(self) -> NDArray[np.float64]:
         """G, shape (inner + terminals, terminals); the columns of a field add up to 1 V."""
@@ -112,7 +112,7 @@ class _InnerBlock:
 
     def values(self, matrix: csc_matrix) -> NDArray[np.float64]:
         """The block's values of a matrix in the system's pattern."""
-        return matrix.data[self._entries]
+        return np.asarray(matrix.data, dtype=np.float64)[self._entries]
 
     def solve(self, values: NDArray, right: NDArray[np.float64]) -> NDArray:
         """The solution for the block with these values, shape of `right`."""

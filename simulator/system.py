@@ -149,31 +149,32 @@ def _films(
     inner: int,
 ) -> _Entries:
     """Entries of K from contact resistance: the energy of (U - V)² / r_c along each foil."""
-    product = BilinearForm(lambda u, v, _: u * v)
-    parts = [(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))]
+    parts = [_Entries(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))]
     for index, terminal in enumerate(circuit.terminals):
-        at_terminal, field = inner + index, unknown[terminal.field]
         for contact in terminal.contacts:
-            if contact.ideal:
-                continue
-            foil = FacetBasis(
-                pixels.mesh, basis.elem, facets=pixels.facets(contact), intorder=2 * order
-            )
-            trace = coo_matrix(product.assemble(foil))
-            weight = np.asarray(LinearForm(lambda v, _: v).assemble(foil))
-            touched = np.flatnonzero(weight)
-            terminals = np.full(len(touched), at_terminal)
-            parts += [
-                (field[trace.row], field[trace.col], np.asarray(trace.data) / contact.resistance),
-                (field[touched], terminals, -weight[touched] / contact.resistance),
-                (terminals, field[touched], -weight[touched] / contact.resistance),
-                (
-                    np.array([at_terminal]),
-                    np.array([at_terminal]),
-                    np.array([foil.dx.sum() / contact.resistance]),
-                ),
-            ]
-    return _Entries(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+            if not contact.ideal:
+                facets = pixels.facets(contact)
+                foil = FacetBasis(pixels.mesh, basis.elem, facets=facets, intorder=2 * order)
+                film = _film(foil, unknown[terminal.field], inner + index)
+                parts.append(_Entries(film.rows, film.columns, film.values / contact.resistance))
+    return _Entries(
+        np.concatenate([part.rows for part in parts]),
+        np.concatenate([part.columns for part in parts]),
+        np.concatenate([part.values for part in parts]),
+    )
+
+
+def _film(foil: FacetBasis, unknown: NDArray[np.int64], terminal: int) -> _Entries:
+    """Entries of the form (U - V)² integrated along a foil, in m."""
+    trace = coo_matrix(BilinearForm(lambda u, v, _: u * v).assemble(foil))
+    weight = np.asarray(LinearForm(lambda v, _: v).assemble(foil))
+    touched = np.flatnonzero(weight)
+    at_terminal = np.full(len(touched), terminal)
+    return _Entries(
+        np.concatenate([unknown[trace.row], unknown[touched], at_terminal, [terminal]]),
+        np.concatenate([unknown[trace.col], at_terminal, unknown[touched], [terminal]]),
+        np.concatenate([trace.data, -weight[touched], -weight[touched], [foil.dx.sum()]]),
+    )
 
 
 def _spread(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,7 +24,7 @@ def write(sweeps: xr.Dataset, path: str | Path) -> None:
     Raises InputError where the ending is not one of ENDINGS or the folder does not exist.
     """
     writers = {".nc": _write_netcdf, ".csv": write_csv}
-    path = checked_output(Path(path))
+    path = checked_output(path)
     with whole_file(path) as unfinished:
         writers[path.suffix](check(sweeps), unfinished)
 
@@ -49,10 +49,14 @@ def read(path: str | Path) -> xr.Dataset:
         raise InputError(named) from error
 
 
-def checked_output(path: Path) -> Path:
-    """The same path, if sweeps can be written there; raises InputError before any work is done."""
-    if path.suffix not in ENDINGS:
-        raise InputError(f"{path}: sweeps are written to {', '.join(ENDINGS)}, got {path.suffix!r}")
+def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:
+    """The same path, if such a file can be written there: to be asked before any work is done.
+
+    Raises InputError where the ending is another or the folder does not exist.
+    """
+    path = Path(path)
+    if path.suffix not in endings:
+        raise InputError(f"{path}: must end in {' or '.join(endings)}, got {path.suffix!r}")
     if not path.parent.is_dir():
         raise InputError(f"{path}: the folder {path.parent} does not exist")
     return path
