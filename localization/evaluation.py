@@ -38,7 +38,8 @@ def cross_validate(
     X, y = features(sweeps, quantities), labels(sweeps, target)
     output = np.empty_like(y)
     for train, test in folds_of(sweeps, y, folds=folds, grouping=grouping, seed=seed):
-        output[test] = pipeline(classifier).fit(X[train], y[train]).predict(X[test])
+        trained = pipeline(classifier, features=X.shape[1]).fit(X[train], y[train])
+        output[test] = trained.predict(X[test])
     return compare(y, output)
 
 

@@ -78,8 +78,9 @@ def train(
     y = labels(sweeps, target)
     if np.unique(y).size < 2:
         raise InputError(f"need sweeps of at least 2 classes, got {np.unique(y).size}")
+    X = features(sweeps, quantities)
     return Model(
-        pipeline=pipeline(classifier).fit(features(sweeps, quantities), y),
+        pipeline=pipeline(classifier, features=X.shape[1]).fit(X, y),
         target=target,
         quantities=checked_quantities(quantities),
         interfaces=tuple(str(name) for name in sweeps["interface"].values),

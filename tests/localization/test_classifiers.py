@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from localization.classifiers import CLASSIFIERS, REFERENCE, pipeline
+from localization.classifiers import CLASSIFIERS, KERNEL_WIDTH, REFERENCE, pipeline
 from localization.ecoc import ECOCClassifier
 from localization.features import features, labels
 from simulator.sweeps import InputError
@@ -10,7 +10,8 @@ from simulator.sweeps import InputError
 @pytest.mark.parametrize("name", CLASSIFIERS)
 def test_each_classifier_tells_the_columns_of_a_strip_apart(strip, make_sweeps, name):
     unseen = make_sweeps(seed=1)
-    fitted = pipeline(name).fit(features(strip), labels(strip))
+    X = features(strip)
+    fitted = pipeline(name, features=X.shape[1]).fit(X, labels(strip))
     np.testing.assert_array_equal(fitted.predict(features(unseen)), labels(unseen))
 
 
@@ -18,18 +19,19 @@ def test_each_classifier_tells_the_columns_of_a_strip_apart(strip, make_sweeps, 
 def test_units_do_not_matter(strip, name):
     X, y = features(strip), labels(strip)
     units = np.geomspace(1e-12, 1e6, X.shape[1])
-    other = pipeline(name).fit(X * units, y).predict(X * units)
-    np.testing.assert_array_equal(other, pipeline(name).fit(X, y).predict(X))
+    one, other = (pipeline(name, features=X.shape[1]) for _ in range(2))
+    predicted = other.fit(X * units, y).predict(X * units)
+    np.testing.assert_array_equal(predicted, one.fit(X, y).predict(X))
 
 
 def test_the_reference_is_one_versus_one_with_an_rbf_kernel():
-    classifier = pipeline(REFERENCE, C=3.0, gamma=0.1)[-1]
+    classifier = pipeline(REFERENCE, features=40, C=3.0)[-1]
     assert isinstance(classifier, ECOCClassifier)
     assert classifier.coding == "one-versus-one"
     svc = classifier.estimator
-    assert (svc.kernel, svc.C, svc.gamma) == ("rbf", 3.0, 0.1)
+    assert (svc.kernel, svc.C, svc.gamma) == ("rbf", 3.0, KERNEL_WIDTH / 40)
 
 
 def test_an_unknown_name_is_refused_with_those_there_are():
     with pytest.raises(InputError, match="ksvm-ovo, ksvm-ova, ksvm-ordinal, svc, got 'knn'"):
-        pipeline("knn")
+        pipeline("knn", features=40)
