@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,17 +22,20 @@ from simulator.mesh import Resolution, singular_ends
 from simulator.press import Press
 from simulator.scene import Scene
 from simulator.sheet import Sheet
-from simulator.sweeps import InputError, parallel_capacitance
+from simulator.sweeps import InputError, ToleranceError, parallel_capacitance
 
 ModelName = Literal["auto", "lumped", "line", "sheet"]
 DEFAULT_RTOL = 1e-4
 SMOOTH_LADDER = [(2, 1), (3, 1), (4, 1), (5, 1), (6, 1), (8, 1), (10, 1), (8, 2), (10, 2), (10, 3)]
-SINGULAR_LADDER = [(2, 1), (3, 1), (4, 1), (5, 1), (6, 1), (7, 1)]
-LAYERS_PER_ORDER = 2
+SINGULAR_LADDER = [(2, 1), (3, 1), (4, 1), (5, 1), (6, 1), (7, 1), (8, 1)]
 
 
-class ToleranceError(RuntimeError):
-    """The asked tolerance is not reached, so nothing is answered."""
+def checked_model(name: str) -> ModelName:
+    """The same name, if it is one of a model; raises InputError."""
+    for known in get_args(ModelName):
+        if name == known:
+            return known
+    raise InputError(f"`model` must be one of {', '.join(get_args(ModelName))}, got {name!r}")
 
 
 @dataclass(frozen=True)
@@ -87,6 +90,18 @@ class Solver:
         """Estimated errors of Rs and Cp as fractions of their values."""
         Cp = parallel_capacitance(answer.Z, self.scene.frequencies)
         return answer.Rs_error / np.abs(answer.Z.real), answer.Cp_error / np.abs(Cp)
+
+    def explain(self, press: Press, answer: Answer) -> str:
+        """What answered a press, how far off it is by its own estimate, and what was rejected."""
+        Rs, Cp = (errors.max() for errors in self.relative_errors(answer))
+        chosen = f"{answer.model}; estimated error {Rs:.1e} of Rs, {Cp:.1e} of Cp"
+        return "\n".join(
+            [
+                f"press {press}",
+                f"  chosen    {chosen}, asked {self.rtol:g}",
+                *(f"  rejected  {reason}" for reason in answer.rejected),
+            ]
+        )
 
     def _kept(self, answer: Answer) -> Answer:
         if not np.isfinite(answer.Z).all():
@@ -178,7 +193,8 @@ class Solver:
 def ladder(scene: Scene, circuit: Circuit) -> list[Resolution]:
     """Resolutions of increasing accuracy: by order, graded towards singular ends of foils.
 
-    Next to contacted edges the cells are as fine as the field's layer at the highest frequency.
+    One layer more than the order leaves the error to the order, not to the tip of the foil. Next
+    to contacted edges the cells are as fine as the field's layer at the highest frequency.
     """
     contacts = [contact for terminal in circuit.terminals for contact in terminal.contacts]
     singular = bool(singular_ends(contacts, scene.skin))
@@ -189,6 +205,6 @@ def ladder(scene: Scene, circuit: Circuit) -> list[Resolution]:
         skin.foam.rest_capacitance_per_area * max(1.0, scene.press.capacitance_factor),
     )
     return [
-        Resolution(order, cells, LAYERS_PER_ORDER * order if singular else 0, layer)
+        Resolution(order, cells, order + 1 if singular else 0, layer)
         for order, cells in (SINGULAR_LADDER if singular else SMOOTH_LADDER)
     ]

@@ -8,10 +8,14 @@ is the square of the field's, and which keeps all digits at low frequency.
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU, splu
+from threadpoolctl import ThreadpoolController
 
 from simulator.circuit import Circuit
 from simulator.foam import capacitance_map
@@ -52,12 +56,13 @@ class Sheet:
         inner_charge = charge[: self.system.inner]
         stiffness, capacitance = self._inner.values(self.system.stiffness), self._inner.values(mass)
         s = laplace_variable(frequency, self.scene.skin.foam.loss_tangent)
-        delayed = np.stack(
-            [
-                inner_charge.T @ self._inner.solve(stiffness + f * capacitance, inner_charge)
-                for f in s
-            ]
-        )
+        with _one_blas_thread():
+            delayed = np.stack(
+                [
+                    inner_charge.T @ self._inner.solve(stiffness + f * capacitance, inner_charge)
+                    for f in s
+                ]
+            )
         s = s[:, None, None]
         return Network(self.terminal_field, self._conductance, s * at_once - s**2 * delayed)
 
@@ -123,6 +128,16 @@ class _InnerBlock:
             right[self._order].astype(values.dtype)
         )
         return solution
+
+
+def _one_blas_thread() -> AbstractContextManager:
+    """Blocks of sparse factors are too small to share: a second thread would only wait and spin."""
+    return _blas().limit(limits=1, user_api="blas")
+
+
+@cache
+def _blas() -> ThreadpoolController:
+    return ThreadpoolController()
 
 
 def _factorised(matrix: csc_matrix, ordering: str) -> SuperLU:

@@ -1,6 +1,6 @@
 """Sweeps: simulated and measured impedance spectra in one schema, and the files that hold them."""
 
-from simulator.sweeps.errors import InputError
+from simulator.sweeps.errors import InputError, ToleranceError
 from simulator.sweeps.files import checked_output, read, whole_file, write
 from simulator.sweeps.impedance import (
     branch_reactance,
@@ -13,6 +13,7 @@ from simulator.sweeps.schema import UNPRESSED, build, check, concatenate, impeda
 __all__ = [
     "UNPRESSED",
     "InputError",
+    "ToleranceError",
     "Violation",
     "branch_reactance",
     "build",

@@ -1,5 +1,9 @@
-"""What a person can mend: input that is missing, malformed or out of range."""
+"""How work ends that cannot be done: input to mend, or a tolerance out of reach."""
 
 
 class InputError(ValueError):
     """Bad input, told in one line that names the file, the key, the value and what is allowed."""
+
+
+class ToleranceError(RuntimeError):
+    """The asked tolerance is not reached, so nothing is answered."""

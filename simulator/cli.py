@@ -1,0 +1,111 @@
+"""The simulator's commands, and how any command ends: 0 done, 2 bad input, 1 any other failure."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+BAD_INPUT, FAILURE, INTERRUPTED = 2, 1, 130
+
+app = typer.Typer(
+    name="rcskin",
+    help="Simulate a capacitive soft sensor skin and localize touches on it.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+@app.command()
+def scenes() -> None:
+    """List the built-in scenes."""
+    from rich.console import Console
+    from rich.table import Column, Table
+
+    from simulator.scene_file import builtin_names, load_scene
+
+    table = Table(Column("name", no_wrap=True), "skin (mm)", "frequencies", "description", box=None)
+    for name in builtin_names():
+        scene = load_scene(name)
+        skin, f = scene.skin, scene.frequencies
+        table.add_row(
+            name,
+            f"{1e3 * skin.length:.0f} x {1e3 * skin.width:.0f}",
+            f"{len(f)}, {f[0] / 1e3:.3g}-{f[-1] / 1e3:.3g} kHz",
+            scene.description,
+        )
+    Console().print(table)
+
+
+@app.command()
+def sweep(
+    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="OUT.csv or OUT.nc.")],
+    press: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="ROW,COLUMN[:FACTOR], touches joined by '+', or 'none'; may be repeated. "
+            "Without it: nothing pressed, then every pixel."
+        ),
+    ] = None,
+    rtol: Annotated[float, typer.Option(help="Largest relative error of Rs and of Cp.")] = 1e-4,
+    model: Annotated[str, typer.Option(help="auto, lumped, line or sheet.")] = "auto",
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Print which model served each press, and why.")
+    ] = False,
+) -> None:
+    """Simulate sweeps, noise-free, and write them with their estimated errors."""
+    from simulator.fidelity import Solver, checked_model
+    from simulator.press import parse_press
+    from simulator.progress import on_terminal
+    from simulator.scene_file import check_press, load_scene
+    from simulator.simulate import gather
+    from simulator.sweeps import checked_output, write
+
+    checked_output(output)
+    loaded = load_scene(scene)
+    factor = loaded.press.capacitance_factor
+    presses = [parse_press(text, factor) for text in press or []] or loaded.every_press()
+    for asked in presses:
+        check_press(asked, loaded)
+    solver = Solver(loaded, rtol, checked_model(model))
+    with on_terminal() as track:
+        answered = [(asked, solver.solve(asked)) for asked in track(presses, loaded.name)]
+    write(gather(solver, answered), output)
+    if explain:
+        for asked, answer in answered:
+            typer.echo(solver.explain(asked, answer))
+
+
+def run() -> None:
+    """Run the command line, turning every failure into one clear line and an exit code."""
+    from simulator.sweeps.errors import InputError, ToleranceError
+
+    try:
+        code = app(standalone_mode=False)
+    except typer.TyperException as error:
+        _end(error.format_message(), BAD_INPUT)
+    except InputError as error:
+        _end(str(error), BAD_INPUT)
+    except ToleranceError as error:
+        _end(f"{error}; a larger --rtol would be kept", FAILURE)
+    except (KeyboardInterrupt, typer.Abort):
+        _end("interrupted", INTERRUPTED)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(FAILURE)
+    except Exception as error:
+        if "RCSKIN_DEBUG" in os.environ:
+            raise
+        _end(f"{error} ({type(error).__name__}; RCSKIN_DEBUG=1 shows where)", FAILURE)
+    sys.exit(code or 0)
+
+
+def _end(message: str, code: int) -> None:
+    if message:
+        typer.echo(f"rcskin: {' '.join(message.split())}", err=True)
+    sys.exit(code)

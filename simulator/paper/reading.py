@@ -1,0 +1,116 @@
+"""How the paper is read: what its statements of resistance, contacts and cut-offs imply."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from simulator.analytic import HALF_POWER, interrogation_frequency, open_line_amplitude
+from simulator.circuit import one_field, two_fields
+from simulator.fidelity import Solver, ladder
+from simulator.line import Line
+from simulator.lumped import Lumped
+from simulator.paper.rehearsal import at_frequencies
+from simulator.press import Press, Touch
+from simulator.scene import Scene, Sheet
+from simulator.sweeps import parallel_capacitance
+
+STATED_SHEET_RESISTANCE = 50e3
+SEPARATION_GRID = np.geomspace(100, 2e6, 60)
+
+
+@dataclass(frozen=True)
+class Totals:
+    """A device fed along one edge as a line: loop resistance in ohm, capacitance in F."""
+
+    R: float
+    C: float
+
+
+def totals(scene: Scene) -> Totals:
+    """Both sheets in series from the left edge to the right, and the whole capacitance at rest."""
+    skin = scene.skin
+    sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
+    area = skin.length * skin.width
+    return Totals(sheets * skin.length / skin.width, skin.foam.rest_capacitance_per_area * area)
+
+
+def with_sheet_resistance(scene: Scene, sheet_resistance: float) -> Scene:
+    """The same scene with both sheets of another sheet resistance in ohm/sq."""
+    sheet = Sheet(sheet_resistance=sheet_resistance)
+    skin = scene.skin.model_copy(update={"top": sheet, "bottom": sheet})
+    return scene.model_copy(update={"skin": skin})
+
+
+def capacitance_changes(scene: Scene, frequency: float) -> NDArray[np.float64]:
+    """Relative change of Cp by a press of each column of row 1, at one frequency in Hz."""
+    solver = Solver(at_frequencies(scene, np.array([frequency])))
+    Cp = [
+        parallel_capacitance(solver.solve(press).Z, solver.scene.frequencies).item()
+        for press in [Press(), *_row_of_presses(scene, 1)]
+    ]
+    return np.array(Cp[1:]) / Cp[0] - 1
+
+
+def resistance_at_rest(scene: Scene) -> float:
+    """Rs in ohm of the first interface in the limit of zero frequency, nothing pressed."""
+    circuit = one_field(scene) or two_fields(scene)
+    return Lumped(scene, circuit, ladder(scene, circuit)[2]).series(Press())[0].R
+
+
+def paper_frequencies(scene: Scene) -> NDArray[np.float64]:
+    """Eq 6 with the device's own R and C: f_i in Hz for the end of each pixel, shape (column,)."""
+    device, length = totals(scene), scene.skin.length
+    ends = length * np.arange(1, scene.pixels.columns + 1) / scene.pixels.columns
+    return interrogation_frequency(ends, device.R / length, device.C / length)
+
+
+def open_line_frequencies(scene: Scene) -> NDArray[np.float64]:
+    """Where the amplitude at the end of each pixel is at half power on the finite open line, Hz."""
+    device, length = totals(scene), scene.skin.length
+    R, C = device.R / length, device.C / length
+
+    def excess(logarithm: float, x: float) -> float:
+        return float(open_line_amplitude(np.exp(logarithm), x, length, R, C)) - HALF_POWER
+
+    around = [
+        (f, length * (i + 1) / scene.pixels.columns) for i, f in enumerate(paper_frequencies(scene))
+    ]
+    roots = [brentq(excess, np.log(f / 100), np.log(f * 100), args=(x,)) for f, x in around]
+    return np.exp(np.array(roots, dtype=float))
+
+
+def separation_peaks(scene: Scene) -> NDArray[np.float64]:
+    """Frequencies in Hz where neighbouring columns differ most in Z, shape (column - 1,).
+
+    Pressed in the middle row; a difference is relative to Z.
+    """
+    solver = Solver(at_frequencies(scene, SEPARATION_GRID))
+    presses = _row_of_presses(scene, (scene.pixels.rows + 1) // 2)
+    Z = np.log(np.array([solver.solve(press).Z[0] for press in presses]))
+    return SEPARATION_GRID[np.abs(np.diff(Z, axis=0)).argmax(axis=1)]
+
+
+def low_frequency_resistances(scene: Scene) -> NDArray[np.float64]:
+    """Rs in ohm of a line at 1 mHz: nothing pressed, then each pixel; shape (1 + column,)."""
+    line = Line(scene)
+    presses = [Press(), *_row_of_presses(scene, 1)]
+    return np.array([line.impedance(press, np.array([1e-3])).real.item() for press in presses])
+
+
+def row_contrast(scene: Scene) -> float:
+    """Largest relative difference of Z at the first interface between the outermost rows."""
+    solver = Solver(scene, rtol=1e-3)
+    column, factor = (scene.pixels.columns + 1) // 2, scene.press.capacitance_factor
+    first, last = (
+        solver.solve(Press((Touch(row, column, factor),))).Z[0] for row in (1, scene.pixels.rows)
+    )
+    return float(np.abs(first / last - 1).max())
+
+
+def _row_of_presses(scene: Scene, row: int) -> list[Press]:
+    factor = scene.press.capacitance_factor
+    return [Press((Touch(row, j + 1, factor),)) for j in range(scene.pixels.columns)]

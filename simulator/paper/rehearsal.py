@@ -1,0 +1,59 @@
+"""The paper's six experiments, simulated: every press solved, then read out by the meter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from simulator.experiment import METER, PRESSES, planned_presses, stream
+from simulator.fidelity import Solver
+from simulator.press import Press
+from simulator.progress import Track
+from simulator.readout import read_out
+from simulator.scene import Pixels, Scene
+from simulator.simulate import simulate
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+STRIPS = ("strip-1x3", "strip-1x4", "strip-1x5")
+SHEETS = ("sheet-3x3", "sheet-4x4", "sheet-5x5")
+EXPERIMENTS = (*STRIPS, *SHEETS)
+
+
+@dataclass(frozen=True)
+class Rehearsal:
+    """An experiment's scene, its sweeps without noise, as the meter showed them, and at rest."""
+
+    scene: Scene
+    exact: xr.Dataset
+    measured: xr.Dataset
+    at_rest: xr.Dataset
+
+
+def rehearse(scene: Scene, track: Track) -> Rehearsal:
+    """Press every pixel as often as the scene's experiment says and read the meter each time."""
+    solver = Solver(scene)
+    presses = planned_presses(scene, stream(scene, PRESSES))
+    exact = simulate(solver, track(presses, scene.name))
+    return Rehearsal(
+        scene,
+        exact,
+        read_out(exact, scene.readout, stream(scene, METER)),
+        simulate(solver, [Press()]),
+    )
+
+
+def with_pixels(scene: Scene, n: int) -> Scene:
+    """The same skin, pressed on n x n pixels."""
+    pixels = Pixels(rows=n, columns=n)
+    name = f"{scene.name} on {n}x{n} pixels"
+    return scene.model_copy(update={"pixels": pixels, "name": name})
+
+
+def at_frequencies(scene: Scene, frequencies: np.ndarray) -> Scene:
+    """The same scene, swept over other frequencies in Hz."""
+    sweep = scene.sweep.model_copy(update={"frequencies": tuple(np.sort(frequencies).tolist())})
+    return scene.model_copy(update={"sweep": sweep})

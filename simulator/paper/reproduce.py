@@ -1,0 +1,182 @@
+"""The paper from end to end: six experiments, its figures, its numbers beside ours."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from simulator.experiment import METER, stream
+from simulator.fidelity import DEFAULT_RTOL
+from simulator.paper import figures
+from simulator.paper.claim import Claim
+from simulator.paper.claims import Results, all_claims
+from simulator.paper.localizer import Confusion, Localizer
+from simulator.paper.reading import open_line_frequencies, paper_frequencies
+from simulator.paper.rehearsal import (
+    EXPERIMENTS,
+    SHEETS,
+    STRIPS,
+    Rehearsal,
+    rehearse,
+    with_pixels,
+)
+from simulator.paper.report import Picture, Section, write_report
+from simulator.paper.studies import (
+    DRAWS,
+    contact_study,
+    exact_sweeps,
+    frequency_study,
+    noise_study,
+)
+from simulator.progress import Track
+from simulator.readout import read_out
+from simulator.scene import Readout
+from simulator.scene_file import load_scene
+from simulator.sweeps import InputError, whole_file, write
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+BEYOND = 6
+
+
+def reproduce(folder: Path, localizer: Localizer, track: Track) -> list[Claim]:
+    """Write figures, tables, trained models and `report.html` into `folder`; return the claims.
+
+    The folder is made where it does not exist. Tables are the same bytes on every run.
+    Raises InputError where the folder cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made: {error.strerror}") from error
+    results = _experiments(localizer, track)
+    claims = all_claims(results)
+    _write_tables(folder, results, claims, localizer)
+    pictures = _draw(folder, results, localizer, track)
+    write_report(
+        folder / "report.html",
+        claims=claims,
+        agreeing=sum(claim.agrees for claim in claims),
+        sections=pictures,
+        rtol=f"{DEFAULT_RTOL:g}",
+        software=results.rehearsals["sheet-5x5"].exact.attrs["software"],
+        noise=_noise_as_text(results.rehearsals["sheet-5x5"].scene.readout),
+        draws=DRAWS,
+    )
+    return claims
+
+
+def _experiments(localizer: Localizer, track: Track) -> Results:
+    rehearsals = {name: rehearse(load_scene(name), track) for name in EXPERIMENTS}
+    confusions = {
+        name: localizer.cross_validate(rehearsal.measured, seed=rehearsal.scene.experiment.seed)
+        for name, rehearsal in rehearsals.items()
+    }
+    sheets = [rehearsals[name] for name in SHEETS]
+    return Results(
+        rehearsals=rehearsals,
+        confusions=confusions,
+        frequency=frequency_study(localizer, sheets, track),
+        noise=noise_study(localizer, list(rehearsals.values()), track),
+        contact=contact_study(localizer, track),
+        finer=_beyond(localizer, track),
+    )
+
+
+def _beyond(localizer: Localizer, track: Track) -> Confusion:
+    scene = with_pixels(load_scene("sheet-5x5"), BEYOND)
+    measured = read_out(exact_sweeps(scene, track), scene.readout, stream(scene, METER))
+    return localizer.cross_validate(measured, seed=scene.experiment.seed)
+
+
+def _write_tables(
+    folder: Path, results: Results, claims: list[Claim], localizer: Localizer
+) -> None:
+    import pandas as pd
+
+    for name, rehearsal in results.rehearsals.items():
+        write(rehearsal.measured, folder / f"{name}-sweeps.csv")
+        localizer.write(results.confusions[name], folder / f"{name}-confusion.csv")
+        localizer.save(rehearsal.measured, folder / f"{name}.skops")
+    for name, study in (
+        ("frequencies", results.frequency),
+        ("noise", results.noise),
+        ("contacts", results.contact),
+    ):
+        _write_table(study.to_series().reset_index(), folder / f"{name}.csv")
+    _write_table(_cutoffs(results.rehearsals), folder / "figure-2c.csv")
+    _write_table(pd.DataFrame(map(dataclasses.asdict, claims)), folder / "comparison.csv")
+
+
+def _write_table(table: pd.DataFrame, path: Path) -> None:
+    with whole_file(path) as unfinished:
+        table.to_csv(unfinished, index=False, lineterminator="\n")
+
+
+def _cutoffs(rehearsals: Mapping[str, Rehearsal]) -> pd.DataFrame:
+    """Half-power frequencies of each pixel's end on the infinite and the finite open line."""
+    import pandas as pd
+
+    tables = []
+    for name in EXPERIMENTS:
+        scene = rehearsals[name].scene
+        n = scene.pixels.columns
+        tables.append(
+            pd.DataFrame(
+                {
+                    "scene": name,
+                    "pixel": np.arange(1, n + 1),
+                    "x_m": scene.skin.length * np.arange(1, n + 1) / n,
+                    "infinite_line_Hz": paper_frequencies(scene),
+                    "open_line_Hz": open_line_frequencies(scene),
+                }
+            )
+        )
+    return pd.concat(tables)
+
+
+def _draw(folder: Path, results: Results, localizer: Localizer, track: Track) -> list[Section]:
+    scenes = {name: rehearsal.scene for name, rehearsal in results.rehearsals.items()}
+    attenuation = folder / "figure-2c.png"
+    figures.attenuation_figure(attenuation, [scenes[name] for name in STRIPS])
+    devices = {name: folder / f"{name}.png" for name in EXPERIMENTS}
+    for name, path in track(list(devices.items()), "figures"):
+        figures.experiment_figure(
+            path, results.rehearsals[name], results.confusions[name], localizer
+        )
+    frequencies, noise, contacts = (
+        folder / f"{name}.png" for name in ("frequencies", "noise", "contacts")
+    )
+    figures.frequency_figure(frequencies, results.frequency)
+    figures.noise_figure(noise, results.noise, scenes)
+    figures.contact_figure(contacts, results.contact)
+    return [
+        Section(
+            "Figure 2(c): the analytic model",
+            [Picture(attenuation, "Amplitude at the end of each pixel; dots are Eq 6.")],
+        ),
+        Section("Figure 3: the strip", [_device(name, devices[name]) for name in STRIPS]),
+        Section("Figure 4: the sheet", [_device(name, devices[name]) for name in SHEETS]),
+        Section(
+            "What the paper varied or left open",
+            [
+                Picture(frequencies, "10 against 20 frequencies, with and without Rs."),
+                Picture(noise, "Accuracy against the meter's noise; grey lines are guessing."),
+                Picture(contacts, "Both sheets fed at one edge against crossed edges."),
+            ],
+        ),
+    ]
+
+
+def _device(name: str, path: Path) -> Picture:
+    return Picture(path, f"{name}: curves are noise-free, dots are what the meter showed.")
+
+
+def _noise_as_text(readout: Readout) -> str:
+    degrees = np.degrees(readout.phase_noise)
+    return f"{100 * readout.magnitude_noise:.1f} % of |Z| and {degrees:.2f} degrees of phase"

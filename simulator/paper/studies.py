@@ -1,0 +1,146 @@
+"""Accuracy against what the paper varied or left open: frequencies, meter noise, contact layout."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from simulator.experiment import METER, PRESSES, planned_presses, stream
+from simulator.fidelity import Solver
+from simulator.paper.localizer import Localizer
+from simulator.paper.rehearsal import Rehearsal, with_pixels
+from simulator.progress import Track
+from simulator.readout import read_out
+from simulator.scene import Readout, Scene
+from simulator.scene_file import load_scene
+from simulator.simulate import simulate
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+DRAWS = 8
+NOISE_MULTIPLES = (0.1, 0.3, 1.0, 3.0, 10.0)
+STEPS = {10: 2, 20: 1}
+QUANTITIES = {"Cp": ("Cp",), "Rs and Cp": ("Rs", "Cp")}
+LAYOUTS = {"same edge": "sheet-5x5", "crossed": "sheet-5x5-crossed"}
+LAYOUT_PIXELS = (3, 4, 5)
+LAYOUT_MULTIPLES = (0.1, 1.0)
+STUDY_RTOL = 1e-3
+
+
+def frequency_study(
+    localizer: Localizer, rehearsals: Sequence[Rehearsal], track: Track
+) -> xr.DataArray:
+    """Accuracy from 10 and from 20 frequencies, of Cp alone and of Rs and Cp.
+
+    Dimensions (scene, frequencies, quantities). The ten are every second one of the twenty.
+    """
+    cases = list(itertools.product(rehearsals, STEPS.values(), QUANTITIES.values()))
+    accuracies = [
+        mean_accuracy(
+            localizer,
+            rehearsal.exact.isel(frequency=slice(None, None, step)),
+            rehearsal.scene,
+            rehearsal.scene.readout,
+            quantities,
+        )
+        for rehearsal, step, quantities in track(cases, "10 against 20 frequencies")
+    ]
+    return _table(
+        accuracies,
+        scene=[rehearsal.scene.name for rehearsal in rehearsals],
+        frequencies=list(STEPS),
+        quantities=list(QUANTITIES),
+    )
+
+
+def noise_study(
+    localizer: Localizer, rehearsals: Sequence[Rehearsal], track: Track
+) -> xr.DataArray:
+    """Accuracy at multiples of the scene's noise of each reading; dimensions (scene, multiple)."""
+    cases = list(itertools.product(rehearsals, NOISE_MULTIPLES))
+    accuracies = [
+        mean_accuracy(
+            localizer,
+            rehearsal.exact,
+            rehearsal.scene,
+            scaled_noise(rehearsal.scene.readout, multiple),
+        )
+        for rehearsal, multiple in track(cases, "accuracy against noise")
+    ]
+    return _table(
+        accuracies,
+        scene=[rehearsal.scene.name for rehearsal in rehearsals],
+        multiple=list(NOISE_MULTIPLES),
+    )
+
+
+def contact_study(localizer: Localizer, track: Track) -> xr.DataArray:
+    """Accuracy with both sheets fed at one edge, and with each fed at an edge of its own.
+
+    Dimensions (layout, n, multiple), the last of the scene's noise.
+    """
+    accuracies = []
+    for name, n in itertools.product(LAYOUTS.values(), LAYOUT_PIXELS):
+        scene = with_pixels(load_scene(name), n)
+        exact = exact_sweeps(scene, track)
+        accuracies += [
+            mean_accuracy(localizer, exact, scene, scaled_noise(scene.readout, multiple))
+            for multiple in LAYOUT_MULTIPLES
+        ]
+    return _table(
+        accuracies, layout=list(LAYOUTS), n=list(LAYOUT_PIXELS), multiple=list(LAYOUT_MULTIPLES)
+    )
+
+
+def crossed_cap(n: int) -> float:
+    """Most of the columns that can be told where (i, j) and (j, i) read the same: (n + 1) / 2n.
+
+    Of each such pair one guess in two is right; pixels of the diagonal have no twin.
+    """
+    return (n + 1) / (2 * n)
+
+
+def _table(accuracies: list[float], **coordinates: Sequence[object]) -> xr.DataArray:
+    import xarray as xr
+
+    shape = [len(values) for values in coordinates.values()]
+    return xr.DataArray(
+        np.reshape(accuracies, shape), coordinates, list(coordinates), name="accuracy"
+    )
+
+
+def exact_sweeps(scene: Scene, track: Track) -> xr.Dataset:
+    """Every planned press of a scene, to a tolerance well below the meter's noise."""
+    presses = planned_presses(scene, stream(scene, PRESSES))
+    return simulate(Solver(scene, rtol=STUDY_RTOL), track(presses, scene.name))
+
+
+def mean_accuracy(
+    localizer: Localizer,
+    exact: xr.Dataset,
+    scene: Scene,
+    readout: Readout,
+    quantities: tuple[str, ...] = ("Rs", "Cp"),
+) -> float:
+    """Cross-validated accuracy, mean of DRAWS draws of the meter's noise and of the folds."""
+    accuracies = []
+    for draw in range(DRAWS):
+        random = np.random.default_rng([scene.experiment.seed, METER, draw])
+        measured = read_out(exact, readout, random)
+        confusion = localizer.cross_validate(measured, quantities=quantities, seed=draw)
+        accuracies.append(confusion.accuracy)
+    return float(np.mean(accuracies))
+
+
+def scaled_noise(readout: Readout, multiple: float) -> Readout:
+    """The same meter with that many times the noise of each reading."""
+    return readout.model_copy(
+        update={
+            "magnitude_noise": multiple * readout.magnitude_noise,
+            "phase_noise": multiple * readout.phase_noise,
+        }
+    )
