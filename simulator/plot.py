@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from simulator.sweeps import whole_file
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -30,6 +31,13 @@ STYLE: dict[Any, Any] = {
     "legend.fontsize": 8,
     "lines.linewidth": 1.4,
 }
+
+
+def frequency_axis(axes: Axes) -> None:
+    """A logarithmic x axis of frequencies given in kHz."""
+    axes.set_xscale("log")
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.set_xlabel("Frequency (kHz)")
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from simulator.paper.localizer import Confusion, Localizer
 from simulator.paper.reading import paper_frequencies, totals
 from simulator.paper.rehearsal import Rehearsal, at_frequencies
 from simulator.paper.studies import crossed_cap
-from simulator.plot import AT_REST, COLOURS, LINE_STYLES, chart
+from simulator.plot import AT_REST, COLOURS, LINE_STYLES, chart, frequency_axis
 from simulator.scene import Scene
 from simulator.simulate import simulate
 
@@ -34,7 +34,7 @@ def attenuation_figure(path: Path, strips: Sequence[Scene]) -> None:
         for axes, strip in zip(figure.subplots(1, len(strips), sharey=True), strips, strict=True):
             _draw_attenuation(axes, strip, frequency)
         figure.axes[0].set_ylabel("Amplitude over that at the interface (dB)")
-        figure.axes[0].legend(loc="lower left")
+        figure.suptitle("Solid: infinite line, Eq 5; dots: Eq 6; dashed: the finite open line")
 
 
 def experiment_figure(
@@ -59,25 +59,22 @@ def experiment_figure(
 
 def frequency_figure(path: Path, study: xr.DataArray) -> None:
     """Accuracy from 10 and 20 frequencies, of Cp alone and of Rs and Cp."""
-    with chart(path, 6.5, 3.4) as figure:
-        axes = figure.subplots()
-        cases = [(points, names) for names in study["quantities"].values for points in (10, 20)]
-        places = np.arange(study.sizes["scene"])
-        for index, (points, names) in enumerate(cases):
-            accuracy = 100 * study.sel(frequencies=points, quantities=names).values
-            bars = axes.bar(
-                places + 0.2 * (index - 1.5),
-                accuracy,
-                0.18,
-                color=COLOURS[index],
-                label=f"{points} frequencies, {names}",
-            )
-            axes.bar_label(bars, [f"{value:.0f}" for value in accuracy], fontsize=7)
-        axes.set_xticks(places, list(study["scene"].values))
-        axes.set_ylabel("Columns right (%)")
-        axes.set_ylim(0, 112)
-        axes.grid(False, axis="x")
-        figure.legend(loc="outside lower center", ncols=2)
+    names, choices = study["quantities"].values, study["frequencies"].values
+    with chart(path, 9, 3.4) as figure:
+        panels = figure.subplots(1, len(names), sharey=True)
+        for axes, quantities in zip(panels, names, strict=True):
+            places = np.arange(study.sizes["scene"])
+            for index, choice in enumerate(choices):
+                accuracy = 100 * study.sel(frequencies=choice, quantities=quantities).values
+                at, colour = places + 0.27 * (index - 1), COLOURS[index]
+                bars = axes.bar(at, accuracy, 0.25, color=colour, label=f"{choice} frequencies")
+                axes.bar_label(bars, [f"{value:.0f}" for value in accuracy], fontsize=8)
+            axes.set_xticks(places, list(study["scene"].values))
+            axes.set_title(quantities)
+            axes.grid(False, axis="x")
+            axes.set_axisbelow(True)
+        panels[0].set_ylabel("Columns right (%)")
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
 
 
 def noise_figure(path: Path, study: xr.DataArray, scenes: Mapping[str, Scene]) -> None:
@@ -86,18 +83,17 @@ def noise_figure(path: Path, study: xr.DataArray, scenes: Mapping[str, Scene]) -
         axes = figure.subplots()
         for name in study["scene"].values:
             scene = scenes[name]
-            accuracy = 100 * study.sel(scene=name).values
-            percent = 100 * study["multiple"].values * scene.readout.magnitude_noise
+            is_sheet = scene.pixels.rows > 1
             axes.semilogx(
-                percent,
-                accuracy,
-                marker="os"[scene.pixels.rows > 1],
+                100 * study["multiple"].values * scene.readout.magnitude_noise,
+                100 * study.sel(scene=name).values,
+                marker="s" if is_sheet else "o",
                 color=COLOURS[scene.pixels.columns - 3],
-                linestyle="-" if scene.pixels.rows > 1 else "--",
+                linestyle="-" if is_sheet else "--",
                 label=name,
             )
-            axes.axhline(100 / _classes(scene), color="0.7", linewidth=0.6, zorder=0)
-        axes.set_xlabel("Noise of each reading: % of |Z|, and half as many degrees of phase")
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.set_xlabel("Noise of each reading (% of |Z|; half as many degrees of phase)")
         axes.set_ylabel("Columns right (%)")
         axes.set_ylim(0, 103)
         axes.legend(ncols=2)
@@ -129,14 +125,15 @@ def _draw_attenuation(axes: Axes, strip: Scene, frequency: NDArray[np.float64]) 
         x, colour = length * (index + 1) / strip.pixels.columns, COLOURS[index]
         infinite = attenuation(frequency, x, R, C)
         finite = open_line_amplitude(frequency, x, length, R, C)
-        axes.semilogx(frequency, _decibel(infinite), color=colour, label=f"x = {1e3 * x:.0f} mm")
-        axes.semilogx(frequency, _decibel(finite), color=colour, linestyle="--")
-        axes.plot(cutoff, _decibel(HALF_POWER), "o", color=colour)
+        axes.plot(frequency / 1e3, _decibel(infinite), color=colour, label=f"{1e3 * x:.0f} mm")
+        axes.plot(frequency / 1e3, _decibel(finite), color=colour, linestyle="--")
+        axes.plot(cutoff / 1e3, _decibel(HALF_POWER), "o", color=colour)
     axes.axhline(float(_decibel(HALF_POWER)), color=AT_REST, linewidth=1)
-    axes.annotate("-3 dB", (frequency[-1], -3), ha="right", va="bottom", fontsize=8)
+    axes.annotate("-3 dB", (frequency[-1] / 1e3, -3), ha="right", va="bottom", fontsize=8)
     axes.set_ylim(-24, 1)
-    axes.set_title(f"1x{strip.pixels.columns}: infinite line (Eq 5) —, finite open line - -")
-    axes.set_xlabel("Frequency (Hz)")
+    axes.set_title(f"1x{strip.pixels.columns}")
+    axes.legend(title="distance x", loc="lower left")
+    frequency_axis(axes)
 
 
 def _decibel(amplitude: NDArray[np.float64] | float) -> NDArray[np.float64]:
@@ -151,31 +148,33 @@ def _curves(scene: Scene) -> xr.Dataset:
 
 def _draw_quantity(axes: Axes, quantity: str, curves: xr.Dataset, measured: xr.Dataset) -> None:
     scale, label = UNITS[quantity]
-    frequency = curves["frequency"].values
-    for sweep, style in zip(curves[quantity].values[:, 0], _styles(curves), strict=True):
-        axes.loglog(frequency, scale * sweep, **style)
-    for sweep, style in zip(measured[quantity].values[:, 0], _styles(measured), strict=True):
-        colour = style["color"]
-        axes.plot(measured["frequency"].values, scale * sweep, ".", color=colour, markersize=2.5)
-    axes.set_xlabel("Frequency (Hz)")
+    _draw_sweeps(axes, curves, scale * curves[quantity].values[:, 0])
+    _draw_readings(axes, measured, scale * measured[quantity].values[:, 0])
     axes.set_ylabel(label)
 
 
 def _draw_changes(axes: Axes, curves: xr.Dataset, rehearsal: Rehearsal) -> None:
-    Cp, frequency = curves["Cp"].values[:, 0], curves["frequency"].values
-    at_rest = int(np.flatnonzero(curves["row"].values == 0)[0])
-    for sweep, style in zip(Cp, _styles(curves), strict=True):
-        axes.semilogx(frequency, 100 * (sweep / Cp[at_rest] - 1), **style)
-    reference = rehearsal.at_rest["Cp"].values[0, 0]
-    measured = rehearsal.measured
-    for sweep, style in zip(measured["Cp"].values[:, 0], _styles(measured), strict=True):
-        change = 100 * (sweep / reference - 1)
-        axes.plot(measured["frequency"].values, change, ".", color=style["color"], markersize=2.5)
-    axes.set_xlabel("Frequency (Hz)")
+    Cp, measured = curves["Cp"].values[:, 0], rehearsal.measured["Cp"].values[:, 0]
+    at_rest = rehearsal.at_rest["Cp"].values[0, 0]
+    (curve_at_rest,) = Cp[curves["row"].values == 0]
+    _draw_sweeps(axes, curves, 100 * (Cp / curve_at_rest - 1))
+    _draw_readings(axes, rehearsal.measured, 100 * (measured / at_rest - 1))
     axes.set_ylabel("Change of Cp by the press (%)")
 
 
-def _styles(sweeps: xr.Dataset) -> list[dict[str, object]]:
+def _draw_sweeps(axes: Axes, curves: xr.Dataset, values: NDArray[np.float64]) -> None:
+    for sweep, style in zip(values, _styles(curves), strict=True):
+        axes.plot(curves["frequency"].values / 1e3, sweep, **style)
+    frequency_axis(axes)
+
+
+def _draw_readings(axes: Axes, measured: xr.Dataset, values: NDArray[np.float64]) -> None:
+    for sweep, style in zip(values, _styles(measured), strict=True):
+        frequency, colour = measured["frequency"].values / 1e3, style["color"]
+        axes.plot(frequency, sweep, ".", color=colour, markersize=2.5)
+
+
+def _styles(sweeps: xr.Dataset) -> list[dict[str, Any]]:
     """A colour for each column, a line style for each row; black at rest."""
     return [
         {"color": AT_REST, "linestyle": "-", "label": "nothing pressed"}
@@ -192,7 +191,3 @@ def _styles(sweeps: xr.Dataset) -> list[dict[str, object]]:
 def _caption(scene: Scene) -> str:
     rows = f"; line styles are rows 1 to {scene.pixels.rows}" if scene.pixels.rows > 1 else ""
     return f"{scene.description}{rows}"
-
-
-def _classes(scene: Scene) -> int:
-    return scene.pixels.columns + int(scene.experiment.unpressed)
