@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    import xarray as xr
     from numpy.typing import ArrayLike
 
     from simulator.paper.localizer import Confusion
@@ -36,6 +37,11 @@ def share(confusion: Confusion) -> str:
     """Accuracy as text: percent, and right answers of all."""
     right = round(confusion.accuracy * confusion.total)
     return f"{100 * confusion.accuracy:.1f} % ({right}/{confusion.total})"
+
+
+def mean_share(noise: xr.DataArray, name: str) -> str:
+    """Mean accuracy of a scene at its own noise over all draws, as text."""
+    return f"{100 * noise.sel(scene=name, multiple=1.0).item():.1f} % in the mean of all draws"
 
 
 def same_proportion(right: int, total: int, confusion: Confusion) -> bool:

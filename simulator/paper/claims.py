@@ -6,10 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from simulator.paper import device_claims, sheet_claims, strip_claims
 from simulator.paper.claim import Claim
 from simulator.paper.localizer import Confusion
-from simulator.paper.rehearsal import Rehearsal
+from simulator.paper.rehearsal import STRIPS, Rehearsal
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -17,7 +20,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Results:
-    """What the reproduction found: experiments and their confusions by scene, and the studies."""
+    """What the reproduction found: experiments and their confusions by scene, and the studies.
+
+    finer: of the 5x5 sheet pressed on 6x6 pixels. fewest, pooled: of the 1x5 strip.
+    """
 
     rehearsals: Mapping[str, Rehearsal]
     confusions: Mapping[str, Confusion]
@@ -25,17 +31,26 @@ class Results:
     noise: xr.DataArray
     contact: xr.DataArray
     finer: Confusion
+    fewest: xr.DataArray
+    pooled: NDArray[np.int64]
 
 
 def all_claims(results: Results) -> list[Claim]:
     """All statements, in the order of the paper."""
-    strip, sheet = results.rehearsals["strip-1x5"], results.rehearsals["sheet-5x5"]
+    strips = [results.rehearsals[name].scene for name in STRIPS]
     return [
-        *device_claims.claims(strip.scene, sheet.scene),
-        *strip_claims.claims(results.rehearsals, results.confusions),
+        *device_claims.claims(strips, results.rehearsals["sheet-5x5"].scene),
+        *strip_claims.claims(
+            results.rehearsals["strip-1x5"],
+            results.confusions,
+            results.noise,
+            results.fewest,
+            results.pooled,
+        ),
         *sheet_claims.claims(
             results.rehearsals,
             results.confusions,
+            results.noise,
             results.frequency,
             results.contact,
             results.finer,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from simulator.analytic import HALF_POWER, PAPER_CONSTANT, interrogation_frequency
@@ -17,17 +19,20 @@ from simulator.scene import VACUUM_PERMITTIVITY, Scene
 THICKNESS = 4e-3
 SILICONE, POROSITY = 2.8, 0.67
 PRESS_DEPTH = 2e-3
+METER_RANGE = 40.0, 200e3
 
 
-def claims(strip: Scene, sheet: Scene) -> list[Claim]:
+def claims(strips: Sequence[Scene], sheet: Scene) -> list[Claim]:
     """Statements about sheet resistance, capacitance, foam and interrogation frequencies."""
+    strip = strips[-1]
     return [
         _constant(),
-        _frequencies(strip),
+        *(_frequencies(scene) for scene in strips),
         _sheet_resistance(strip),
         _capacitances(strip, sheet),
         _foam(sheet),
         _press(strip),
+        _meter(sheet),
     ]
 
 
@@ -50,7 +55,7 @@ def _frequencies(strip: Scene) -> Claim:
     per_metre = device.R / strip.skin.length, device.C / strip.skin.length
     f = np.sort(interrogation_frequency(ends, *per_metre))
     return Claim(
-        topic="Interrogation frequencies of the 1x5 strip",
+        topic=f"Interrogation frequencies of the 1x{n} strip",
         source="III, Eq 6 with 50 kohm/mm and 108 fF/mm",
         paper=f"{listed(np.asarray(strip.frequencies), '.0f')} Hz",
         ours=f"{listed(f, '.1f')} Hz",
@@ -124,4 +129,17 @@ def _press(strip: Scene) -> Claim:
         agrees=bool(np.isclose(plates, strip.press.capacitance_factor)),
         why="Half the thickness at constant permittivity doubles it; closing pores raise the "
         "permittivity and the factor with it. The scenes take 2.",
+    )
+
+
+def _meter(sheet: Scene) -> Claim:
+    low, high = METER_RANGE
+    return Claim(
+        topic="The meter and its frequencies",
+        source="IV-A, IV-D: 1 kHz to 200 kHz",
+        paper="Hioki IM3253",
+        ours=f"Hioki IM3523, {low:g} Hz to {high / 1e3:g} kHz",
+        agrees=bool(low <= sheet.frequencies[0] and sheet.frequencies[-1] <= high),
+        why="No IM3253 is known; the IM3523 is Hioki's LCR meter of that description, and 200 kHz, "
+        "where the paper's sweep ends, is its highest frequency.",
     )

@@ -29,8 +29,10 @@ from simulator.paper.studies import (
     DRAWS,
     contact_study,
     exact_sweeps,
+    fewest_frequencies,
     frequency_study,
     noise_study,
+    pooled_counts,
 )
 from simulator.progress import Track
 from simulator.readout import read_out
@@ -85,6 +87,8 @@ def _experiments(localizer: Localizer, track: Track) -> Results:
         noise=noise_study(localizer, list(rehearsals.values()), track),
         contact=contact_study(localizer, track),
         finer=_beyond(localizer, track),
+        fewest=fewest_frequencies(localizer, rehearsals["strip-1x5"]),
+        pooled=pooled_counts(localizer, rehearsals["strip-1x5"]),
     )
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from simulator.paper.claim import Claim, listed, neighbour_errors, share
+from simulator.paper.claim import Claim, listed, mean_share, neighbour_errors, share
 from simulator.paper.localizer import Confusion
 from simulator.paper.reading import (
     capacitance_changes,
@@ -30,6 +30,7 @@ LOW = 1.0
 def claims(
     rehearsals: Mapping[str, Rehearsal],
     confusions: Mapping[str, Confusion],
+    noise: xr.DataArray,
     frequency: xr.DataArray,
     contact: xr.DataArray,
     finer: Confusion,
@@ -38,7 +39,7 @@ def claims(
     return [
         _five_times_higher(rehearsals["strip-1x3"], rehearsals["sheet-3x3"]),
         _sensitivity(rehearsals["strip-1x5"], rehearsals["sheet-5x5"]),
-        *(_accuracy(name, confusions[name]) for name in SHEETS),
+        *(_accuracy(name, confusions[name], mean_share(noise, name)) for name in SHEETS),
         _ten_frequencies(frequency),
         _errors_of_5x5(confusions["sheet-5x5"]),
         _beyond_5x5(confusions["sheet-5x5"], finer),
@@ -82,13 +83,13 @@ def _sensitivity(strip: Rehearsal, sheet: Rehearsal) -> Claim:
     )
 
 
-def _accuracy(name: str, confusion: Confusion) -> Claim:
+def _accuracy(name: str, confusion: Confusion, mean: str) -> Claim:
     lower = name == "sheet-5x5"
     return Claim(
         topic=f"Column accuracy of the {name.removeprefix('sheet-')} sheet",
         source="IV-D, figure 4(c)",
         paper="lower than 3x3 and 4x4" if lower else "> 90 %",
-        ours=share(confusion),
+        ours=f"{share(confusion)}; {mean}",
         agrees=bool(confusion.accuracy < 1) if lower else bool(confusion.accuracy > 0.9),
         why="20 frequencies, Rs and Cp, noise of 0.3 % and 0.15 degrees, 10 % spread of presses.",
     )

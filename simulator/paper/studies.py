@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from simulator.experiment import METER, PRESSES, planned_presses, stream
 from simulator.fidelity import Solver
@@ -97,6 +98,32 @@ def contact_study(localizer: Localizer, track: Track) -> xr.DataArray:
     )
 
 
+def fewest_frequencies(localizer: Localizer, rehearsal: Rehearsal) -> xr.DataArray:
+    """Accuracy from the highest one, two, ... of a scene's frequencies; dimension (count,)."""
+    counts = range(1, len(rehearsal.scene.frequencies) + 1)
+    accuracies = [
+        mean_accuracy(
+            localizer,
+            rehearsal.exact.isel(frequency=slice(-count, None)),
+            rehearsal.scene,
+            rehearsal.scene.readout,
+        )
+        for count in counts
+    ]
+    return _table(accuracies, count=list(counts))
+
+
+def pooled_counts(localizer: Localizer, rehearsal: Rehearsal) -> NDArray[np.int64]:
+    """Confusion counts (target, output) added up over DRAWS draws of the meter's noise."""
+    return np.sum(
+        [
+            localizer.cross_validate(measured, seed=draw).counts
+            for draw, measured in enumerate(_drawn(rehearsal.exact, rehearsal.scene))
+        ],
+        axis=0,
+    )
+
+
 def crossed_cap(n: int) -> float:
     """Most of the columns that can be told where (i, j) and (j, i) read the same: (n + 1) / 2n.
 
@@ -128,13 +155,21 @@ def mean_accuracy(
     quantities: tuple[str, ...] = ("Rs", "Cp"),
 ) -> float:
     """Cross-validated accuracy, mean of DRAWS draws of the meter's noise and of the folds."""
-    accuracies = []
+    drawn = _drawn(exact, scene.model_copy(update={"readout": readout}))
+    return float(
+        np.mean(
+            [
+                localizer.cross_validate(measured, quantities=quantities, seed=draw).accuracy
+                for draw, measured in enumerate(drawn)
+            ]
+        )
+    )
+
+
+def _drawn(exact: xr.Dataset, scene: Scene) -> Iterator[xr.Dataset]:
     for draw in range(DRAWS):
         random = np.random.default_rng([scene.experiment.seed, METER, draw])
-        measured = read_out(exact, readout, random)
-        confusion = localizer.cross_validate(measured, quantities=quantities, seed=draw)
-        accuracies.append(confusion.accuracy)
-    return float(np.mean(accuracies))
+        yield read_out(exact, scene.readout, random)
 
 
 def scaled_noise(readout: Readout, multiple: float) -> Readout:
