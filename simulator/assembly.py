@@ -7,6 +7,7 @@ reference matrices. The weights change with the capacitance map, the pattern nev
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numba import njit
@@ -94,20 +95,21 @@ class ReferenceMatrices:
     mass: NDArray[np.float64]
     stiffness: NDArray[np.float64]
 
-    @classmethod
-    def of_order(cls, order: int) -> ReferenceMatrices:
-        """Integrated exactly on the one element."""
-        basis = Basis(MeshQuad(), quadrilateral(order), intorder=2 * order)
-        mass = BilinearForm(lambda u, v, _: u * v)
-        xx = BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0])
-        yy = BilinearForm(lambda u, v, _: u.grad[1] * v.grad[1])
-        xy = BilinearForm(lambda u, v, _: u.grad[0] * v.grad[1] + u.grad[1] * v.grad[0])
-        local = basis.element_dofs[:, 0]
 
-        def dense(form: BilinearForm) -> NDArray[np.float64]:
-            return form.assemble(basis).toarray()[np.ix_(local, local)]
+@cache
+def reference_matrices(order: int) -> ReferenceMatrices:
+    """Of the quadrilateral of that order, integrated exactly by scikit-fem."""
+    basis = Basis(MeshQuad(), quadrilateral(order), intorder=2 * order)
+    mass = BilinearForm(lambda u, v, _: u * v)
+    xx = BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0])
+    yy = BilinearForm(lambda u, v, _: u.grad[1] * v.grad[1])
+    xy = BilinearForm(lambda u, v, _: u.grad[0] * v.grad[1] + u.grad[1] * v.grad[0])
+    local = basis.element_dofs[:, 0]
 
-        return cls(dense(mass), np.stack([dense(form) for form in (xx, yy, xy)]))
+    def dense(form: BilinearForm) -> NDArray[np.float64]:
+        return form.assemble(basis).toarray()[np.ix_(local, local)]
+
+    return ReferenceMatrices(dense(mass), np.stack([dense(form) for form in (xx, yy, xy)]))
 
 
 def stiffness_weights(mesh: Mesh) -> NDArray[np.float64]:

@@ -8,16 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csc_matrix
 from skfem import BilinearForm, LinearForm
-from skfem.assembly import Basis, FacetBasis
+from skfem.assembly import Dofs, FacetBasis
 
 from simulator.assembly import (
     DROPPED,
     Pattern,
-    ReferenceMatrices,
     areas,
     element_pairs,
     fill,
     quadrilateral,
+    reference_matrices,
     stiffness_weights,
 )
 from simulator.circuit import Circuit, Terminal
@@ -57,12 +57,12 @@ def build_system(scene: Scene, circuit: Circuit, resolution: Resolution) -> Syst
     contacts = [contact for terminal in circuit.terminals for contact in terminal.contacts]
     pixels = pixel_mesh(scene, contacts, resolution)
     mesh, order = pixels.mesh, resolution.order
-    basis = Basis(mesh, quadrilateral(order), intorder=2 * order)
-    one = _constant(basis, order)
-    unknown, inner = _number(circuit, pixels, basis, one)
-    films = _films(circuit, pixels, basis, order, unknown, inner)
+    dofs = Dofs(mesh, quadrilateral(order))
+    one = _constant(dofs, order)
+    unknown, inner = _number(circuit, pixels, dofs, one)
+    films = _films(circuit, pixels, order, unknown, inner)
 
-    rows, columns = element_pairs(np.concatenate([field[basis.element_dofs] for field in unknown]))
+    rows, columns = element_pairs(np.concatenate([field[dofs.element_dofs] for field in unknown]))
     pattern = Pattern.of_pairs(
         np.concatenate([rows.ravel(), films.rows]),
         np.concatenate([columns.ravel(), films.columns]),
@@ -71,7 +71,7 @@ def build_system(scene: Scene, circuit: Circuit, resolution: Resolution) -> Syst
     element_slots = pattern.slots[: rows.size].reshape(rows.shape)
     film_slots = pattern.slots[rows.size :]
 
-    reference = ReferenceMatrices.of_order(order)
+    reference = reference_matrices(order)
     conductance = np.diag(circuit.conductance)
     stiffness_reference = np.stack([np.kron(conductance, k).ravel() for k in reference.stiffness])
     values = np.zeros(len(pattern.indices))
@@ -90,21 +90,21 @@ def build_system(scene: Scene, circuit: Circuit, resolution: Resolution) -> Syst
     )
 
 
-def _constant(basis: Basis, order: int) -> NDArray[np.float64]:
+def _constant(dofs: Dofs, order: int) -> NDArray[np.float64]:
     """Coefficients of the function 1: nodal up to order 2, hierarchical from order 3."""
     if order <= 2:
-        return np.ones(basis.N)
-    one = np.zeros(basis.N)
-    one[_vertices(basis)] = 1.0
+        return np.ones(dofs.N)
+    one = np.zeros(dofs.N)
+    one[_vertices(dofs)] = 1.0
     return one
 
 
-def _vertices(basis: Basis) -> NDArray[np.int64]:
-    return np.asarray(basis.nodal_dofs).ravel()
+def _vertices(dofs: Dofs) -> NDArray[np.int64]:
+    return np.asarray(dofs.nodal_dofs).ravel()
 
 
 def _number(
-    circuit: Circuit, pixels: PixelMesh, basis: Basis, one: NDArray[np.float64]
+    circuit: Circuit, pixels: PixelMesh, dofs: Dofs, one: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], int]:
     """The unknown of each field's coefficients, shape (field, coefficient), and how many are inner.
 
@@ -112,10 +112,10 @@ def _number(
     others vanish and are dropped.
     """
     free = DROPPED - 1
-    unknown = np.full((circuit.fields, basis.N), free, dtype=np.int64)
+    unknown = np.full((circuit.fields, dofs.N), free, dtype=np.int64)
     owner = np.full_like(unknown, DROPPED)
     for index, terminal in enumerate(circuit.terminals):
-        held = _held(terminal, pixels, basis)
+        held = _held(terminal, pixels, dofs)
         unknown[terminal.field, held] = DROPPED
         owner[terminal.field, held[one[held] == 1]] = index
     inner = int(np.count_nonzero(unknown == free))
@@ -124,13 +124,13 @@ def _number(
     return unknown, inner
 
 
-def _held(terminal: Terminal, pixels: PixelMesh, basis: Basis) -> NDArray[np.int64]:
+def _held(terminal: Terminal, pixels: PixelMesh, dofs: Dofs) -> NDArray[np.int64]:
     if not terminal.contacts:
-        return _vertices(basis)[:1]
+        return _vertices(dofs)[:1]
     facets = [pixels.facets(contact) for contact in terminal.contacts if contact.ideal]
     if not facets:
         return np.empty(0, dtype=np.int64)
-    return basis.get_dofs(np.concatenate(facets)).flatten()
+    return dofs.get_facet_dofs(np.concatenate(facets)).flatten()
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,6 @@ class _Entries:
 def _films(
     circuit: Circuit,
     pixels: PixelMesh,
-    basis: Basis,
     order: int,
     unknown: NDArray[np.int64],
     inner: int,
@@ -154,7 +153,9 @@ def _films(
         for contact in terminal.contacts:
             if not contact.ideal:
                 facets = pixels.facets(contact)
-                foil = FacetBasis(pixels.mesh, basis.elem, facets=facets, intorder=2 * order)
+                foil = FacetBasis(
+                    pixels.mesh, quadrilateral(order), facets=facets, intorder=2 * order
+                )
                 film = _film(foil, unknown[terminal.field], inner + index)
                 parts.append(_Entries(film.rows, film.columns, film.values / contact.resistance))
     return _Entries(
