@@ -57,7 +57,7 @@ def fit_line(
         return np.concatenate([deviation.real, deviation.imag])
 
     fits = [
-        least_squares(residuals, start, x_scale="jac", max_nfev=2000)
+        least_squares(residuals, start, bounds=_bounds(start), x_scale="jac", max_nfev=2000)
         for start in _starts(Z, frequency, constant_phase)
     ]
     best = min(fits, key=lambda fit: float(fit.cost))
@@ -75,6 +75,14 @@ def _fitted(logarithms: NDArray[np.float64], rms_error: float = np.nan) -> LineF
         exponent,
         rms_error,
     )
+
+
+def _bounds(start: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A factor of 1e9 either way, and exponents from a diffusive 0.5 to an ideal 1."""
+    decades = np.log(1e9)
+    low, high = start - decades, start + decades
+    low[4:], high[4:] = 0.5, 1.0
+    return low, high
 
 
 def _starts(

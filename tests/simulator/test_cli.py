@@ -1,0 +1,186 @@
+"""The command line as its user meets it: exit codes, one clear line, nothing half-written."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import rcskin
+from simulator import sweeps
+from simulator.scene_file import BUILTIN, builtin_names, load_scene
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Runs `rcskin ARGUMENTS`; gives the exit code, standard output and standard error."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["rcskin", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            rcskin.main()
+        out, err = capsys.readouterr()
+        return ended.value.code, out, err
+
+    return run
+
+
+@pytest.fixture
+def scene_with(tmp_path):
+    """A file with the 3x3 sheet in which one piece of text is replaced by another."""
+
+    def scene_with(old, new):
+        text = (BUILTIN / "sheet-3x3.toml").read_text()
+        assert old in text
+        path = tmp_path / "mine.toml"
+        path.write_text(text.replace(old, new, 1))
+        return path
+
+    return scene_with
+
+
+def test_help_lists_the_commands_without_loading_the_solver():
+    loaded = "import sys, rcskin; sys.exit(bool({'scipy', 'numba', 'sklearn'} & set(sys.modules)))"
+    assert subprocess.run([sys.executable, "-c", loaded], check=False).returncode == 0
+    shown = subprocess.run(
+        [sys.executable, "-m", "rcskin", "--help"], capture_output=True, text=True, check=True
+    )
+    assert all(command in shown.stdout for command in ("reproduce", "scenes", "sweep"))
+    assert shown.stderr == ""
+
+
+def test_scenes_names_every_built_in_scene(run):
+    code, out, _ = run("scenes")
+    assert code == 0
+    assert all(name in out for name in builtin_names())
+
+
+@pytest.mark.parametrize("ending", ["csv", "nc"])
+def test_a_sweep_without_a_press_holds_rest_and_every_pixel(run, tmp_path, ending):
+    path = tmp_path / f"out.{ending}"
+    code, out, err = run("sweep", "sheet-3x3", "-o", path)
+    assert (code, out, err) == (0, "", "")
+    written = sweeps.read(path)
+    pixels = list(zip(written["row"].values, written["column"].values, strict=True))
+    assert pixels == [(0, 0), *((i, j) for i in (1, 2, 3) for j in (1, 2, 3))]
+    np.testing.assert_allclose(written["frequency"], load_scene("sheet-3x3").frequencies)
+
+
+def test_presses_are_written_as_they_were_asked(run, tmp_path):
+    path = tmp_path / "out.nc"
+    run("sweep", "sheet-5x5", "--press", "4,4:1.5+1,1", "--press", "none", "-o", path)
+    written = sweeps.read(path)
+    assert list(written["press"].values) == ["1,1:2.0+4,4:1.5", "none"]
+    assert list(written["row"].values) == [-1, 0]
+    assert (written["Rs_error"] <= 1e-4 * written["Rs"]).all()
+    assert (written["Cp_error"] <= 1e-4 * written["Cp"]).all()
+    assert written.attrs["rtol"] == 1e-4
+    assert 'name = "sheet-5x5"' in written.attrs["scene"]
+
+
+def test_explain_tells_what_was_chosen_and_what_was_rejected(run, tmp_path):
+    _, out, _ = run("sweep", "strip-1x3", "--press", "1,2", "--explain", "-o", tmp_path / "a.csv")
+    assert "chosen    exact line" in out
+    _, out, _ = run("sweep", "sheet-3x3", "--press", "1,2", "--explain", "-o", tmp_path / "b.csv")
+    assert "rejected  line" in out
+    assert "rejected  lumped" in out
+    assert "2-D elements, one field" in out
+
+
+def test_line_and_sheet_agree_on_the_strip(run, tmp_path):
+    for model in ("line", "sheet"):
+        run(
+            "sweep", "strip-1x5", "--model", model, "--rtol", "1e-6", "-o", tmp_path / f"{model}.nc"
+        )
+    line, sheet = (sweeps.read(tmp_path / f"{model}.nc") for model in ("line", "sheet"))
+    for quantity in ("Rs", "Cp"):
+        np.testing.assert_allclose(sheet[quantity], line[quantity], rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["sweep", "no-such-scene"], "no-such-scene: no such file, and no built-in scene"),
+        (["sweep", "absent.toml"], "absent.toml: no such file"),
+        (["sweep", "sheet-3x3", "--press", "4,1"], "row must be in 1..3 on sheet-3x3, got 4"),
+        (["sweep", "sheet-3x3", "--press", "1;2"], "press '1;2': must be ROW,COLUMN[:FACTOR]"),
+        (["sweep", "sheet-3x3", "--press", "1,1:-2"], "FACTOR must be finite and > 0, got -2"),
+        (["sweep", "sheet-3x3", "--rtol", "0"], "`rtol` must be finite and > 0, got 0.0"),
+        (["sweep", "sheet-3x3", "--rtol", "nan"], "`rtol` must be finite and > 0, got nan"),
+        (["sweep", "sheet-3x3", "--model", "cubic"], "must be one of auto, lumped, line, sheet"),
+        (["sweep", "sheet-3x3", "--press", "1,1", "--model", "line"], "varies across sheet-3x3"),
+    ],
+)
+def test_bad_input_ends_with_one_line_and_code_2(run, tmp_path, arguments, told):
+    path = tmp_path / "out.csv"
+    code, out, err = run(*arguments, "-o", path)
+    assert (code, out) == (2, "")
+    assert told in err
+    assert err.startswith("rcskin: ")
+    assert err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("length = ", "lenght = ", "`skin.lenght` is not a known key"),
+        (
+            "sheet_resistance = 50e3",
+            "sheet_resistance = -5",
+            "must be finite and > 0 ohm/sq, got -5",
+        ),
+        ('edge = "left"', 'edge = "middle"', "`contact[1].edge` must be 'left', 'right'"),
+        ('high = ["top-left"]', "high = []", "`interface[1].high` must have at least 1 item"),
+        ("start = 1e3", "start = 0", "must be finite and > 0 Hz, got 0"),
+        ("start = 1e3", "start = nan", "must be finite and > 0 Hz, got nan"),
+        ("[skin]", "[skin", "not valid TOML"),
+    ],
+)
+def test_a_bad_scene_file_is_named_with_key_value_and_range(run, scene_with, old, new, told):
+    path = scene_with(old, new)
+    code, _, err = run("sweep", path, "-o", path.with_suffix(".csv"))
+    assert code == 2
+    assert err.startswith(f"rcskin: {path}: ")
+    assert told in err
+    assert err.count("\n") == 1
+    assert not path.with_suffix(".csv").exists()
+
+
+def test_an_absent_output_folder_is_found_out_before_any_work(run, tmp_path):
+    code, _, err = run("sweep", "no-such-scene", "-o", tmp_path / "absent" / "out.csv")
+    assert code == 2
+    assert f"the folder {tmp_path / 'absent'} does not exist" in err
+
+
+def test_another_ending_is_refused(run, tmp_path):
+    code, _, err = run("sweep", "sheet-3x3", "-o", tmp_path / "out.xlsx")
+    assert code == 2
+    assert "must end in .nc or .csv, got '.xlsx'" in err
+
+
+def test_a_tolerance_out_of_reach_ends_with_code_1_and_no_file(run, tmp_path):
+    path = tmp_path / "out.csv"
+    code, _, err = run("sweep", "sheet-3x3", "--model", "lumped", "-o", path)
+    assert code == 1
+    assert "estimated error" in err
+    assert err.count("\n") == 1
+    assert not path.exists()
+
+
+@pytest.mark.parametrize("arguments", [["sweep"], ["nonsense"], ["sweep", "strip-1x3"]])
+def test_wrong_use_ends_with_one_line_and_code_2(run, arguments):
+    code, _, err = run(*arguments)
+    assert code == 2
+    assert err.count("\n") == 1
+
+
+def test_an_unexpected_failure_is_one_line_and_code_1(run, monkeypatch, tmp_path):
+    def fail(*_):
+        raise MemoryError("the sheet does not fit")
+
+    monkeypatch.setattr("simulator.fidelity.Solver.solve", fail)
+    code, _, err = run("sweep", "strip-1x3", "-o", tmp_path / "out.csv")
+    assert code == 1
+    assert err.startswith("rcskin: the sheet does not fit (MemoryError;")
+    assert err.count("\n") == 1
