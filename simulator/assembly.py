@@ -13,8 +13,17 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
-from skfem import BilinearForm, Element, ElementQuad1, ElementQuad2, ElementQuadP, Mesh, MeshQuad
-from skfem.assembly import Basis
+from skfem import (
+    BilinearForm,
+    Element,
+    ElementQuad1,
+    ElementQuad2,
+    ElementQuadP,
+    Mesh,
+    MeshQuad,
+)
+from skfem.assembly import Basis, FacetBasis
+from skfem.assembly.basis import AbstractBasis
 
 DROPPED = -1
 
@@ -87,29 +96,40 @@ def quadrilateral(order: int) -> Element:
 
 @dataclass(frozen=True)
 class ReferenceMatrices:
-    """Element matrices of the unit square, shapes (local, local).
+    """Element matrices of the unit square, shape (local, local), and of its four edges.
 
     stiffness: of d/dx d/dx, d/dy d/dy and d/dx d/dy + d/dy d/dx, shape (3, local, local).
+    edge_mass: of u v on each edge, shape (4, local, local).
     """
 
     mass: NDArray[np.float64]
     stiffness: NDArray[np.float64]
+    edge_mass: NDArray[np.float64]
 
 
 @cache
 def reference_matrices(order: int) -> ReferenceMatrices:
     """Of the quadrilateral of that order, integrated exactly by scikit-fem."""
-    basis = Basis(MeshQuad(), quadrilateral(order), intorder=2 * order)
+    mesh, element = MeshQuad(), quadrilateral(order)
+    basis = Basis(mesh, element, intorder=2 * order)
+    edges = [
+        FacetBasis(mesh, element, facets=np.asarray(mesh.t2f)[edge], intorder=2 * order)
+        for edge in range(4)
+    ]
     mass = BilinearForm(lambda u, v, _: u * v)
     xx = BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0])
     yy = BilinearForm(lambda u, v, _: u.grad[1] * v.grad[1])
     xy = BilinearForm(lambda u, v, _: u.grad[0] * v.grad[1] + u.grad[1] * v.grad[0])
     local = basis.element_dofs[:, 0]
 
-    def dense(form: BilinearForm) -> NDArray[np.float64]:
-        return form.assemble(basis).toarray()[np.ix_(local, local)]
+    def dense(form: BilinearForm, on: AbstractBasis) -> NDArray[np.float64]:
+        return form.assemble(on).toarray()[np.ix_(local, local)]
 
-    return ReferenceMatrices(dense(mass), np.stack([dense(form) for form in (xx, yy, xy)]))
+    return ReferenceMatrices(
+        mass=dense(mass, basis),
+        stiffness=np.stack([dense(form, basis) for form in (xx, yy, xy)]),
+        edge_mass=np.stack([dense(mass, edge) for edge in edges]),
+    )
 
 
 def stiffness_weights(mesh: Mesh) -> NDArray[np.float64]:

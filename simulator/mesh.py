@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from skfem import MeshQuad
 
 from simulator.scene import Contact, Scene, Skin
-from simulator.wiring import touch
+from simulator.wiring import touch_at
 
 GRADING = 0.2
 SAME_LINE = 1e-9
@@ -57,6 +57,17 @@ class PixelMesh:
         middle = ends[along].mean(axis=0)
         return boundary[on_edge & (start[along] < middle) & (middle < stop[along])]
 
+    def edges(self, facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """The element at each boundary facet, and which of its edges that is.
+
+        Returns element, shape (facet,), and length in m at the edge and 0 at the other three, shape
+        (facet, 4).
+        """
+        element = np.asarray(self.mesh.f2t, dtype=np.int64)[0, facets]
+        is_edge = np.asarray(self.mesh.t2f)[:, element] == facets
+        first, second = self.mesh.p[:, np.asarray(self.mesh.facets)[:, facets]].transpose(1, 0, 2)
+        return element, (is_edge * np.linalg.norm(second - first, axis=0)).T
+
 
 @dataclass(frozen=True)
 class _Axis:
@@ -92,7 +103,7 @@ def pixel_mesh(scene: Scene, contacts: Sequence[Contact], resolution: Resolution
 def _axes(scene: Scene, contacts: Sequence[Contact], resolution: Resolution) -> tuple[_Axis, _Axis]:
     skin, pixels = scene.skin, scene.pixels
     ends = [end for contact in contacts for end in contact.ends(skin)]
-    singular = singular_ends(contacts, skin)
+    singular = singular_ends(contacts, skin) if resolution.layers else []
     return (
         _axis(skin.length, pixels.columns, 0, ends, singular, contacts, resolution),
         _axis(skin.width, pixels.rows, 1, ends, singular, contacts, resolution),
@@ -121,14 +132,26 @@ def _axis(
 
 
 def singular_ends(contacts: Sequence[Contact], skin: Skin) -> list[tuple[float, float]]:
-    """Ends of foils within an edge, and where a foil meets one of other potential at a corner."""
+    """Ends of foils within an edge, and where a foil meets another that it is not joined with."""
     return [
         end
         for contact in contacts
         for fraction, end in zip(contact.span, contact.ends(skin), strict=True)
-        if 0 < fraction < 1
-        or any(touch(contact, other, skin) for other in contacts if other != contact)
+        if _is_singular(contact, fraction, end, contacts, skin)
     ]
+
+
+def _is_singular(
+    contact: Contact,
+    fraction: float,
+    end: tuple[float, float],
+    contacts: Sequence[Contact],
+    skin: Skin,
+) -> bool:
+    met = [other for other in contacts if other != contact and touch_at(end, contact, other, skin)]
+    if met:
+        return not all(contact.ideal and other.ideal for other in met)
+    return 0 < fraction < 1
 
 
 def _distinct(lines: Sequence[float]) -> NDArray[np.float64]:

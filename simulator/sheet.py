@@ -3,7 +3,9 @@
 With the lift G (each terminal at 1 V in turn, the others at 0 V, no capacitance: K G = 0 inside)
 the potentials are G U + d, and the deviation d solves (K + s M) d = -s M G U. The terminals'
 admittance is then Y = G'KG + s G'MG - s² (MG)' (K + s M)^-1 (MG): the variational form, whose error
-is the square of the field's, and which keeps all digits at low frequency.
+is the square of the field's, and which keeps all digits at low frequency. Under a foil with contact
+resistance the unknown is lifted to the foil's potential first, so that a small resistance is a
+stiff film on a small deviation, and no small difference of large numbers.
 """
 
 from __future__ import annotations
@@ -35,8 +37,8 @@ class Sheet:
         self.system = build_system(scene, circuit, resolution)
         self.terminal_field = np.array([terminal.field for terminal in circuit.terminals])
         self._inner = _InnerBlock(self.system)
-        self._lift = self._terminal_lift()
-        self._conductance = self._lift.T @ (self.system.stiffness @ self._lift)
+        self._stiffness = self._inner.values(self.system.stiffness)
+        self._lift, self._conductance = self._terminal_lift()
 
     @property
     def unknowns(self) -> int:
@@ -54,12 +56,13 @@ class Sheet:
         charge = mass @ self._lift
         at_once = self._lift.T @ charge
         inner_charge = charge[: self.system.inner]
-        stiffness, capacitance = self._inner.values(self.system.stiffness), self._inner.values(mass)
+        capacitance = self._inner.values(mass)
         s = laplace_variable(frequency, self.scene.skin.foam.loss_tangent)
         with _one_blas_thread():
             delayed = np.stack(
                 [
-                    inner_charge.T @ self._inner.solve(stiffness + f * capacitance, inner_charge)
+                    inner_charge.T
+                    @ self._inner.solve(self._stiffness + f * capacitance, inner_charge)
                     for f in s
                 ]
             )
@@ -75,30 +78,42 @@ class Sheet:
         inner_mass = mass[: self.system.inner, : self.system.inner]
         charge = mass @ self._lift
         right = inner_charge = charge[: self.system.inner]
-        stiffness = self._inner.values(self.system.stiffness)
         moments: list[NDArray[np.float64]] = [self._conductance, self._lift.T @ charge]
         for k in range(2, count + 1):
-            solution = self._inner.solve(stiffness, right)
+            solution = self._inner.solve(self._stiffness, right)
             moments.append((-1) ** (k - 1) * inner_charge.T @ solution)
             right = inner_mass @ solution
         return np.array(moments)
 
-    def _terminal_lift(self) -> NDArray[np.float64]:
-        """G, shape (inner + terminals, terminals); the columns of a field add up to 1 V."""
+    def _terminal_lift(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """G, shape (inner + terminals, terminals), and G'KG in S, shape (terminals, terminals).
+
+        The columns of a field add up to 1 V, which costs no current: that gives its first terminal.
+        """
         system, terminals = self.system, len(self.terminal_field)
-        inner = np.zeros((system.inner, terminals))
         first_of_field = [
             int(np.argmax(self.terminal_field == f)) for f in range(self.circuit.fields)
         ]
         others = np.setdiff1d(np.arange(terminals), first_of_field)
+        at_foils, films = system.at_foils[:, others], system.films
+        inner = np.zeros((system.inner, terminals))
+        conductance = np.zeros((terminals, terminals))
         if others.size:
-            coupling = system.stiffness[: system.inner, system.inner + others].toarray()
-            stiffness = self._inner.values(system.stiffness)
-            inner[:, others] = -self._inner.solve(stiffness, coupling)
+            current = system.sheets @ at_foils + films.current[:, others]
+            deviation = -self._inner.solve(self._stiffness, current[: system.inner])
+            inner[:, others] = at_foils[: system.inner] + deviation
+            conductance[np.ix_(others, others)] = (
+                at_foils.T @ (system.sheets @ at_foils)
+                + films.conductance[np.ix_(others, others)]
+                + current[: system.inner].T @ deviation
+            )
         for field, first in enumerate(first_of_field):
             rest = others[self.terminal_field[others] == field]
             inner[:, first] = system.one[:, field] - inner[:, rest].sum(axis=1)
-        return np.vstack([inner, np.eye(terminals)])
+            conductance[first, rest] = -conductance[np.ix_(rest, rest)].sum(axis=0)
+            conductance[rest, first] = conductance[first, rest]
+            conductance[first, first] = -conductance[first, rest].sum()
+        return np.vstack([inner, np.eye(terminals)]), conductance
 
 
 class _InnerBlock:

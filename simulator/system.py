@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix, csc_matrix
-from skfem import BilinearForm, LinearForm
-from skfem.assembly import Dofs, FacetBasis
+from scipy.sparse import csc_matrix
+from skfem.assembly import Dofs
 
 from simulator.assembly import (
     DROPPED,
     Pattern,
+    ReferenceMatrices,
     areas,
     element_pairs,
     fill,
@@ -22,33 +22,57 @@ from simulator.assembly import (
 )
 from simulator.circuit import Circuit, Terminal
 from simulator.mesh import PixelMesh, Resolution, pixel_mesh
-from simulator.scene import Scene
+from simulator.scene import Contact, Scene
+
+
+@dataclass(frozen=True)
+class Films:
+    """Contact resistance: each foil's film conducts in proportion to V - U, sheet over foil.
+
+    With V = w + at_foils U the current of all films is B w + C U, and their power w'Bw + 2 w'CU +
+    U'DU. C and D are zero but where foils meet, so that a thin film is no small difference of large
+    numbers.
+
+    stiffness: B in S, sparse, in K's pattern. current: C in S, shape (inner + terminals,
+    terminals). conductance: D in S, shape (terminals, terminals).
+    """
+
+    stiffness: csc_matrix
+    current: NDArray[np.float64]
+    conductance: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class System:
-    """(K + s M(c)) u = b, with each terminal's potential as one unknown.
+    """(K + B + s M(c)) u = b, with each terminal's potential as one unknown.
 
     Unknowns are the inner ones, 0 .. inner - 1, then one per terminal of the circuit.
 
-    one: inner coefficients of 1 V all over a field, shape (inner, field). stiffness: K in S,
-    sparse, shape (inner + terminals, inner + terminals).
+    one: inner coefficients of 1 V all over a field, shape (inner, field). at_foils: coefficients of
+    1 V under the foils of each terminal, 0 V elsewhere, shape (inner + terminals, terminals).
+    sheets: K in S, the sheets' conductance, shape (inner + terminals, inner + terminals).
     """
 
     inner: int
     one: NDArray[np.float64]
-    stiffness: csc_matrix
+    at_foils: NDArray[np.float64]
+    sheets: csc_matrix
+    films: Films
     pattern: Pattern
-    element_slots: NDArray[np.int64]
     element_pixel: NDArray[np.int64]
     element_area: NDArray[np.float64]
     mass_reference: NDArray[np.float64]
+
+    @property
+    def stiffness(self) -> csc_matrix:
+        """K + B in S, in the pattern of K."""
+        return self.pattern.matrix(self.sheets.data + self.films.stiffness.data)
 
     def mass(self, c: NDArray[np.float64]) -> csc_matrix:
         """M(c) in F, in the pattern of K. c: F/m², shape (row, column)."""
         values = np.zeros(len(self.pattern.indices))
         weights = (self.element_area * c.ravel()[self.element_pixel])[:, None]
-        fill(values, self.element_slots, weights, self.mass_reference)
+        fill(values, self.pattern.slots, weights, self.mass_reference)
         return self.pattern.matrix(values)
 
 
@@ -56,36 +80,23 @@ def build_system(scene: Scene, circuit: Circuit, resolution: Resolution) -> Syst
     """The system of a scene's circuit at a resolution: all that does not depend on the press."""
     contacts = [contact for terminal in circuit.terminals for contact in terminal.contacts]
     pixels = pixel_mesh(scene, contacts, resolution)
-    mesh, order = pixels.mesh, resolution.order
-    dofs = Dofs(mesh, quadrilateral(order))
-    one = _constant(dofs, order)
+    dofs = Dofs(pixels.mesh, quadrilateral(resolution.order))
+    one = _constant(dofs, resolution.order)
     unknown, inner = _number(circuit, pixels, dofs, one)
-    films = _films(circuit, pixels, order, unknown, inner)
-
-    rows, columns = element_pairs(np.concatenate([field[dofs.element_dofs] for field in unknown]))
-    pattern = Pattern.of_pairs(
-        np.concatenate([rows.ravel(), films.rows]),
-        np.concatenate([columns.ravel(), films.columns]),
-        size=inner + len(circuit.terminals),
-    )
-    element_slots = pattern.slots[: rows.size].reshape(rows.shape)
-    film_slots = pattern.slots[rows.size :]
-
-    reference = reference_matrices(order)
-    conductance = np.diag(circuit.conductance)
-    stiffness_reference = np.stack([np.kron(conductance, k).ravel() for k in reference.stiffness])
-    values = np.zeros(len(pattern.indices))
-    fill(values, element_slots, stiffness_weights(mesh), stiffness_reference)
-    kept = film_slots != DROPPED
-    np.add.at(values, film_slots[kept], films.values[kept])
+    pairs = element_pairs(np.concatenate([field[dofs.element_dofs] for field in unknown]))
+    pattern = Pattern.of_pairs(*pairs, size=inner + len(circuit.terminals))
+    reference = reference_matrices(resolution.order)
+    under = _under_terminals(circuit, pixels, dofs, one, unknown, pattern.size)
+    at_foils = _at_foils(under, inner)
     return System(
         inner=inner,
-        one=_spread(one, unknown, inner),
-        stiffness=pattern.matrix(values),
+        one=_on_fields(one, unknown, inner),
+        at_foils=at_foils,
+        sheets=_sheets(circuit, pixels, pattern, reference),
+        films=_films(circuit, pixels, pattern, reference, under, at_foils),
         pattern=pattern,
-        element_slots=element_slots,
         element_pixel=pixels.pixel,
-        element_area=areas(mesh),
+        element_area=areas(pixels.mesh),
         mass_reference=np.kron(circuit.coupling, reference.mass).reshape(1, -1).astype(float),
     )
 
@@ -127,58 +138,19 @@ def _number(
 def _held(terminal: Terminal, pixels: PixelMesh, dofs: Dofs) -> NDArray[np.int64]:
     if not terminal.contacts:
         return _vertices(dofs)[:1]
-    facets = [pixels.facets(contact) for contact in terminal.contacts if contact.ideal]
-    if not facets:
+    ideal = [contact for contact in terminal.contacts if contact.ideal]
+    return _under(ideal, pixels, dofs)
+
+
+def _under(contacts: list[Contact], pixels: PixelMesh, dofs: Dofs) -> NDArray[np.int64]:
+    """Coefficients of a field that are not zero under some foil."""
+    if not contacts:
         return np.empty(0, dtype=np.int64)
-    return dofs.get_facet_dofs(np.concatenate(facets)).flatten()
+    facets = np.concatenate([pixels.facets(contact) for contact in contacts])
+    return dofs.get_facet_dofs(facets).flatten()
 
 
-@dataclass(frozen=True)
-class _Entries:
-    rows: NDArray[np.int64]
-    columns: NDArray[np.int64]
-    values: NDArray[np.float64]
-
-
-def _films(
-    circuit: Circuit,
-    pixels: PixelMesh,
-    order: int,
-    unknown: NDArray[np.int64],
-    inner: int,
-) -> _Entries:
-    """Entries of K from contact resistance: the energy of (U - V)² / r_c along each foil."""
-    parts = [_Entries(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))]
-    for index, terminal in enumerate(circuit.terminals):
-        for contact in terminal.contacts:
-            if not contact.ideal:
-                facets = pixels.facets(contact)
-                foil = FacetBasis(
-                    pixels.mesh, quadrilateral(order), facets=facets, intorder=2 * order
-                )
-                film = _film(foil, unknown[terminal.field], inner + index)
-                parts.append(_Entries(film.rows, film.columns, film.values / contact.resistance))
-    return _Entries(
-        np.concatenate([part.rows for part in parts]),
-        np.concatenate([part.columns for part in parts]),
-        np.concatenate([part.values for part in parts]),
-    )
-
-
-def _film(foil: FacetBasis, unknown: NDArray[np.int64], terminal: int) -> _Entries:
-    """Entries of the form (U - V)² integrated along a foil, in m."""
-    trace = coo_matrix(BilinearForm(lambda u, v, _: u * v).assemble(foil))
-    weight = np.asarray(LinearForm(lambda v, _: v).assemble(foil))
-    touched = np.flatnonzero(weight)
-    at_terminal = np.full(len(touched), terminal)
-    return _Entries(
-        np.concatenate([unknown[trace.row], unknown[touched], at_terminal, [terminal]]),
-        np.concatenate([unknown[trace.col], at_terminal, unknown[touched], [terminal]]),
-        np.concatenate([trace.data, -weight[touched], -weight[touched], [foil.dx.sum()]]),
-    )
-
-
-def _spread(
+def _on_fields(
     one: NDArray[np.float64], unknown: NDArray[np.int64], inner: int
 ) -> NDArray[np.float64]:
     spread = np.zeros((inner, len(unknown)))
@@ -186,3 +158,78 @@ def _spread(
         is_inner = (indices >= 0) & (indices < inner)
         spread[indices[is_inner], field] = one[is_inner]
     return spread
+
+
+def _under_terminals(
+    circuit: Circuit,
+    pixels: PixelMesh,
+    dofs: Dofs,
+    one: NDArray[np.float64],
+    unknown: NDArray[np.int64],
+    size: int,
+) -> NDArray[np.float64]:
+    """1 V under the resistive foils of each terminal, whosever unknown that is there."""
+    under = np.zeros((size, len(circuit.terminals)))
+    for index, terminal in enumerate(circuit.terminals):
+        resistive = [contact for contact in terminal.contacts if not contact.ideal]
+        coefficients = _under(resistive, pixels, dofs)
+        indices = unknown[terminal.field, coefficients]
+        under[indices[indices != DROPPED], index] = one[coefficients[indices != DROPPED]]
+    return under
+
+
+def _at_foils(under: NDArray[np.float64], inner: int) -> NDArray[np.float64]:
+    """Where foils meet, the sheet is lifted to the first of them; terminals are at their own 1 V."""
+    first = np.cumsum(under != 0, axis=1) == 1
+    at_foils = np.where(first, under, 0.0)
+    at_foils[inner:] = np.eye(under.shape[1])
+    return at_foils
+
+
+def _sheets(
+    circuit: Circuit, pixels: PixelMesh, pattern: Pattern, reference: ReferenceMatrices
+) -> csc_matrix:
+    conductance = np.diag(circuit.conductance)
+    of_fields = np.stack([np.kron(conductance, k).ravel() for k in reference.stiffness])
+    values = np.zeros(len(pattern.indices))
+    fill(values, pattern.slots, stiffness_weights(pixels.mesh), of_fields)
+    return pattern.matrix(values)
+
+
+def _films(
+    circuit: Circuit,
+    pixels: PixelMesh,
+    pattern: Pattern,
+    reference: ReferenceMatrices,
+    under: NDArray[np.float64],
+    at_foils: NDArray[np.float64],
+) -> Films:
+    stiffness = np.zeros(len(pattern.indices))
+    current, conductance = np.zeros_like(at_foils), np.zeros((at_foils.shape[1],) * 2)
+    for index, terminal in enumerate(circuit.terminals):
+        film = _film(terminal, circuit, pixels, pattern, reference)
+        step = at_foils.copy()
+        step[:, index] -= under[:, index]
+        stiffness += film.data
+        current += film @ step
+        conductance += step.T @ (film @ step)
+    return Films(pattern.matrix(stiffness), current, conductance)
+
+
+def _film(
+    terminal: Terminal,
+    circuit: Circuit,
+    pixels: PixelMesh,
+    pattern: Pattern,
+    reference: ReferenceMatrices,
+) -> csc_matrix:
+    """The form of (V - U)² / r_c along the foils of one terminal."""
+    on_field = np.zeros((circuit.fields, circuit.fields))
+    on_field[terminal.field, terminal.field] = 1.0
+    of_fields = np.stack([np.kron(on_field, edge).ravel() for edge in reference.edge_mass])
+    values = np.zeros(len(pattern.indices))
+    for contact in terminal.contacts:
+        if not contact.ideal:
+            element, lengths = pixels.edges(pixels.facets(contact))
+            fill(values, pattern.slots[element], lengths / contact.resistance, of_fields)
+    return pattern.matrix(values)

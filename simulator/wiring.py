@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -12,10 +13,14 @@ if TYPE_CHECKING:
 
 def touch(first: Contact, second: Contact, skin: Skin) -> bool:
     """Whether two foils of one electrode meet end to end: on one edge, or at a corner."""
+    return any(touch_at(end, first, second, skin) for end in first.ends(skin))
+
+
+def touch_at(end: tuple[float, float], first: Contact, second: Contact, skin: Skin) -> bool:
+    """Whether two foils of one electrode meet at that end of the first."""
     near = 1e-9 * max(skin.length, skin.width)
     return first.electrode == second.electrode and any(
-        abs(a[0] - b[0]) <= near and abs(a[1] - b[1]) <= near
-        for a, b in itertools.product(first.ends(skin), second.ends(skin))
+        math.dist(end, other) <= near for other in second.ends(skin)
     )
 
 

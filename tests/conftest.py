@@ -1,0 +1,192 @@
+"""Scenes and presses for tests: built from a few keywords, or drawn at random."""
+
+import math
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from simulator.press import Press, Touch
+from simulator.scene import Scene
+
+settings.register_profile(
+    "reproducible", max_examples=30, deadline=None, derandomize=True, database=None
+)
+settings.register_profile("search", max_examples=1000, deadline=None)
+settings.load_profile("reproducible")
+
+LEFT_PAIR = {"top-left": {}, "bottom-left": {}}
+EDGES = ("left", "right", "bottom", "top")
+WHOLE = [(0.0, 1.0)]
+LAYOUTS = [WHOLE, [(0.2, 0.7)], [(0.5, 1.0)], [(0.0, 0.3), (0.6, 1.0)], [(0.0, 0.5), (0.5, 1.0)]]
+"""Spans of the foils that share one edge; those of the last one touch."""
+
+
+def build_scene(
+    contacts=LEFT_PAIR,
+    interfaces=None,
+    *,
+    length=0.10,
+    width=0.08,
+    top=50e3,
+    bottom=30e3,
+    c=5e-9,
+    loss_tangent=0.0,
+    rows=1,
+    columns=1,
+    frequencies=(1e3, 1e4, 1e5),
+    factor=2.0,
+):
+    """A scene in SI units.
+
+    contacts: further keys by name, ELECTRODE-EDGE with an optional -SUFFIX. interfaces: (high, low)
+    by name, either one contact's name or several; by default the first contact and the second.
+    """
+    return Scene.model_validate(
+        {
+            "name": "scene",
+            "skin": {
+                "length": length,
+                "width": width,
+                "top": {"sheet_resistance": top},
+                "bottom": {"sheet_resistance": bottom},
+                "foam": {"capacitance_per_area": c, "loss_tangent": loss_tangent},
+            },
+            "contact": [_contact(name, more) for name, more in contacts.items()],
+            "interface": [
+                {"name": name, "high": _listed(high), "low": _listed(low)}
+                for name, (high, low) in (interfaces or {"meter": list(contacts)[:2]}).items()
+            ],
+            "pixels": {"rows": rows, "columns": columns},
+            "press": {"capacitance_factor": factor},
+            "sweep": {"frequencies": list(frequencies)},
+        }
+    )
+
+
+def _contact(name, more):
+    electrode, edge = name.split("-")[:2]
+    return {"name": name, "electrode": electrode, "edge": edge, **more}
+
+
+def _listed(names):
+    return [names] if isinstance(names, str) else list(names)
+
+
+def logarithmic(low, high):
+    """Positive numbers of all magnitudes between two."""
+    return st.floats(math.log10(low), math.log10(high)).map(lambda exponent: 10**exponent)
+
+
+@st.composite
+def skins(draw):
+    """Keywords of `build_scene` for a skin and its pixels."""
+    return {
+        "length": draw(st.floats(0.02, 0.2)),
+        "width": draw(st.floats(0.02, 0.2)),
+        "top": draw(logarithmic(1e3, 1e6)),
+        "bottom": draw(logarithmic(1e3, 1e6)),
+        "c": draw(logarithmic(1e-9, 1e-8)),
+        "rows": draw(st.integers(1, 3)),
+        "columns": draw(st.integers(1, 3)),
+    }
+
+
+@st.composite
+def foils(draw, layouts=LAYOUTS, resistances=(0.0, 0.0, 1.0, 300.0)):
+    """(edge and number, further keys) of the foils on one sheet; resistances in ohm m."""
+    edges = draw(st.lists(st.sampled_from(EDGES), unique=True, min_size=1, max_size=2))
+    return {
+        f"{edge}-{number}": {"span": span, "resistance": draw(st.sampled_from(resistances))}
+        for edge in edges
+        for number, span in enumerate(draw(st.sampled_from(layouts)))
+    }
+
+
+def _subset(draw, names, least=1):
+    return draw(st.lists(st.sampled_from(sorted(names)), unique=True, min_size=least))
+
+
+@st.composite
+def scenes_between(draw, layouts=LAYOUTS):
+    """Any foils; the meter between some of the top sheet's and some of the bottom sheet's."""
+    tops = {f"top-{name}": more for name, more in draw(foils(layouts)).items()}
+    bottoms = {f"bottom-{name}": more for name, more in draw(foils(layouts)).items()}
+    interfaces = {"meter": (_subset(draw, tops), _subset(draw, bottoms))}
+    return build_scene({**tops, **bottoms}, interfaces, **draw(skins()))
+
+
+@st.composite
+def scenes_across(draw, layouts=LAYOUTS):
+    """Any foils; the meter between any of them, so that direct current may flow."""
+    contacts = {f"top-{name}": more for name, more in draw(foils(layouts)).items()}
+    if draw(st.booleans()):
+        contacts |= {f"bottom-{name}": more for name, more in draw(foils(layouts)).items()}
+    names = sorted(contacts)
+    high = _subset(draw, names)
+    low = [name for name in names if name not in high and draw(st.booleans())]
+    try:
+        return build_scene(contacts, {"meter": (high, low)}, **draw(skins()))
+    except ValidationError:
+        return None
+
+
+@st.composite
+def scenes_in_pairs(draw, layouts=LAYOUTS):
+    """Both sheets with the same foils, driven in pairs at one or two interfaces."""
+    pairs, skin = draw(foils(layouts)), draw(skins())
+    ratio = skin["bottom"] / skin["top"]
+    contacts = {f"top-{name}": more for name, more in pairs.items()}
+    contacts |= {
+        f"bottom-{name}": {**more, "resistance": ratio * more["resistance"]}
+        for name, more in pairs.items()
+    }
+    interfaces = {
+        number: [[f"{sheet}-{name}" for name in driven] for sheet in ("top", "bottom")]
+        for number, driven in zip("12", [_subset(draw, pairs), _subset(draw, pairs)], strict=True)
+    }
+    return build_scene(contacts, interfaces, **skin)
+
+
+@st.composite
+def presses(draw, scene, columns=False):
+    """Touches of any strength on some pixels, or on whole columns."""
+    pixels = [
+        (i, j)
+        for i in range(1, 2 if columns else scene.pixels.rows + 1)
+        for j in range(1, scene.pixels.columns + 1)
+    ]
+    factors = {
+        pixel: draw(st.floats(0.3, 10))
+        for pixel in draw(st.lists(st.sampled_from(pixels), unique=True, max_size=4))
+    }
+    rows = range(1, scene.pixels.rows + 1)
+    return Press(
+        tuple(
+            sorted(
+                Touch(row, j, factor)
+                for (i, j), factor in factors.items()
+                for row in (rows if columns else [i])
+            )
+        )
+    )
+
+
+@pytest.fixture(scope="session")
+def make_scene():
+    """A function that builds a scene from a few keywords."""
+    return build_scene
+
+
+@pytest.fixture(scope="session")
+def random():
+    """Hypothesis strategies of scenes and presses."""
+    return SimpleNamespace(
+        between=scenes_between,
+        across=lambda: scenes_across().filter(lambda scene: scene is not None),
+        in_pairs=scenes_in_pairs,
+        presses=presses,
+        logarithmic=logarithmic,
+    )

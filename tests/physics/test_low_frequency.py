@@ -1,0 +1,89 @@
+"""Low frequency: Rs(0) = integral of r (Q(x)/Q(0))² dx and Cp(0) = total capacitance."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from simulator.circuit import one_field, two_fields
+from simulator.foam import capacitance_map
+from simulator.line import Line
+from simulator.lumped import Lumped
+from simulator.mesh import Resolution
+from simulator.press import Press, Touch
+from simulator.scene_file import load_scene
+from simulator.sheet import Sheet
+from simulator.sweeps import parallel_capacitance
+
+MILLIHERTZ = np.array([1e-3])
+COARSE = Resolution(order=4)
+
+
+def Rs_at_zero(R, C):
+    """The integral for segments of total R and C, from the fed end on; it is exact."""
+    Q = np.append(np.cumsum(C[::-1])[::-1], 0.0)
+    return np.sum(R / 3 * (Q[:-1] ** 2 + Q[:-1] * Q[1:] + Q[1:] ** 2)) / Q[0] ** 2
+
+
+def models(scene):
+    """Every model that applies to a line."""
+    one, two = one_field(scene), two_fields(scene)
+    return [
+        Line(scene),
+        *(Sheet(scene, circuit, COARSE) for circuit in (one, two)),
+        *(Lumped(scene, circuit, COARSE) for circuit in (one, two)),
+    ]
+
+
+@given(data=st.data())
+def test_Rs_of_a_line_tells_where_it_is_pressed(make_scene, random, data):
+    scene = make_scene(columns=data.draw(st.integers(1, 6)))
+    press, skin = data.draw(random.presses(scene)), scene.skin
+    C = capacitance_map(scene, press)[0] * skin.length * skin.width / scene.pixels.columns
+    sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
+    expected = Rs_at_zero(sheets * skin.length / skin.width / len(C), C)
+    for model in models(scene):
+        Z = model.impedance(press, MILLIHERTZ)[0]
+        assert Z.real == pytest.approx(expected, rel=1e-9)
+        assert parallel_capacitance(Z, MILLIHERTZ) == pytest.approx(C.sum(), rel=1e-12)
+
+
+def test_five_pixels_of_the_strip():
+    """50 kohm/mm over 100 mm: Rs in Mohm unpressed and with each pixel doubled."""
+    scene = load_scene("strip-1x5")
+    presses = [Press(), *(Press((Touch(1, column, 2.0),)) for column in range(1, 6))]
+    for model in models(scene):
+        Rs = [model.impedance(press, MILLIHERTZ)[0, 0].real / 1e6 for press in presses]
+        assert np.round(Rs, 4).tolist() == [1.6667, 1.2963, 1.5463, 1.7407, 1.8796, 1.9630]
+
+
+@pytest.mark.parametrize("size", [(0.1, 0.1), (0.05, 0.12)])
+def test_crossed_feed(make_scene, size):
+    """Uniform charging needs R_t L/(3 W) + R_b W/(3 L); on a square (R_t + R_b)/3."""
+    L, W = size
+    scene = make_scene({"top-left": {}, "bottom-bottom": {}}, length=L, width=W)
+    skin = scene.skin
+    expected = skin.top.sheet_resistance * L / (3 * W) + skin.bottom.sheet_resistance * W / (3 * L)
+    for model in (Sheet, Lumped):
+        Z = model(scene, two_fields(scene), COARSE).impedance(Press(), MILLIHERTZ)
+        assert Z.real == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "Rs"), [("sheet-5x5", 33.3e3), ("sheet-5x5-two-interfaces", 20.9e3)]
+)
+def test_floating_foils_on_the_next_edge_lower_Rs(name, Rs):
+    """Two sheets of 50 kohm/sq; the second scene has foils on the bottom edge too."""
+    scene = load_scene(name)
+    left = Lumped(scene, one_field(scene), Resolution(order=4, layers=6)).series(Press())[0]
+    assert round(left.R, -2) == Rs
+
+
+@given(data=st.data())
+def test_Cp_is_the_total_capacitance_on_any_skin(random, data):
+    scene = data.draw(random.between())
+    press, skin = data.draw(random.presses(scene)), scene.skin
+    total = capacitance_map(scene, press).mean() * skin.length * skin.width
+    sheet = Sheet(scene, two_fields(scene), Resolution(order=2))
+    Cp = parallel_capacitance(sheet.impedance(press, MILLIHERTZ), MILLIHERTZ)
+    assert Cp == pytest.approx(total, rel=1e-12)

@@ -1,0 +1,59 @@
+"""One R and one C: what they leave out stays within the bounds they state."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from simulator.circuit import one_field, two_fields
+from simulator.line import Line
+from simulator.lumped import Lumped
+from simulator.mesh import Resolution
+from simulator.press import Press
+from simulator.sheet import Sheet
+from simulator.sweeps import InputError, parallel_capacitance
+
+ROUNDING = 1e-9
+
+
+def assert_bounded(lumped, exact, press, frequency):
+    Z, true_Z = lumped.impedance(press, frequency), exact.impedance(press, frequency)
+    Rs_bound, Cp_bound = lumped.bounds(press, frequency)
+    Cp, true_Cp = (parallel_capacitance(each, frequency) for each in (Z, true_Z))
+    assert (np.abs(Z.real - true_Z.real) <= Rs_bound + ROUNDING * true_Z.real).all()
+    assert (np.abs(Cp - true_Cp) <= Cp_bound + ROUNDING * true_Cp).all()
+
+
+@given(data=st.data(), loss_tangent=st.sampled_from([0.0, 0.0, 0.05, 1.0]))
+def test_bounds_against_the_line(make_scene, random, frequency_at, data, loss_tangent):
+    scene = make_scene(columns=data.draw(st.integers(1, 5)), loss_tangent=loss_tangent)
+    press = data.draw(random.presses(scene))
+    frequency = frequency_at(scene, data.draw(random.logarithmic(1e-6, 1e4)))
+    assert_bounded(Lumped(scene, one_field(scene)), Line(scene), press, frequency)
+
+
+@given(data=st.data())
+def test_bounds_against_the_sheet_of_the_same_mesh(random, frequency_at, data):
+    """The truncation alone: both are discretised alike."""
+    scene = data.draw(random.between())
+    press = data.draw(random.presses(scene))
+    frequency = frequency_at(scene, data.draw(random.logarithmic(1e-6, 1e4)))
+    circuit, resolution = two_fields(scene), Resolution(order=3)
+    lumped, sheet = (model(scene, circuit, resolution) for model in (Lumped, Sheet))
+    assert_bounded(lumped, sheet, press, frequency)
+
+
+def test_bounds_are_sharp_at_low_frequency(make_scene, frequency_at):
+    scene = make_scene()
+    lumped, frequency = Lumped(scene, one_field(scene)), frequency_at(scene, 1e-2)
+    Z, true_Z = (model.impedance(Press(), frequency) for model in (lumped, Line(scene)))
+    Rs_bound, Cp_bound = lumped.bounds(Press(), frequency)
+    Cp, true_Cp = (parallel_capacitance(each, frequency) for each in (Z, true_Z))
+    np.testing.assert_allclose(Z.real - true_Z.real, Rs_bound, rtol=1e-4)
+    np.testing.assert_allclose(Cp - true_Cp, Cp_bound, rtol=1e-4)
+
+
+def test_a_resistor_is_no_capacitor(make_scene):
+    scene = make_scene({"top-left": {}, "top-right": {}})
+    with pytest.raises(InputError, match="both driven"):
+        Lumped(scene, two_fields(scene)).series(Press())

@@ -1,0 +1,53 @@
+"""Sheets fed in pairs: the difference of their potentials alone gives the same Z."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from simulator.circuit import one_field, two_fields
+from simulator.mesh import Resolution
+from simulator.sheet import Sheet
+
+U = np.geomspace(1e-6, 1e3, 4)
+
+
+@given(data=st.data())
+def test_same_impedance_as_two_fields(random, frequency_at, data):
+    scene = data.draw(random.in_pairs())
+    press, frequency = data.draw(random.presses(scene)), frequency_at(scene, U)
+    one, two = (
+        Sheet(scene, circuit(scene), Resolution(order=3)).impedance(press, frequency)
+        for circuit in (one_field, two_fields)
+    )
+    np.testing.assert_allclose(one.view(float), two.view(float), rtol=1e-9)
+
+
+PAIRS = {f"{sheet}-{edge}": {} for edge in ("left", "right") for sheet in ("top", "bottom")}
+
+
+@pytest.mark.parametrize(
+    ("why", "contacts", "interface"),
+    [
+        ("opposite", {"top-left": {}, "bottom-right": {}}, None),
+        ("crossed", {"top-left": {}, "bottom-bottom": {}}, None),
+        ("other spans", {"top-left": {"span": (0, 0.5)}, "bottom-left": {}}, None),
+        ("a foil on one sheet only", {"top-left": {}, "bottom-left": {}, "top-right": {}}, None),
+        ("resistance on one sheet only", {"top-left": {"resistance": 1}, "bottom-left": {}}, None),
+        (
+            "resistances unlike the sheets",
+            {"top-left": {"resistance": 1.0}, "bottom-left": {"resistance": 1.0}},
+            None,
+        ),
+        ("halves of different pairs", PAIRS, ("top-left", "bottom-right")),
+        ("half a pair more", PAIRS, (["top-left", "top-right"], "bottom-left")),
+        ("one sheet", PAIRS, ("top-left", "top-right")),
+    ],
+)
+def test_one_field_is_not_offered(make_scene, why, contacts, interface):
+    scene = make_scene(contacts, interface and {"meter": interface}, top=50e3, bottom=30e3)
+    assert one_field(scene) is None, why
+
+
+def test_one_field_is_offered_whatever_the_polarity(make_scene):
+    assert one_field(make_scene(PAIRS, {"meter": ("bottom-left", "top-left")})) is not None

@@ -1,0 +1,31 @@
+"""Any press on any skin is a passive RC network, on any mesh."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from simulator.circuit import two_fields
+from simulator.mesh import Resolution
+from simulator.sheet import Sheet
+from simulator.sweeps import UNPRESSED, build, violations
+
+U = np.geomspace(1e-8, 1e4, 25)
+
+
+def sweeps(scene, press, frequency):
+    Z = Sheet(scene, two_fields(scene), Resolution(order=2)).impedance(press, frequency)
+    return build(Z[None], frequency, interface=["meter"], press=[UNPRESSED], row=[0], column=[0])
+
+
+@given(data=st.data())
+def test_between_the_sheets(random, frequency_at, data):
+    scene = data.draw(random.between())
+    press = data.draw(random.presses(scene))
+    assert violations(sweeps(scene, press, frequency_at(scene, U))) == []
+
+
+@given(data=st.data())
+def test_between_any_foils(random, frequency_at, data):
+    scene = data.draw(random.across())
+    press = data.draw(random.presses(scene))
+    assert violations(sweeps(scene, press, frequency_at(scene, U))) == []
