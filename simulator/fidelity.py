@@ -19,6 +19,7 @@ from simulator.frequency import penetration_depth
 from simulator.line import ROUNDING, Line
 from simulator.lumped import Lumped
 from simulator.mesh import Resolution, singular_ends
+from simulator.model import Model
 from simulator.press import Press
 from simulator.scene import Scene
 from simulator.sheet import Sheet
@@ -119,7 +120,7 @@ class Solver:
         return answer
 
     def _line(self, press: Press) -> Answer:
-        Z = Line(self.scene).impedance(press, self.scene.frequencies)
+        Z = self._impedance(Line(self.scene), press)
         Cp = parallel_capacitance(Z, self.scene.frequencies)
         return Answer(Z, ROUNDING * np.abs(Z.real), ROUNDING * np.abs(Cp), "exact line")
 
@@ -137,9 +138,8 @@ class Solver:
         return Lumped(self.scene, self._circuit, coarse), Lumped(self.scene, self._circuit, fine)
 
     def _lumped_answer(self, press: Press) -> Answer:
-        frequency = self.scene.frequencies
-        coarse, fine = (model.impedance(press, frequency) for model in self._lumped_models)
-        Rs_bound, Cp_bound = self._lumped_models[1].bounds(press, frequency)
+        coarse, fine = (self._impedance(model, press) for model in self._lumped_models)
+        Rs_bound, Cp_bound = self._lumped_models[1].bounds(press, self.scene.frequencies)
         resolved = self._difference(coarse, fine, "one R and one C")
         return replace(
             resolved,
@@ -148,10 +148,10 @@ class Solver:
         )
 
     def _sheet(self, press: Press) -> Answer:
-        coarse = self._sheet_at(self._level - 1).impedance(press, self.scene.frequencies)
+        coarse = self._impedance(self._sheet_at(self._level - 1), press)
         while True:
             sheet = self._sheet_at(self._level)
-            fine = sheet.impedance(press, self.scene.frequencies)
+            fine = self._impedance(sheet, press)
             fields = ("one field", "two fields")[self._circuit.fields - 1]
             told = f"2-D elements, {fields}, {sheet.resolution}, {sheet.unknowns} unknowns"
             try:
@@ -161,6 +161,9 @@ class Solver:
                     raise
             self._level += 1
             coarse = fine
+
+    def _impedance(self, model: Model, press: Press) -> NDArray[np.complex128]:
+        return model.impedance(press, self.scene.frequencies)
 
     def _difference(
         self, coarse: NDArray[np.complex128], fine: NDArray[np.complex128], model: str

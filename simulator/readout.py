@@ -60,5 +60,5 @@ def read_out(
         column=list(sweeps["column"].values),
         session=[session] * sweeps.sizes["sweep"],
         Cp=Cp,
-        attributes=sweeps.attrs,
+        attributes={**sweeps.attrs, "readout": readout.model_dump_json()},
     )

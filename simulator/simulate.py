@@ -45,7 +45,7 @@ def gather(solver: Solver, answered: Iterable[tuple[Press, Answer]]) -> xr.Datas
             "scene": scene_text(solver.scene),
             "model": "; ".join(dict.fromkeys(answer.model for answer in answers)),
             "rtol": solver.rtol,
-            "seed": "none: noise-free",
+            "seed": solver.scene.experiment.seed,
             "software": f"rcskin {version('rcskin')}",
         },
     )

@@ -179,7 +179,7 @@ def _under_terminals(
 
 
 def _at_foils(under: NDArray[np.float64], inner: int) -> NDArray[np.float64]:
-    """Where foils meet, the sheet is lifted to the first of them; terminals are at their own 1 V."""
+    """Where foils meet the sheet is lifted to the first of them; terminals are at their own 1 V."""
     first = np.cumsum(under != 0, axis=1) == 1
     at_foils = np.where(first, under, 0.0)
     at_foils[inner:] = np.eye(under.shape[1])
