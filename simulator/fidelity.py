@@ -1,7 +1,7 @@
 """The cheapest rung of the ladder that keeps the asked tolerance of Rs and Cp, and why.
 
 Rungs: the exact line, one R and one C, two-dimensional elements for one field or for two. Elements
-are refined until two resolutions agree; their difference is the error estimate of the finer one.
+are refined until three resolutions agree; how fast they do is the error estimate of the finest.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.circuit import Circuit, one_field, two_fields
+from simulator.estimate import ROUNDING, remaining_error
 from simulator.frequency import penetration_depth
-from simulator.line import ROUNDING, Line
+from simulator.line import Line
 from simulator.lumped import Lumped
 from simulator.mesh import Resolution, singular_ends
 from simulator.model import Model
@@ -27,8 +28,20 @@ from simulator.sweeps import InputError, ToleranceError, parallel_capacitance
 
 ModelName = Literal["auto", "lumped", "line", "sheet"]
 DEFAULT_RTOL = 1e-4
-SMOOTH_LADDER = [(2, 1), (3, 1), (4, 1), (5, 1), (6, 1), (8, 1), (10, 1), (8, 2), (10, 2), (10, 3)]
-SINGULAR_LADDER = [(2, 1), (3, 1), (4, 1), (5, 1), (6, 1), (7, 1), (8, 1)]
+SMOOTH_LADDER = [
+    (1, 1),
+    (2, 1),
+    (3, 1),
+    (4, 1),
+    (5, 1),
+    (6, 1),
+    (8, 1),
+    (10, 1),
+    (8, 2),
+    (10, 2),
+    (10, 3),
+]
+SINGULAR_LADDER = [(order, 1) for order in range(1, 9)]
 
 
 def checked_model(name: str) -> ModelName:
@@ -62,7 +75,7 @@ class Solver:
         if not (np.isfinite(rtol) and rtol > 0):
             raise InputError(f"`rtol` must be finite and > 0, got {rtol}")
         self.scene, self.rtol, self.model = scene, rtol, model
-        self._level = 1
+        self._level = 2
         self._sheets: dict[int, Sheet] = {}
 
     def solve(self, press: Press) -> Answer:
@@ -133,14 +146,13 @@ class Solver:
         return self._lumped_answer(Press())
 
     @cached_property
-    def _lumped_models(self) -> tuple[Lumped, Lumped]:
-        coarse, fine = self._ladder[1:3]
-        return Lumped(self.scene, self._circuit, coarse), Lumped(self.scene, self._circuit, fine)
+    def _lumped_models(self) -> list[Lumped]:
+        return [Lumped(self.scene, self._circuit, each) for each in self._ladder[1:4]]
 
     def _lumped_answer(self, press: Press) -> Answer:
-        coarse, fine = (self._impedance(model, press) for model in self._lumped_models)
-        Rs_bound, Cp_bound = self._lumped_models[1].bounds(press, self.scene.frequencies)
-        resolved = self._difference(coarse, fine, "one R and one C")
+        Z = [self._impedance(model, press) for model in self._lumped_models]
+        Rs_bound, Cp_bound = self._lumped_models[-1].bounds(press, self.scene.frequencies)
+        resolved = self._resolved(*Z, model="one R and one C")
         return replace(
             resolved,
             Rs_error=resolved.Rs_error + Rs_bound,
@@ -148,34 +160,35 @@ class Solver:
         )
 
     def _sheet(self, press: Press) -> Answer:
-        coarse = self._impedance(self._sheet_at(self._level - 1), press)
+        Z = [self._impedance(self._sheet_at(self._level - back), press) for back in (2, 1)]
         while True:
             sheet = self._sheet_at(self._level)
-            fine = self._impedance(sheet, press)
+            Z.append(self._impedance(sheet, press))
             fields = ("one field", "two fields")[self._circuit.fields - 1]
             told = f"2-D elements, {fields}, {sheet.resolution}, {sheet.unknowns} unknowns"
             try:
-                return self._kept(self._difference(coarse, fine, told))
+                return self._kept(self._resolved(Z[-3], Z[-2], Z[-1], told))
             except ToleranceError:
                 if self._level + 1 == len(self._ladder):
                     raise
             self._level += 1
-            coarse = fine
 
     def _impedance(self, model: Model, press: Press) -> NDArray[np.complex128]:
         return model.impedance(press, self.scene.frequencies)
 
-    def _difference(
-        self, coarse: NDArray[np.complex128], fine: NDArray[np.complex128], model: str
+    def _resolved(
+        self,
+        coarser: NDArray[np.complex128],
+        coarse: NDArray[np.complex128],
+        fine: NDArray[np.complex128],
+        model: str,
     ) -> Answer:
-        """The finer impedance, with what separates it from the coarser one as its error."""
-        Cp_coarse, Cp_fine = (
-            parallel_capacitance(Z, self.scene.frequencies) for Z in (coarse, fine)
-        )
+        """The finest of three impedances, with the errors that their differences let expect."""
+        Z = (coarser, coarse, fine)
         return Answer(
             fine,
-            np.abs(fine.real - coarse.real) + ROUNDING * np.abs(fine.real),
-            np.abs(Cp_fine - Cp_coarse) + ROUNDING * np.abs(Cp_fine),
+            remaining_error(*(each.real for each in Z)),
+            remaining_error(*(parallel_capacitance(each, self.scene.frequencies) for each in Z)),
             model,
         )
 

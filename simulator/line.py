@@ -17,12 +17,11 @@ from simulator.press import Press
 from simulator.scene import Scene
 from simulator.sweeps import InputError
 
-ROUNDING = 1e-12
 LEVELS_OF_FRACTION = 12
 
 
 class Line:
-    """A scene that is a line; its impedance is exact to rounding (ROUNDING, relative)."""
+    """A scene that is a line; its impedance is exact to rounding."""
 
     def __init__(self, scene: Scene) -> None:
         """Raises InputError, saying why, where the scene is no line."""

@@ -1,0 +1,27 @@
+"""How far a converging sequence still is from its limit."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+ROUNDING = 1e-12
+SLOWEST_RATE = 0.9
+SAFETY = 2.0
+
+
+def remaining_error(
+    coarser: NDArray[np.float64], coarse: NDArray[np.float64], fine: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Estimated error of the finest of three results of increasing resolution, shape of each.
+
+    Differences d that shrink by a rate r leave d r / (1 - r) to come, and no less than SAFETY d is
+    claimed: orders converge fast until a weak singularity takes over, and then slowly. The rate is
+    that of the largest relative differences, and holds everywhere: a difference that happens to
+    vanish at one frequency is no accuracy there.
+    """
+    scale = np.abs(fine) + np.finfo(float).tiny
+    last, before = np.abs(fine - coarse), np.abs(coarse - coarser)
+    rate = float((last / scale).max() / max((before / scale).max(), ROUNDING))
+    to_come = max(SAFETY, rate / (1 - rate)) if rate < SLOWEST_RATE else 1 / (1 - SLOWEST_RATE)
+    return to_come * np.maximum(last, min(rate, 1.0) * before) + ROUNDING * np.abs(fine)
