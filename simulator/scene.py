@@ -10,6 +10,7 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -19,7 +20,7 @@ from pydantic import (
 )
 
 from simulator.press import Press, Touch
-from simulator.validation import above_zero, at_least_zero, one_line
+from simulator.validation import above_zero, at_least_zero, one_line, whole_within_rounding
 from simulator.wiring import check_wiring
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
@@ -28,7 +29,7 @@ Metre = Annotated[float, above_zero("m")]
 Hertz = Annotated[float, above_zero("Hz")]
 Relative = Annotated[float, at_least_zero("of |Z|")]
 Radian = Annotated[float, at_least_zero("rad")]
-Fraction = Annotated[float, Field(ge=0, le=1)]
+Fraction = Annotated[float, Field(ge=0, le=1), AfterValidator(whole_within_rounding)]
 Name = Annotated[str, Field(min_length=1)]
 Electrode = Literal["top", "bottom"]
 Edge = Literal["left", "right", "bottom", "top"]

@@ -32,6 +32,11 @@ def at_least_zero(unit: str) -> AfterValidator:
     return AfterValidator(validate)
 
 
+def whole_within_rounding(fraction: float) -> float:
+    """0 or 1 for a fraction that misses them by no more than rounding does, such as 10 x 0.1."""
+    return float(round(fraction)) if abs(fraction - round(fraction)) < 1e-9 else fraction
+
+
 def one_line(error: ValidationError) -> str:
     """The first problem that pydantic found, as one line: key, what is allowed, what was given."""
     problems = error.errors(include_url=False)
