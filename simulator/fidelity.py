@@ -28,6 +28,7 @@ from simulator.sweeps import InputError, ToleranceError, parallel_capacitance
 
 ModelName = Literal["auto", "lumped", "line", "sheet"]
 DEFAULT_RTOL = 1e-4
+LOST_SUSCEPTANCE = 1e-9
 SMOOTH_LADDER = [
     (1, 1),
     (2, 1),
@@ -101,9 +102,15 @@ class Solver:
         raise AssertionError("the last rung answers or raises")
 
     def relative_errors(self, answer: Answer) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Estimated errors of Rs and Cp as fractions of their values."""
-        Cp = parallel_capacitance(answer.Z, self.scene.frequencies)
-        return answer.Rs_error / np.abs(answer.Z.real), answer.Cp_error / np.abs(Cp)
+        """Estimated errors of Rs and Cp as fractions of their values.
+
+        A susceptance below LOST_SUSCEPTANCE of |Y| is rounding; its error is told as a fraction of
+        that: between foils of one sheet Cp may be nothing at all.
+        """
+        frequency = self.scene.frequencies
+        Cp = np.abs(parallel_capacitance(answer.Z, frequency))
+        lost = LOST_SUSCEPTANCE / np.abs(answer.Z) / (2 * np.pi * frequency)
+        return answer.Rs_error / np.abs(answer.Z.real), answer.Cp_error / np.maximum(Cp, lost)
 
     def explain(self, press: Press, answer: Answer) -> str:
         """What answered a press, how far off it is by its own estimate, and what was rejected."""
@@ -210,7 +217,8 @@ def ladder(scene: Scene, circuit: Circuit) -> list[Resolution]:
     """Resolutions of increasing accuracy: by order, graded towards singular ends of foils.
 
     One layer more than the order leaves the error to the order, not to the tip of the foil. Next
-    to contacted edges the cells are as fine as the field's layer at the highest frequency.
+    to contacted edges the cells are as fine as the field's layer at the highest frequency. No
+    element spans the whole skin, which a plane of symmetry would halve: orders there come in pairs.
     """
     contacts = [contact for terminal in circuit.terminals for contact in terminal.contacts]
     singular = bool(singular_ends(contacts, scene.skin))
@@ -220,7 +228,8 @@ def ladder(scene: Scene, circuit: Circuit) -> list[Resolution]:
         skin.top.sheet_resistance + skin.bottom.sheet_resistance,
         skin.foam.rest_capacitance_per_area * max(1.0, scene.press.capacitance_factor),
     )
+    fewest = 2 if 1 in (scene.pixels.rows, scene.pixels.columns) else 1
     return [
-        Resolution(order, cells, order + 1 if singular else 0, layer)
+        Resolution(order, max(cells, fewest), order + 1 if singular else 0, layer)
         for order, cells in (SINGULAR_LADDER if singular else SMOOTH_LADDER)
     ]

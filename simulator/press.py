@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from simulator.sweeps import UNPRESSED, InputError
 
 SYNTAX = "ROW,COLUMN[:FACTOR], touches joined by '+', or 'none'"
-TOUCH = re.compile(r"\s*(\d+)\s*,\s*(\d+)\s*(?::\s*([^+]+?)\s*)?")
+JOINT = re.compile(r"(?<!\de)\+", re.IGNORECASE)
+TOUCH = re.compile(r"\s*(\d+)\s*,\s*(\d+)\s*(?::\s*(.+?)\s*)?")
 
 
 @dataclass(frozen=True, order=True)
@@ -49,7 +50,7 @@ def parse_press(text: str, default_factor: float) -> Press:
     """
     if text.strip() in (UNPRESSED, "0,0"):
         return Press()
-    touches = tuple(sorted(_parse_touch(part, text, default_factor) for part in text.split("+")))
+    touches = tuple(sorted(_parse_touch(part, text, default_factor) for part in JOINT.split(text)))
     pixels = [(touch.row, touch.column) for touch in touches]
     if len(set(pixels)) < len(pixels):
         raise InputError(f"press {text!r}: a pixel is named twice")

@@ -1,5 +1,6 @@
 """Scenes and presses for tests: built from a few keywords, or drawn at random."""
 
+import itertools
 import math
 from types import SimpleNamespace
 
@@ -14,7 +15,7 @@ from simulator.scene import Scene
 settings.register_profile(
     "reproducible", max_examples=30, deadline=None, derandomize=True, database=None
 )
-settings.register_profile("search", max_examples=1000, deadline=None)
+settings.register_profile("search", max_examples=400, deadline=None)
 settings.load_profile("reproducible")
 
 LEFT_PAIR = {"top-left": {}, "bottom-left": {}}
@@ -22,6 +23,8 @@ EDGES = ("left", "right", "bottom", "top")
 WHOLE = [(0.0, 1.0)]
 LAYOUTS = [WHOLE, [(0.2, 0.7)], [(0.5, 1.0)], [(0.0, 0.3), (0.6, 1.0)], [(0.0, 0.5), (0.5, 1.0)]]
 """Spans of the foils that share one edge; those of the last one touch."""
+RESISTANCES = (0.0, 0.0, 1.0, 300.0)
+"""Of contacts, ohm m."""
 
 
 def build_scene(
@@ -95,7 +98,7 @@ def skins(draw):
 
 
 @st.composite
-def foils(draw, layouts=LAYOUTS, resistances=(0.0, 0.0, 1.0, 300.0)):
+def foils(draw, layouts=LAYOUTS, resistances=RESISTANCES):
     """(edge and number, further keys) of the foils on one sheet; resistances in ohm m."""
     edges = draw(st.lists(st.sampled_from(EDGES), unique=True, min_size=1, max_size=2))
     return {
@@ -105,27 +108,28 @@ def foils(draw, layouts=LAYOUTS, resistances=(0.0, 0.0, 1.0, 300.0)):
     }
 
 
-def _subset(draw, names, least=1):
-    return draw(st.lists(st.sampled_from(sorted(names)), unique=True, min_size=least))
+def _some(draw, names):
+    return draw(st.lists(st.sampled_from(sorted(names)), unique=True, min_size=1))
 
 
 @st.composite
-def scenes_between(draw, layouts=LAYOUTS):
+def scenes_between(draw, layouts=LAYOUTS, resistances=RESISTANCES):
     """Any foils; the meter between some of the top sheet's and some of the bottom sheet's."""
-    tops = {f"top-{name}": more for name, more in draw(foils(layouts)).items()}
-    bottoms = {f"bottom-{name}": more for name, more in draw(foils(layouts)).items()}
-    interfaces = {"meter": (_subset(draw, tops), _subset(draw, bottoms))}
+    any_foils = foils(layouts, resistances)
+    tops = {f"top-{name}": more for name, more in draw(any_foils).items()}
+    bottoms = {f"bottom-{name}": more for name, more in draw(any_foils).items()}
+    interfaces = {"meter": (_some(draw, tops), _some(draw, bottoms))}
     return build_scene({**tops, **bottoms}, interfaces, **draw(skins()))
 
 
 @st.composite
-def scenes_across(draw, layouts=LAYOUTS):
+def scenes_across(draw):
     """Any foils; the meter between any of them, so that direct current may flow."""
-    contacts = {f"top-{name}": more for name, more in draw(foils(layouts)).items()}
+    contacts = {f"top-{name}": more for name, more in draw(foils()).items()}
     if draw(st.booleans()):
-        contacts |= {f"bottom-{name}": more for name, more in draw(foils(layouts)).items()}
+        contacts |= {f"bottom-{name}": more for name, more in draw(foils()).items()}
     names = sorted(contacts)
-    high = _subset(draw, names)
+    high = _some(draw, names)
     low = [name for name in names if name not in high and draw(st.booleans())]
     try:
         return build_scene(contacts, {"meter": (high, low)}, **draw(skins()))
@@ -134,9 +138,9 @@ def scenes_across(draw, layouts=LAYOUTS):
 
 
 @st.composite
-def scenes_in_pairs(draw, layouts=LAYOUTS):
+def scenes_in_pairs(draw):
     """Both sheets with the same foils, driven in pairs at one or two interfaces."""
-    pairs, skin = draw(foils(layouts)), draw(skins())
+    pairs, skin = draw(foils()), draw(skins())
     ratio = skin["bottom"] / skin["top"]
     contacts = {f"top-{name}": more for name, more in pairs.items()}
     contacts |= {
@@ -145,33 +149,17 @@ def scenes_in_pairs(draw, layouts=LAYOUTS):
     }
     interfaces = {
         number: [[f"{sheet}-{name}" for name in driven] for sheet in ("top", "bottom")]
-        for number, driven in zip("12", [_subset(draw, pairs), _subset(draw, pairs)], strict=True)
+        for number, driven in zip("12", [_some(draw, pairs), _some(draw, pairs)], strict=True)
     }
     return build_scene(contacts, interfaces, **skin)
 
 
 @st.composite
-def presses(draw, scene, columns=False):
-    """Touches of any strength on some pixels, or on whole columns."""
-    pixels = [
-        (i, j)
-        for i in range(1, 2 if columns else scene.pixels.rows + 1)
-        for j in range(1, scene.pixels.columns + 1)
-    ]
-    factors = {
-        pixel: draw(st.floats(0.3, 10))
-        for pixel in draw(st.lists(st.sampled_from(pixels), unique=True, max_size=4))
-    }
-    rows = range(1, scene.pixels.rows + 1)
-    return Press(
-        tuple(
-            sorted(
-                Touch(row, j, factor)
-                for (i, j), factor in factors.items()
-                for row in (rows if columns else [i])
-            )
-        )
-    )
+def presses(draw, scene):
+    """Touches of any strength on up to four pixels."""
+    pixels = [*itertools.product(range(scene.pixels.rows), range(scene.pixels.columns))]
+    pressed = draw(st.lists(st.sampled_from(pixels), unique=True, max_size=4))
+    return Press(tuple(Touch(i + 1, j + 1, draw(st.floats(0.3, 10))) for i, j in sorted(pressed)))
 
 
 @pytest.fixture(scope="session")

@@ -72,12 +72,23 @@ def read_csv(path: Path) -> xr.Dataset:
 
 
 def _text(path: Path) -> pd.DataFrame:
+    """All cells as text, indexed by the line of the file they stand on."""
     import pandas as pd
 
     try:
-        table = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8-sig")
+        cells = pd.read_csv(
+            path,
+            header=None,
+            dtype=str,
+            keep_default_na=False,
+            skip_blank_lines=False,
+            encoding="utf-8-sig",
+        ).fillna("")
     except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: not a CSV of sweeps: {' '.join(str(error).split())}") from error
+    cells.index += 1
+    cells = cells[(cells != "").any(axis=1)]
+    table = cells.iloc[1:].set_axis([name.strip() for name in cells.iloc[0]], axis=1)
     absent = [name for name in ("frequency_Hz", "Rs_ohm") if name not in table]
     if not {"X_ohm", "Cp_F"} & set(table):
         absent.append("X_ohm` or `Cp_F")
@@ -93,18 +104,20 @@ def _numbers(path: Path, table: pd.DataFrame) -> pd.DataFrame:
 
     numeric = [name for name in HEADER if name in table and name not in ("press", "interface")]
     in_order_of_appearance = pd.Categorical(table["interface"], table["interface"].unique())
+    lines = list(table.index)
     return table.assign(
         interface=in_order_of_appearance,
-        **{name: _finite(path, name, list(table[name])) for name in numeric},
+        **{name: _finite(path, name, list(table[name]), lines) for name in numeric},
     )
 
 
-def _finite(path: Path, name: str, column: list[str]) -> np.ndarray:
+def _finite(path: Path, name: str, column: list[str], lines: list[int]) -> np.ndarray:
     values = np.array([_float(text) for text in column])
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
         raise InputError(
-            f"{path}: line {bad[0] + 2}: `{name}` must be a finite number, got {column[bad[0]]!r}"
+            f"{path}: line {lines[bad[0]]}: `{name}` must be a finite number, "
+            f"got {column[bad[0]]!r}"
         )
     return values
 

@@ -56,7 +56,7 @@ def build(
     import xarray as xr
 
     Z = np.asarray(Z, dtype=np.complex128)
-    frequency = np.asarray(frequency, dtype=np.float64)
+    frequency = _checked_frequency(np.asarray(frequency, dtype=np.float64))
     if Z.ndim != 3 or Z.shape[1:] != (len(interface), frequency.size):
         raise InputError(
             f"impedance must have shape (sweep, {len(interface)}, {frequency.size}), got {Z.shape}"
@@ -102,12 +102,16 @@ def check(sweeps: xr.Dataset) -> xr.Dataset:
             raise InputError(f"`{name}` must have dimensions {DIMENSIONS}, got {sweeps[name].dims}")
         if not np.isfinite(sweeps[name].values).all():
             raise InputError(f"`{name}` must be finite everywhere")
-    frequency = sweeps["frequency"].values
+    _checked_frequency(sweeps["frequency"].values)
+    return sweeps
+
+
+def _checked_frequency(frequency: NDArray[np.float64]) -> NDArray[np.float64]:
     if not (np.isfinite(frequency).all() and (frequency > 0).all()):
         raise InputError("`frequency` must be finite and > 0 Hz")
     if not (np.diff(frequency) > 0).all():
         raise InputError("`frequency` must be ascending, without repeats")
-    return sweeps
+    return frequency
 
 
 def impedance(sweeps: xr.Dataset) -> NDArray[np.complex128]:

@@ -1,4 +1,4 @@
-"""What the laws are checked with: dimensionless frequency, and a skin solved in the plainest way."""
+"""What the laws are checked with: dimensionless frequency, and a skin solved in a plain way."""
 
 import numpy as np
 import pytest
@@ -16,12 +16,13 @@ from simulator.mesh import pixel_mesh
 
 @pytest.fixture(scope="session")
 def frequency_at():
-    """A function from u = omega (R_t + R_b) c L² to frequency in Hz."""
+    """A function from u = omega (R_t + R_b) c L², L the longer side, to frequency in Hz."""
 
     def frequency_at(scene, u):
         skin = scene.skin
         sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
-        RC = sheets * skin.foam.rest_capacitance_per_area * skin.length**2
+        L = max(skin.length, skin.width)
+        RC = sheets * skin.foam.rest_capacitance_per_area * L**2
         return np.atleast_1d(u) / (2 * np.pi * RC)
 
     return frequency_at

@@ -1,4 +1,7 @@
-"""The sheet's lift and deviation against (K + s M) u = b of scikit-fem, solved as it stands."""
+"""The sheet's lift and deviation against (K + s M) u = b of scikit-fem, solved as it stands.
+
+Solved so, a low frequency or a high contrast of sheets costs digits: hence the tolerance.
+"""
 
 import numpy as np
 from hypothesis import given
@@ -18,7 +21,7 @@ def assert_same(scene, circuit, resolution, press, frequency, plain_skin):
         [1 / plain.solve(press, f, interface)[1] for f in frequency]
         for interface in range(len(scene.interfaces))
     ]
-    np.testing.assert_allclose(Z, expected, rtol=1e-9)
+    np.testing.assert_allclose(Z, expected, rtol=1e-8)
 
 
 @given(data=st.data(), order=st.integers(1, 4))

@@ -44,15 +44,15 @@ def test_contact_resistance_adds_in_series(make_scene, frequency_at, edge):
 
 @pytest.mark.parametrize(("high", "low"), [("left", "right"), ("top", "bottom")])
 def test_sheets_fed_from_opposite_ends(make_scene, frequency_at, high, low):
-    """R1 R2/(R1 + R2) (1 + 2 l/sinh(1/l)) + l (R1² + R2²)/(R1 + R2) coth(1/l)."""
+    """R1 R2/(R1 + R2) (1 + 2/(q sinh q)) + (R1² + R2²)/(R1 + R2) coth(q)/q, q² = s C (R1 + R2)."""
     scene = make_scene({f"top-{high}": {}, f"bottom-{low}": {}})
     skin, frequency = scene.skin, frequency_at(scene, np.geomspace(1e-2, 30, 9))
     squares = skin.length / skin.width if high == "left" else skin.width / skin.length
     R1, R2 = (sheet.sheet_resistance * squares for sheet in (skin.top, skin.bottom))
     C = skin.foam.rest_capacitance_per_area * skin.length * skin.width
-    l = 1 / np.sqrt(2j * np.pi * frequency * C * (R1 + R2))
-    expected = R1 * R2 / (R1 + R2) * (1 + 2 * l / np.sinh(1 / l))
-    expected += l * (R1**2 + R2**2) / (R1 + R2) / np.tanh(1 / l)
+    q = np.sqrt(2j * np.pi * frequency * C * (R1 + R2))
+    expected = R1 * R2 / (R1 + R2) * (1 + 2 / (q * np.sinh(q)))
+    expected += (R1**2 + R2**2) / (R1 + R2) / (q * np.tanh(q))
     np.testing.assert_allclose(sheet_impedance(scene, Press(), frequency), expected, rtol=1e-12)
 
 

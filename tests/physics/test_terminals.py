@@ -41,6 +41,15 @@ def test_touching_foils_are_one(assert_same):
     assert_same(HALVES, {"top-left": {}, "bottom-left": {}})
 
 
+@pytest.mark.parametrize("edge", ["left", "right", "bottom", "top"])
+def test_a_span_that_misses_the_corner_by_rounding_reaches_it(assert_same, edge):
+    """0.9999999999999999 is what ten times 0.1 adds up to."""
+    others = {"bottom-left": {}, "bottom-right": {}, "bottom-bottom": {}, "bottom-top": {}}
+    spans = [(0.0, sum([0.1] * 10)), (1 - sum([0.1] * 10), 1.0)]
+    for span in spans:
+        assert_same({f"top-{edge}": {"span": span}, **others}, {f"top-{edge}": {}, **others})
+
+
 def test_foils_that_touch_at_a_corner_are_one(assert_same):
     foils = {"top-left": {}, "bottom-left": {}, "top-bottom": {}}
     both = {"meter": (["top-left", "top-bottom"], "bottom-left")}

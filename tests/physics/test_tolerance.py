@@ -1,0 +1,172 @@
+"""The solver keeps the tolerance it was asked for, at the least cost, or answers nothing."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from simulator.circuit import one_field, two_fields
+from simulator.fidelity import Solver, ladder
+from simulator.line import Line
+from simulator.mesh import Resolution
+from simulator.press import Press, parse_press
+from simulator.scene_file import load_scene
+from simulator.sheet import Sheet
+from simulator.simulate import simulate
+from simulator.sweeps import ToleranceError, parallel_capacitance
+
+WHOLE_EDGES = [[(0.0, 1.0)]]
+
+
+def assert_kept(answer, Z, frequency, rtol):
+    """Rs and Cp are within rtol of those of Z, and the estimates own up to the worse of the two."""
+    Cp, true_Cp = (parallel_capacitance(each, frequency) for each in (answer.Z, Z))
+    true = max((abs(answer.Z.real / Z.real - 1)).max(), abs(Cp / true_Cp - 1).max())
+    estimated = max((answer.Rs_error / Z.real).max(), (answer.Cp_error / true_Cp).max())
+    assert estimated <= rtol * (1 + rtol)
+    assert true <= rtol, answer.model
+    assert true <= estimated + 1e-10, answer.model
+
+
+def at(scene, frequency):
+    """The scene swept over these frequencies."""
+    sweep = scene.sweep.model_copy(update={"frequencies": tuple(frequency)})
+    return scene.model_copy(update={"sweep": sweep})
+
+
+def over_resolved(scene, press):
+    """Z of elements of higher order, on smaller cells, nearer to the ends of foils."""
+    circuit = one_field(scene) or two_fields(scene)
+    first = ladder(scene, circuit)[0]
+    singular = first.layers > 0
+    finest = Resolution(
+        order=6 if singular else 10,
+        cells=1 if singular else 2,
+        layers=9 if singular else 0,
+        edge_cell=first.edge_cell / 5,
+    )
+    return Sheet(scene, circuit, finest).impedance(press, scene.frequencies)
+
+
+@given(data=st.data(), rtol=st.sampled_from([1e-2, 1e-3, 1e-4, 1e-5, 1e-6]))
+def test_smooth_fields(random, frequency_at, data, rtol):
+    scene = data.draw(random.between(WHOLE_EDGES, [0.0]).filter(not_singular))
+    press = data.draw(random.presses(scene))
+    scene = at(scene, frequency_at(scene, data.draw(random.logarithmic(1e-3, 1e3))))
+    answer = Solver(scene, rtol).solve(press)
+    assert_kept(answer, over_resolved(scene, press), scene.frequencies, rtol)
+
+
+def not_singular(scene):
+    return not ladder(scene, two_fields(scene))[0].layers
+
+
+@pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-5, 1e-6])
+@pytest.mark.parametrize("u", [0.1, 1.0, 30.0])
+def test_a_field_with_a_plane_of_symmetry(make_scene, frequency_at, u, rtol):
+    """Every second order adds nothing to an even field, which does not mean that it is resolved.
+
+    Equal sheets of total R fed from opposite ends: R/2 (1 + 2/(q sinh q) + 2 coth(q)/q), q² = 2sRC.
+    """
+    feed = {"top-left": {}, "bottom-right": {}}
+    scene = make_scene(feed, length=0.1, width=0.1, top=50e3, bottom=50e3)
+    scene = at(scene, frequency_at(scene, u))
+    q = np.sqrt(1j * np.array([[u]]))
+    Z = 50e3 / 2 * (1 + 2 / (q * np.sinh(q)) + 2 / (q * np.tanh(q)))
+    assert_kept(Solver(scene, rtol).solve(Press()), Z, scene.frequencies, rtol)
+
+
+ENDING_WITHIN_AN_EDGE = {
+    "a half against a whole": {"top-left": {"span": (0.0, 0.5)}, "bottom-left": {}},
+    "a pair": {"top-left": {"span": (0.2, 0.7)}, "bottom-left": {"span": (0.2, 0.7)}},
+    "a floating neighbour": {"top-left": {}, "bottom-right": {}, "top-bottom": {"span": (0.3, 1)}},
+    "a film": {"top-left": {"span": (0.2, 0.7), "resistance": 30.0}, "bottom-left": {}},
+    "a film at an ideal foil": {"top-left": {"resistance": 30.0}, "bottom-left": {}, "top-top": {}},
+}
+
+
+@pytest.mark.parametrize("foils", ENDING_WITHIN_AN_EDGE.values(), ids=ENDING_WITHIN_AN_EDGE)
+def test_foils_that_end_within_an_edge(make_scene, frequency_at, foils):
+    scene = make_scene(foils, rows=2, columns=2)
+    scene = at(scene, frequency_at(scene, [1e-3, 1.0, 1e2]))
+    press = parse_press("1,1:3+2,1:1.5", 2.0)
+    Z = over_resolved(scene, press)
+    for rtol in (1e-2, 1e-3, 1e-4):
+        assert_kept(Solver(scene, rtol).solve(press), Z, scene.frequencies, rtol)
+
+
+@pytest.mark.parametrize("u", [1e2, 1e3, 1e4])
+@pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-4, 1e-5])
+def test_thin_layers_at_high_frequency(make_scene, frequency_at, u, rtol):
+    """Elements on a line, of which Z is known: two orders that agree need not be right."""
+    scene = at(make_scene(), frequency_at(make_scene(), u))
+    answer = Solver(scene, rtol, "sheet").solve(Press())
+    assert_kept(answer, Line(scene).impedance(Press(), scene.frequencies), scene.frequencies, rtol)
+
+
+@pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6])
+def test_foils_a_small_gap_apart(make_scene, gap):
+    """What is answered at one tolerance is within it of what is answered at a tighter one."""
+    foils = {
+        f"{sheet}-left-{k}": {"span": span}
+        for k, span in enumerate([(0.0, 0.5), (0.5 + gap, 1.0)])
+        for sheet in ("top", "bottom")
+    }
+    scene = make_scene(foils, frequencies=[1.0])
+    loose, tight = (Solver(scene, rtol).solve(Press()).Z.real for rtol in (1e-2, 1e-3))
+    assert abs(loose / tight - 1) <= 1.1e-2
+
+
+@pytest.mark.parametrize(("edge_end", "factor"), [(0.5, 1), (0.0, 2)])
+def test_constriction_at_a_narrow_foil(make_scene, edge_end, factor):
+    """Rs grows by R_t ln(w1/w2)/pi as the foil narrows within an edge, twice that at a corner.
+
+    The current spreads from it as in a half or in a quarter of a plane: I R_t / (pi r) or
+    2 I R_t / (pi r).
+    """
+    Rs = []
+    for w in (1e-3, 1e-4):
+        foils = {"top-left": {"span": (edge_end, edge_end + w)}, "bottom-left": {}}
+        scene = make_scene(foils, frequencies=[1.0])
+        Rs.append(Solver(scene, 1e-3).solve(Press()).Z.real.item())
+    expected = factor * scene.skin.top.sheet_resistance * np.log(10) / np.pi
+    assert Rs[1] - Rs[0] == pytest.approx(expected, abs=2e-3 * Rs[1])
+
+
+def test_a_mere_resistor_is_answered(make_scene):
+    """Both sheets in parallel, with no volt across the foam: Cp is nothing but rounding."""
+    ends = {f"{sheet}-{end}": {} for sheet in ("top", "bottom") for end in ("left", "right")}
+    meter = (["top-left", "bottom-left"], ["top-right", "bottom-right"])
+    scene = make_scene(ends, {"meter": meter}, rows=2, columns=2)
+    skin = scene.skin
+    R1, R2 = (s.sheet_resistance * skin.length / skin.width for s in (skin.top, skin.bottom))
+    Z = Solver(scene).solve(parse_press("1,1", 2.0)).Z
+    np.testing.assert_allclose(Z, R1 * R2 / (R1 + R2), rtol=1e-11)
+
+
+@pytest.mark.parametrize("name", ["strip-1x3", "strip-1x4", "strip-1x5"])
+def test_the_line_is_chosen_where_it_is_exact(name):
+    scene = load_scene(name)
+    for press in scene.every_press():
+        answer = Solver(scene, 1e-9).solve(press)
+        assert answer.model == "exact line"
+        assert not answer.rejected
+
+
+def test_one_resistor_and_capacitor_are_chosen_at_low_frequency(make_scene, frequency_at):
+    scene = make_scene(rows=2)
+    scene = at(scene, frequency_at(scene, 1e-4))
+    answer = Solver(scene, 1e-4).solve(parse_press("1,1", 2.0))
+    assert answer.model == "one R and one C"
+    assert answer.rejected[0].startswith("line:")
+
+
+def test_a_tolerance_out_of_reach_is_not_answered(make_scene):
+    with pytest.raises(ToleranceError, match=r"estimated error .* of Rs at .* Hz .* asked 1e-15"):
+        Solver(make_scene(rows=2), 1e-15).solve(parse_press("1,1", 2.0))
+
+
+def test_the_same_bits_on_a_second_run():
+    scene = load_scene("sheet-3x3")
+    first, second = (simulate(Solver(scene), scene.every_press()) for _ in range(2))
+    assert first.identical(second)

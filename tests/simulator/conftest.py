@@ -1,0 +1,27 @@
+"""Sweeps that no simulator made, for the tests of their schema and files."""
+
+import numpy as np
+import pytest
+
+from simulator.sweeps import build
+
+FREQUENCY = np.array([1e3, 2e3, 1e4])
+
+
+def made_sweeps(sweeps=2, interfaces=("left", "bottom"), frequency=FREQUENCY, Z=None, **more):
+    """Sweeps of random impedance of an RC network's sign, labelled as presses of pixels."""
+    rng = np.random.default_rng(1)
+    shape = (sweeps, len(interfaces), len(frequency))
+    Z = rng.uniform(1, 2, shape) - 1j * rng.uniform(1, 2, shape) if Z is None else Z
+    labels = {
+        "press": ["none", *(f"1,{j}:2.0" for j in range(1, sweeps))],
+        "row": [0, *[1] * (sweeps - 1)],
+        "column": [*range(sweeps)],
+    }
+    return build(Z, frequency, interface=interfaces, **{**labels, **more})
+
+
+@pytest.fixture(scope="session")
+def make_sweeps():
+    """A function that makes sweeps of any number of presses, interfaces and frequencies."""
+    return made_sweeps
