@@ -170,7 +170,7 @@ def _draw(folder: Path, results: Results, localizer: Localizer, track: Track) ->
             "What the paper varied or left open",
             [
                 Picture(frequencies, "10 against 20 frequencies, with and without Rs."),
-                Picture(noise, "Accuracy against the meter's noise; grey lines are guessing."),
+                Picture(noise, "Accuracy against the meter's noise, mean of all draws."),
                 Picture(contacts, "Both sheets fed at one edge against crossed edges."),
             ],
         ),

@@ -22,7 +22,7 @@ from simulator.simulate import simulate
 if TYPE_CHECKING:
     import xarray as xr
 
-DRAWS = 6
+DRAWS = 5
 NOISE_MULTIPLES = (0.1, 0.3, 1.0, 3.0, 10.0)
 CHOICES = {"10 low": slice(10), "10 spread": slice(None, None, 2), "20": slice(None)}
 QUANTITIES = {"Cp": ("Cp",), "Rs and Cp": ("Rs", "Cp")}
