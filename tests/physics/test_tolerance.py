@@ -104,17 +104,29 @@ def test_thin_layers_at_high_frequency(make_scene, frequency_at, u, rtol):
     assert_kept(answer, Line(scene).impedance(Press(), scene.frequencies), scene.frequencies, rtol)
 
 
-@pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6])
-def test_foils_a_small_gap_apart(make_scene, gap):
-    """What is answered at one tolerance is within it of what is answered at a tighter one."""
-    foils = {
-        f"{sheet}-left-{k}": {"span": span}
-        for k, span in enumerate([(0.0, 0.5), (0.5 + gap, 1.0)])
-        for sheet in ("top", "bottom")
-    }
-    scene = make_scene(foils, frequencies=[1.0])
-    loose, tight = (Solver(scene, rtol).solve(Press()).Z.real for rtol in (1e-2, 1e-3))
-    assert abs(loose / tight - 1) <= 1.1e-2
+def resistance_across_a_gap(make_scene, sheets, gap, rtol):
+    """Rs of a skin of which half the left foil floats, `gap` times W away from the driven half."""
+    foils = {"top-left": {}, "bottom-left": {}}
+    for sheet in sheets:
+        foils[f"{sheet}-left"] = {"span": (0.0, 0.5)}
+        foils[f"{sheet}-left-2"] = {"span": (0.5 + gap, 1.0)}
+    return Solver(make_scene(foils, frequencies=[1.0]), rtol).solve(Press()).Z.real.item()
+
+
+@pytest.mark.parametrize("sheets", [["top"], ["top", "bottom"]], ids=["one sheet", "both"])
+def test_foils_a_small_gap_apart(make_scene, sheets):
+    """The gap conducts like ln(1/gap), so 1/(Rs - Rs of the whole foil) grows linearly with it."""
+    whole = Line(make_scene()).impedance(Press(), np.array([1.0])).real.item()
+    wide, narrow = (
+        1 / (resistance_across_a_gap(make_scene, sheets, gap, 1e-4) - whole) for gap in (1e-3, 1e-4)
+    )
+    for decades in range(1, 5):
+        expected = whole + 1 / (narrow + decades * (narrow - wide))
+        try:
+            Rs = resistance_across_a_gap(make_scene, sheets, 1e-4 / 10**decades, 1e-2)
+        except ToleranceError:
+            continue
+        assert Rs == pytest.approx(expected, rel=1e-2)
 
 
 @pytest.mark.parametrize(("edge_end", "factor"), [(0.5, 1), (0.0, 2)])
