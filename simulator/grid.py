@@ -18,15 +18,15 @@ class Refinement:
     """How cells shrink towards a line.
 
     width: they are halved until none beside the line is wider, in m: for a layer of the field.
-    layers: then divided so many times at GRADING of their length: for a singularity.
+    tip: then divided at GRADING of their length until none is wider, in m: for a singularity.
     """
 
     width: float = np.inf
-    layers: int = 0
+    tip: float = np.inf
 
     def merged(self, other: Refinement) -> Refinement:
         """Fine enough for both."""
-        return Refinement(min(self.width, other.width), max(self.layers, other.layers))
+        return Refinement(min(self.width, other.width), min(self.tip, other.tip))
 
 
 NONE = Refinement()
@@ -79,7 +79,12 @@ def _graded(
 
 def _steps(cell: float, refinement: Refinement) -> NDArray[np.float64]:
     """Distances from the line at which a cell beside it is divided, ascending."""
-    halvings = int(np.ceil(np.log2(max(1.0, cell / refinement.width)) - SAME_LINE))
-    halved = cell * 0.5 ** np.arange(halvings + 1.0)
-    graded = halved[-1] * GRADING ** np.arange(1.0, refinement.layers + 1.0)
+    halved = cell * 0.5 ** np.arange(_divisions(cell, refinement.width, 0.5) + 1.0)
+    divisions = _divisions(halved[-1], refinement.tip, GRADING)
+    graded = halved[-1] * GRADING ** np.arange(1.0, divisions + 1.0)
     return np.concatenate([halved[1:], graded])[::-1].astype(np.float64)
+
+
+def _divisions(cell: float, widest: float, ratio: float) -> int:
+    """How often a cell shrinks by a ratio until it is no wider than that."""
+    return int(np.ceil(np.log(min(1.0, widest / cell)) / np.log(ratio) - SAME_LINE))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad
 
-from simulator.grid import NONE, Refinement, distinct, nodes
+from simulator.grid import GRADING, NONE, Refinement, distinct, nodes
 from simulator.scene import Contact, Scene, Skin
 from simulator.wiring import touch_at
 
@@ -19,9 +19,9 @@ class Resolution:
     """How finely a sheet is resolved.
 
     order: polynomial order of the elements. cells: cells between neighbouring conforming lines.
-    layers: how often cells are divided towards the ends of foils, for the square-root singularity
-    there. edge_cell: width in m that cells do not exceed next to contacted edges and, along them,
-    next to pixel edges, for the layer of the field there.
+    layers: how often the narrowest cells are divided towards the ends of foils, and the others as
+    far, for the square-root singularity there. edge_cell: width in m that cells do not exceed next
+    to contacted edges and, along them, next to pixel edges, for the layer of the field there.
     """
 
     order: int
@@ -106,9 +106,11 @@ def _nodes(
         else:
             for line in pixel_lines[1:-1]:
                 refine(float(line), layer)
-    for end in singular_ends(contacts, skin):
-        refine(end[axis], Refinement(layers=resolution.layers))
     lines = distinct([*pixel_lines, *(end[axis] for c in contacts for end in c.ends(skin))])
+    narrowest = np.diff(lines).min() / resolution.cells
+    if resolution.layers:
+        for end in singular_ends(contacts, skin):
+            refine(end[axis], Refinement(tip=narrowest * GRADING**resolution.layers))
     return nodes(lines, resolution.cells, refinements)
 
 

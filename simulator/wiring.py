@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from simulator.scene import Contact, Scene, Skin
 
 
+LEAST_GAP = 5e-6
+
+
 def touch(first: Contact, second: Contact, skin: Skin) -> bool:
     """Whether two foils of one electrode meet end to end: on one edge, or at a corner."""
     return any(touch_at(end, first, second, skin) for end in first.ends(skin))
@@ -45,6 +48,11 @@ def check_wiring(scene: Scene) -> None:
     for first, second in itertools.combinations(scene.contacts, 2):
         if _overlap(first, second):
             raise ValueError(f"contacts {first.name!r} and {second.name!r} overlap")
+        if _nearly_touch(first, second, scene.skin):
+            raise ValueError(
+                f"contacts {first.name!r} and {second.name!r} must touch, or end at least "
+                f"{LEAST_GAP:g} of the skin's longer side apart"
+            )
     names = [contact.name for contact in scene.contacts]
     terminal = dict(zip(names, joined(scene.contacts, scene.skin), strict=True))
     for interface in scene.interfaces:
@@ -63,6 +71,18 @@ def _check_distinct(kind: str, names: Sequence[str]) -> None:
     repeated = {name for name in names if names.count(name) > 1}
     if repeated:
         raise ValueError(f"{kind} name {min(repeated)!r} is used more than once")
+
+
+def _nearly_touch(first: Contact, second: Contact, skin: Skin) -> bool:
+    """A gap too narrow to be resolved in double precision."""
+    return (
+        first.electrode == second.electrode
+        and not touch(first, second, skin)
+        and any(
+            math.dist(a, b) < LEAST_GAP * max(skin.length, skin.width)
+            for a, b in itertools.product(first.ends(skin), second.ends(skin))
+        )
+    )
 
 
 def _overlap(first: Contact, second: Contact) -> bool:

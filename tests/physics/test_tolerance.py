@@ -120,13 +120,9 @@ def test_foils_a_small_gap_apart(make_scene, sheets):
     wide, narrow = (
         1 / (resistance_across_a_gap(make_scene, sheets, gap, 1e-4) - whole) for gap in (1e-3, 1e-4)
     )
-    for decades in range(1, 5):
-        expected = whole + 1 / (narrow + decades * (narrow - wide))
-        try:
-            Rs = resistance_across_a_gap(make_scene, sheets, 1e-4 / 10**decades, 1e-2)
-        except ToleranceError:
-            continue
-        assert Rs == pytest.approx(expected, rel=1e-2)
+    expected = whole + 1 / (narrow + (narrow - wide))
+    Rs = resistance_across_a_gap(make_scene, sheets, 1e-5, 1e-2)
+    assert Rs == pytest.approx(expected, rel=1e-2)
 
 
 @pytest.mark.parametrize(("edge_end", "factor"), [(0.5, 1), (0.0, 2)])

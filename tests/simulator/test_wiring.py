@@ -1,6 +1,7 @@
 """Which foils are one conductor, and which terminals an interface connects."""
 
 import pytest
+from pydantic import ValidationError
 
 from simulator.circuit import one_field, two_fields
 from simulator.mesh import singular_ends
@@ -61,3 +62,10 @@ def test_resistances_of_a_pair_add_up(make_scene):
 def test_where_the_field_is_singular(make_scene, contacts, ends):
     scene = make_scene({**contacts, "bottom-right": {}}, {"meter": ("top-left", "bottom-right")})
     assert len(singular_ends(scene.contacts, scene.skin)) == ends
+
+
+@pytest.mark.parametrize("gap", [1e-6, 1e-8])
+def test_foils_that_all_but_touch_are_refused(make_scene, gap):
+    halves = {"top-left": {"span": (0.0, 0.5)}, "top-left-2": {"span": (0.5 + gap, 1.0)}}
+    with pytest.raises(ValidationError, match="must touch, or end at least"):
+        make_scene({**halves, "bottom-left": {}}, {"meter": ("top-left", "bottom-left")})
