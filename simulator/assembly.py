@@ -1,7 +1,7 @@
 """Assembly into a sparsity pattern built once: the scatter map is kept, only values are filled.
 
-Every element is an affine image of the reference element, so its matrix is a weighted sum of a few
-reference matrices. The weights change with the capacitance map, the pattern never does.
+A parallelogram's matrix is a weighted sum of a few reference matrices; any other shape has its own,
+of which a mesh needs few. The weights change with the capacitance map, the pattern never does.
 """
 
 from __future__ import annotations
@@ -12,20 +12,21 @@ from functools import cache
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix
 from skfem import (
     BilinearForm,
     Element,
     ElementQuad1,
     ElementQuad2,
     ElementQuadP,
-    Mesh,
     MeshQuad,
 )
 from skfem.assembly import Basis, FacetBasis
 from skfem.assembly.basis import AbstractBasis
 
-DROPPED = -1
+from simulator.pattern import DROPPED
+from simulator.rings import Cells
+
+EXTRA_ORDER = 40
 
 
 @njit(cache=True)
@@ -47,35 +48,6 @@ def fill_readable(values: NDArray, slots: NDArray, weights: NDArray, reference: 
     """What `fill` does, in plain numpy."""
     kept = slots != DROPPED
     np.add.at(values, slots[kept], (weights @ reference)[kept])
-
-
-@dataclass(frozen=True)
-class Pattern:
-    """A square sparsity pattern in CSC form, and where each local pair of unknowns goes in it.
-
-    slots: index into the values, DROPPED for pairs outside the system, shape of the pairs.
-    """
-
-    size: int
-    indices: NDArray[np.int32]
-    indptr: NDArray[np.int32]
-    slots: NDArray[np.int64]
-
-    @classmethod
-    def of_pairs(cls, rows: NDArray, columns: NDArray, size: int) -> Pattern:
-        """The pattern that holds every pair (row, column); negative ones are left out."""
-        kept = (rows >= 0) & (columns >= 0)
-        keys = columns[kept].astype(np.int64) * size + rows[kept]
-        distinct, position = np.unique(keys, return_inverse=True)
-        slots = np.full(rows.shape, DROPPED, dtype=np.int64)
-        slots[kept] = position
-        counts = np.bincount(distinct // size, minlength=size)
-        indptr = np.concatenate([[0], np.cumsum(counts)])
-        return cls(size, (distinct % size).astype(np.int32), indptr.astype(np.int32), slots)
-
-    def matrix(self, values: NDArray) -> csc_matrix:
-        """The sparse matrix with these values."""
-        return csc_matrix((values, self.indices, self.indptr), shape=(self.size, self.size))
 
 
 def element_pairs(unknowns: NDArray) -> tuple[NDArray, NDArray]:
@@ -132,25 +104,76 @@ def reference_matrices(order: int) -> ReferenceMatrices:
     )
 
 
-def stiffness_weights(mesh: Mesh) -> NDArray[np.float64]:
-    """Weights of the three stiffness reference matrices, |J| J^-1 J^-T, shape (element, 3)."""
-    first, second, area = _jacobians(mesh)
-    return np.stack(
+@dataclass(frozen=True)
+class Group:
+    """Cells whose matrices are weighted sums of the same reference matrices.
+
+    cells: their indices. stiffness_weights: shape (cell, term) for the terms of `stiffness`, shape
+    (term, local, local). mass_weights: m², shape (cell,), for `mass`, shape (local, local).
+    """
+
+    cells: NDArray[np.int64]
+    stiffness_weights: NDArray[np.float64]
+    stiffness: NDArray[np.float64]
+    mass_weights: NDArray[np.float64]
+    mass: NDArray[np.float64]
+
+
+def groups(cells: Cells, order: int) -> list[Group]:
+    """All parallelograms as one group, and one for each other shape, whatever its size."""
+    straight = (cells.twist == 0).all(axis=0)
+    found = [_parallelograms(cells, np.flatnonzero(straight), order)]
+    if straight.all():
+        return found
+    bent = np.flatnonzero(~straight)
+    size = np.linalg.norm(cells.along[:, bent], axis=0)
+    vectors = np.concatenate([v[:, bent] for v in (cells.along, cells.across, cells.twist)])
+    shapes = vectors / size
+    _, first, which = np.unique(np.round(shapes, 9), axis=1, return_index=True, return_inverse=True)
+    for number, of_shape in enumerate(first):
+        same = which == number
+        mass, stiffness = _shape_matrices(tuple(np.round(shapes[:, of_shape], 14)), order)
+        weights = np.ones((int(same.sum()), 1))
+        found.append(Group(bent[same], weights, stiffness[None], size[same] ** 2, mass))
+    return found
+
+
+def _parallelograms(cells: Cells, which: NDArray[np.int64], order: int) -> Group:
+    """Weights of the three stiffness reference matrices are |J| J^-1 J^-T."""
+    reference, along, across = (
+        reference_matrices(order),
+        cells.along[:, which],
+        cells.across[:, which],
+    )
+    area = np.abs(along[0] * across[1] - along[1] * across[0])
+    weights = np.stack(
         [
-            np.sum(second * second, axis=0) / area,
-            np.sum(first * first, axis=0) / area,
-            -np.sum(first * second, axis=0) / area,
+            np.sum(across * across, axis=0) / area,
+            np.sum(along * along, axis=0) / area,
+            -np.sum(along * across, axis=0) / area,
         ],
         axis=1,
     )
+    return Group(which, weights, reference.stiffness, area, reference.mass)
 
 
-def areas(mesh: Mesh) -> NDArray[np.float64]:
-    """Area of each parallelogram in m², the weight of the mass matrix, shape (element,)."""
-    return _jacobians(mesh)[2]
+@cache
+def _shape_matrices(
+    shape: tuple[float, ...], order: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mass and stiffness of one quadrilateral: along, across and twist, two numbers each.
 
-
-def _jacobians(mesh: Mesh) -> tuple[NDArray, NDArray, NDArray]:
-    corner = mesh.p[:, mesh.t]
-    first, second = corner[:, 1] - corner[:, 0], corner[:, 3] - corner[:, 0]
-    return first, second, np.abs(first[0] * second[1] - first[1] * second[0])
+    The integrand of the stiffness is rational; EXTRA_ORDER more than a polynomial's leaves 1e-13.
+    """
+    along, across, twist = np.array(shape).reshape(3, 2)
+    corners = np.stack([np.zeros(2), along, along + across + twist, across], axis=1)
+    basis = Basis(MeshQuad(corners), quadrilateral(order), intorder=2 * order + EXTRA_ORDER)
+    local = basis.element_dofs[:, 0]
+    mass, laplacian = (
+        form.assemble(basis).toarray()[np.ix_(local, local)]
+        for form in (
+            BilinearForm(lambda u, v, _: u * v),
+            BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1]),
+        )
+    )
+    return mass, laplacian

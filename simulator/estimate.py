@@ -1,4 +1,4 @@
-"""How far a converging sequence still is from its limit."""
+"""How far two impedances lie apart in Rs and Cp, and what that says of the error of one."""
 
 from __future__ import annotations
 
@@ -6,25 +6,48 @@ import numpy as np
 from numpy.typing import NDArray
 
 ROUNDING = 1e-12
-FASTEST_RATE, SLOWEST_RATE = 0.03, 0.9
-SAFETY = 2.0
+LOST_SUSCEPTANCE = 1e-9
+ROUNDINGS = 1000
+SAFETY = 4.0
+WINDOW = 2**0.5
 
 
-def remaining_error(
-    coarser: NDArray[np.float64], coarse: NDArray[np.float64], fine: NDArray[np.float64]
+def relative_difference(
+    Z: NDArray[np.complex128], truth: NDArray[np.complex128], omega: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Estimated error of the finest of three results of increasing resolution, shape of each.
+    """|Rs / Rs_true - 1| and |Cp / Cp_true - 1|, shape (2, ...). Z, truth: ohm. omega: rad/s.
 
-    Differences d that shrink by a rate r leave d r / (1 - r) to come, and no less than SAFETY d is
-    claimed: orders converge fast until a weak singularity takes over, and then slowly. The rate is
-    that of the largest relative differences, and holds everywhere: a difference that happens to
-    vanish at one frequency is no accuracy there. Nor is one that vanishes at all of them: every
-    second order adds nothing to a field that is even in its element, so no rate below FASTEST_RATE
-    is believed.
+    A susceptance below LOST_SUSCEPTANCE of |Y| is rounding; its error is told as a fraction of
+    that: between foils of one sheet Cp may be nothing at all.
     """
-    scale = np.abs(fine) + np.finfo(float).tiny
-    last, before = np.abs(fine - coarse), np.abs(coarse - coarser)
-    rate = float((last / scale).max() / max((before / scale).max(), ROUNDING))
-    rate = max(rate, FASTEST_RATE)
-    to_come = max(SAFETY, rate / (1 - rate)) if rate < SLOWEST_RATE else 1 / (1 - SLOWEST_RATE)
-    return to_come * np.maximum(last, min(rate, 1.0) * before) + ROUNDING * np.abs(fine)
+    Y, Y_true = 1 / Z, 1 / truth
+    B = np.maximum(np.abs(Y_true.imag), LOST_SUSCEPTANCE * np.abs(Y_true))
+    return np.stack([np.abs(Z.real / truth.real - 1), np.abs((Y.imag - Y_true.imag) / B)])
+
+
+def lost_digits(Y: NDArray[np.complex128], at_once: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Relative rounding error of Rs and Cp at most, of Y = at_once - delayed, all in S.
+
+    Far above cut-off both are much larger than Y: at once every cell charges, but what is far lags.
+    ROUNDINGS: a few for each step of Lanczos' method; some hundred were seen.
+    """
+    rounding = ROUNDINGS * np.finfo(float).eps * np.abs(at_once - Y)
+    B = np.maximum(np.abs(Y.imag), LOST_SUSCEPTANCE * np.abs(Y))
+    return rounding / np.minimum(np.abs(Y.real), B)
+
+
+def frequencies_around(frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The frequencies, then all of them a factor WINDOW lower, then higher; Hz, shape (3 * f,)."""
+    return np.concatenate([frequency, frequency / WINDOW, frequency * WINDOW])
+
+
+def estimated_error(difference: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Relative error of the coarser of two results, at the first third of `frequencies_around`.
+
+    difference: of the two, shape (..., 3 * f). Returns shape (..., f). Where error and difference
+    change sign they vanish at frequencies that are not quite the same; the geometric mean with the
+    largest difference nearby covers that. SAFETY: what the finer one still lacks; on 226
+    random skins the true error was at most 3.8 times this mean, and equal to it in the median.
+    """
+    at_three = difference.reshape(*difference.shape[:-1], 3, -1)
+    return SAFETY * np.sqrt(at_three[..., 0, :] * at_three.max(axis=-2))

@@ -11,16 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.circuit import Circuit, Drive
-from simulator.frequency import laplace_variable
-from simulator.mesh import Resolution
+from simulator.circuit import Drive
+from simulator.frequency import laplace_variable, penetration_depth
+from simulator.galerkin import Galerkin
 from simulator.network import allowed_potentials
 from simulator.press import Press
 from simulator.scene import Scene
 from simulator.sheet import Sheet
 from simulator.sweeps import InputError, parallel_capacitance
-
-EXACT_ON_LINES = Resolution(order=4)
 
 
 @dataclass(frozen=True)
@@ -36,10 +34,13 @@ class Series:
 class Lumped:
     """A scene as one R and one C at each interface, with a bound of what that leaves out."""
 
-    def __init__(self, scene: Scene, circuit: Circuit, resolution: Resolution = EXACT_ON_LINES):
-        """Raises InputError where an interface is no capacitor at zero frequency."""
-        self.scene = scene
-        self._sheet = Sheet(scene, circuit, resolution)
+    def __init__(self, sheet: Sheet, space: Galerkin | None = None) -> None:
+        """space: that of the sheet which gives R and C, its finest one by default.
+
+        `series` raises InputError where an interface is no capacitor at zero frequency.
+        """
+        self.scene, self._sheet, self._space = sheet.scene, sheet, space or sheet.space
+        self._series: dict[Press, list[Series]] = {}
 
     def impedance(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Z in ohm, shape (interface, frequency); frequency in Hz."""
@@ -57,10 +58,32 @@ class Lumped:
         Rs, Cp = zip(*(_bounds(term, s, frequency) for term in self.series(press)), strict=True)
         return np.stack(Rs), np.stack(Cp)
 
+    def left_out(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The bounds as fractions of Rs and Cp, shape (2, interface, frequency)."""
+        Z = self.impedance(press, frequency)
+        Rs, Cp = self.bounds(press, frequency)
+        return np.stack([Rs / Z.real, Cp / parallel_capacitance(Z, frequency)])
+
     def series(self, press: Press) -> list[Series]:
         """The expansion at low frequency, one for each interface."""
-        moments = self._sheet.moments(press, 4)
-        return [_series(moments, self._sheet.terminal_field, d) for d in self._sheet.circuit.drives]
+        if press not in self._series:
+            moments = self._space.moments(self._sheet.mass(press), 4)
+            field, drives = self._space.terminal_field, self._sheet.circuit.drives
+            self._series = {press: [_series(moments, field, drive) for drive in drives]}
+        return self._series[press]
+
+
+def least_left_out(scene: Scene) -> float:
+    """What one R and one C leave out of Cp at the highest frequency, where they do it least.
+
+    That is a skin fed at both ends of its shorter side: two lines of u = omega R c (side / 2)².
+    Of such a line Cp = C (1 - 2 u² / 15), and of R = R_line / 3 and C in series C (1 - u² / 9).
+    """
+    skin = scene.skin
+    sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
+    depth = penetration_depth(scene.frequencies[-1], sheets, skin.foam.rest_capacitance_per_area)
+    u = 2 * (min(skin.length, skin.width) / 2 / depth) ** 2
+    return min(1.0, u**2 / 45)
 
 
 def _bounds(
@@ -83,7 +106,7 @@ def _bounds(
 
 
 def _series(moments: NDArray[np.float64], field: NDArray[np.int64], drive: Drive) -> Series:
-    modes, common = allowed_potentials(field, drive)
+    modes, common = allowed_potentials(tuple(field.tolist()), drive)
     if not common[0] or common[1:].any():
         raise InputError("the lumped model needs an interface between the two sheets, both driven")
     Y = modes.T @ moments @ modes

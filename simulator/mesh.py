@@ -1,4 +1,4 @@
-"""Meshes of rectangles that conform to pixels and contact ends, finer where the field is steep."""
+"""Meshes that conform to pixels and contact ends, finer where the field is steep."""
 
 from __future__ import annotations
 
@@ -9,9 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad
 
-from simulator.grid import GRADING, NONE, Refinement, distinct, nodes
+from simulator.grid import SAME_LINE, distinct, nodes
+from simulator.rings import Cells, rectangles, ringed
 from simulator.scene import Contact, Scene, Skin
 from simulator.wiring import touch_at
+
+GROWTH = 4.0
 
 
 @dataclass(frozen=True)
@@ -19,29 +22,35 @@ class Resolution:
     """How finely a sheet is resolved.
 
     order: polynomial order of the elements. cells: cells between neighbouring conforming lines.
-    layers: how often the narrowest cells are divided towards the ends of foils, and the others as
-    far, for the square-root singularity there. edge_cell: width in m that cells do not exceed next
-    to contacted edges and, along them, next to pixel edges, for the layer of the field there.
+    layers: rings around the ends of foils, for the square-root singularity there. edge_cell: width
+    in m that cells do not exceed next to contacted edges, for the layer of the field there.
+    touch_cell: the same next to the edges of the pixels (row, column) in `touched`, where the
+    capacitance jumps.
     """
 
     order: int
     cells: int = 1
     layers: int = 0
     edge_cell: float = np.inf
+    touch_cell: float = np.inf
+    touched: tuple[tuple[int, int], ...] = ()
 
     def __str__(self) -> str:
-        return f"Q{self.order}, {self.cells} cells a pixel, {self.layers} layers at contact ends"
+        rings = f", {self.layers} rings at ends of foils" if self.layers else ""
+        cells = f", {self.cells}x{self.cells} cells between lines" if self.cells > 1 else ""
+        return f"Q{self.order}{cells}{rings}"
 
 
 @dataclass(frozen=True)
 class PixelMesh:
-    """A mesh of rectangles with the pixel that every element lies in.
+    """A mesh with the pixel that every element lies in.
 
     pixel: row * columns + column, both from 0, shape (element,).
     """
 
     skin: Skin
     mesh: MeshQuad
+    cells: Cells
     pixel: NDArray[np.int64]
 
     def facets(self, contact: Contact) -> NDArray[np.int64]:
@@ -62,21 +71,56 @@ class PixelMesh:
         """
         element = np.asarray(self.mesh.f2t, dtype=np.int64)[0, facets]
         is_edge = np.asarray(self.mesh.t2f)[:, element] == facets
-        first, second = self.mesh.p[:, np.asarray(self.mesh.facets)[:, facets]].transpose(1, 0, 2)
-        return element, (is_edge * np.linalg.norm(second - first, axis=0)).T
+        along, across, twist = (
+            v[:, element] for v in (self.cells.along, self.cells.across, self.cells.twist)
+        )
+        length = np.linalg.norm([along, across + twist, along + twist, across], axis=1)
+        return element, (is_edge * length).T
 
 
 def pixel_mesh(scene: Scene, contacts: Sequence[Contact], resolution: Resolution) -> PixelMesh:
     """The mesh of a scene at a resolution, conforming to its pixels and the ends of `contacts`."""
     skin, pixels = scene.skin, scene.pixels
-    mesh = MeshQuad.init_tensor(
-        _nodes(0, skin.length, pixels.columns, contacts, skin, resolution),
-        _nodes(1, skin.width, pixels.rows, contacts, skin, resolution),
+    tips = singular_ends(contacts, skin) if resolution.layers else []
+    size = _patch(scene, contacts, resolution, tips) if tips else np.inf
+    x = _nodes(0, skin.length, pixels.columns, contacts, skin, resolution, tips, size)
+    y = _nodes(1, skin.width, pixels.rows, contacts, skin, resolution, tips, size)
+    at = np.array(
+        [np.abs(y - q).argmin() * len(x) + np.abs(x - p).argmin() for p, q in tips], dtype=np.int64
     )
-    middle = mesh.p[:, mesh.t].mean(axis=1)
+    cells = ringed(rectangles(x, y), at, resolution.layers)
+    middle = cells.p[:, cells.t].mean(axis=1)
     row = _interval(middle[1], skin.width, pixels.rows)
     column = _interval(middle[0], skin.length, pixels.columns)
-    return PixelMesh(skin, mesh, row * pixels.columns + column)
+    mesh = MeshQuad(cells.p, cells.t)
+    return PixelMesh(skin, mesh, cells, row * pixels.columns + column)
+
+
+def _lines(
+    axis: int, length: float, pixels: int, contacts: Sequence[Contact], skin: Skin
+) -> NDArray[np.float64]:
+    """Lines across an axis that a mesh keeps: pixel edges and ends of foils."""
+    ends = (end[axis] for contact in contacts for end in contact.ends(skin))
+    return distinct([*np.linspace(0, length, pixels + 1), *ends])
+
+
+def _patch(
+    scene: Scene,
+    contacts: Sequence[Contact],
+    resolution: Resolution,
+    tips: Sequence[tuple[float, float]],
+) -> float:
+    """Width in m of the square cells around the tips: none reaches another line, or another tip."""
+    skin, pixels = scene.skin, scene.pixels
+    widths = [resolution.edge_cell, resolution.touch_cell]
+    for axis, length, count in ((0, skin.length, pixels.columns), (1, skin.width, pixels.rows)):
+        lines = _lines(axis, length, count, contacts, skin)
+        at_tip = np.array(
+            [any(abs(line - tip[axis]) <= SAME_LINE * length for tip in tips) for line in lines]
+        )
+        shared = at_tip[:-1].astype(int) + at_tip[1:]
+        widths.extend(np.diff(lines)[shared > 0] / shared[shared > 0])
+    return float(min(widths))
 
 
 def _nodes(
@@ -86,42 +130,38 @@ def _nodes(
     contacts: Sequence[Contact],
     skin: Skin,
     resolution: Resolution,
+    tips: Sequence[tuple[float, float]],
+    patch: float,
 ) -> NDArray[np.float64]:
-    """Nodes along x (axis 0) or y (axis 1).
-
-    A field that reaches no farther than `edge_cell` from a contact changes as fast across the
-    contacted edge as, along it, where the capacitance jumps between pixels.
-    """
+    """Nodes along x (axis 0) or y (axis 1)."""
     pixel_lines = np.linspace(0, length, pixels + 1)
-    refinements: dict[float, Refinement] = {}
-
-    def refine(line: float, refinement: Refinement) -> None:
-        refinements[line] = refinements.get(line, NONE).merged(refinement)
-
-    layer = Refinement(width=resolution.edge_cell)
+    widths: dict[float, float] = {}
+    for pixel in resolution.touched:
+        for line in pixel_lines[pixel[1 - axis] - 1 : pixel[1 - axis] + 1]:
+            widths[float(line)] = resolution.touch_cell
     for contact in contacts:
-        across = 0 if contact.edge in ("left", "right") else 1
-        if across == axis:
-            refine(length if contact.edge in ("right", "top") else 0.0, layer)
-        else:
-            for line in pixel_lines[1:-1]:
-                refine(float(line), layer)
-    lines = distinct([*pixel_lines, *(end[axis] for c in contacts for end in c.ends(skin))])
-    narrowest = np.diff(lines).min() / resolution.cells
-    if resolution.layers:
-        for end in singular_ends(contacts, skin):
-            refine(end[axis], Refinement(tip=narrowest * GRADING**resolution.layers))
-    return nodes(lines, resolution.cells, refinements)
+        if axis == (0 if contact.edge in ("left", "right") else 1):
+            line = length if contact.edge in ("right", "top") else 0.0
+            widths[line] = min(widths.get(line, np.inf), resolution.edge_cell)
+    beside = [tip[axis] + side * patch for tip in tips for side in (-1, 1)]
+    lines = distinct(
+        [
+            *_lines(axis, length, pixels, contacts, skin),
+            *(line for line in beside if 0 < line < length),
+        ]
+    )
+    return nodes(lines, resolution.cells, widths, GROWTH if tips else np.inf)
 
 
 def singular_ends(contacts: Sequence[Contact], skin: Skin) -> list[tuple[float, float]]:
     """Ends of foils within an edge, and where a foil meets another that it is not joined with."""
-    return [
-        end
+    found = {
+        end: None
         for contact in contacts
         for fraction, end in zip(contact.span, contact.ends(skin), strict=True)
         if _is_singular(contact, fraction, end, contacts, skin)
-    ]
+    }
+    return list(found)
 
 
 def _is_singular(

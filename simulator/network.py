@@ -8,6 +8,7 @@ a capacitance of femtofarads beside a conductance of siemens then loses no digit
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,7 @@ class Network:
 
     def impedance(self, drive: Drive) -> NDArray[np.complex128]:
         """Z in ohm between the driven terminals, the others floating, shape (frequency,)."""
-        modes, common = allowed_potentials(self.field, drive)
+        modes, common = allowed_potentials(tuple(self.field.tolist()), drive)
         conductance = modes.T @ self.conductance @ modes
         conductance[common, :] = 0.0
         conductance[:, common] = 0.0
@@ -40,13 +41,14 @@ class Network:
         return 1 / (Y[:, 0, 0] - (Y[:, :1, 1:] @ floating)[:, 0, 0])
 
 
+@cache
 def allowed_potentials(
-    field: NDArray[np.int64], drive: Drive
+    field: tuple[int, ...], drive: Drive
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Terminal potentials that the drive allows, as columns; which of them cost no current at DC.
 
-    The first is the driven one, 1 V between high and low; in the others high is at 0 V. `low` is
-    at 0 V in all of them.
+    field: the sheet that each terminal is on. The first potential is the driven one, 1 V between
+    high and low; in the others high is at 0 V. `low` is at 0 V in all of them.
     """
     nodes = _nodes(len(field), drive)
     low = nodes[1] if drive.low else None
@@ -73,7 +75,7 @@ def _nodes(count: int, drive: Drive) -> list[tuple[int, ...]]:
     return [*driven, *((terminal,) for terminal in range(count) if terminal not in tied)]
 
 
-def _islands(nodes: list[tuple[int, ...]], field: NDArray[np.int64]) -> list[list[tuple[int, ...]]]:
+def _islands(nodes: list[tuple[int, ...]], field: tuple[int, ...]) -> list[list[tuple[int, ...]]]:
     """Nodes that sheets connect at zero frequency."""
     islands: list[list[tuple[int, ...]]] = []
     for node in nodes:

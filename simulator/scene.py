@@ -20,17 +20,25 @@ from pydantic import (
 )
 
 from simulator.press import Press, Touch
-from simulator.validation import above_zero, at_least_zero, one_line, whole_within_rounding
+from simulator.validation import (
+    Number,
+    Whole,
+    above_zero,
+    at_least_zero,
+    one_line,
+    single_line,
+    whole_within_rounding,
+)
 from simulator.wiring import check_wiring
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
 
-Metre = Annotated[float, above_zero("m")]
-Hertz = Annotated[float, above_zero("Hz")]
-Relative = Annotated[float, at_least_zero("of |Z|")]
-Radian = Annotated[float, at_least_zero("rad")]
-Fraction = Annotated[float, Field(ge=0, le=1), AfterValidator(whole_within_rounding)]
-Name = Annotated[str, Field(min_length=1)]
+Metre = Annotated[Number, above_zero("m")]
+Hertz = Annotated[Number, above_zero("Hz")]
+Relative = Annotated[Number, at_least_zero("of |Z|")]
+Radian = Annotated[Number, at_least_zero("rad")]
+Fraction = Annotated[Number, Field(ge=0, le=1), AfterValidator(whole_within_rounding)]
+Name = Annotated[str, Field(min_length=1), AfterValidator(single_line)]
 Electrode = Literal["top", "bottom"]
 Edge = Literal["left", "right", "bottom", "top"]
 
@@ -42,16 +50,16 @@ class _Table(BaseModel):
 class Sheet(_Table):
     """An electrode sheet of uniform sheet resistance [ohm/sq]."""
 
-    sheet_resistance: Annotated[float, above_zero("ohm/sq")]
+    sheet_resistance: Annotated[Number, above_zero("ohm/sq")]
 
 
 class Foam(_Table):
     """The dielectric: capacitance per area [F/m²], or what it follows from; loss tangent."""
 
-    capacitance_per_area: Annotated[float, above_zero("F/m²")] | None = None
+    capacitance_per_area: Annotated[Number, above_zero("F/m²")] | None = None
     thickness: Metre | None = None
-    relative_permittivity: Annotated[float, Field(ge=1, allow_inf_nan=False)] | None = None
-    loss_tangent: Annotated[float, at_least_zero("(tan d)")] = 0.0
+    relative_permittivity: Annotated[Number, Field(ge=1, allow_inf_nan=False)] | None = None
+    loss_tangent: Annotated[Number, at_least_zero("(tan d)")] = 0.0
 
     @property
     def rest_capacitance_per_area(self) -> float:
@@ -93,7 +101,7 @@ class Contact(_Table):
     electrode: Electrode
     edge: Edge
     span: tuple[Fraction, Fraction] = (0.0, 1.0)
-    resistance: Annotated[float, at_least_zero("ohm m")] = 0.0
+    resistance: Annotated[Number, at_least_zero("ohm m")] = 0.0
 
     @property
     def ideal(self) -> bool:
@@ -127,8 +135,8 @@ class Interface(_Table):
 class Pixels(_Table):
     """The grid that presses are counted on."""
 
-    rows: Annotated[int, Field(ge=1, le=1000)]
-    columns: Annotated[int, Field(ge=1, le=1000)]
+    rows: Annotated[Whole, Field(ge=1, le=1000)]
+    columns: Annotated[Whole, Field(ge=1, le=1000)]
 
 
 class Pressing(_Table):
@@ -137,8 +145,8 @@ class Pressing(_Table):
     factor_spread: standard deviation of the rise (factor - 1), as a fraction of that rise.
     """
 
-    capacitance_factor: Annotated[float, above_zero("times that at rest")] = 2.0
-    factor_spread: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    capacitance_factor: Annotated[Number, above_zero("times that at rest")] = 2.0
+    factor_spread: Annotated[Number, Field(ge=0, lt=1)] = 0.0
 
 
 class FrequencyGrid(_Table):
@@ -146,7 +154,7 @@ class FrequencyGrid(_Table):
 
     start: Hertz
     stop: Hertz
-    points: Annotated[int, Field(ge=2, le=100_000)]
+    points: Annotated[Whole, Field(ge=2, le=100_000)]
     spacing: Literal["log", "linear"] = "log"
 
     @model_validator(mode="after")
@@ -197,15 +205,15 @@ class Readout(_Table):
     phase_accuracy: Radian = 0.0
     magnitude_noise: Relative = 0.0
     phase_noise: Radian = 0.0
-    display_digits: Annotated[int, Field(ge=2, le=17)] = 6
+    display_digits: Annotated[Whole, Field(ge=2, le=17)] = 6
 
 
 class Experiment(_Table):
     """How often every pixel is pressed, and whether the skin at rest is a class of its own."""
 
-    repetitions: Annotated[int, Field(ge=1)] = 6
+    repetitions: Annotated[Whole, Field(ge=1)] = 6
     unpressed: bool = True
-    seed: Annotated[int, Field(ge=0)] = 1
+    seed: Annotated[Whole, Field(ge=0)] = 1
 
 
 class Scene(_Table):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,18 +11,16 @@ from scipy.sparse import csc_matrix
 from skfem.assembly import Dofs
 
 from simulator.assembly import (
-    DROPPED,
-    Pattern,
-    ReferenceMatrices,
-    areas,
+    Group,
     element_pairs,
     fill,
+    groups,
     quadrilateral,
     reference_matrices,
-    stiffness_weights,
 )
 from simulator.circuit import Circuit, Terminal
 from simulator.mesh import PixelMesh, Resolution, pixel_mesh
+from simulator.pattern import DROPPED, Pattern, pattern_of_pairs
 from simulator.scene import Contact, Scene
 
 
@@ -50,7 +49,10 @@ class System:
 
     one: inner coefficients of 1 V all over a field, shape (inner, field). at_foils: coefficients of
     1 V under the foils of each terminal, 0 V elsewhere, shape (inner + terminals, terminals).
-    sheets: K in S, the sheets' conductance, shape (inner + terminals, inner + terminals).
+    sheets: K in S, the sheets' conductance, shape (inner + terminals, inner + terminals). degree:
+    the order from which on elements have each inner unknown, shape (inner,); the bases of orders
+    above two are nested. slots: where in the pattern's values each pair of a cell's unknowns goes,
+    shape (cell, pair). coupling: how s c enters between fields, shape (field, field).
     """
 
     inner: int
@@ -59,11 +61,13 @@ class System:
     sheets: csc_matrix
     films: Films
     pattern: Pattern
+    slots: NDArray[np.int64]
+    degree: NDArray[np.int64]
+    coupling: NDArray[np.float64]
+    groups: list[Group]
     element_pixel: NDArray[np.int64]
-    element_area: NDArray[np.float64]
-    mass_reference: NDArray[np.float64]
 
-    @property
+    @cached_property
     def stiffness(self) -> csc_matrix:
         """K + B in S, in the pattern of K."""
         return self.pattern.matrix(self.sheets.data + self.films.stiffness.data)
@@ -71,8 +75,10 @@ class System:
     def mass(self, c: NDArray[np.float64]) -> csc_matrix:
         """M(c) in F, in the pattern of K. c: F/m², shape (row, column)."""
         values = np.zeros(len(self.pattern.indices))
-        weights = (self.element_area * c.ravel()[self.element_pixel])[:, None]
-        fill(values, self.pattern.slots, weights, self.mass_reference)
+        c_of_cell = c.ravel()[self.element_pixel]
+        for group in self.groups:
+            weights = (group.mass_weights * c_of_cell[group.cells])[:, None]
+            fill(values, self.slots[group.cells], weights, _both(self.coupling, group.mass))
         return self.pattern.matrix(values)
 
 
@@ -82,23 +88,31 @@ def build_system(scene: Scene, circuit: Circuit, resolution: Resolution) -> Syst
     pixels = pixel_mesh(scene, contacts, resolution)
     dofs = Dofs(pixels.mesh, quadrilateral(resolution.order))
     one = _constant(dofs, resolution.order)
-    unknown, inner = _number(circuit, pixels, dofs, one)
+    unknown, inner, degree = _number(circuit, pixels, dofs, one)
     pairs = element_pairs(np.concatenate([field[dofs.element_dofs] for field in unknown]))
-    pattern = Pattern.of_pairs(*pairs, size=inner + len(circuit.terminals))
-    reference = reference_matrices(resolution.order)
+    pattern, slots = pattern_of_pairs(*pairs, size=inner + len(circuit.terminals))
+    cells = groups(pixels.cells, resolution.order)
     under = _under_terminals(circuit, pixels, dofs, one, unknown, pattern.size)
     at_foils = _at_foils(under, inner)
     return System(
         inner=inner,
         one=_on_fields(one, unknown, inner),
         at_foils=at_foils,
-        sheets=_sheets(circuit, pixels, pattern, reference),
-        films=_films(circuit, pixels, pattern, reference, under, at_foils),
+        sheets=_sheets(circuit, pattern, slots, cells),
+        films=_films(circuit, pixels, pattern, slots, resolution.order, under, at_foils),
         pattern=pattern,
+        slots=slots,
+        degree=degree,
+        coupling=circuit.coupling,
+        groups=cells,
         element_pixel=pixels.pixel,
-        element_area=areas(pixels.mesh),
-        mass_reference=np.kron(circuit.coupling, reference.mass).reshape(1, -1).astype(float),
     )
+
+
+def _both(fields: NDArray[np.float64], *matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Matrices of one field spread over all fields, one row each, shape (matrix, local²)."""
+    local = np.stack(matrices)[:, None, :, None, :]
+    return (fields[:, None, :, None] * local).reshape(len(matrices), -1)
 
 
 def _constant(dofs: Dofs, order: int) -> NDArray[np.float64]:
@@ -116,8 +130,9 @@ def _vertices(dofs: Dofs) -> NDArray[np.int64]:
 
 def _number(
     circuit: Circuit, pixels: PixelMesh, dofs: Dofs, one: NDArray[np.float64]
-) -> tuple[NDArray[np.int64], int]:
-    """The unknown of each field's coefficients, shape (field, coefficient), and how many are inner.
+) -> tuple[NDArray[np.int64], int, NDArray[np.int64]]:
+    """The unknown of each field's coefficients, shape (field, coefficient); how many are inner, and
+    from which order on elements have each of those.
 
     Under an ideal foil the trace is constant: coefficients of 1 are the terminal's unknown, the
     others vanish and are dropped.
@@ -129,10 +144,21 @@ def _number(
         held = _held(terminal, pixels, dofs)
         unknown[terminal.field, held] = DROPPED
         owner[terminal.field, held[one[held] == 1]] = index
-    inner = int(np.count_nonzero(unknown == free))
+    degree = np.tile(_degree(dofs), (circuit.fields, 1))[unknown == free]
+    inner = len(degree)
     unknown[unknown == free] = np.arange(inner)
     unknown[owner != DROPPED] = inner + owner[owner != DROPPED]
-    return unknown, inner
+    return unknown, inner, degree
+
+
+def _degree(dofs: Dofs) -> NDArray[np.int64]:
+    degree = np.ones(dofs.N, dtype=np.int64)
+    along_edge = np.asarray(dofs.facet_dofs)
+    inside = np.asarray(dofs.interior_dofs)
+    per_edge = np.arange(len(along_edge)) + 2
+    degree[along_edge] = per_edge[:, None]
+    degree[inside] = np.maximum.outer(per_edge, per_edge).reshape(-1, 1)[: len(inside)]
+    return degree
 
 
 def _held(terminal: Terminal, pixels: PixelMesh, dofs: Dofs) -> NDArray[np.int64]:
@@ -187,12 +213,13 @@ def _at_foils(under: NDArray[np.float64], inner: int) -> NDArray[np.float64]:
 
 
 def _sheets(
-    circuit: Circuit, pixels: PixelMesh, pattern: Pattern, reference: ReferenceMatrices
+    circuit: Circuit, pattern: Pattern, slots: NDArray[np.int64], cells: list[Group]
 ) -> csc_matrix:
     conductance = np.diag(circuit.conductance)
-    of_fields = np.stack([np.kron(conductance, k).ravel() for k in reference.stiffness])
     values = np.zeros(len(pattern.indices))
-    fill(values, pattern.slots, stiffness_weights(pixels.mesh), of_fields)
+    for group in cells:
+        reference = _both(conductance, *group.stiffness)
+        fill(values, slots[group.cells], group.stiffness_weights, reference)
     return pattern.matrix(values)
 
 
@@ -200,14 +227,17 @@ def _films(
     circuit: Circuit,
     pixels: PixelMesh,
     pattern: Pattern,
-    reference: ReferenceMatrices,
+    slots: NDArray[np.int64],
+    order: int,
     under: NDArray[np.float64],
     at_foils: NDArray[np.float64],
 ) -> Films:
     stiffness = np.zeros(len(pattern.indices))
     current, conductance = np.zeros_like(at_foils), np.zeros((at_foils.shape[1],) * 2)
     for index, terminal in enumerate(circuit.terminals):
-        film = _film(terminal, circuit, pixels, pattern, reference)
+        if all(contact.ideal for contact in terminal.contacts):
+            continue
+        film = _film(terminal, circuit, pixels, pattern, slots, order)
         step = at_foils.copy()
         step[:, index] -= under[:, index]
         stiffness += film.data
@@ -221,15 +251,16 @@ def _film(
     circuit: Circuit,
     pixels: PixelMesh,
     pattern: Pattern,
-    reference: ReferenceMatrices,
+    slots: NDArray[np.int64],
+    order: int,
 ) -> csc_matrix:
     """The form of (V - U)² / r_c along the foils of one terminal."""
     on_field = np.zeros((circuit.fields, circuit.fields))
     on_field[terminal.field, terminal.field] = 1.0
-    of_fields = np.stack([np.kron(on_field, edge).ravel() for edge in reference.edge_mass])
+    of_fields = _both(on_field, *reference_matrices(order).edge_mass)
     values = np.zeros(len(pattern.indices))
     for contact in terminal.contacts:
         if not contact.ideal:
             element, lengths = pixels.edges(pixels.facets(contact))
-            fill(values, pattern.slots[element], lengths / contact.resistance, of_fields)
+            fill(values, slots[element], lengths / contact.resistance, of_fields)
     return pattern.matrix(values)

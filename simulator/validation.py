@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import AfterValidator, ValidationError
+from pydantic import AfterValidator, Strict, ValidationError
+
+Number = Annotated[float, Strict()]
+"""A number as TOML has it: neither text nor true or false."""
+Whole = Annotated[int, Strict()]
 
 COMPARISONS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 
@@ -30,6 +34,13 @@ def at_least_zero(unit: str) -> AfterValidator:
         return value
 
     return AfterValidator(validate)
+
+
+def single_line(text: str) -> str:
+    """The text, if it holds no line break."""
+    if not text.isprintable():
+        raise ValueError(f"must be printable, on one line, got {text!r}")
+    return text
 
 
 def whole_within_rounding(fraction: float) -> float:
@@ -63,6 +74,8 @@ def _requirement(problem: Any) -> str:
         return f"must have at least {context['min_length']} item, got {given!r}"
     if kind == "value_error":
         return str(context["error"])
+    if kind == "tuple_type":
+        return f"must be a list, got {given!r}"
     bounds = [f"{sign} {context[name]}" for name, sign in COMPARISONS.items() if name in context]
     if bounds:
         return f"must be {' and '.join(bounds)}, got {given!r}"

@@ -9,16 +9,15 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from simulator.analytic import HALF_POWER, interrogation_frequency, open_line_amplitude
-from simulator.circuit import one_field, two_fields
-from simulator.fidelity import Solver, ladder
+from simulator.fidelity import Solver
 from simulator.line import Line
-from simulator.lumped import Lumped
 from simulator.paper.rehearsal import at_frequencies
 from simulator.press import Press, Touch
 from simulator.scene import Scene, Sheet
 from simulator.sweeps import parallel_capacitance
 
 STATED_SHEET_RESISTANCE = 50e3
+NEARLY_ZERO = 1e-3
 SEPARATION_GRID = np.geomspace(100, 2e6, 60)
 
 
@@ -57,8 +56,8 @@ def capacitance_changes(scene: Scene, frequency: float) -> NDArray[np.float64]:
 
 def resistance_at_rest(scene: Scene) -> float:
     """Rs in ohm of the first interface in the limit of zero frequency, nothing pressed."""
-    circuit = one_field(scene) or two_fields(scene)
-    return Lumped(scene, circuit, ladder(scene, circuit)[2]).series(Press())[0].R
+    answer = Solver(at_frequencies(scene, np.array([NEARLY_ZERO]))).solve(Press())
+    return float(answer.Z[0, 0].real)
 
 
 def paper_frequencies(scene: Scene) -> NDArray[np.float64]:

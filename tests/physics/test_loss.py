@@ -35,6 +35,6 @@ def test_low_frequency_resistance_is_the_loss(make_scene, frequency_at, loss_tan
     R = (skin.top.sheet_resistance + skin.bottom.sheet_resistance) * skin.length / skin.width
     C = skin.foam.rest_capacitance_per_area * skin.length * skin.width
     loss = loss_tangent / (1 + loss_tangent**2) / (2 * np.pi * frequency * C)
-    for model in (Line(scene), Lumped(scene, two_fields(scene))):
+    for model in (Line(scene), Lumped(Sheet(scene, two_fields(scene), FINE))):
         Z = model.impedance(Press(), frequency)[0]
         np.testing.assert_allclose(Z.real, loss + R / 3, rtol=1e-12)

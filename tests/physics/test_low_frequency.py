@@ -31,7 +31,7 @@ def models(scene):
     return [
         Line(scene),
         *(Sheet(scene, circuit, COARSE) for circuit in (one, two)),
-        *(Lumped(scene, circuit, COARSE) for circuit in (one, two)),
+        *(Lumped(Sheet(scene, circuit, COARSE)) for circuit in (one, two)),
     ]
 
 
@@ -64,8 +64,9 @@ def test_crossed_feed(make_scene, size):
     scene = make_scene({"top-left": {}, "bottom-bottom": {}}, length=L, width=W)
     skin = scene.skin
     expected = skin.top.sheet_resistance * L / (3 * W) + skin.bottom.sheet_resistance * W / (3 * L)
-    for model in (Sheet, Lumped):
-        Z = model(scene, two_fields(scene), COARSE).impedance(Press(), MILLIHERTZ)
+    sheet = Sheet(scene, two_fields(scene), COARSE)
+    for model in (sheet, Lumped(sheet)):
+        Z = model.impedance(Press(), MILLIHERTZ)
         assert Z.real == pytest.approx(expected, rel=1e-12)
 
 
@@ -75,7 +76,8 @@ def test_crossed_feed(make_scene, size):
 def test_floating_foils_on_the_next_edge_lower_Rs(name, Rs):
     """Two sheets of 50 kohm/sq; the second scene has foils on the bottom edge too."""
     scene = load_scene(name)
-    left = Lumped(scene, one_field(scene), Resolution(order=4, layers=6)).series(Press())[0]
+    sheet = Sheet(scene, one_field(scene), Resolution(order=4, layers=6))
+    left = Lumped(sheet).series(Press())[0]
     assert round(left.R, -2) == Rs
 
 

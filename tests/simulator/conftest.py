@@ -1,8 +1,11 @@
-"""Sweeps that no simulator made, for the tests of their schema and files."""
+"""Sweeps that no simulator made, and the command line as its user meets it."""
+
+import sys
 
 import numpy as np
 import pytest
 
+import rcskin
 from simulator.sweeps import build
 
 FREQUENCY = np.array([1e3, 2e3, 1e4])
@@ -25,3 +28,17 @@ def made_sweeps(sweeps=2, interfaces=("left", "bottom"), frequency=FREQUENCY, Z=
 def make_sweeps():
     """A function that makes sweeps of any number of presses, interfaces and frequencies."""
     return made_sweeps
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Runs `rcskin ARGUMENTS`; gives the exit code, standard output and standard error."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["rcskin", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            rcskin.main()
+        out, err = capsys.readouterr()
+        return ended.value.code, out, err
+
+    return run

@@ -59,7 +59,10 @@ def test_a_model_asked_for_by_name_is_not_replaced(make_scene):
 
 def test_what_was_rejected_is_told_in_order(make_scene):
     answer = Solver(make_scene(rows=2)).solve(ACROSS)
-    assert [reason.split(":")[0] for reason in answer.rejected] == ["line", "lumped"]
+    assert [reason.split(":")[0] for reason in answer.rejected] == [
+        "line",
+        "one R and one C",
+    ]
 
 
 def test_answers_are_shaped_by_interface_and_frequency(make_scene):

@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulator.assembly import areas
+from simulator.assembly import groups
 from simulator.mesh import Resolution, pixel_mesh
+from simulator.rings import RATIO
 
 RESOLUTIONS = st.builds(
     Resolution,
@@ -17,12 +18,18 @@ RESOLUTIONS = st.builds(
 )
 
 
+def areas(cells):
+    """Of quadrilaterals, from their points."""
+    (x, y), (x_next, y_next) = cells.p[:, cells.t], cells.p[:, np.roll(cells.t, -1, axis=0)]
+    return abs((x * y_next - x_next * y).sum(axis=0)) / 2
+
+
 @given(data=st.data(), resolution=RESOLUTIONS)
 def test_every_pixel_is_filled_by_its_own_elements(random, data, resolution):
     scene = data.draw(random.between())
     pixels, skin = pixel_mesh(scene, scene.contacts, resolution), scene.skin
     count = scene.pixels.rows * scene.pixels.columns
-    filled = np.bincount(pixels.pixel, weights=areas(pixels.mesh), minlength=count)
+    filled = np.bincount(pixels.pixel, weights=areas(pixels.cells), minlength=count)
     np.testing.assert_allclose(filled, skin.length * skin.width / count, rtol=1e-9)
     x, y = pixels.mesh.p[:, pixels.mesh.t].mean(axis=1)
     row = np.floor(y / skin.width * scene.pixels.rows)
@@ -49,13 +56,44 @@ def test_cells_at_a_fed_edge_are_as_thin_as_asked(make_scene, width):
     assert x[-1] - x[-2] > 1e-2
 
 
-@pytest.mark.parametrize("layers", [1, 3, 6])
-def test_cells_shrink_towards_the_end_of_a_foil(make_scene, layers):
-    scene = make_scene({"top-left": {"span": (0.0, 0.5)}, "bottom-left": {}})
-    x, y = (
-        np.unique(coordinate)
-        for coordinate in pixel_mesh(scene, scene.contacts, Resolution(2, layers=layers)).mesh.p
-    )
-    beside = np.diff(y)[np.searchsorted(y, 0.04) + np.array([-1, 0])]
-    assert (beside < 0.04 * 0.21**layers).all()
-    assert x[1] - x[0] < 0.1 * 0.21**layers
+TIP = np.array([0.0, 0.04])
+HALF = {"top-left": {"span": (0.0, 0.5)}, "bottom-left": {}}
+
+
+@pytest.mark.parametrize("layers", [1, 3, 6, 14])
+def test_rings_shrink_towards_the_end_of_a_foil(make_scene, layers):
+    """By one ratio each, with cells of one shape; the last ones keep theirs although their points
+    are too near to each other to tell it."""
+    scene = make_scene(HALF)
+    cells = pixel_mesh(scene, scene.contacts, Resolution(2, layers=layers)).cells
+    distance = np.linalg.norm(cells.p - TIP[:, None], axis=0)
+    nearest = np.sort(distance[distance > 0])[:5]
+    patch = np.array([0.04, 0.04, 0.04, *np.sqrt(2) * np.array([0.04, 0.04])])
+    np.testing.assert_allclose(nearest, patch * RATIO**layers, rtol=1e-4)
+    assert len(groups(cells, 2)) == 5
+    smallest = np.linalg.norm(cells.along, axis=0).min()
+    assert smallest == pytest.approx(0.04 * RATIO**layers, rel=1e-12)
+
+
+@given(data=st.data(), resolution=RESOLUTIONS)
+def test_shapes_are_those_of_the_points(random, data, resolution):
+    scene = data.draw(random.between())
+    cells = pixel_mesh(scene, scene.contacts, resolution).cells
+    first, second, third, fourth = cells.p[:, cells.t].transpose(1, 0, 2)
+    for shape, points in (
+        (cells.along, second - first),
+        (cells.across, fourth - first),
+        (cells.along + cells.across + cells.twist, third - first),
+    ):
+        np.testing.assert_allclose(shape, points, rtol=0, atol=1e-15)
+
+
+@given(data=st.data(), resolution=RESOLUTIONS)
+def test_neighbours_run_along_their_edge_in_one_direction(random, data, resolution):
+    """Edge functions of odd degree would else change sign between them."""
+    scene = data.draw(random.between())
+    t = pixel_mesh(scene, scene.contacts, resolution).cells.t
+    edges = {
+        edge for a, b in ((0, 1), (3, 2), (0, 3), (1, 2)) for edge in zip(t[a], t[b], strict=True)
+    }
+    assert not {(b, a) for a, b in edges} & edges

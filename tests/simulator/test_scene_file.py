@@ -226,3 +226,20 @@ def test_scenes_are_frozen():
         scene.name = "other"
     assert isinstance(hash(scene), int)
     assert Scene.model_validate(scene.model_dump()) == scene
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("length = 0.120", "length = true", "`skin.length` must be number, got True"),
+        ("length = 0.120", 'length = "0.12"', "`skin.length` must be number, got '0.12'"),
+        ("rows = 3", "rows = 3.0", "`pixels.rows` must be integer, got 3.0"),
+        ("rows = 3", "rows = true", "`pixels.rows` must be integer, got True"),
+        ('high = ["top-left"]', 'high = "top-left"', "must be a list, got 'top-left'"),
+        ('name = "sheet-3x3"', 'name = "a\\nb"', "must be printable, on one line"),
+    ],
+)
+def test_values_of_another_kind_are_refused(old, new, told):
+    with pytest.raises(InputError) as refused:
+        parse_scene(replaced(old, new), "mine.toml")
+    assert told in str(refused.value)

@@ -55,7 +55,7 @@ def test_resistances_of_a_pair_add_up(make_scene):
         ({"top-left": {"span": (0.0, 0.5)}}, 1),
         ({"top-left": {"span": (0.2, 0.7)}}, 2),
         ({"top-left": {}, "top-bottom": {}}, 0),
-        ({"top-left": {}, "top-bottom": {"resistance": 1.0}}, 2),
+        ({"top-left": {}, "top-bottom": {"resistance": 1.0}}, 1),
         ({"top-left": {"span": (0, 0.5)}, "top-left-2": {"span": (0.5, 1)}}, 0),
     ],
 )

@@ -1,0 +1,93 @@
+"""One drive of a skin: the driven potentials, and the floating terminals among the unknowns.
+
+Floating terminals carry no current. Their potentials U_f join the inner unknowns through the lift F
+of each: K F = 0 inside, so K falls apart into the conductance between them and the inner block.
+Potentials that a whole sheet floats at cost no current at all; the sheet then keeps its charge,
+which at zero frequency determines them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import SuperLU
+
+from simulator.lanczos import Pencil
+
+
+@dataclass(frozen=True)
+class Driven:
+    """What drives and what floats, in the unknowns of a space: inner ones, then terminals.
+
+    conductance: between high and low at zero frequency, S. potential: g in V, shape (unknown,), the
+    floating terminals where they carry no direct current. floating: F, shape (unknown, floating).
+    floating_conductance: in S, zero for those that are `common`: potentials of a whole sheet.
+    """
+
+    conductance: float
+    potential: NDArray[np.float64]
+    floating: NDArray[np.float64]
+    floating_conductance: NDArray[np.float64]
+    common: NDArray[np.bool_]
+
+
+def unshifted(driven: Driven, mass: csc_matrix, K: SuperLU) -> Pencil:
+    """The pencil for sigma = 0. mass: M in F. K: factors of the inner block."""
+    sheets, tied = driven.floating[:, driven.common], driven.floating[:, ~driven.common]
+    tied_conductance = driven.floating_conductance[np.ix_(~driven.common, ~driven.common)]
+    sheets_charge = mass @ sheets
+    own_charge = sheets.T @ sheets_charge
+    inner = K.shape[0]
+
+    def neutral(v: NDArray[np.float64]) -> NDArray[np.float64]:
+        if not sheets.size:
+            return v
+        return v - sheets @ np.linalg.solve(own_charge, sheets_charge.T @ v)
+
+    def inverse(y: NDArray[np.float64]) -> NDArray[np.float64]:
+        v = np.zeros_like(y)
+        v[:inner] = K.solve(y[:inner])
+        if tied.size:
+            v += tied @ np.linalg.solve(tied_conductance, tied.T @ y)
+        return neutral(v)
+
+    potential = neutral(driven.potential)
+    start = mass @ potential
+    return Pencil(start, mass.dot, inverse, driven.conductance, float(potential @ start), 0.0)
+
+
+def shifted(
+    driven: Driven,
+    mass: csc_matrix,
+    A: SuperLU,
+    shift: float,
+    power: Callable[[NDArray[np.float64]], float],
+) -> Pencil:
+    """The pencil for sigma > 0, in 1/s. A: factors of the inner block of K + sigma M.
+
+    mass: M in F. power: v'Kv in W of potentials v. The driven potentials are those of s = sigma.
+    """
+    inner, floating = A.shape[0], driven.floating
+    charge = shift * np.asarray(mass @ floating)
+    coupling = charge[:inner]
+    followed = A.solve(coupling) if coupling.size else coupling
+    own = driven.floating_conductance + floating.T @ charge - coupling.T @ followed
+
+    def inverse(y: NDArray[np.float64]) -> NDArray[np.float64]:
+        v = np.zeros_like(y)
+        v[:inner] = A.solve(y[:inner])
+        if floating.size:
+            U = np.linalg.solve(own, floating.T @ y - coupling.T @ v[:inner])
+            v[:inner] -= followed @ U
+            v += floating @ U
+        return v
+
+    potential = driven.potential - shift * inverse(mass @ driven.potential)
+    start = mass @ potential
+    capacitance = float(potential @ start)
+    admittance = power(potential) + shift * capacitance
+    return Pencil(start, mass.dot, inverse, admittance, capacitance, shift)

@@ -1,0 +1,188 @@
+"""Galerkin's method in one space of trial functions: what does not depend on the press, and Y.
+
+With the lift G (each terminal at 1 V in turn, the others at 0 V, no capacitance: K G = 0 inside)
+the potentials are G U + d, and the deviation d solves (K + s M) d = -s M G U. The terminals'
+admittance is then Y = G'KG + s G'MG - s² (MG)' (K + s M)^-1 (MG): the variational form, whose error
+is the square of the field's, and which keeps all digits at low frequency. Under a foil with contact
+resistance the unknown is lifted to the foil's potential first, so that a small resistance is a
+stiff film on a small deviation, and no small difference of large numbers.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import SuperLU, splu
+
+from simulator.circuit import Circuit, Drive
+from simulator.driven import Driven, shifted, unshifted
+from simulator.lanczos import Pencil
+from simulator.network import Network, allowed_potentials
+from simulator.sweeps import ToleranceError
+from simulator.system import System
+
+
+class Galerkin:
+    """A system restricted to the trial functions of elements up to some order."""
+
+    def __init__(self, system: System, circuit: Circuit, order: int) -> None:
+        """order: that of the system, or from 2 on a lower one."""
+        self.circuit = circuit
+        self.terminal_field = np.array([terminal.field for terminal in circuit.terminals])
+        terminals = len(self.terminal_field)
+        inner = np.flatnonzero(system.degree <= order)
+        self.inner = len(inner)
+        rows = np.concatenate([inner, system.inner + np.arange(terminals)])
+        self._system, self._rows = system, rows
+        self._whole, self._entries = (
+            system.pattern.within(rows)
+            if len(inner) < system.inner
+            else (system.pattern, slice(None))
+        )
+        self._block, self._block_entries = self._whole.within(np.arange(self.inner))
+        self._K = self._inner(self.restricted(system.stiffness))
+        self.lift, self.conductance = self._terminal_lift()
+        self._driven: dict[Drive, Driven] = {}
+
+    def restricted(self, matrix: csc_matrix) -> csc_matrix:
+        """A matrix in the system's pattern, for the unknowns of this space and the terminals."""
+        return self._whole.matrix(matrix.data[self._entries])
+
+    def _inner(self, whole: csc_matrix) -> csc_matrix:
+        return self._block.matrix(whole.data[self._block_entries])
+
+    def network(self, mass: csc_matrix, s: NDArray[np.complex128]) -> Network:
+        """The N-terminal network at each s in rad/s: one complex system for each. mass: M in F."""
+        mass = self.restricted(mass)
+        charge = mass @ self.lift
+        at_once = self.lift.T @ charge
+        inner_charge = charge[: self.inner]
+        delayed = np.stack(
+            [
+                inner_charge.T @ self._shifted(each, mass).solve(inner_charge.astype(complex))
+                for each in s
+            ]
+        )
+        s = s[:, None, None]
+        return Network(self.terminal_field, self.conductance, s * at_once - s**2 * delayed)
+
+    def moments(self, mass: csc_matrix, count: int) -> NDArray[np.float64]:
+        """Taylor coefficients of Y(s) = Y_0 + Y_1 s + ... + Y_count s^count, shape (k, N, N).
+
+        One real factorisation: Y_1 = G'MG, Y_k = (-1)^(k-1) (MG)' (K^-1 M)^(k-2) K^-1 (MG).
+        """
+        mass = self.restricted(mass)
+        inner_mass = self._inner(mass)
+        charge = mass @ self.lift
+        right = inner_charge = charge[: self.inner]
+        moments: list[NDArray[np.float64]] = [self.conductance, self.lift.T @ charge]
+        for k in range(2, count + 1):
+            solution = self._factor.solve(right)
+            moments.append((-1) ** (k - 1) * inner_charge.T @ solution)
+            right = inner_mass @ solution
+        return np.array(moments)
+
+    def pencil(self, mass: csc_matrix, drive: Drive, shift: float) -> Pencil:
+        """K + s M of one drive, its floating terminals among the unknowns. shift: sigma in 1/s."""
+        mass, driven = self.restricted(mass), self.driven(drive)
+        if shift == 0:
+            return unshifted(driven, mass, self._factor)
+        return shifted(driven, mass, self._shifted(shift, mass), shift, self._power)
+
+    def _power(self, v: NDArray[np.float64]) -> float:
+        """v'Kv in W, of sheets and films. v: V, inner unknowns and terminals."""
+        films, U = self._system.films, v[self.inner :]
+        at_foils, current = self._system.at_foils[self._rows], films.current[self._rows]
+        w = v - at_foils @ U
+        in_sheets = v @ (self.restricted(self._system.sheets) @ v)
+        in_films = w @ (self.restricted(films.stiffness) @ w)
+        return float(in_sheets + in_films + 2 * w @ (current @ U) + U @ (films.conductance @ U))
+
+    def driven(self, drive: Drive) -> Driven:
+        """What one drive drives, and what then floats."""
+        if drive not in self._driven:
+            self._driven[drive] = self._new_driven(drive)
+        return self._driven[drive]
+
+    def _new_driven(self, drive: Drive) -> Driven:
+        modes, common = allowed_potentials(tuple(self.terminal_field.tolist()), drive)
+        S = modes.T @ self.conductance @ modes
+        S[common, :] = 0.0
+        S[:, common] = 0.0
+        tied = np.flatnonzero(~common[1:]) + 1
+        driven, conductance = modes[:, 0], S[0, 0]
+        if tied.size:
+            follow = -np.linalg.solve(S[np.ix_(tied, tied)], S[tied, 0])
+            driven, conductance = (
+                driven + modes[:, tied] @ follow,
+                conductance + S[0, tied] @ follow,
+            )
+        return Driven(
+            conductance=float(conductance),
+            potential=self.lift @ driven,
+            floating=self.lift @ modes[:, 1:],
+            floating_conductance=S[1:, 1:],
+            common=common[1:],
+        )
+
+    def _shifted(self, s: complex, mass: csc_matrix) -> SuperLU:
+        """Factors of the inner block of K + s M. mass: of this space."""
+        return _factorised(self._block.matrix(self._K.data + s * self._inner(mass).data))
+
+    @cached_property
+    def _factor(self) -> SuperLU:
+        return _factorised(self._K)
+
+    def _terminal_lift(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """G, shape (inner + terminals, terminals), and G'KG in S, shape (terminals, terminals).
+
+        The columns of a field add up to 1 V, which costs no current: that gives its first terminal.
+        """
+        system, terminals = self._system, len(self.terminal_field)
+        first_of_field = [
+            int(np.argmax(self.terminal_field == f)) for f in range(self.circuit.fields)
+        ]
+        others = np.array([k for k in range(terminals) if k not in first_of_field], dtype=int)
+        inner = np.zeros((self.inner, terminals))
+        conductance = np.zeros((terminals, terminals))
+        if others.size:
+            at_foils, films = system.at_foils[self._rows][:, others], system.films
+            current = self.restricted(system.sheets) @ at_foils
+            current += films.current[self._rows][:, others]
+            deviation = -self._factor.solve(current[: self.inner])
+            inner[:, others] = at_foils[: self.inner] + deviation
+            conductance[np.ix_(others, others)] = (
+                at_foils.T @ (self.restricted(system.sheets) @ at_foils)
+                + films.conductance[np.ix_(others, others)]
+                + current[: self.inner].T @ deviation
+            )
+        one = system.one[self._rows[: self.inner]]
+        inner[:, first_of_field] = one
+        for field, first in enumerate(first_of_field if others.size else []):
+            rest = others[self.terminal_field[others] == field]
+            inner[:, first] -= inner[:, rest].sum(axis=1)
+            conductance[first, rest] = -conductance[np.ix_(rest, rest)].sum(axis=0)
+            conductance[rest, first] = conductance[first, rest]
+            conductance[first, first] = -conductance[first, rest].sum()
+        return np.vstack([inner, np.eye(terminals)]), conductance
+
+
+def _factorised(matrix: csc_matrix) -> SuperLU:
+    """LU without pivoting: stable, because real and imaginary part are positive semidefinite.
+
+    Raises ToleranceError where the factors outgrow what SuperLU can address.
+    """
+    try:
+        return splu(
+            matrix,
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True, "Equil": False},
+        )
+    except MemoryError as error:
+        raise ToleranceError(
+            f"{len(matrix.indptr) - 1} unknowns are too many to factorise"
+        ) from error

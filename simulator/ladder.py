@@ -1,0 +1,102 @@
+"""Resolutions of increasing accuracy for a scene, a press and the highest frequency asked."""
+
+from __future__ import annotations
+
+import math
+
+from simulator.circuit import Circuit
+from simulator.frequency import penetration_depth
+from simulator.mesh import Resolution, singular_ends
+from simulator.press import Press, Touch
+from simulator.scene import Contact, Scene
+
+SMOOTH = [(order, 1) for order in range(2, 11)] + [(6, 2), (8, 2), (10, 2), (8, 3), (10, 3)]
+SINGULAR = [(order, 1) for order in range(2, 11)] + [(8, 2), (10, 2)]
+RINGS_PER_ORDER, RINGS_AT_LEAST = 1.2, 3
+FAINTEST = 1e-3
+
+
+class Ladder:
+    """The levels of one scene: elements of growing order, then smaller cells.
+
+    The rings at ends of foils shrink as fast as the order gains: they add 0.2^rings to the error,
+    and elements of order p leave 0.15^p in each of them. Cells at contacted edges grow with the
+    order from the depth the field reaches, as a polynomial follows an exponential over p/4 of that.
+    """
+
+    def __init__(self, scene: Scene, circuit: Circuit) -> None:
+        self.scene = scene
+        contacts = [contact for terminal in circuit.terminals for contact in terminal.contacts]
+        self.singular = bool(singular_ends(contacts, scene.skin))
+        self.levels = SINGULAR if self.singular else SMOOTH
+
+    def first(self, rtol: float) -> int:
+        """The level to begin at: one that often serves."""
+        return max(0, min(round(-0.45 * math.log10(rtol) - 1.05), 4))
+
+    def resolution(self, level: int, press: Press, frequency: float) -> Resolution:
+        """The mesh and order of a level, up to a frequency in Hz.
+
+        The order is one more than the level's: the answer's own, and one to check it by.
+        """
+        order, cells = self.levels[level]
+        skin = self.scene.skin
+        sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
+        c = skin.foam.rest_capacitance_per_area
+        factor = max((touch.factor for touch in press.touches), default=1.0)
+        depth = penetration_depth(frequency, sheets, c)
+        reached = self._reached(press, depth)
+        layer = depth / math.sqrt(factor if reached else 1.0) * max(1.0, order / 4)
+        if self._halved(layer) == math.inf:
+            reached = ()
+        return Resolution(
+            order + 1,
+            self._no_plane_of_symmetry(cells),
+            math.ceil(RINGS_PER_ORDER * order) + RINGS_AT_LEAST if self.singular else 0,
+            edge_cell=self._halved(layer),
+            touch_cell=self._halved(layer) if reached else math.inf,
+            touched=reached,
+        )
+
+    @property
+    def _widest_pixel(self) -> float:
+        skin, pixels = self.scene.skin, self.scene.pixels
+        return max(skin.length / pixels.columns, skin.width / pixels.rows)
+
+    def _no_plane_of_symmetry(self, cells: int) -> int:
+        """No element spans the whole skin, of which a plane of symmetry leaves every second order
+        without effect."""
+        pixels = self.scene.pixels
+        return max(cells, 2 if 1 in (pixels.rows, pixels.columns) else 1)
+
+    def _halved(self, width: float) -> float:
+        """No wider, and one of few widths, so that presses and frequencies share meshes."""
+        skin = self.scene.skin
+        longest = max(skin.length, skin.width)
+        if width >= self._widest_pixel:
+            return math.inf
+        return longest * 2.0 ** math.floor(math.log2(width / longest))
+
+    def _reached(self, press: Press, depth: float) -> tuple[tuple[int, int], ...]:
+        """Pressed pixels near enough to a foil for the field to come back from them."""
+        return tuple(
+            (touch.row, touch.column)
+            for touch in press.touches
+            if touch.factor > 1 and math.exp(-2 * _distance(touch, self.scene) / depth) > FAINTEST
+        )
+
+
+def _distance(touch: Touch, scene: Scene) -> float:
+    """From a pressed pixel to the nearest foil, m."""
+    skin, pixels = scene.skin, scene.pixels
+    x = ((touch.column - 1) / pixels.columns, touch.column / pixels.columns)
+    y = ((touch.row - 1) / pixels.rows, touch.row / pixels.rows)
+
+    def gap(pixel: tuple[float, float], contact: Contact, axis: int, length: float) -> float:
+        low, high = (end[axis] for end in contact.ends(skin))
+        return max(0.0, low - pixel[1] * length, pixel[0] * length - high)
+
+    return min(
+        math.hypot(gap(x, contact, 0, skin.length), gap(y, contact, 1, skin.width))
+        for contact in scene.contacts
+    )

@@ -1,0 +1,119 @@
+"""Cells around a singular point: rings that shrink towards it by a constant ratio.
+
+A square cell with a corner at the point becomes a small square there and, around it, layer upon
+layer of two trapezoids. All layers have one shape, and nothing outside the cell is touched: the
+cells stay as wide as they are high, however small, and each layer costs a few unknowns only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+RATIO = 0.2
+PARTNER_ALONG = (1, 0, 3, 2)
+PARTNER_ACROSS = (3, 2, 1, 0)
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Quadrilaterals x0 + a along + b across + a b twist, a and b in [0, 1].
+
+    p: points in m, shape (2, point). t: the points of each cell, at (a, b) = (0, 0), (1, 0), (1, 1)
+    and (0, 1), shape (4, cell). along, across, twist: in m, shape (2, cell); they keep the shape of
+    a cell that is too small to be told from its points. Cells that share an edge run along it in
+    the same direction.
+    """
+
+    p: NDArray[np.float64]
+    t: NDArray[np.int64]
+    along: NDArray[np.float64]
+    across: NDArray[np.float64]
+    twist: NDArray[np.float64]
+
+
+def rectangles(x: NDArray[np.float64], y: NDArray[np.float64]) -> Cells:
+    """The cells between lines, row after row. x, y: ascending, in m."""
+    rows, columns = len(y) - 1, len(x) - 1
+    low = (np.arange(rows)[:, None] * len(x) + np.arange(columns)).ravel()
+    along, across = np.zeros((2, 2, rows * columns))
+    along[1], across[0] = np.repeat(np.diff(y), columns), np.tile(np.diff(x), rows)
+    return Cells(
+        p=np.stack([np.tile(x, len(y)), np.repeat(y, len(x))]),
+        t=np.stack([low, low + len(x), low + len(x) + 1, low + 1]),
+        along=along,
+        across=across,
+        twist=np.zeros((2, rows * columns)),
+    )
+
+
+def ringed(cells: Cells, tips: NDArray[np.int64], layers: int) -> Cells:
+    """Rectangles, those with a corner at one of the points `tips` divided into rings."""
+    if not layers or not tips.size:
+        return cells
+    cornered = [(k, cell) for k in range(4) for cell in np.flatnonzero(np.isin(cells.t[k], tips))]
+    builder = _Builder(cells, layers)
+    for corner, cell in cornered:
+        builder.divide(int(cell), corner)
+    return builder.built(np.array([cell for _, cell in cornered]))
+
+
+class _Builder:
+    def __init__(self, cells: Cells, layers: int) -> None:
+        self.cells = cells
+        self.scale = RATIO ** np.arange(layers + 1.0)
+        self.points = [cells.p]
+        self.count = cells.p.shape[1]
+        self.parts: list[tuple[NDArray, NDArray, NDArray, NDArray]] = []
+        self._chains: dict[tuple[int, int], NDArray[np.int64]] = {}
+
+    def divide(self, cell: int, corner: int) -> None:
+        cells, t = self.cells, self.cells.t[:, cell]
+        tip, a, b = t[corner], t[PARTNER_ALONG[corner]], t[PARTNER_ACROSS[corner]]
+        opposite = t[PARTNER_ALONG[PARTNER_ACROSS[corner]]]
+        away_a = cells.along[:, cell] * (1 if corner in (0, 3) else -1)
+        away_b = cells.across[:, cell] * (1 if corner in (0, 1) else -1)
+        chain_a, chain_b, diagonal = (self._chain(int(tip), int(p)) for p in (a, b, opposite))
+        self._trapezoids(chain_a, diagonal, away_a, away_b)
+        self._trapezoids(chain_b, diagonal, away_b, away_a)
+        inner = np.empty((4, 1), dtype=np.int64)
+        inner[corner], inner[PARTNER_ALONG[corner]] = tip, chain_a[-1]
+        inner[PARTNER_ACROSS[corner]] = chain_b[-1]
+        inner[PARTNER_ALONG[PARTNER_ACROSS[corner]]] = diagonal[-1]
+        shape = (cells.along, cells.across, cells.twist)
+        along, across, twist = (self.scale[-1] * each[:, [cell]] for each in shape)
+        self.parts.append((inner, along, across, twist))
+
+    def _trapezoids(
+        self, side: NDArray, diagonal: NDArray, away: NDArray, sideways: NDArray
+    ) -> None:
+        """The layers on one side of the diagonal: along them outwards, across as x or y grows."""
+        outer, inner = self.scale[:-1], self.scale[1:]
+        if sideways.sum() > 0:
+            first, second, start = side, diagonal, away
+        else:
+            first, second, start = diagonal, side, away + sideways
+        step = np.abs(sideways)[:, None]
+        t = np.stack([first[1:], first[:-1], second[:-1], second[1:]])
+        along = start[:, None] * (outer - inner)
+        self.parts.append((t, along, step * inner, step * (outer - inner)))
+
+    def _chain(self, tip: int, towards: int) -> NDArray[np.int64]:
+        """Points between `towards`, which is the first, and the tip, which is left out."""
+        if (tip, towards) not in self._chains:
+            start, end = self.cells.p[:, [tip]], self.cells.p[:, [towards]]
+            new = self.count + np.arange(len(self.scale) - 1)
+            self.points.append(start + (end - start) * self.scale[1:])
+            self.count += len(new)
+            self._chains[tip, towards] = np.concatenate([[towards], new])
+        return self._chains[tip, towards]
+
+    def built(self, divided: NDArray[np.int64]) -> Cells:
+        cells = self.cells
+        whole = np.setdiff1d(np.arange(cells.t.shape[1]), divided)
+        shapes = (cells.t, cells.along, cells.across, cells.twist)
+        kept = tuple(each[:, whole] for each in shapes)
+        joined = (np.concatenate(each, axis=1) for each in zip(kept, *self.parts, strict=True))
+        return Cells(np.concatenate(self.points, axis=1), *joined)

@@ -1,0 +1,130 @@
+"""A few real solves give what a complex solve for each frequency gives."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from simulator.circuit import one_field, two_fields
+from simulator.estimate import relative_difference
+from simulator.lanczos import (
+    Pencil,
+    continued_fraction,
+    continued_fraction_readable,
+    last_change,
+    respond,
+)
+from simulator.line import Line
+from simulator.mesh import Resolution
+from simulator.press import Press
+from simulator.sheet import Sheet
+from simulator.sweeps import parallel_capacitance
+
+
+@given(steps=st.integers(1, 8), seed=st.integers(0, 2**32))
+def test_the_fraction_is_that_of_the_matrix_written_out(steps, seed):
+    rng = np.random.default_rng(seed)
+    diagonal, squared = rng.uniform(0.1, 2, steps), rng.uniform(0.01, 0.1, steps)
+    for t in 1j * np.geomspace(1e-3, 1e3, 7) - rng.uniform(0, 0.1):
+        given = t, diagonal, squared, steps
+        assert continued_fraction(*given) == pytest.approx(
+            continued_fraction_readable(*given), rel=1e-10
+        )
+
+
+@given(steps=st.integers(2, 8), seed=st.integers(0, 2**32))
+def test_the_last_change_is_that_of_Rs_or_Cp(steps, seed):
+    rng = np.random.default_rng(seed)
+    diagonal, squared = rng.uniform(0.1, 2, steps), rng.uniform(0.01, 0.1, steps)
+    s, shift = 1j * np.geomspace(1e-2, 1e2, 5), rng.uniform(0, 0.1)
+    at_once = rng.normal(size=5) + 2j + s
+    Y, change = last_change(s, shift, at_once, diagonal, squared, steps)
+    after, before = (
+        at_once
+        - (s - shift) ** 2
+        * squared[0]
+        * [continued_fraction_readable(t, diagonal, squared, m) for t in s - shift]
+        for m in (steps, steps - 1)
+    )
+    np.testing.assert_allclose(Y, after, rtol=1e-12)
+    expected = relative_difference(1 / before, 1 / after, s.imag).max(axis=0)
+    np.testing.assert_allclose(change, expected, rtol=1e-6, atol=1e-13)
+
+
+@given(data=st.data())
+def test_against_complex_solves(random, frequency_at, data):
+    """From where the skin is one capacitor to where the field reaches a hundredth of it."""
+    scene = data.draw(random.between())
+    press = data.draw(random.presses(scene))
+    frequency = frequency_at(scene, np.geomspace(1e-4, 1e4, 9))
+    sheet = Sheet(scene, two_fields(scene), Resolution(order=3, layers=2))
+    ((Z, change),) = sheet.sweep(press, frequency, 1e-9)
+    exact = sheet.impedance(press, frequency)
+    difference = relative_difference(Z, exact, 2 * np.pi * frequency)
+    low = frequency < frequency_at(scene, 200)
+    assert (difference <= change + 1e-9)[..., low].all()
+    assert change.max() <= 2e-9
+    assert difference.max() <= 1e-6, "more than the complex solves lose at high frequency"
+
+
+@pytest.mark.parametrize("resistance", [0.0, 1e3, 1e7])
+def test_no_digits_are_lost_far_above_cut_off(make_scene, frequency_at, resistance):
+    """A film of contact resistance and the line in series: exact, at each end of a wide band."""
+    bottom = {"resistance": 0.6 * resistance}
+    scene = make_scene({"top-left": {"resistance": resistance}, "bottom-left": bottom})
+    frequency = frequency_at(scene, np.geomspace(1e-6, 1e4, 6))
+    sheet = Sheet(scene, two_fields(scene), Resolution(order=12, cells=2, edge_cell=1e-3))
+    ((Z, _),) = sheet.sweep(Press(), frequency, 1e-11)
+    exact = Line(scene).impedance(Press(), frequency)
+    assert relative_difference(Z, exact, 2 * np.pi * frequency).max() <= 1e-8
+
+
+@given(data=st.data())
+def test_against_complex_solves_where_direct_current_may_flow(random, frequency_at, data):
+    """Cp may then be nothing but rounding: Z as a whole is compared."""
+    scene = data.draw(random.across())
+    frequency = frequency_at(scene, np.geomspace(1e-3, 1e2, 5))
+    sheet = Sheet(scene, two_fields(scene), Resolution(order=3))
+    ((Z, _),) = sheet.sweep(Press(), frequency, 1e-9)
+    np.testing.assert_allclose(Z, sheet.impedance(Press(), frequency), rtol=1e-7)
+
+
+@given(data=st.data())
+def test_lower_orders_are_nested_in_higher_ones(random, frequency_at, data):
+    scene = data.draw(random.between())
+    press = data.draw(random.presses(scene))
+    frequency = frequency_at(scene, [0.1, 10.0])
+    circuit = one_field(scene) or two_fields(scene)
+    high, low = (Sheet(scene, circuit, Resolution(order, layers=2)) for order in (5, 4))
+    ((Z, _),) = high.sweep(press, frequency, 1e-9, high.nested)
+    np.testing.assert_allclose(Z, low.impedance(press, frequency), rtol=1e-8)
+
+
+@given(data=st.data(), steps=st.integers(1, 12))
+def test_any_step_is_passive_and_no_step_loses_capacitance(random, frequency_at, data, steps):
+    """Galerkin in a real space: Re Z >= 0, Im Z <= 0, Rs and Cp fall with frequency."""
+    scene = data.draw(random.between())
+    press, circuit = data.draw(random.presses(scene)), two_fields(scene)
+    sheet = Sheet(scene, circuit, Resolution(order=2))
+    frequency = frequency_at(scene, np.geomspace(1e-2, 1e4, 30))
+    pencil = sheet.space.pencil(sheet.mass(press), circuit.drives[0], 0.0)
+    Y, _ = respond(pencil, 2j * np.pi * frequency, 1e-300, most_steps=steps)
+    Z = 1 / Y
+    Cp = parallel_capacitance(Z, frequency)
+    assert (Z.real >= 0).all() and (Z.imag <= 0).all()
+    assert (np.diff(Z.real) <= 1e-9 * Z.real[:-1]).all()
+    assert (np.diff(Cp) <= 1e-9 * Cp[:-1]).all()
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 4, 9])
+def test_small_systems_are_exact_when_their_space_is_exhausted(size):
+    """Y_0 + s c - s² b'(K + s M)^-1 b for matrices written out."""
+    rng = np.random.default_rng(size)
+    half = rng.normal(size=(2, size, size))
+    K, M = half[0] @ half[0].T + np.eye(size), half[1] @ half[1].T
+    b, s = rng.normal(size=size), 1j * np.geomspace(1e-2, 1e2, 5)
+    inverse = np.linalg.inv(K)
+    Y, change = respond(Pencil(b, M.dot, inverse.dot, 0.3, 50.0, 0.0), s, 1e-12)
+    exact = [0.3 + 50.0 * each - each**2 * b @ np.linalg.solve(K + each * M, b) for each in s]
+    np.testing.assert_allclose(Y, exact, rtol=1e-8)
+    assert change.max() < 1e-6

@@ -1,0 +1,81 @@
+"""Coefficients that vary within cells: orders of convergence on solutions that are chosen first."""
+
+import importlib
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from skfem import MeshQuad
+from skfem.assembly import Dofs
+
+from simulator.assembly import element_pairs, fill, groups, quadrilateral
+from simulator.pattern import pattern_of_pairs
+from simulator.quadrature import gauss_rule, mass_terms, stiffness_terms, surface
+
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+ORDERS = (1, 2, 3, 4, 5, 6)
+EXPECTED = {"L2": lambda p: p + 1, "H1": lambda p: p, "current": lambda p: 2 * p}
+
+
+@pytest.fixture(scope="module")
+def part():
+    """A function from a name to that part of the verification, a script beside the packages."""
+    sys.path.insert(0, str(BENCHMARKS))
+    yield lambda name: importlib.import_module(f"verification_parts.{name}")
+    sys.path.remove(str(BENCHMARKS))
+
+
+@pytest.fixture(scope="module")
+def chosen(part):
+    return part("chosen")
+
+
+@pytest.fixture(scope="module")
+def manufactured(part):
+    return part("manufactured")
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("mesh", ["squares", "with rings", "bent"])
+@pytest.mark.parametrize("fields", ["one field", "two fields"])
+def test_orders_of_convergence(chosen, manufactured, fields, mesh, order):
+    slopes = manufactured.observed_orders(chosen.PROBLEMS[fields], mesh, order)
+    for quantity, theory in EXPECTED.items():
+        assert slopes[quantity] > 0.9 * theory(order), quantity
+
+
+@pytest.mark.parametrize("fields", ["one field", "two fields"])
+def test_the_source_is_that_of_the_chosen_potentials(chosen, fields):
+    """-div(grad u / R) + s c (...) by differences of normal currents across a small square."""
+    problem = chosen.PROBLEMS[fields]
+    middle, h = np.array([[0.3], [0.6]]), 1e-4
+    for field in range(len(problem.potentials)):
+        out = 0.0
+        for normal in np.array([[1, 0], [-1, 0], [0, 1], [0, -1]])[:, :, None]:
+            out += problem.normal_current(field, middle + h * normal, normal) / (2 * h)
+        across = problem.coupling[field] @ [u.value(middle) for u in problem.potentials]
+        expected = problem.s * chosen.capacitance(middle) * across - out
+        np.testing.assert_allclose(problem.source(field, middle), expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 5, 8])
+def test_constant_coefficients_give_the_matrices_of_cells_of_one_shape(manufactured, order):
+    cells, element = manufactured.with_rings(2), quadrilateral(order)
+    dofs = Dofs(MeshQuad(cells.p, cells.t), element)
+    pattern, slots = pattern_of_pairs(*element_pairs(dofs.element_dofs), size=dofs.N)
+    K, M, K_of_groups, M_of_groups = np.zeros((4, len(pattern.indices)))
+    for group in groups(cells, order):
+        local = len(group.mass) ** 2
+        stiffness = group.stiffness.reshape(-1, local)
+        fill(K_of_groups, slots[group.cells], group.stiffness_weights, stiffness)
+        mass = group.mass.reshape(1, local)
+        fill(M_of_groups, slots[group.cells], group.mass_weights[:, None], mass)
+    rule = gauss_rule(element, 2 * order + 40)
+    at = surface(cells, rule)
+    for terms in stiffness_terms(rule, at, np.ones_like(at.area)):
+        fill(K, slots, *terms)
+    for terms in mass_terms(rule, at, np.ones_like(at.area)):
+        fill(M, slots, *terms)
+    np.testing.assert_allclose(K, K_of_groups, rtol=0, atol=1e-12 * abs(K).max())
+    np.testing.assert_allclose(M, M_of_groups, rtol=0, atol=1e-12 * abs(M).max())
