@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from hardware.cli import meter_app
+from hardware.errors import MeterError
+from hardware.given import SceneData, Simulation
 from simulator.cli import app, run
+
+if TYPE_CHECKING:
+    from hardware.virtual.skin import Readout, Skin
 
 __all__ = ["app", "main"]
 
@@ -45,9 +51,42 @@ def reproduce(
     )
 
 
+def _scene_data(name: str, interface: str | None) -> SceneData:
+    from simulator.scene_file import load_scene, scene_text
+    from simulator.specimen import checked_interface
+
+    scene = load_scene(name)
+    return SceneData(
+        name=scene.name,
+        text=scene_text(scene),
+        frequencies=scene.sweep.frequencies,
+        rows=scene.pixels.rows,
+        columns=scene.pixels.columns,
+        interface=checked_interface(interface, scene),
+    )
+
+
+def _skin(data: SceneData) -> Skin:
+    from simulator.scene_file import parse_scene
+    from simulator.specimen import Specimen
+
+    return Specimen(parse_scene(data.text, data.name), data.interface)
+
+
+def _readout(data: SceneData, seed: int) -> Readout:
+    from simulator.scene_file import parse_scene
+    from simulator.specimen import SessionErrors
+
+    errors = SessionErrors(parse_scene(data.text, data.name), seed)
+    return lambda Z, conditions: errors.read(Z, conditions.range)
+
+
+app.add_typer(meter_app(Simulation(_scene_data, _skin, _readout)), name="meter")
+
+
 def main() -> None:
     """Run the command line."""
-    run()
+    run((MeterError,))
 
 
 if __name__ == "__main__":

@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from simulator.data_commands import check, import_sweeps
+
 BAD_INPUT, FAILURE, INTERRUPTED = 2, 1, 130
 
 app = typer.Typer(
@@ -65,6 +67,7 @@ def sweep(
     from simulator.scene_file import check_press, load_scene
     from simulator.simulate import gather
     from simulator.sweeps import checked_output, write
+    from simulator.validity import warnings
 
     checked_output(output)
     loaded = load_scene(scene)
@@ -73,6 +76,8 @@ def sweep(
     for asked in presses:
         check_press(asked, loaded)
     solver = Solver(loaded, rtol, checked_model(model))
+    for warning in warnings(loaded):
+        typer.echo(f"rcskin: warning: {warning}", err=True)
     with on_terminal() as track:
         answered = [(asked, solver.solve(asked)) for asked in track(presses, loaded.name)]
     write(gather(solver, answered), output)
@@ -81,8 +86,15 @@ def sweep(
             typer.echo(solver.explain(asked, answer))
 
 
-def run() -> None:
-    """Run the command line, turning every failure into one clear line and an exit code."""
+app.command("import")(import_sweeps)
+app.command()(check)
+
+
+def run(failures: tuple[type[Exception], ...] = ()) -> None:
+    """Run the command line, turning every failure into one clear line and an exit code.
+
+    failures: further errors whose message says all there is to say.
+    """
     from simulator.sweeps.errors import InputError, ToleranceError
 
     try:
@@ -98,6 +110,8 @@ def run() -> None:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(FAILURE)
+    except failures as error:
+        _end(str(error), FAILURE)
     except Exception as error:
         if "RCSKIN_DEBUG" in os.environ:
             raise

@@ -1,0 +1,168 @@
+"""Which lines of a table make up one sweep, and what press, interface and session it has."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.sweeps.errors import InputError
+from simulator.sweeps.importing.dialect import Table
+from simulator.sweeps.schema import UNPRESSED
+
+PIXEL = re.compile(r"(\d+)\s*,\s*(\d+)\s*(:[^+]*)?")
+SAME_FREQUENCY = 1e-6
+"""Relative difference of frequencies that are one, printed with different digits."""
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """One sweep of a table.
+
+    line: of the file, where it begins. press, row, column, session: of its first line. lines:
+    places in the table by (interface, frequency in Hz).
+    """
+
+    line: int
+    press: str
+    row: int
+    column: int
+    session: int
+    lines: dict[tuple[str, float], int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Defaults:
+    """What holds for a file without such columns."""
+
+    press: str | None = None
+    interface: str | None = None
+    session: int | None = None
+
+
+def grouped(table: Table, frequency: NDArray[np.float64], defaults: Defaults) -> list[Sweep]:
+    """The sweeps of a table in order of appearance.
+
+    A new one begins with every new value in a column that labels sweeps, and where a frequency
+    comes again at the same interface under the same labels.
+    Raises InputError naming the file and line where a label is of the wrong kind, or changes within
+    what the sweep column calls one sweep.
+    """
+    labels = _labels(table, defaults)
+    interfaces = _column(table, "interface", defaults.interface, "unnamed")
+    keys = _keys(table)
+    latest: dict[tuple[str, ...], Sweep] = {}
+    sweeps: list[Sweep] = []
+    for place, (line, _) in enumerate(table.rows):
+        reading = interfaces[place], float(frequency[place])
+        sweep = latest.get(keys[place])
+        if sweep is None or reading in sweep.lines:
+            _refuse_again(table, line, sweep, reading)
+            sweep = latest[keys[place]] = Sweep(line, *labels[place])
+            sweeps.append(sweep)
+        if (sweep.press, sweep.row, sweep.column, sweep.session) != labels[place]:
+            raise table.error(line, f"has another press or session than line {sweep.line}")
+        sweep.lines[reading] = place
+    return sweeps
+
+
+def places(
+    table: Table, sweeps: list[Sweep]
+) -> tuple[list[str], NDArray[np.float64], NDArray[np.intp]]:
+    """Interfaces, frequencies in Hz ascending, and places in the table of every reading.
+
+    The places have the shape (sweep, interface, frequency).
+    Raises InputError naming the file and the line of the first sweep with other readings.
+    """
+    first = sweeps[0]
+    interfaces = list(dict.fromkeys(name for name, _ in first.lines))
+    frequency = np.array(sorted({f for _, f in first.lines}))
+    wanted = [(name, f) for name in interfaces for f in frequency.tolist()]
+    shape = (len(interfaces), frequency.size)
+    found = [_matching(table, first, each, wanted).reshape(shape) for each in sweeps]
+    return interfaces, frequency, np.array(found)
+
+
+def _matching(
+    table: Table, first: Sweep, sweep: Sweep, wanted: list[tuple[str, float]]
+) -> NDArray[np.intp]:
+    order = {name: place for place, (name, _) in enumerate(wanted)}
+    having = sorted(sweep.lines, key=lambda reading: (order.get(reading[0], -1), reading[1]))
+    same = len(having) == len(wanted) and all(
+        name == other and abs(f - g) <= SAME_FREQUENCY * g
+        for (name, f), (other, g) in zip(having, wanted, strict=True)
+    )
+    if same:
+        return np.array([sweep.lines[reading] for reading in having])
+    told = f"has {len(having)} readings, not the same {len(wanted)} interfaces and frequencies"
+    whose = "that its first frequency and interface ask for"
+    if sweep is not first:
+        whose = f"as the sweep from line {first.line} on"
+    raise table.error(sweep.line, f"the sweep from here on {told} {whose}")
+
+
+def _refuse_again(table: Table, line: int, sweep: Sweep | None, reading: tuple[str, float]) -> None:
+    if sweep is not None and "sweep" in table.columns:
+        before = table.rows[sweep.lines[reading]][0]
+        raise table.error(line, f"the same sweep has {reading[1]:g} Hz in line {before} already")
+
+
+def _keys(table: Table) -> list[tuple[str, ...]]:
+    """What tells sweeps apart: the sweep column where there is one, else all other labels."""
+    names = ["sweep"] if "sweep" in table.columns else ["press", "row", "column", "repetition"]
+    texts = [table.text(name) for name in [*names, "session"] if name in table.columns]
+    return list(zip(*texts, strict=True)) if texts else [()] * len(table.rows)
+
+
+def _labels(table: Table, defaults: Defaults) -> list[tuple[str, int, int, int]]:
+    """(press, row, column, session) of every line."""
+    sessions = _integers(table, "session", defaults.session, 0)
+    presses = _column(table, "press", defaults.press, "")
+    rows, columns = (_integers(table, name, None, None) for name in ("row", "column"))
+    labels = []
+    for press, row, column, session in zip(presses, rows, columns, sessions, strict=True):
+        pixel = _pixel(press)
+        place = (pixel[0] if row is None else row, pixel[1] if column is None else column)
+        labels.append((press or _press_text(*place), *place, session))
+    return labels
+
+
+def _press_text(row: int, column: int) -> str:
+    if (row, column) == (0, 0):
+        return UNPRESSED
+    return f"{row},{column}" if row > 0 and column > 0 else "unknown"
+
+
+def _pixel(press: str) -> tuple[int, int]:
+    """Row and column of a press written as text: 0 nothing pressed, -1 no single pixel."""
+    if press == UNPRESSED:
+        return 0, 0
+    match = PIXEL.fullmatch(press)
+    return (int(match[1]), int(match[2])) if match else (-1, -1)
+
+
+def _column(table: Table, holds: str, given: str | None, absent: str) -> list[str]:
+    if holds not in table.columns:
+        return [absent if given is None else given] * len(table.rows)
+    if given is not None:
+        raise InputError(
+            f"{table.path}: has its own column `{table.columns[holds].name}`, so no {holds} "
+            f"may be given, got {given!r}"
+        )
+    texts = table.text(holds)
+    if "" in texts:
+        raise table.error(table.rows[texts.index("")][0], f"names no {holds}")
+    return texts
+
+
+def _integers(table: Table, holds: str, given: int | None, absent: int | None) -> list:
+    texts = _column(table, holds, None if given is None else str(given), "")
+    if holds not in table.columns:
+        return [absent if given is None else given] * len(table.rows)
+    for (line, _), text in zip(table.rows, texts, strict=True):
+        if not re.fullmatch(r"[+-]?\d{1,9}", text, re.ASCII):
+            name = table.columns[holds].name
+            raise table.error(line, f"`{name}` must be a whole number, got {text!r}")
+    return [int(text) for text in texts]

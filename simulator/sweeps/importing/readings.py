@@ -1,0 +1,94 @@
+"""From columns to impedance: Rs and X, |Z| and phase, Rs and Cs, or Rs and Cp."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.sweeps.errors import InputError
+from simulator.sweeps.impedance import branch_reactance, parallel_capacitance
+from simulator.sweeps.importing.dialect import Table
+
+Reals = NDArray[np.float64]
+BRANCH_RULE = (
+    "of the two reactances that give the same Rs and Cp (X1 X2 = Rs^2), X is the one with "
+    "|X| >= Rs, a phase between -90 and -45 degrees"
+)
+REPRESENTATIONS: dict[tuple[str, str], Callable[[Any, Any, Any], Any]] = {
+    ("Rs", "X"): lambda Rs, X, _: Rs + 1j * X,
+    ("magnitude", "phase"): lambda magnitude, phase, _: magnitude * np.exp(1j * phase),
+    ("Rs", "Cs"): lambda Rs, Cs, f: Rs - 1j / (2 * np.pi * f * Cs),
+    ("Rs", "Cp"): lambda Rs, Cp, f: Rs + 1j * branch_reactance(Rs, Cp, f),
+}
+"""The first of these pairs that a file has is read: Z in ohm of both and of the frequency in Hz."""
+DIGITS = 12
+"""Frequencies are rounded to so many, so that 0.1 kHz and 100 Hz are the same."""
+
+
+@dataclass(frozen=True)
+class Readings:
+    """What every line of a table says; arrays of shape (line,).
+
+    frequency: Hz. Z: ohm. Cp: F, as the file has it, else as it follows from Z. pair: what Z was
+    made of.
+    """
+
+    frequency: Reals
+    Z: NDArray[np.complex128]
+    Cp: Reals
+    pair: tuple[str, str]
+
+
+def impedance_readings(table: Table) -> Readings:
+    """Frequency and impedance of every line.
+
+    Raises InputError naming the file, and the line where there is one: no pair of columns that
+    makes an impedance, a cell that is no number, a frequency <= 0, |Z| < 0 or Z = 0, a pair (Rs,
+    Cp) that no reactance gives.
+    """
+    pair = _pair(table)
+    f = np.array([float(f"{each:.{DIGITS}g}") for each in table.numbers("frequency")])
+    _refuse(table, f <= 0, "the frequency must be > 0 Hz")
+    first, second = (np.array(table.numbers(name)) for name in pair)
+    _refuse(table, (first < 0) & (pair[0] == "magnitude"), "|Z| must be >= 0 ohm")
+    _refuse(table, (second == 0) & (pair[1] == "Cs"), "Cs must not be 0 F")
+    Z = _impedance(table, pair, first, second, f)
+    _refuse(table, Z == 0, "Z is 0 ohm, which no reading is")
+    displayed = "Cp" in table.columns
+    Cp = np.array(table.numbers("Cp")) if displayed else parallel_capacitance(Z, f)
+    return Readings(f, Z, Cp, pair)
+
+
+def _pair(table: Table) -> tuple[str, str]:
+    for pair in REPRESENTATIONS:
+        if set(pair) <= table.columns.keys():
+            return pair
+    found = ", ".join(f"`{column.name}`" for column in table.columns.values())
+    raise InputError(
+        f"{table.path}: needs columns of Rs and X, of |Z| and phase, of Rs and Cs, or of Rs and Cp;"
+        f" of its columns only {found} are understood"
+    )
+
+
+def _impedance(
+    table: Table, pair: tuple[str, str], first: Reals, second: Reals, f: Reals
+) -> NDArray[np.complex128]:
+    convert = REPRESENTATIONS[pair]
+    try:
+        return convert(first, second, f)
+    except InputError:
+        for (line, _), *reading in zip(table.rows, first, second, f, strict=True):
+            try:
+                convert(*reading)
+            except InputError as error:
+                raise table.error(line, str(error)) from error
+        raise
+
+
+def _refuse(table: Table, wrong: NDArray[np.bool_], message: str) -> None:
+    if wrong.any():
+        raise table.error(table.rows[int(np.argmax(wrong))][0], message)

@@ -1,0 +1,98 @@
+"""Measured sweeps of other tools, through the same door as simulated ones.
+
+A file is a table of named columns in any order, separated by tab, semicolon or comma, with decimal
+points or decimal commas, lines of comment (# % ;) anywhere and anything above its header. A name
+carries its unit: `Frequency (kHz)`, `f/Hz`, `Rs [kohm]`, `-Z'' (ohm)`, `theta (deg)`, `Cp_pF`;
+without one it is SI, and a phase must have one. Columns of a sweep, press, row, column, repetition,
+interface or session label the lines; without them a sweep begins where frequencies start over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from simulator.sweeps.errors import InputError
+from simulator.sweeps.importing.dialect import read_table
+from simulator.sweeps.importing.grouping import SAME_FREQUENCY, Defaults, grouped, places
+from simulator.sweeps.importing.readings import BRANCH_RULE, impedance_readings
+from simulator.sweeps.schema import build, concatenate
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["BRANCH_RULE", "Defaults", "import_file", "import_files"]
+
+
+def import_file(path: str | Path, defaults: Defaults = Defaults()) -> xr.Dataset:  # noqa: B008
+    """The sweeps of one file.
+
+    Where the file has Rs and Cp alone, X follows BRANCH_RULE, and the attribute `branch_rule` says
+    so; `quantities` says what Z was made of, `preamble` what stood above the header.
+    Raises InputError naming the file, and the line where there is one, that cannot be read.
+    """
+    table = read_table(Path(path))
+    readings = impedance_readings(table)
+    sweeps = grouped(table, readings.frequency, defaults)
+    interfaces, frequency, where = places(table, sweeps)
+    rule = {"branch_rule": BRANCH_RULE} if readings.pair == ("Rs", "Cp") else {}
+    return build(
+        readings.Z[where],
+        frequency,
+        interface=interfaces,
+        press=[sweep.press for sweep in sweeps],
+        row=[sweep.row for sweep in sweeps],
+        column=[sweep.column for sweep in sweeps],
+        session=[sweep.session for sweep in sweeps],
+        Cp=readings.Cp[where],
+        attributes={
+            "source": Path(path).name,
+            "quantities": " and ".join(readings.pair),
+            "preamble": table.preamble,
+            **rule,
+        },
+    )
+
+
+def import_files(paths: Sequence[str | Path], defaults: Sequence[Defaults]) -> xr.Dataset:
+    """The sweeps of several files in their order; `defaults` has one entry for each.
+
+    Attributes that differ between files are listed, separated by semicolons.
+    Raises InputError where a file cannot be read, or its frequencies or interfaces are not those of
+    the first.
+    """
+    parts = [import_file(path, each) for path, each in zip(paths, defaults, strict=True)]
+    aligned = [
+        _aligned(part, path, parts[0], paths[0]) for part, path in zip(parts, paths, strict=True)
+    ]
+    joined = concatenate(aligned)
+    told = {name: [part.attrs.get(name, "") for part in parts] for name in _attribute_names(parts)}
+    return joined.assign_attrs(
+        {name: "; ".join(filter(None, dict.fromkeys(texts))) for name, texts in told.items()}
+    )
+
+
+def _attribute_names(parts: Sequence[xr.Dataset]) -> list[str]:
+    return list(dict.fromkeys(str(name) for part in parts for name in part.attrs))
+
+
+def _aligned(
+    part: xr.Dataset, path: str | Path, first: xr.Dataset, other: str | Path
+) -> xr.Dataset:
+    """The same sweeps at the very frequencies of the first file."""
+    if list(part["interface"].values) != list(first["interface"].values):
+        raise InputError(
+            f"{path}: interfaces {', '.join(part['interface'].values)} are not those of {other}: "
+            f"{', '.join(first['interface'].values)}"
+        )
+    f, g = part["frequency"].values, first["frequency"].values
+    if f.size != g.size or not np.allclose(f, g, rtol=SAME_FREQUENCY, atol=0):
+        raise InputError(f"{path}: {_spanned(f)} are not the frequencies of {other}: {_spanned(g)}")
+    return part.assign_coords(frequency=first["frequency"])
+
+
+def _spanned(frequency: np.ndarray) -> str:
+    return f"{frequency.size} from {frequency[0]:.6g} to {frequency[-1]:.6g} Hz"

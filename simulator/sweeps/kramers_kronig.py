@@ -1,0 +1,107 @@
+"""Is a spectrum that of a passive network? The nearest such network, and what it leaves over.
+
+Whatever is linear, causal and stable obeys the Kramers-Kronig relations, and so does every sum of
+networks that do. A fit by such a sum is therefore a test of the data: what it cannot follow, no
+network can be (P. Agarwal, M. E. Orazem, L. H. Garcia-Rubio, J. Electrochem. Soc. 139, 1917, 1992;
+B. A. Boukamp, J. Electrochem. Soc. 142, 1885, 1995). Residues >= 0 make the network passive too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.sweeps.errors import ToleranceError
+
+PER_DECADE = 20
+MARGIN = 100.0
+"""Time constants reach this factor beyond those of the frequencies at both ends."""
+REFINEMENT = 8
+"""Into how many parts the grid's steps beside every pole are divided for the second fit."""
+RESOLUTION = 3e-5
+"""Relative error of Z that the grid of time constants leaves with an exact spectrum."""
+
+
+@dataclass(frozen=True)
+class MeasurementModel:
+    """Z(s) = R + s L + 1/(s C) + sum of r/(1 + s tau), every term >= 0.
+
+    resistance: ohm. inductance: H. elastance: 1/C in 1/F. residues: ohm, one for each of `tau`.
+    tau: s, ascending.
+    """
+
+    resistance: float
+    inductance: float
+    elastance: float
+    residues: NDArray[np.float64]
+    tau: NDArray[np.float64]
+
+    @property
+    def parameters(self) -> int:
+        """How many terms the data called for."""
+        terms = [self.resistance, self.inductance, self.elastance, *self.residues]
+        return int(np.count_nonzero(terms))
+
+    def impedance(self, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Z in ohm. frequency: Hz."""
+        terms = [self.resistance, self.inductance, self.elastance, *self.residues]
+        return _basis(frequency, self.tau) @ np.array(terms)
+
+    def residual(
+        self, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
+    ) -> NDArray[np.complex128]:
+        """(Z - model)/|Z|. Z: ohm. frequency: Hz."""
+        return (Z - self.impedance(frequency)) / np.abs(Z)
+
+
+def fit_passive(Z: NDArray[np.complex128], frequency: NDArray[np.float64]) -> MeasurementModel:
+    """The passive network nearest to a spectrum, in the sense of least relative error of Z.
+
+    Z: ohm, nowhere 0, shape (frequency,). frequency: Hz, ascending.
+    Raises ToleranceError where the least squares do not converge.
+    """
+    coarse = _time_constants(frequency)
+    poles = _fit_on(coarse, Z, frequency).residues > 0
+    return _fit_on(_refined(coarse, poles), Z, frequency)
+
+
+def _fit_on(
+    tau: NDArray[np.float64], Z: NDArray[np.complex128], frequency: NDArray[np.float64]
+) -> MeasurementModel:
+    from scipy.optimize import nnls
+
+    relative = _basis(frequency, tau) / np.abs(Z)[:, None]
+    columns, wanted = _stacked(relative), _stacked(Z / np.abs(Z))
+    lengths = np.linalg.norm(columns, axis=0)
+    try:
+        scaled, _ = nnls(columns / lengths, wanted)
+    except RuntimeError as error:
+        raise ToleranceError(f"the nearest passive network was not found: {error}") from error
+    resistance, inductance, elastance, *residues = (scaled / lengths).tolist()
+    return MeasurementModel(resistance, inductance, elastance, np.array(residues), tau)
+
+
+def _time_constants(frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+    shortest = 1 / (2 * np.pi * frequency[-1] * MARGIN)
+    longest = MARGIN / (2 * np.pi * frequency[0])
+    points = 1 + int(np.ceil(PER_DECADE * np.log10(longest / shortest)))
+    return np.geomspace(shortest, longest, points)
+
+
+def _refined(tau: NDArray[np.float64], poles: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """The grid with further points up to the neighbours of every pole."""
+    fractions = np.arange(1 - REFINEMENT, REFINEMENT) / REFINEMENT
+    beside = tau[poles, None] * (tau[1] / tau[0]) ** fractions
+    return np.unique(np.concatenate([tau[~poles], beside.ravel()]))
+
+
+def _basis(frequency: NDArray[np.float64], tau: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """R, L, 1/C and every pole at unit strength; shape (frequency, 3 + tau)."""
+    s = 2j * np.pi * frequency[:, None]
+    return np.hstack([np.ones_like(s), s, 1 / s, 1 / (1 + s * tau)]).astype(np.complex128)
+
+
+def _stacked(values: NDArray[np.complex128]) -> NDArray[np.float64]:
+    return np.concatenate([values.real, values.imag])

@@ -1,0 +1,84 @@
+"""How noisy readings are, told from themselves, and how far from it a reading may stray."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+NEIGHBOURS = 9
+"""Frequencies that share one estimate, because a meter's noise varies along a sweep."""
+MEDIAN_OF_NORMAL = 0.6745
+"""Median of |x| of a normal x of standard deviation 1."""
+EFFICIENCY = 0.37
+"""Of a median of |x| as an estimate of the standard deviation, beside the best possible."""
+FALSE_ALARM = 0.01
+"""Chance that one file of lawful sweeps is accused of anything."""
+
+
+def local_scale(deviations: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Standard deviation of real and imaginary part at each frequency, from its neighbours.
+
+    A median, so that a few bad readings do not hide themselves. deviations: shape
+    (sweep, frequency), NaN where there is none. Returns shape (frequency,).
+    """
+    parts = np.abs(np.concatenate([deviations.real, deviations.imag]))
+    present = np.flatnonzero(np.isfinite(parts).any(axis=0))
+    width = min(NEIGHBOURS, present.size)
+    starts = np.clip(np.arange(present.size) - width // 2, 0, present.size - width)
+    scales = [np.nanmedian(parts[:, present[start : start + width]]) for start in starts]
+    everywhere = np.arange(parts.shape[1])
+    nearest = np.abs(everywhere[:, None] - present).argmin(axis=1)
+    return np.array(scales)[nearest] / MEDIAN_OF_NORMAL
+
+
+def roughness(deviations: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Standard deviation of what changes from one frequency to the next; a smooth course is none.
+
+    From second differences, whose variance is 6 times that of independent readings.
+    deviations: shape (sweep, frequency), NaN where there is none. Returns shape (frequency,).
+    """
+    bends = np.full(deviations.shape, np.nan + 1j * np.nan)
+    bends[:, 1:-1] = np.diff(deviations, 2) / np.sqrt(6)
+    return local_scale(bends)
+
+
+def repeatability(
+    Z: NDArray[np.complex128], groups: Sequence[object]
+) -> NDArray[np.float64] | None:
+    """Relative noise of Z at each frequency from repeated sweeps; None where nothing is repeated.
+
+    Presses of unequal strength and a drift between sweeps are smooth in frequency and hardly
+    count. Z: ohm, shape (sweep, frequency). groups: one for each sweep, equal where repeated.
+    """
+    deviations = []
+    for group in dict.fromkeys(groups):
+        repeated = Z[[each == group for each in groups]]
+        if len(repeated) > 1:
+            freedom = np.sqrt(len(repeated) / (len(repeated) - 1))
+            deviations.append(freedom * (repeated / repeated.mean(axis=0) - 1))
+    return roughness(np.concatenate(deviations)) if deviations else None
+
+
+@dataclass(frozen=True)
+class Allowance:
+    """How many standard deviations a reading may stray, when `tests` are made in all.
+
+    tests: how many numbers are compared. readings: from how many the standard deviation was
+    estimated, infinite where it is known.
+    """
+
+    tests: int
+    readings: float
+
+    @property
+    def limit(self) -> float:
+        """Quantile of Student's distribution at a chance of FALSE_ALARM over all tests."""
+        from scipy.stats import norm, t
+
+        chance = FALSE_ALARM / (2 * self.tests)
+        if np.isinf(self.readings):
+            return float(norm.isf(chance))
+        return float(t.isf(chance, EFFICIENCY * self.readings))
