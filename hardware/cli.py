@@ -1,0 +1,146 @@
+"""The meter's commands: a virtual one to serve and steer, a real one to identify and record."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from hardware.cli_options import Accuracy, Baud, ControlAddress, Interface, Resource, Timeout
+from hardware.cli_record import record_command
+from hardware.given import Simulation
+
+if TYPE_CHECKING:
+    from hardware.serving import Exhibit
+
+CONTROL = "127.0.0.1:3501"
+
+
+def meter_app(simulation: Simulation) -> typer.Typer:
+    """The `meter` commands, with a simulation to serve and scenes to record."""
+    app = typer.Typer(help="Serve a virtual LCR meter, or use a real one.", no_args_is_help=True)
+
+    @app.command()
+    def serve(
+        scene: Annotated[str | None, typer.Option(help="A built-in scene, or a path.")] = None,
+        recorded: Annotated[
+            Path | None, typer.Option(help="Play recorded sweeps instead of a scene.")
+        ] = None,
+        interface: Interface = None,
+        host: Annotated[str, typer.Option(help="Address to listen at.")] = "127.0.0.1",
+        port: Annotated[int, typer.Option(help="TCP port; 0 takes any free one.")] = 3500,
+        control_port: Annotated[int, typer.Option(help="Port of the side door.")] = 3501,
+        script: Annotated[
+            Path | None, typer.Option(help="Presses with times: lines `SECONDS PRESS`.")
+        ] = None,
+        random: Annotated[
+            float | None, typer.Option(help="Press at random every so many seconds.")
+        ] = None,
+        seed: Annotated[int, typer.Option(help="Of the session's errors and presses.")] = 1,
+        pace: Annotated[float, typer.Option(help="Times of measuring: 1 as a meter, 0 none.")] = 1,
+        accuracy: Accuracy = None,
+    ) -> None:
+        """Serve a virtual IM3523 on TCP until interrupted."""
+        from hardware import serving
+        from hardware.accuracy import DERIVED
+
+        exhibit = _exhibit(simulation, scene, recorded, interface, seed)
+        pressing = serving.routines(exhibit, script, random, seed)
+        meter = serving.instrument(exhibit, pace, accuracy or DERIVED)
+        serving.serve(
+            meter,
+            pressing,
+            lambda ports: typer.echo(f"{ports.resource}  control 127.0.0.1:{ports.control}"),
+            host,
+            port,
+            control_port,
+        )
+
+    app.command()(record_command(simulation))
+    _add_small_commands(app)
+    return app
+
+
+def _add_small_commands(app: typer.Typer) -> None:
+    @app.command()
+    def identify(
+        resources: Annotated[
+            list[str] | None, typer.Argument(help="VISA resources; else all that are found.")
+        ] = None,
+        timeout: Timeout = 2.0,
+        baud: Baud = 9600,
+    ) -> None:
+        """Tell which meters answer, and at what resources."""
+        from hardware.finding import answering, found_resources
+
+        names = resources or found_resources()
+        answers = [(name, answering(name, timeout, baud)) for name in names]
+        for name, answer in answers:
+            typer.echo(answer.failure or f"{name}  {answer.identity}")
+        if not names:
+            typer.echo("no resource is found; a TCP socket must be named", err=True)
+        if not any(answer.identity for _, answer in answers):
+            raise typer.Exit(1)
+
+    @app.command()
+    def correct(
+        kind: Annotated[str, typer.Argument(help="open or short.")],
+        resource: Resource,
+        extent: Annotated[str, typer.Option(help="ALL, SPOT or OFF.")] = "ALL",
+        timeout: Timeout = 5.0,
+        baud: Baud = 9600,
+    ) -> None:
+        """Acquire open or short correction, or end it."""
+        from hardware.correction import correct as acquire
+        from hardware.hioki import open_meter
+
+        with open_meter(resource, timeout, baud) as meter:
+            acquire(meter, kind.lower(), extent.upper())
+            state = meter.open_correction, meter.short_correction
+        typer.echo(f"open correction {state[0]}, short correction {state[1]}")
+
+    @app.command()
+    def press(
+        press: Annotated[str, typer.Argument(help="ROW,COLUMN[:FACTOR], joined by '+', or none.")],
+        control: ControlAddress = CONTROL,
+    ) -> None:
+        """Press the skin of a virtual meter that is being served, until the next press."""
+        from hardware.virtual.steer import ask
+
+        typer.echo(ask(control, "press", press=press))
+
+    @app.command()
+    def misbehave(
+        kind: Annotated[
+            str,
+            typer.Argument(help="drop, late, silent, garbage, half, status, correction, forget."),
+        ],
+        times: Annotated[int, typer.Option(help="How often.")] = 1,
+        seconds: Annotated[float, typer.Option(help="How late.")] = 2.0,
+        status: Annotated[int, typer.Option(help="Which failure a reading reports.")] = 7,
+        control: ControlAddress = CONTROL,
+    ) -> None:
+        """Have a virtual meter misbehave at its next answers."""
+        from hardware.virtual.steer import ask
+
+        ask(control, "misbehave", kind=kind, times=times, seconds=seconds, status=status)
+
+
+def _exhibit(
+    simulation: Simulation,
+    scene: str | None,
+    recorded: Path | None,
+    interface: str | None,
+    seed: int,
+) -> Exhibit:
+    from hardware import serving
+    from simulator.sweeps import InputError, read
+
+    if (scene is None) == (recorded is None):
+        raise InputError("serve needs either --scene or --recorded")
+    if recorded is not None:
+        return serving.recorded(read(recorded), interface)
+    assert scene is not None
+    data = simulation.scene(scene, interface)
+    return serving.simulated(data, simulation.skin(data), simulation.readout(data, seed))

@@ -1,0 +1,33 @@
+"""Who answers: model and serial number found by content, whatever their order."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+MODELS = ("IM3523", "IM3533", "IM3536", "IM3570")
+MODEL = re.compile(r"\b(" + "|".join(MODELS) + r")\b", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What `*IDN?` told; model is empty where it is none of MODELS."""
+
+    text: str
+    model: str
+    serial: str
+    firmware: str
+
+    def __str__(self) -> str:
+        return f"{self.model or 'unknown model'} ({self.text})"
+
+
+def parse_identity(text: str) -> Identity:
+    """The identity in an answer to `*IDN?`. Raises ValueError where it names nothing at all."""
+    fields = [field.strip() for field in text.split(",")]
+    if not any(fields):
+        raise ValueError(text)
+    found = MODEL.search(text)
+    firmware = next((f for f in fields if re.fullmatch(r"V(er)?\.?\s*\d[\w.]*", f, re.I)), "")
+    serial = next((f for f in fields if re.fullmatch(r"\d{4,}", f)), "")
+    return Identity(text.strip(), found[1].upper() if found else "", serial, firmware)

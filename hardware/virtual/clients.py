@@ -1,0 +1,82 @@
+"""Clients of a port, whatever they do: lines in, answers out, and never too many of them."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Coroutine
+from contextlib import AsyncExitStack
+from dataclasses import dataclass, field
+from typing import Any
+
+from hardware.virtual.lines import Lines
+from simulator.sweeps import InputError
+
+MOST_CLIENTS = 128
+PATIENCE = 10.0
+
+
+@dataclass(eq=False)
+class Client:
+    """One connection. answered: whether it ever took an answer."""
+
+    reader: asyncio.StreamReader
+    writer: asyncio.StreamWriter
+    answered: bool = False
+
+    async def lines(self) -> AsyncIterator[str | None]:
+        """Whole lines as they come, None for each that was too long."""
+        kept = Lines()
+        while received := await self.reader.read(4096):
+            for line in kept.feed(received):
+                yield line
+
+    async def say(self, said: bytes) -> None:
+        """Send bytes. Raises OSError or TimeoutError where the client does not take them."""
+        self.writer.write(said)
+        await asyncio.wait_for(self.writer.drain(), PATIENCE)
+        self.answered = True
+
+    def leave(self) -> None:
+        """End the connection at once."""
+        self.writer.transport.abort()
+
+
+@dataclass
+class Clients:
+    """Connections to one port; too many push out the oldest that never took an answer."""
+
+    serve: Callable[[Client], Coroutine[Any, Any, None]]
+    present: list[Client] = field(default_factory=list)
+
+    async def __call__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """Serve one client to its end, whatever it does."""
+        client = Client(reader, writer)
+        self._make_room()
+        self.present.append(client)
+        try:
+            await self.serve(client)
+        except (OSError, TimeoutError, asyncio.CancelledError):
+            client.leave()
+        finally:
+            self.present.remove(client)
+            writer.close()
+
+    def close(self) -> None:
+        """End them all."""
+        for client in self.present:
+            client.leave()
+
+    def _make_room(self) -> None:
+        if len(self.present) >= MOST_CLIENTS:
+            min(self.present, key=lambda client: client.answered).leave()
+
+
+async def open_port(stack: AsyncExitStack, clients: Clients, host: str, port: int) -> int:
+    """Listen until the stack unwinds; the port that was had. Raises InputError where none was."""
+    try:
+        server = await asyncio.start_server(clients, host, port)
+    except (OSError, OverflowError) as error:
+        raise InputError(f"port {port} of {host} cannot be had: {error}") from error
+    stack.callback(clients.close)
+    stack.callback(server.close)
+    return server.sockets[0].getsockname()[1]

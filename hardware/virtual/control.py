@@ -1,0 +1,75 @@
+"""The side door of the virtual meter: press its skin, have it misbehave, ask how it is.
+
+One JSON object a line, each answered by one: {"do": "press", "press": "2,3"}, {"do": "misbehave",
+"kind": "late", "times": 2, "seconds": 1.5}, {"do": "state"}.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Callable, Coroutine
+from dataclasses import dataclass, field
+from typing import Any
+
+from hardware.virtual.clients import Client
+from hardware.virtual.faults import Fault
+from hardware.virtual.instrument import Instrument
+from simulator.sweeps import InputError
+
+
+@dataclass
+class Control:
+    """Steers one meter. routines: what presses it by itself, started with the server."""
+
+    instrument: Instrument
+    routines: tuple[Callable[[Control], Coroutine[Any, Any, None]], ...] = ()
+    tasks: list[asyncio.Task] = field(default_factory=list)
+
+    def background(self) -> list[asyncio.Task]:
+        """The routines, started."""
+        self.tasks = [asyncio.create_task(routine(self)) for routine in self.routines]
+        return self.tasks
+
+    async def press(self, text: str) -> str:
+        """Press the skin, and hold it until the next press. Raises InputError."""
+        meter = self.instrument
+        loop = asyncio.get_running_loop()
+        meter.press = await loop.run_in_executor(meter.worker, meter.bench.skin.check, text)
+        meter.changed()
+        return meter.press
+
+    async def serve(self, client: Client) -> None:
+        """Answer a client's requests, one a line."""
+        async for line in client.lines():
+            await client.say((json.dumps(await self._answer(line)) + "\n").encode("ascii"))
+
+    async def _answer(self, line: str | None) -> dict[str, Any]:
+        try:
+            request = json.loads(line or "")
+            return {"ok": await self._done(**request)}
+        except InputError as error:
+            return {"error": str(error)}
+        except (ValueError, TypeError) as error:
+            return {"error": f"no request that is known: {error}"}
+
+    async def _done(self, do: str, **given: Any) -> Any:
+        if do == "press":
+            return await self.press(str(given["press"]) if "press" in given else "")
+        if do == "misbehave":
+            fault = Fault(**given)
+            self.instrument.faults.add(fault)
+            return fault.kind
+        if do == "state":
+            return self._state()
+        raise InputError(f"`do` must be press, misbehave or state, got {do!r}")
+
+    def _state(self) -> dict[str, Any]:
+        settings = self.instrument.settings
+        return {
+            "press": self.instrument.press,
+            "frequency": settings.frequency,
+            "range": settings.range,
+            "trigger": settings.trigger,
+            "faults": [fault.kind for fault in self.instrument.faults.waiting],
+        }

@@ -1,0 +1,59 @@
+"""How a virtual meter can be told to misbehave."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from hardware.virtual.measurement import UNDERFLOW, WITHOUT_NUMBERS
+from simulator.sweeps import InputError
+
+KINDS = {
+    "drop": "close the connection instead of answering",
+    "late": "answer late",
+    "silent": "do not answer",
+    "garbage": "answer with bytes that are no text",
+    "half": "send half an answer and no end of line",
+    "status": "report a failed reading, 7 (overflow) unless told otherwise",
+    "correction": "fail an open or short correction",
+    "forget": "lose all settings, as after a power cut",
+}
+ON_ANSWERS = ("drop", "late", "silent", "garbage", "half")
+
+
+@dataclass
+class Fault:
+    """A kind of misbehaviour that is left to be shown so many times."""
+
+    kind: str
+    times: int = 1
+    seconds: float = 2.0
+    status: int = 7
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise InputError(f"a meter misbehaves by {', '.join(KINDS)}, got {self.kind!r}")
+        if not 1 <= self.times <= 10**6:
+            raise InputError(f"`times` must be in 1..1000000, got {self.times}")
+        if not 0 <= self.seconds <= 3600:
+            raise InputError(f"`seconds` must be in [0, 3600] s, got {self.seconds:g}")
+        if self.status not in WITHOUT_NUMBERS | {UNDERFLOW}:
+            raise InputError(f"`status` must be 1, 7, -7, 9 or 12 to 17, got {self.status}")
+
+
+@dataclass
+class Faults:
+    """Misbehaviour that is still to come, first come first shown."""
+
+    waiting: list[Fault] = field(default_factory=list)
+
+    def add(self, fault: Fault) -> None:
+        """Have it shown at the next occasion."""
+        self.waiting.append(fault)
+
+    def take(self, *kinds: str) -> Fault | None:
+        """The first that is of one of these kinds, counted as shown; None where there is none."""
+        fault = next((each for each in self.waiting if each.kind in kinds), None)
+        if fault:
+            fault.times -= 1
+            self.waiting = [each for each in self.waiting if each.times]
+        return fault

@@ -1,0 +1,164 @@
+"""The virtual meter itself: its settings, its registers, its trigger, and its answer to a line."""
+
+from __future__ import annotations
+
+import asyncio
+import inspect
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+
+from hardware.virtual.correcting import Corrections
+from hardware.virtual.faults import Faults
+from hardware.virtual.language import Command, find
+from hardware.virtual.measurement import (
+    NOTHING,
+    OVERFLOW,
+    UNDERFLOW,
+    Bench,
+    Result,
+    conditions,
+    written,
+)
+from hardware.virtual.parser import CommandError, ExecutionError, Message, messages
+from hardware.virtual.registers import Measuring, Registers, Standard
+from hardware.virtual.settings import Settings
+
+UNPRESSED = "none"
+TROUBLES = {OVERFLOW: Measuring.MOF, UNDERFLOW: Measuring.MUF, 2: Measuring.REF}
+
+
+@dataclass
+class Pending:
+    """A measurement under way: what it measures, and when it is done (s of the loop's clock)."""
+
+    press: str
+    settings: Settings
+    done: float
+
+
+@dataclass
+class Instrument:
+    """One meter; clients share it. pace: how long things take, 1 as long as a meter, 0 no time."""
+
+    bench: Bench
+    model: str = "IM3523"
+    serial: str = "000000000"
+    pace: float = 1.0
+    press: str = UNPRESSED
+    settings: Settings = field(default_factory=Settings)
+    registers: Registers = field(default_factory=Registers)
+    faults: Faults = field(default_factory=Faults)
+    corrections: Corrections = field(default_factory=Corrections)
+    latest: Result = NOTHING
+    pending: Pending | None = None
+    fresh_from: float = 0.0
+    waiting: bool = False
+    worker: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1))
+
+    @property
+    def identity(self) -> str:
+        """The answer to `*IDN?`."""
+        return f"HIOKI,{self.model},{self.serial},V1.00"
+
+    async def answer(self, line: str) -> str:
+        """What the meter answers to a line, empty where it stays silent."""
+        answers: list[str] = []
+        if self.faults.take("forget"):
+            self.restart()
+        try:
+            for message in messages(line):
+                self.waiting = bool(answers)
+                answers += await self._executed(message)
+        except CommandError:
+            self.registers.note(Standard.CME)
+        return ";".join(answers)
+
+    async def trigger(self) -> None:
+        """`*TRG`: start a measurement. Raises ExecutionError where the trigger is internal."""
+        if self.settings.trigger != "EXTERNAL":
+            raise ExecutionError("*TRG")
+        self.pending = Pending(self.press, self._frozen(), self.now + self._seconds())
+
+    async def measure(self) -> str:
+        """`:MEASure?`: the latest measurement, which under internal trigger may be stale."""
+        if self.settings.trigger == "INTERNAL" and self.now >= self.fresh_from:
+            self.pending = Pending(self.press, self._frozen(), self.now)
+        await self.settle()
+        return written(self.latest, self.settings)
+
+    async def wait(self) -> None:
+        """`*WAI`: until what is under way is done, under internal trigger a whole new reading."""
+        if self.settings.trigger == "INTERNAL":
+            await asyncio.sleep(max(0.0, self.fresh_from - self.now))
+        await self.settle()
+        await self.corrections.finished(self)
+
+    async def settle(self) -> None:
+        """Finish the measurement under way, if there is one, and keep what it gave."""
+        pending = self.pending
+        if pending is None:
+            return
+        await asyncio.sleep(max(0.0, pending.done - self.now))
+        fault = self.faults.take("status")
+        loop = asyncio.get_running_loop()
+        result = await loop.run_in_executor(
+            self.worker, self.bench.measure, pending.press, pending.settings
+        )
+        self._keep(replace(result, status=fault.status) if fault else result)
+        if self.pending is pending:
+            self.pending = None
+
+    def changed(self) -> None:
+        """Something that a reading depends on was set: the next one needs its whole time."""
+        self.fresh_from = self.now + self._seconds()
+
+    def reset(self) -> None:
+        """`*RST`: factory settings; corrections and readings are gone."""
+        self.corrections.stop()
+        self.settings, self.corrections = Settings(), Corrections()
+        self.latest, self.pending = NOTHING, None
+        self.changed()
+
+    def restart(self) -> None:
+        """A power cut: a reset, and a power-on event."""
+        self.reset()
+        self.registers = Registers()
+
+    @property
+    def now(self) -> float:
+        """Seconds of the loop's clock."""
+        return asyncio.get_running_loop().time()
+
+    async def _executed(self, message: Message) -> list[str]:
+        command = find(message.words, self.model, self.settings.compatible)
+        act = command and (command.ask if message.query else command.tell)
+        if command is None or act is None:
+            raise CommandError(message.words)
+        if not command.fits(message):
+            raise CommandError(message.arguments)
+        try:
+            said = act(self, *message.arguments)
+            said = await said if inspect.isawaitable(said) else said
+        except ExecutionError:
+            self.registers.note(Standard.EXE)
+            return []
+        return [self._headed(command, str(said))] if message.query else []
+
+    def _headed(self, command: Command, said: str) -> str:
+        named = self.settings.header and command.named
+        return f"{command.header.upper()} {said}" if named else said
+
+    def _keep(self, result: Result) -> None:
+        self.latest = result
+        if self.settings.auto_range:
+            self.settings.range = result.conditions.range
+        for event in (Measuring.IDX, Measuring.EOM, TROUBLES.get(result.status)):
+            if event:
+                self.registers.note(event)
+
+    def _frozen(self) -> Settings:
+        return replace(self.settings, each_range=dict(self.settings.each_range))
+
+    def _seconds(self) -> float:
+        delay = self.settings.each_range[self.settings.range].delay
+        return self.pace * (delay + conditions(self.settings, self.settings.range).seconds)

@@ -1,0 +1,150 @@
+"""One reading of the virtual meter: from the skin's impedance to a status and numbers."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass, replace
+
+from hardware.accuracy import AccuracyTable, full_scale
+from hardware.conditions import Conditions
+from hardware.virtual import numbers
+from hardware.virtual.settings import Settings
+from hardware.virtual.skin import Readout, Skin
+
+NORMAL, NOT_MEASURED, OUTSIDE_GUARANTEE, OVERFLOW, UNDERFLOW, SAMPLING = 0, 1, 2, 7, -7, 9
+WITHOUT_NUMBERS = {1, 7, 9, *range(12, 18)}
+OUTPUT_RESISTANCE = 100.0
+
+ITEMS = (
+    ("Z", "Y", "PHASE", "CS", "CP", "D", "LS", "LP"),
+    ("Q", "RS", "G", "RP", "X", "B", "RDC"),
+)
+PARAMETERS = ("OFF", *ITEMS[0], *ITEMS[1])
+DECIMALS = {"PHASE": 3, "Q": 3, "D": 6}
+
+
+@dataclass(frozen=True)
+class Result:
+    """What one measurement gave. Z: ohm, as measured. conditions: with the range that was used."""
+
+    status: int
+    Z: complex
+    conditions: Conditions
+
+
+NOTHING = Result(NOT_MEASURED, 0j, Conditions(1e3, 6))
+
+
+@dataclass(frozen=True)
+class Bench:
+    """All that a measurement needs from outside: the skin, the readout, the table of accuracy."""
+
+    skin: Skin
+    readout: Readout
+    accuracy: AccuracyTable
+
+    def measure(self, press: str, settings: Settings) -> Result:
+        """A reading under a press; an impedance that is not known is a sampling error."""
+        at_hand = conditions(settings, settings.range)
+        try:
+            Z = self.skin.impedance(press, settings.frequency)
+        except Exception:
+            return Result(SAMPLING, 0j, at_hand)
+        if not cmath.isfinite(Z):
+            return Result(SAMPLING, 0j, at_hand)
+        if settings.auto_range:
+            at_hand = conditions(settings, self.accuracy.fitting_range(Z))
+        at_hand = replace(at_hand, level=open_voltage(Z, settings))
+        shown = self.readout(Z, at_hand)
+        return Result(self._status(shown, at_hand), shown, at_hand)
+
+    def _status(self, Z: complex, at_hand: Conditions) -> int:
+        low, high = self.accuracy.span.displayed
+        size = abs(Z) / full_scale(at_hand.range)
+        if size > high:
+            return OVERFLOW
+        if size < low:
+            return UNDERFLOW
+        return NORMAL if self.accuracy.guaranteed(Z, at_hand) else OUTSIDE_GUARANTEE
+
+
+def conditions(settings: Settings, range_number: int) -> Conditions:
+    """What the settings mean for a measurement in one range."""
+    kept = settings.each_range[range_number]
+    return Conditions(
+        settings.frequency,
+        range_number,
+        kept.speed,
+        kept.averaging,
+        settings.voltage,
+        settings.cable,
+    )
+
+
+def open_voltage(Z: complex, settings: Settings) -> float:
+    """The generator's voltage in V that gives the set voltage or current at the skin."""
+    loop = abs(OUTPUT_RESISTANCE + Z)
+    return {
+        "V": settings.voltage,
+        "CV": settings.constant_voltage * loop / max(abs(Z), 1e-12),
+        "CC": settings.constant_current * loop,
+    }[settings.level]
+
+
+def written(result: Result, settings: Settings) -> str:
+    """The answer to `:MEASure?`: as `:MEASure:VALid` and `:MEASure:ITEM` have it."""
+    parts = [str(result.status)] if settings.valid & 16 else []
+    if settings.valid & 2:
+        parts += [_value(result, name) for name in asked_quantities(settings)]
+    if settings.valid & 1:
+        parts.append("0")
+    return ",".join(parts)
+
+
+def asked_quantities(settings: Settings) -> list[str]:
+    """Names in the order of the registers; the displayed pair where both registers are 0."""
+    if settings.items == (0, 0):
+        return [name for name in settings.parameters if name != "OFF"]
+    return [
+        name
+        for register, names in zip(settings.items, ITEMS, strict=True)
+        for bit, name in enumerate(names)
+        if register >> bit & 1
+    ]
+
+
+def _value(result: Result, name: str) -> str:
+    if result.status == UNDERFLOW:
+        return numbers.UNDER
+    if result.status in WITHOUT_NUMBERS:
+        return numbers.OVER
+    return numbers.measured(
+        quantity(name, result.Z, result.conditions.frequency), DECIMALS.get(name)
+    )
+
+
+def quantity(name: str, Z: complex, frequency: float) -> float:
+    """A quantity by its name from Z in ohm, at a frequency in Hz; infinite where it has no end."""
+    omega = 2 * math.pi * frequency
+    formulas = {
+        "Z": lambda: abs(Z),
+        "Y": lambda: 1 / abs(Z),
+        "PHASE": lambda: math.degrees(cmath.phase(Z)),
+        "CS": lambda: -1 / (omega * Z.imag),
+        "CP": lambda: (1 / Z).imag / omega,
+        "D": lambda: Z.real / Z.imag,
+        "LS": lambda: Z.imag / omega,
+        "LP": lambda: -1 / (omega * (1 / Z).imag),
+        "Q": lambda: Z.imag / Z.real,
+        "RS": lambda: Z.real,
+        "G": lambda: (1 / Z).real,
+        "RP": lambda: 1 / (1 / Z).real,
+        "X": lambda: Z.imag,
+        "B": lambda: (1 / Z).imag,
+        "RDC": lambda: math.inf,
+    }
+    try:
+        return formulas[name]()
+    except ZeroDivisionError:
+        return math.inf

@@ -1,0 +1,69 @@
+"""Presses that come by themselves: from a script with times, or at random."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hardware.virtual.control import Control
+from hardware.virtual.skin import Skin
+from simulator.sweeps import UNPRESSED, InputError
+
+Routine = Callable[[Control], Coroutine[Any, Any, None]]
+
+
+def read_script(path: Path, skin: Skin) -> list[tuple[float, str]]:
+    """(seconds from the start, press) from lines `SECONDS PRESS`; `#` begins a remark.
+
+    Raises InputError naming the file and the line: no such form, times that do not ascend, or a
+    press that is none on the skin.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read: {error}") from error
+    steps: list[tuple[float, str]] = []
+    for number, line in enumerate(lines, start=1):
+        words = line.split("#")[0].split(maxsplit=1)
+        if not words:
+            continue
+        try:
+            seconds, press = float(words[0]), skin.check(words[1].strip())
+        except InputError as error:
+            raise InputError(f"{path}: line {number}: {error}") from error
+        except (ValueError, IndexError) as error:
+            raise InputError(f"{path}: line {number}: must be SECONDS PRESS") from error
+        if not seconds >= (steps[-1][0] if steps else 0):
+            raise InputError(f"{path}: line {number}: times must ascend from 0 s, got {words[0]}")
+        steps.append((seconds, press))
+    return steps
+
+
+def scripted(steps: list[tuple[float, str]]) -> Routine:
+    """Presses at their times, the last one held."""
+
+    async def routine(control: Control) -> None:
+        begun = control.instrument.now
+        for seconds, press in steps:
+            await asyncio.sleep(begun + seconds - control.instrument.now)
+            await control.press(press)
+
+    return routine
+
+
+def at_random(rows: int, columns: int, seconds: float, random: np.random.Generator) -> Routine:
+    """Every so many seconds a pixel drawn from all, or nothing pressed."""
+    if not 0 < seconds <= 3600:
+        raise InputError(f"`random` must be in (0, 3600] s, got {seconds:g}")
+    pixels = [f"{i + 1},{j + 1}" for i in range(rows) for j in range(columns)]
+
+    async def routine(control: Control) -> None:
+        while True:
+            await control.press(str(random.choice([UNPRESSED, *pixels])))
+            await asyncio.sleep(seconds)
+
+    return routine

@@ -1,0 +1,158 @@
+"""Virtual meters on the skin of the rig, and scripted ones."""
+
+import asyncio
+import runpy
+import socket
+import subprocess
+import sys
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from hardware.accuracy import read_table
+from hardware.hioki import open_meter
+from hardware.virtual.control import Control
+from hardware.virtual.instrument import Instrument
+from hardware.virtual.measurement import Bench
+from hardware.virtual.server import running
+from hardware.virtual.skin import exact
+
+RIG = Path(__file__).with_name("rig.py")
+_rig = runpy.run_path(str(RIG))
+Pillow, simulation, app = _rig["Pillow"], _rig["simulation"], _rig["app"]
+TIMEOUT = 0.5
+
+
+class Scripted:
+    """A connection that expects messages in order and gives the written answers."""
+
+    resource = "SCRIPT"
+
+    def __init__(self, pairs):
+        self._pairs, self.closed = list(pairs), False
+        self._answers = []
+
+    def write(self, message):
+        expected, answer = self._pairs.pop(0)
+        assert message == expected
+        self._answers = [answer] if answer is not None else []
+
+    def read(self):
+        return self._answers.pop(0)
+
+    def close(self):
+        self.closed = True
+
+
+@pytest.fixture
+def pillow():
+    return Pillow()
+
+
+@pytest.fixture(scope="session")
+def make_instrument():
+    """A virtual meter that takes no time, on the pillow unless told otherwise."""
+
+    def make_instrument(skin=None, readout=exact, **more):
+        return Instrument(Bench(skin or Pillow(), readout, read_table()), **{"pace": 0.0, **more})
+
+    return make_instrument
+
+
+@pytest.fixture
+def instrument(make_instrument):
+    return make_instrument()
+
+
+@pytest.fixture
+def ports(instrument):
+    """Where the virtual meter listens."""
+    with running(instrument) as ports:
+        yield ports
+
+
+@pytest.fixture
+def meter(ports):
+    """The driver, connected to the virtual meter."""
+    with open_meter(ports.resource, TIMEOUT) as meter:
+        yield meter
+
+
+@pytest.fixture
+def serve():
+    """A context with any instrument served."""
+    return lambda instrument, *routines: running(instrument, Control(instrument, routines))
+
+
+@pytest.fixture
+def say(instrument):
+    """What the virtual meter answers to lines, in one event loop."""
+
+    def say(*lines, to=None):
+        async def all_lines():
+            return [await (to or instrument).answer(line) for line in lines]
+
+        return asyncio.run(all_lines())
+
+    return say
+
+
+@pytest.fixture
+def script():
+    """A connection with a conversation that must be had to its end."""
+
+    @contextmanager
+    def script(*pairs):
+        connection = Scripted(pairs)
+        yield connection
+        assert connection._pairs == []
+
+    return script
+
+
+@pytest.fixture
+def raw():
+    """A plain socket to a port, and all that comes back before it falls silent or closes."""
+
+    def raw(port, *sent, wait=1.0):
+        with closing(socket.create_connection(("127.0.0.1", port), timeout=wait)) as line:
+            for each in sent:
+                line.sendall(each)
+            line.shutdown(socket.SHUT_WR)
+            received = b""
+            while part := line.recv(65536):
+                received += part
+            return received
+
+    return raw
+
+
+@pytest.fixture
+def scene():
+    """The rig's scene as plain data: 2 x 2 pixels, 3 frequencies."""
+    return simulation.scene("pillow", None)
+
+
+@pytest.fixture
+def command():
+    """Runs the rig's command line in this process; gives the typer result."""
+    return lambda *arguments, **more: CliRunner().invoke(app, [*map(str, arguments)], **more)
+
+
+@pytest.fixture
+def start_rig():
+    """Starts the rig's command line as a process of its own, killed at the end if need be."""
+    started = []
+
+    def start_rig(*arguments):
+        words = [sys.executable, str(RIG), *map(str, arguments)]
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+        started.append(subprocess.Popen(words, text=True, **pipes))
+        return started[-1]
+
+    yield start_rig
+    for process in started:
+        process.kill()
+        process.communicate()

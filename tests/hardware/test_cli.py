@@ -1,0 +1,188 @@
+"""The meter's commands as their user meets them."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+from hardware.errors import MeterError, NoConnectionError
+from hardware.serving import instrument, recorded
+from hardware.virtual.recorded import Recorded
+from simulator.sweeps import InputError, impedance, read
+
+
+@pytest.fixture
+def told(command):
+    """What a command prints that ends well."""
+
+    def told(*arguments, **more):
+        result = command(*arguments, **more)
+        if result.exception:
+            raise result.exception
+        return result.output
+
+    return told
+
+
+@pytest.fixture
+def recording(told, ports, tmp_path):
+    """A file with a recording of the pillow."""
+    path = tmp_path / "run.nc"
+    control = f"127.0.0.1:{ports.control}"
+    where = ["--resource", ports.resource, "--control", control, "-o", path]
+    told("record", "pillow", "--repetitions", 2, *where)
+    return path
+
+
+def test_help_loads_nothing_heavy():
+    heavy = "{'numpy', 'pyvisa', 'xarray', 'pydantic', 'rich.live'}"
+    loaded = f"import sys, hardware.cli; sys.exit(bool({heavy} & set(sys.modules)))"
+    assert subprocess.run([sys.executable, "-c", loaded], check=False).returncode == 0
+
+
+def test_identify_tells_what_answers(told, ports):
+    assert "IM3523 (HIOKI,IM3523," in told("identify", ports.resource)
+
+
+def test_identify_fails_where_nothing_answers(command):
+    result = command("identify", "TCPIP0::127.0.0.1::1::SOCKET", "--timeout", 0.2)
+    assert result.exit_code == 1
+    assert "check the cable" in result.output
+
+
+def test_press_and_misbehave_go_through_the_side_door(told, command, ports, instrument):
+    control = f"127.0.0.1:{ports.control}"
+    assert told("press", "2,1", "--control", control) == "2,1\n"
+    assert instrument.press == "2,1"
+    told("misbehave", "late", "--times", 3, "--seconds", 0.1, "--control", control)
+    assert [fault.kind for fault in instrument.faults.waiting] == ["late"]
+    assert isinstance(command("press", "x", "--control", control).exception, InputError)
+
+
+def test_correct_acquires_and_tells_the_state(told, ports):
+    answer = told("correct", "open", "--resource", ports.resource)
+    assert answer == "open correction ALL, short correction OFF\n"
+
+
+def test_a_recording_is_written_as_sweeps(recording):
+    sweeps = read(recording)
+    assert sweeps.sizes == {"sweep": 11, "interface": 1, "frequency": 3}
+    assert sweeps.attrs["accuracy"] == "3522-50-derived"
+
+
+def test_settings_of_the_command_line_reach_the_meter(told, ports, tmp_path, instrument):
+    order = tmp_path / "order.txt"
+    order.write_text("none\n")
+    settings = ["--level", "cv", "--amplitude", 0.5, "--speed", "slow", "--range", 8]
+    settings += ["--averaging", 2, "--delay", 0.1, "--cable", 1]
+    where = ["--resource", ports.resource, "--order", order, "-o", tmp_path / "a.csv"]
+    told("record", "pillow", "--unattended", *where, *settings)
+    kept = instrument.settings
+    assert (kept.level, kept.constant_voltage, kept.range, kept.cable) == ("CV", 0.5, 8, 1)
+    assert not kept.auto_range
+    each = kept.each_range[3]
+    assert (each.speed, each.averaging, each.delay) == ("SLOW", 2, 0.1)
+
+
+def test_a_person_is_led_through_the_presses(told, ports, tmp_path):
+    order = tmp_path / "order.txt"
+    order.write_text("none\n2,1\n1,1+2,2\n")
+    where = ["--resource", ports.resource, "--order", order, "-o", tmp_path / "a.nc"]
+    output = told("record", "pillow", *where, input="\n\n\n")
+    assert "1/3  Release the skin, then Enter" in output
+    assert "2/3  Press row 2, column 1 and hold it, then Enter" in output
+    assert "3/3  Press 1,1+2,2 and hold it, then Enter" in output
+    assert read(tmp_path / "a.nc").sizes["sweep"] == 3
+
+
+def test_a_person_decides_whether_a_bad_sweep_is_repeated(told, ports, tmp_path):
+    order = tmp_path / "order.txt"
+    order.write_text("none\n" * 2)
+    where = ["--resource", ports.resource, "--order", order, "-o", tmp_path / "a.nc"]
+    where += ["--drift", "-1"]
+    output = told("record", "pillow", *where, input="\n\ny\n\nn\n")
+    assert output.count("the skin at rest has drifted") == 2
+    assert output.count("Repeat it? [Y/n]") == 2
+    assert "2 sweeps" in output and "1 of them with remarks" in output
+
+
+def test_a_person_may_end_a_recording_and_go_on_later(command, told, ports, tmp_path):
+    where = ["--resource", ports.resource, "--repetitions", 1, "-o", tmp_path / "a.nc"]
+    assert command("record", "pillow", *where, input="\n\n").exit_code != 0
+    assert "3/6  Press" in told("record", "pillow", *where, input="\n" * 4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["-o", "a.xlsx"], "must end in .nc or .csv"),
+        (["-o", "absent/a.nc"], "the folder absent does not exist"),
+        (["-o", "a.nc", "--unattended"], "pressed by --control or --press-with"),
+        (["-o", "a.nc", "--control", "a:1", "--press-with", "b"], "cannot both press"),
+        (["-o", "a.nc", "--level", "W"], "`level` must be one of V, CV, CC, got W"),
+        (["-o", "a.nc", "--interface", "up"], "`interface` must be left"),
+        (["-o", "a.nc", "--repetitions", "0"], "`repetitions` must be"),
+        (["-o", "a.nc", "--accuracy", "absent.toml"], "absent.toml: cannot be read"),
+        (["-o", "a.nc", "--unattended", "--press-with", "true", "--speed", "X"], "`speed` must"),
+    ],
+)
+def test_bad_input_is_one_line_and_leaves_nothing(
+    command, ports, tmp_path, monkeypatch, arguments, told
+):
+    monkeypatch.chdir(tmp_path)
+    result = command("record", "pillow", "--resource", ports.resource, *arguments)
+    assert isinstance(result.exception, InputError)
+    assert told in str(result.exception)
+    assert "\n" not in str(result.exception)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_absent_meter_is_a_meter_error_in_one_line(command, tmp_path):
+    arguments = ["record", "p", "--resource", "TCPIP0::127.0.0.1::1::SOCKET", "--timeout", 0.2]
+    result = command(*arguments, "-o", tmp_path / "a.nc", input="\n")
+    assert isinstance(result.exception, NoConnectionError | MeterError)
+    assert "\n" not in str(result.exception)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ([], "either --scene or --recorded"),
+        (["--scene", "pillow", "--recorded", "a.nc"], "either --scene or --recorded"),
+        (["--recorded", "absent.nc"], "absent.nc: no such file"),
+        (["--scene", "pillow", "--pace", "-1"], "`pace` must be in [0, 100], got -1"),
+        (["--scene", "pillow", "--random", "0"], "`random` must be in (0, 3600] s, got 0"),
+        (["--scene", "pillow", "--random", "1", "--script", "a"], "cannot both press"),
+        (["--scene", "pillow", "--port", "99999"], "port 99999 of 127.0.0.1 cannot be had"),
+    ],
+)
+def test_what_cannot_be_served_is_told(command, arguments, told):
+    result = command("serve", *arguments)
+    assert isinstance(result.exception, InputError)
+    assert told in str(result.exception)
+
+
+def test_a_recording_is_played_and_recorded_again_the_same(recording, serve, told, tmp_path):
+    sweeps, again = read(recording), tmp_path / "again.nc"
+    with serve(instrument(recorded(sweeps, None), pace=0)) as ports:
+        control = f"127.0.0.1:{ports.control}"
+        where = ["--resource", ports.resource, "--control", control, "-o", again]
+        told("record", "pillow", "--repetitions", 2, *where)
+    assert read(again)["press"].equals(sweeps["press"])
+    assert impedance(read(again)) == pytest.approx(impedance(sweeps), rel=1e-5)
+
+
+def test_played_sweeps_come_in_turn_and_between_their_frequencies(recording):
+    sweeps = read(recording)
+    skin = Recorded(sweeps, "left")
+    first, second, third = (skin.check("2,1") for _ in range(3))
+    assert first == third != second
+    between = abs(skin.impedance(first, 2e3))
+    assert abs(skin.impedance(first, 4e3)) < between < abs(skin.impedance(first, 1e3))
+    with pytest.raises(InputError, match="frequency must be in"):
+        skin.impedance(first, 5e4)
+    with pytest.raises(InputError, match="press '9,9' was not recorded; there are none, 1,1"):
+        skin.check("9,9")
+    with pytest.raises(InputError, match=re.escape("`interface` must be one of left, got 'up'")):
+        Recorded(sweeps, "up")

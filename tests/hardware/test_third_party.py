@@ -1,0 +1,64 @@
+"""Clients that know nothing of this project: PyVISA's own calls, and an instrument of pymeasure."""
+
+import pytest
+import pyvisa
+from pymeasure.instruments import Instrument
+from pymeasure.instruments.validators import strict_range
+
+
+@pytest.fixture
+def bare(ports):
+    """The virtual meter as PyVISA opens it, with terminations and nothing else."""
+    manager = pyvisa.ResourceManager("@py")
+    resource = manager.open_resource(
+        ports.resource, read_termination="\r\n", write_termination="\r\n", timeout=1000
+    )
+    yield resource
+    resource.close()
+
+
+def test_queries_of_plain_pyvisa(bare):
+    assert bare.query("*IDN?") == "HIOKI,IM3523,000000000,V1.00"
+    bare.write(":TRIGger EXTernal;:MEASure:ITEM 16,18;VALid 18;:FREQ 10E3")
+    assert bare.query(":FREQuency?") == "10.000E+03"
+    status, Cp, Rs, X = bare.query_ascii_values("*TRG;:MEASure?")
+    assert (status, Rs) == (0, 10e3)
+    assert Cp * X < 0
+
+
+def test_a_wrong_query_times_out_and_the_register_says_why(bare):
+    bare.timeout = 100
+    bare.query("*ESR?")
+    with pytest.raises(pyvisa.VisaIOError):
+        bare.query(":FREQu?")
+    assert bare.query("*ESR?") == "32"
+
+
+class Lcr(Instrument):
+    """A meter as a user of pymeasure would write it."""
+
+    frequency = Instrument.control(
+        ":FREQ?", ":FREQ %g", "Frequency, Hz", validator=strict_range, values=[40, 200e3]
+    )
+    level = Instrument.control(":LEV:VOLT?", ":LEV:VOLT %g", "Open voltage, V")
+    reading = Instrument.measurement("*TRG;:MEAS?", "Status and values")
+
+
+def test_an_instrument_of_pymeasure(ports):
+    lcr = Lcr(
+        ports.resource,
+        "LCR meter",
+        includeSCPI=False,
+        visa_library="@py",
+        read_termination="\r\n",
+        write_termination="\r\n",
+        timeout=1000,
+    )
+    try:
+        assert "IM3523" in lcr.ask("*IDN?")
+        lcr.write(":TRIG EXT;:MEAS:ITEM 0,2;VALid 18")
+        lcr.frequency, lcr.level = 5e3, 0.5
+        assert (lcr.frequency, lcr.level) == (5e3, 0.5)
+        assert lcr.reading == [0, 10e3]
+    finally:
+        lcr.adapter.close()
