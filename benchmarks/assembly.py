@@ -10,19 +10,19 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from bench import RESULTS, best_time, publish
+from numpy.typing import NDArray
 from skfem import BilinearForm
 from skfem.assembly import Basis
 
 from simulator.assembly import (
-    Pattern,
-    areas,
     element_pairs,
     fill,
     fill_readable,
+    groups,
     quadrilateral,
-    reference_matrices,
 )
 from simulator.mesh import Resolution, pixel_mesh
+from simulator.pattern import Pattern, pattern_of_pairs
 from simulator.plot import COLOURS, chart
 from simulator.scene_file import load_scene
 
@@ -33,27 +33,28 @@ AGREEMENT = 1e-13
 def measure(order: int, cells: int) -> dict[str, object]:
     """Times of one mesh, after the check that all ways give the same matrix."""
     scene = load_scene("sheet-5x5")
-    mesh = pixel_mesh(scene, scene.contacts, Resolution(order, cells)).mesh
+    pixels = pixel_mesh(scene, scene.contacts, Resolution(order, cells))
+    mesh, (group,) = pixels.mesh, groups(pixels.cells, order)
     basis = Basis(mesh, quadrilateral(order), intorder=2 * order)
     c = np.random.default_rng(1).uniform(4e-9, 1e-8, mesh.nelements)
     at_points = np.repeat(c[:, None], basis.dx.shape[1], axis=1)
     mass = BilinearForm(lambda u, v, w: w["c"] * u * v)
-    reference = reference_matrices(order).mass.reshape(1, -1)
-    area = areas(mesh)
+    reference = group.mass.reshape(1, -1)
+    weights = (group.mass_weights * c)[:, None]
 
-    def pattern() -> Pattern:
-        return Pattern.of_pairs(*element_pairs(basis.element_dofs), basis.N)
+    def pattern() -> tuple[Pattern, NDArray[np.int64]]:
+        return pattern_of_pairs(*element_pairs(basis.element_dofs), basis.N)
 
-    built = pattern()
+    built, slots = pattern()
 
     def with_numba():
         values = np.zeros(len(built.indices))
-        fill(values, built.slots, (area * c)[:, None], reference)
+        fill(values, slots, weights, reference)
         return built.matrix(values)
 
     def with_numpy():
         values = np.zeros(len(built.indices))
-        fill_readable(values, built.slots, (area * c)[:, None], reference)
+        fill_readable(values, slots, weights, reference)
         return built.matrix(values)
 
     def with_skfem():

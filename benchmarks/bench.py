@@ -12,7 +12,7 @@ from pathlib import Path
 import pandas as pd
 
 RESULTS = Path(__file__).parent / "results"
-PACKAGES = ("rcskin", "numpy", "scipy", "scikit-fem", "numba")
+PACKAGES = ("rcskin", "numpy", "scipy", "scikit-fem", "numba", "scikit-rf")
 
 
 def best_time(work: Callable[[], object], repetitions: int = 7) -> float:

@@ -1,0 +1,77 @@
+"""Code verification where nothing is constant: manufactured solutions, discs and annuli."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from simulator.estimate import relative_difference
+from verification_parts import discs
+from verification_parts.chosen import PROBLEMS
+from verification_parts.manufactured import (
+    MESHES,
+    ORDERS,
+    QUANTITIES,
+    observed_orders,
+)
+from verification_parts.report import Check, Section, below, slopes
+
+R1, R2 = 0.3, 1.0
+U = np.geomspace(1e-3, 1e3, 7)
+BENT = ((4, 4, 5e-3), (6, 4, 1e-4), (8, 3, 1e-6), (10, 3, 1e-9))
+"""Order, cells and the largest error that is expected."""
+
+
+def manufactured() -> Section:
+    """Orders for every problem and mesh."""
+    return Section(
+        "Manufactured solutions",
+        "Potentials are chosen on the unit square with sheet resistances and a capacitance that "
+        "vary within every cell, for one field and for two, and sources are added that make them "
+        "true. Elements of order p = 1 to 6 must find them with errors of h^(p+1) in the mean "
+        "square (L2), h^p in the gradient (H1) and h^2p in the foil's current, to within a tenth.",
+        tuple(_orders()),
+    )
+
+
+def _orders() -> Iterator[Check]:
+    for title, problem in PROBLEMS.items():
+        for mesh in MESHES:
+            measured = [observed_orders(problem, mesh, order) for order in ORDERS]
+            for quantity, theory in QUANTITIES.items():
+                what = f"{title}, {mesh}: slope of {quantity}, orders 1 to 6"
+                found = [each[quantity] for each in measured]
+                yield slopes(what, map(theory, ORDERS), found)
+
+
+def round_skins() -> Section:
+    """Bessel functions."""
+    return Section(
+        "Discs and annuli",
+        "Skins fed at a whole round rim, on cells with curved edges, against Bessel functions for "
+        "u = ωRCa² from 1e-3 to 1e3. An annulus is also solved as a rectangle in ln(r) and the "
+        "angle, whose capacitance grows as r² within every cell.",
+        tuple(_round()),
+    )
+
+
+def _round() -> Iterator[Check]:
+    s = 1j * U
+    annulus = discs.annulus_formula(s, R1, R2)
+    for order, n, limit in BENT:
+        skin = discs.disc(n, order)
+        Z = discs.impedance(skin, 1.0, order, s)
+        errors = relative_difference(Z, discs.disc_formula(s), U).max(axis=1)
+        cells = skin.mesh.nelements
+        yield below(f"8 disc, Q{order} on {cells} curved cells: Rs, Cp", limit, *errors)
+    for title, skin in (
+        ("annulus, Q10 on curved cells", discs.annulus(4, 10, R1, R2)),
+        ("annulus unrolled, Q10, varying c", discs.unrolled_annulus(3, 10, R1, R2)),
+    ):
+        errors = relative_difference(discs.impedance(skin, R1, 10, s), annulus, U).max(axis=1)
+        yield below(f"8 {title}: Rs, Cp", 1e-9, *errors)
+    skin = discs.disc(2, 10)
+    Rs = complex(discs.impedance(skin, 1.0, 10, np.array([1e-6j]))[0]).real
+    yield below("8 disc, Rs(0) = R/(8 pi)", 1e-10, abs(Rs * 8 * math.pi - 1))

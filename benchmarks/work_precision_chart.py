@@ -1,0 +1,81 @@
+"""One panel a skin: error of every way against its time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from simulator.plot import AT_REST, COLOURS, chart
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+FLOOR = 1e-14
+"""Errors below are rounding, of the reference too."""
+WRONG, TOP = 0.1, 50
+STALLED = 0.9
+"""Of an error that the next step should have lowered."""
+MARKERS = "os^Dv*P"
+
+
+def draw(path: Path, tables: dict[str, pd.DataFrame], ours: tuple[str, ...]) -> None:
+    """Write the chart. tables: way, setting, error and seconds by the title of the skin."""
+    names = list(dict.fromkeys(name for table in tables.values() for name in table["way"]))
+    looks = _looks([name for name in names if name not in ours], ours)
+    with chart(path, 12, 5) as figure:
+        panels = figure.subplots(1, len(tables), sharey=True)
+        for axes, (title, table) in zip(panels, tables.items(), strict=True):
+            for name, rows in table.groupby("way", sort=False):
+                _curve(axes, str(name), rows, looks[str(name)])
+            axes.set_title(title, loc="left")
+            axes.set_xlabel("Time to the answer (ms)")
+            axes.xaxis.set_major_formatter("{x:g}")
+        panels[0].set_ylim(FLOOR / 10, TOP)
+        for axes in panels:
+            axes.axhspan(WRONG, TOP, color="0.93", zorder=0)
+        panels[0].set_ylabel("Largest relative error of Rs and Cp")
+        handles = {
+            label: handle
+            for axes in panels
+            for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+        }
+        figure.legend([handles[name] for name in names], names, loc="outside lower center", ncols=9)
+
+
+def _looks(others: list[str], ours: tuple[str, ...]) -> dict[str, dict]:
+    colours = [*COLOURS, "0.45"]
+    looks: dict[str, dict] = {
+        name: {"color": colour, "marker": marker, "linewidth": 1.1}
+        for name, colour, marker in zip(others, colours, MARKERS, strict=True)
+    }
+    for name, style in zip(ours, ("-", ":"), strict=True):
+        looks[name] = {"color": AT_REST, "marker": ".", "linestyle": style, "linewidth": 2}
+    return looks
+
+
+def _curve(axes: Axes, name: str, rows: pd.DataFrame, look: dict) -> None:
+    errors = np.clip(rows["error"].to_numpy(), FLOOR, None)
+    times = 1e3 * rows["seconds"].to_numpy()
+    axes.loglog(times, errors, label=name, markersize=5, **look)
+    failure = _failure(errors)
+    if failure:
+        axes.annotate(
+            f"{name} {failure}",
+            (times[0], errors[0]),
+            xytext=(0, 6),
+            textcoords="offset points",
+            fontsize=8,
+            color=look["color"],
+        )
+
+
+def _failure(errors: NDArray[np.float64]) -> str | None:
+    """What more work does not cure, in a word."""
+    if errors.min() > WRONG:
+        return "is wrong"
+    stalled = len(errors) > 1 and errors[-1] > STALLED * errors[-2] > 1e3 * FLOOR
+    return "stalls" if stalled else None
