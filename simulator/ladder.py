@@ -10,8 +10,11 @@ from simulator.mesh import Resolution, singular_ends
 from simulator.press import Press, Touch
 from simulator.scene import Contact, Scene
 
-SMOOTH = [(order, 1) for order in range(2, 11)] + [(6, 2), (8, 2), (10, 2), (8, 3), (10, 3)]
-SINGULAR = [(order, 1) for order in range(2, 11)] + [(8, 2), (10, 2)]
+ONE_CELL = [(order, 1) for order in (2, 3, 4, 5, 6, 7, 9)]
+"""Not 8 and 10: within a pixel most fields are nearly even, so the next order hardly gains on them,
+and their difference, 1.3 times smaller than the error at 10, tells too little of it."""
+SMOOTH = [*ONE_CELL, (6, 2), (8, 2), (10, 2), (8, 3), (10, 3)]
+SINGULAR = [*ONE_CELL, (8, 2), (10, 2)]
 RINGS_PER_ORDER, RINGS_AT_LEAST = 1.2, 3
 FAINTEST = 1e-3
 

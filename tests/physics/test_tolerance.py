@@ -78,6 +78,19 @@ def test_smooth_fields(random, frequency_at, data, rtol):
     assert_kept(answer, over_resolved(scene, press), scene.frequencies, rtol)
 
 
+@pytest.mark.parametrize("rtol", [1e-4, 1e-5, 1e-6, 1e-7])
+def test_a_field_nearly_even_across_its_pixels(make_scene, frequency_at, rtol):
+    """Of which every second order gains next to nothing, however high."""
+    feed = {"top-right": {}, "top-top": {}, "bottom-right": {}, "bottom-bottom": {}}
+    meter = {"meter": (["top-right", "top-top"], ["bottom-bottom", "bottom-right"])}
+    size = {"length": 0.1, "width": 0.022, "rows": 3, "columns": 3}
+    scene = make_scene(feed, meter, top=180e3, bottom=2.5e3, **size)
+    scene = at(scene, frequency_at(scene, 1.0))
+    press = parse_press("1,3:5.17+2,3:1.27+3,3:9.36", 2.0)
+    answer = Solver(scene, rtol).solve(press)
+    assert_kept(answer, over_resolved(scene, press), scene.frequencies, rtol)
+
+
 def not_singular(scene):
     return not singular_ends(scene.contacts, scene.skin)
 
