@@ -11,8 +11,11 @@ from hardware.cli import meter_app
 from hardware.errors import MeterError
 from hardware.given import SceneData, Simulation
 from simulator.cli import app, run
+from simulator.study.command import study_command
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from hardware.virtual.skin import Readout, Skin
 
 __all__ = ["app", "main"]
@@ -49,6 +52,18 @@ def reproduce(
         f"{agreeing} of the paper's {len(claims)} statements agree; see {output / 'report.html'}",
         soft_wrap=True,
     )
+
+
+def _accuracy(sweeps: xr.Dataset, *, target: str, folds: int, seed: int) -> float:
+    from sklearn import config_context
+
+    from localization.evaluation import cross_validate
+
+    with config_context(assume_finite=True, skip_parameter_validation=True):
+        return cross_validate(sweeps, target, folds=folds, seed=seed).accuracy
+
+
+app.command("study")(study_command(_accuracy))
 
 
 def _scene_data(name: str, interface: str | None) -> SceneData:

@@ -1,0 +1,97 @@
+"""The command `rcskin study`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from simulator.study.point import CrossValidate
+
+
+def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
+    """The command, told how the localizer's accuracy is found."""
+
+    def study(
+        scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+        output: Annotated[
+            Path,
+            typer.Option("--output", "-o", help="OUT.csv or OUT.nc; the chart is OUT.png."),
+        ],
+        vary: Annotated[
+            list[str] | None,
+            typer.Option(
+                help="KEY=START:STOP:POINTS[:log|linear], of whole numbers KEY=START:STOP, or "
+                "KEY=VALUE,VALUE,...; once or twice. Without it: skin.sheet_resistance="
+                "1e3:1e6:25:log and pixels=2:10."
+            ),
+        ] = None,
+        chart: Annotated[Path | None, typer.Option(help="The chart's own name, a PNG.")] = None,
+        max_frequency: Annotated[
+            float | None,
+            typer.Option(
+                help="The meter's upper limit in Hz: a grid of frequencies ends there, of a list "
+                "those above are left out."
+            ),
+        ] = None,
+        target: Annotated[str, typer.Option(help="column, row or pixel.")] = "column",
+        draws: Annotated[
+            int, typer.Option(help="How often presses and readings are drawn anew.")
+        ] = 3,
+        repetitions: Annotated[
+            int | None, typer.Option(help="Presses of each pixel in a draw; the scene's if absent.")
+        ] = None,
+        seed: Annotated[
+            int | None, typer.Option(help="Of all random numbers; the scene's if absent.")
+        ] = None,
+        rtol: Annotated[
+            float | None,
+            typer.Option(help="Largest relative error of Rs and Cp; else what fits the noise."),
+        ] = None,
+        workers: Annotated[
+            int | None, typer.Option(help="Processes; else one for each core. Same results.")
+        ] = None,
+    ) -> None:
+        """How well pixels are told apart while one or two numbers of the scene vary.
+
+        KEY is the dotted path of a number in the scene file, such as
+        skin.foam.loss_tangent, contact.top-left.resistance or
+        readout.phase_noise; skin.sheet_resistance stands for both sheets,
+        pixels for rows and columns.
+
+        At each point: the cross-validated accuracy of the localizer, the
+        distance between classes in units of the meter's error, and the band of
+        frequencies that tells neighbours best.
+        """
+        from simulator.progress import on_terminal
+        from simulator.study import run
+        from simulator.study.axis import READY_MADE, parse_axes
+        from simulator.study.figure import draw_study
+        from simulator.study.keys import scene_table
+        from simulator.study.point import Trial
+        from simulator.study.report import ENDINGS, answers, experiment_told, write_table
+        from simulator.study.settings import changed, checked_rtol, checked_workers
+        from simulator.sweeps import checked_output
+
+        beside = checked_output(output, ENDINGS).with_suffix(".png")
+        picture = checked_output(chart or beside, (".png",))
+        rtol, workers = checked_rtol(rtol), checked_workers(workers)
+        table = changed(scene_table(scene), max_frequency, repetitions, seed)
+        axes = parse_axes(vary or READY_MADE, table)
+        trial = Trial(target, draws)
+        scenes = run.scenes_of(table, axes, trial)
+        for warning in run.warnings_of(scenes):
+            typer.echo(f"rcskin: warning: {warning}", err=True)
+        with on_terminal() as track:
+            findings = run.study(
+                scenes, axes, trial, cross_validate, track, rtol=rtol, workers=workers
+            )
+        write_table(findings, output)
+        draw_study(findings, axes, experiment_told(table, axes), picture)
+        for line in answers(findings, axes):
+            typer.echo(line)
+
+    return study

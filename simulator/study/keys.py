@@ -1,0 +1,136 @@
+"""The numeric keys of a scene file, by dotted path, and scenes with some of them changed."""
+
+from __future__ import annotations
+
+import copy
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from simulator.scene import FrequencyGrid, Scene
+from simulator.scene_file import BUILTIN, builtin_names, load_scene
+from simulator.sweeps import InputError
+from simulator.validation import one_line
+
+Place = tuple[str | int, ...]
+"""Where a number stands in nested tables and lists; lists count from 0."""
+
+BOTH_SHEETS, ALL_PIXELS = "skin.sheet_resistance", "pixels"
+SHORTHANDS: dict[str, tuple[Place, ...]] = {
+    BOTH_SHEETS: (("skin", "top", "sheet_resistance"), ("skin", "bottom", "sheet_resistance")),
+    ALL_PIXELS: (("pixels", "rows"), ("pixels", "columns")),
+}
+OF_NO_STUDY = {"dataset"}
+"""Tables that say how training data vary, not what is measured at a point."""
+UNITS = {
+    "length": "m",
+    "width": "m",
+    "thickness": "m",
+    "sheet_resistance": "ohm/sq",
+    "resistance": "ohm m",
+    "capacitance_per_area": "F/m²",
+    "frequencies": "Hz",
+    "start": "Hz",
+    "stop": "Hz",
+    "phase_accuracy": "rad",
+    "phase_noise": "rad",
+}
+
+
+@dataclass(frozen=True)
+class Key:
+    """A number of a scene file, or several that vary together.
+
+    whole: whether it is a count.
+    """
+
+    name: str
+    places: tuple[Place, ...]
+    whole: bool
+
+    @property
+    def unit(self) -> str:
+        """SI unit; empty for counts and fractions."""
+        *parents, last = self.places[0]
+        return UNITS.get(str(parents[-1] if isinstance(last, int) else last), "")
+
+
+def scene_table(name_or_path: str) -> dict[str, Any]:
+    """A scene as the nested tables of its file, with defaults filled in, but for OF_NO_STUDY.
+
+    A grid of frequencies stays start, stop and points. Raises InputError as `load_scene` does.
+    """
+    scene = load_scene(name_or_path)
+    builtin = name_or_path in builtin_names()
+    path = BUILTIN / f"{name_or_path}.toml" if builtin else Path(name_or_path)
+    frequencies = tomllib.loads(path.read_text(encoding="utf-8"))["sweep"]["frequencies"]
+    table = scene.model_dump(mode="json", by_alias=True, exclude_none=True, exclude=OF_NO_STUDY)
+    if isinstance(frequencies, dict):
+        grid = FrequencyGrid.model_validate(frequencies)
+        table["sweep"]["frequencies"] = grid.model_dump(mode="json")
+    return table
+
+
+def find_key(name: str, table: Mapping[str, Any]) -> Key:
+    """The key of that name in a scene's table. Raises InputError that lists the keys there are."""
+    places = SHORTHANDS.get(name) or tuple(
+        place for found, place in _numbers(table) if name in found
+    )
+    if not places:
+        listed = [*SHORTHANDS, *(found[-1] for found, _ in _numbers(table))]
+        raise InputError(
+            f"`{name}` is not a numeric key of the scene; there are {', '.join(_shortened(listed))}"
+        )
+    return Key(name, places, isinstance(_at(table, places[0]), int))
+
+
+def with_values(table: Mapping[str, Any], values: Mapping[Key, float]) -> Scene:
+    """The scene with these keys changed, validated anew; raises InputError that names them."""
+    changed: Any = copy.deepcopy(table)
+    for key, value in values.items():
+        for place in key.places:
+            _at(changed, place[:-1])[place[-1]] = value
+    try:
+        return Scene.model_validate(changed)
+    except ValidationError as error:
+        given = ", ".join(f"{key.name} = {value:g}" for key, value in values.items())
+        raise InputError(f"{given}: {one_line(error)}") from error
+
+
+def _at(table: Any, place: Place) -> Any:
+    for part in place:
+        table = table[part]
+    return table
+
+
+def _numbers(table: Any) -> Iterator[tuple[list[str], Place]]:
+    """Names of every number and where it stands; items of lists go by number and by name."""
+    for names, part, value in _items(table):
+        if isinstance(value, dict | list):
+            for deeper, place in _numbers(value):
+                yield [f"{name}.{rest}" for rest in deeper for name in names], (part, *place)
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            yield names, (part,)
+
+
+def _items(table: Any) -> Iterator[tuple[list[str], str | int, Any]]:
+    if isinstance(table, dict):
+        yield from (([name], name, value) for name, value in table.items())
+        return
+    for index, value in enumerate(table):
+        named = [value["name"]] if isinstance(value, dict) and "name" in value else []
+        yield [str(index + 1), *named], index, value
+
+
+def _shortened(names: list[str]) -> list[str]:
+    """Long lists of numbers told by their last one."""
+    followed = {
+        f"{stem}.{int(last) - 1}"
+        for stem, _, last in (name.rpartition(".") for name in names)
+        if last.isdigit()
+    }
+    return [name for name in names if name not in followed]

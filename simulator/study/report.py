@@ -1,0 +1,109 @@
+"""A study's findings as files, and in a line for each best value."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from simulator.study.axis import Axis
+from simulator.study.keys import ALL_PIXELS, BOTH_SHEETS, Key, with_values
+from simulator.sweeps import whole_file
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+IN_HERTZ = {"band_start": "band_start_Hz", "band_stop": "band_stop_Hz"}
+ENDINGS = (".csv", ".nc")
+AS_GOOD = 0.05
+LABELS = {BOTH_SHEETS: "Sheet resistance of both sheets", ALL_PIXELS: "Pixels along each side"}
+
+
+def write_table(findings: xr.Dataset, path: Path) -> None:
+    """Write a study as NetCDF, or as CSV with a line for each point, by the path's ending."""
+    with whole_file(path) as unfinished:
+        if path.suffix == ".nc":
+            findings.to_netcdf(unfinished, engine="netcdf4")
+        else:
+            table = findings.rename(IN_HERTZ).to_dataframe().reset_index()
+            table.to_csv(unfinished, index=False, lineterminator="\n")
+
+
+def answers(findings: xr.Dataset, axes: Sequence[Axis]) -> list[str]:
+    """In one line for each value of the second axis, the best value of the first.
+
+    Best is the highest accuracy; of equals, the one of the largest least separation. As good are
+    the values around it within AS_GOOD of that accuracy.
+    """
+    first, *others = (axis.key for axis in axes)
+    if not others:
+        return [_best(findings, first)]
+    (second,) = others
+    return [
+        f"{named(second, float(value))}: {_best(findings.sel({second.name: value}), first)}"
+        for value in findings[second.name].values
+    ]
+
+
+def best_index(findings: xr.Dataset) -> int:
+    """Of findings along one axis, the best as told in `answers`."""
+    accuracy, least = (findings[name].values for name in ("accuracy", "least_separation"))
+    return int(np.lexsort((least, accuracy))[-1])
+
+
+def as_good(findings: xr.Dataset) -> tuple[int, int]:
+    """First and last index of the unbroken run around the best within AS_GOOD of its accuracy."""
+    accuracy, best = findings["accuracy"].values, best_index(findings)
+    outside = np.flatnonzero(accuracy < accuracy[best] - AS_GOOD)
+    before, after = outside[outside < best], outside[outside > best]
+    first = int(before[-1]) + 1 if before.size else 0
+    return first, int(after[0]) - 1 if after.size else len(accuracy) - 1
+
+
+def written(key: Key, value: float) -> str:
+    """A value for people: three digits, with a prefix where it has a unit."""
+    from matplotlib.ticker import EngFormatter
+
+    if key.name == ALL_PIXELS:
+        return f"{value:.0f}x{value:.0f} pixels"
+    return EngFormatter(unit=key.unit)(float(f"{value:.3g}")) if key.unit else f"{value:.6g}"
+
+
+def named(key: Key, value: float) -> str:
+    """A value for people with its key, where the value does not tell what it is of."""
+    told = written(key, value)
+    return told if key.name in LABELS else f"{key.name} = {told}"
+
+
+def axis_label(key: Key) -> str:
+    """What an axis of a chart shows, with its unit."""
+    return LABELS.get(key.name, key.name) + (f" ({key.unit})" if key.unit else "")
+
+
+def experiment_told(table: Mapping[str, Any], axes: Sequence[Axis]) -> str:
+    """The scene, its frequencies, noise and presses, in one line; leaves out what varies."""
+    readout, experiment = table["readout"], table["experiment"]
+    f = with_values(table, {}).frequencies
+    told = {
+        "sweep": f"{len(f)} frequencies, {f[0] / 1e3:.4g} to {f[-1] / 1e3:.4g} kHz",
+        "readout": f"noise {100 * readout['magnitude_noise']:.3g} % of |Z| and "
+        f"{np.degrees(readout['phase_noise']):.2g}°",
+        "experiment": f"{experiment['repetitions']} presses of each pixel",
+    }
+    varied = {place[0] for axis in axes for place in axis.key.places}
+    return "; ".join([table["name"], *(text for part, text in told.items() if part not in varied)])
+
+
+def _best(findings: xr.Dataset, key: Key) -> str:
+    values, best = findings[key.name].values, best_index(findings)
+    accuracy = float(findings["accuracy"].values[best])
+    told = f"best accuracy {100 * accuracy:.0f} % at {named(key, float(values[best]))}"
+    if best in (0, len(values) - 1) and len(values) > 1:
+        told += ", where the range ends"
+    low, high = as_good(findings)
+    if low == high:
+        return told
+    ends = " to ".join(written(key, float(values[end])) for end in (low, high))
+    return f"{told} ({100 * max(0.0, accuracy - AS_GOOD):.0f} % or more from {ends})"

@@ -1,0 +1,168 @@
+"""A study from its axes to its table of findings, on any number of processes."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from simulator.progress import Track
+from simulator.scene import Scene
+from simulator.scene_file import scene_text
+from simulator.study.axis import Axis
+from simulator.study.curve import Curve
+from simulator.study.family import families, member_curves, solve, tasks
+from simulator.study.keys import with_values
+from simulator.study.point import CrossValidate, Findings, Trial, judge
+from simulator.study.symmetry import Pixel
+from simulator.validity import warnings
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Given = TypeVar("Given")
+Made = TypeVar("Made")
+NOISE_SHARE, LOOSEST, TIGHTEST = 0.1, 1e-4, 1e-7
+VARIABLES = {
+    "accuracy": ("share of presses whose class is told right, mean of draws", "1"),
+    "accuracy_sd": ("standard deviation of the accuracy between draws", "1"),
+    "least_separation": ("distance of the nearest two classes over the meter's error", "1"),
+    "median_separation": ("distance of two classes over the meter's error, median", "1"),
+    "band_start": ("lowest frequency of the band that tells neighbours best", "Hz"),
+    "band_stop": ("highest frequency of the band that tells neighbours best", "Hz"),
+    "band_separation": ("distance of the nearest neighbours within that band", "1"),
+}
+
+
+def scenes_of(table: Mapping[str, Any], axes: Sequence[Axis], trial: Trial) -> list[Scene]:
+    """The scene at every point, the last axis varying fastest; raises InputError for a bad one."""
+    scenes = []
+    for values in itertools.product(*(axis.values for axis in axes)):
+        scene = with_values(table, dict(zip((axis.key for axis in axes), values, strict=True)))
+        trial.check(scene)
+        scenes.append(scene)
+    return scenes
+
+
+def warnings_of(scenes: Sequence[Scene]) -> list[str]:
+    """Where the model's own range ends: how many points do so, and the first way in which."""
+    told = [found for found in map(warnings, scenes) if found]
+    return [f"{len(told)} of {len(scenes)} points, the first: {told[0][0]}"] if told else []
+
+
+def fitting_rtol(scenes: Sequence[Scene]) -> float:
+    """A tolerance that leaves errors of the simulation well below the least noise of the meters."""
+    noises = (
+        noise
+        for scene in scenes
+        for noise in (scene.readout.magnitude_noise, scene.readout.phase_noise)
+    )
+    return float(np.clip(NOISE_SHARE * min(noises), TIGHTEST, LOOSEST))
+
+
+def study(
+    scenes: Sequence[Scene],
+    axes: Sequence[Axis],
+    trial: Trial,
+    cross_validate: CrossValidate,
+    track: Track,
+    *,
+    rtol: float | None = None,
+    workers: int = 1,
+) -> xr.Dataset:
+    """What is found at every point of one or two axes; VARIABLES over dimensions named by keys.
+
+    scenes: as of `scenes_of`. rtol: largest relative error of Rs and Cp, None for what
+    fits the noise. workers: processes; the result does not depend on them.
+    Raises ToleranceError where the tolerance is not reached.
+    """
+    rtol = fitting_rtol(scenes) if rtol is None else rtol
+    curves, solves = _solved(scenes, trial, rtol, track, workers)
+    jobs = [(scene, trial, curves[point], cross_validate) for point, scene in enumerate(scenes)]
+    findings = list(_spread(_judge, jobs, "accuracy", track, workers))
+    attributes = {
+        "scene": scene_text(scenes[0]),
+        "target": trial.target,
+        "draws": trial.draws,
+        "rtol": rtol,
+        "solves": solves,
+        "software": f"rcskin {version('rcskin')}",
+    }
+    return _dataset(axes, findings, attributes)
+
+
+def _solved(
+    scenes: Sequence[Scene], trial: Trial, rtol: float, track: Track, workers: int
+) -> tuple[list[dict[Pixel, Curve]], int]:
+    """Curves of every pixel at every point, and how many solves they took."""
+    found = families(scenes)
+    work = [(k, task) for k, each in enumerate(found) for task in tasks(each, scenes, trial, rtol)]
+    solved: list[dict[Pixel, Curve]] = [{} for _ in found]
+    solves = 0
+    each_solution = _spread(solve, [task for _, task in work], "solves", track, workers)
+    for (family, _), solution in zip(work, each_solution, strict=True):
+        solved[family] |= solution.curves
+        solves += solution.solves
+    curves: list[dict[Pixel, Curve]] = [{} for _ in scenes]
+    for family, known in zip(found, solved, strict=True):
+        for point, own in member_curves(family, scenes, known):
+            curves[point] = own
+    return curves, solves
+
+
+def _judge(
+    job: tuple[Scene, Trial, Mapping[Pixel, Curve], CrossValidate],
+) -> Findings:
+    return judge(*job)
+
+
+def _spread(
+    function: Callable[[Given], Made],
+    given: Sequence[Given],
+    description: str,
+    track: Track,
+    workers: int,
+) -> Iterator[Made]:
+    """The function of each item, in order."""
+    from joblib import Parallel, delayed
+
+    parallel: Any = Parallel(n_jobs=workers, return_as="generator")
+    made = parallel(delayed(function)(each) for each in given)
+    for _, result in zip(track(given, description), made, strict=True):
+        yield result
+
+
+def _dataset(
+    axes: Sequence[Axis], findings: Sequence[Findings], attributes: Mapping[str, Any]
+) -> xr.Dataset:
+    import xarray as xr
+
+    names, shape = [axis.key.name for axis in axes], [len(axis.values) for axis in axes]
+    accuracies = np.array([each.accuracies for each in findings])
+    columns = {
+        "accuracy": accuracies.mean(axis=1),
+        "accuracy_sd": accuracies.std(axis=1, ddof=1 if accuracies.shape[1] > 1 else 0),
+        "least_separation": [each.separation.least for each in findings],
+        "median_separation": [each.separation.median for each in findings],
+        "band_start": [each.separation.band_start for each in findings],
+        "band_stop": [each.separation.band_stop for each in findings],
+        "band_separation": [each.separation.band_separation for each in findings],
+    }
+    return xr.Dataset(
+        {
+            name: (names, np.reshape(column, shape), _described(*VARIABLES[name]))
+            for name, column in columns.items()
+        },
+        {
+            axis.key.name: (axis.key.name, list(axis.values), {"units": axis.key.unit or "1"})
+            for axis in axes
+        },
+        attrs=dict(attributes),
+    )
+
+
+def _described(long_name: str, units: str) -> dict[str, str]:
+    return {"long_name": long_name, "units": units}

@@ -1,0 +1,109 @@
+"""How far classes of presses lie apart, in units of the meter's error.
+
+Of two readings of |Z| and phase, the difference of ln |Z| over the meter's `magnitude_noise` and
+that of the phase over its `phase_noise`, root-sum-square over interfaces and frequencies: the
+distance at which one meter's noise stands to what it is to tell apart (Mahalanobis' distance for
+independent noise). The meter's accuracy, fixed for a session, multiplies every |Z| and turns every
+phase alike and cancels; the spread of presses and the displayed digits are left out.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
+
+from simulator.scene import Readout
+from simulator.study.symmetry import Pixel
+from simulator.sweeps import InputError
+
+Label = tuple[int, ...]
+TARGETS = ("column", "row", "pixel")
+BAND_SHARE = 4
+
+
+@dataclass(frozen=True)
+class Separation:
+    """Distances between classes, in units of the meter's error.
+
+    least, median: over all pairs of classes, each at its two nearest presses. band_start,
+    band_stop: Hz, ends of the run of a quarter of the frequencies in which the nearest two
+    neighbouring classes lie farthest apart. band_separation: that distance.
+    """
+
+    least: float
+    median: float
+    band_start: float
+    band_stop: float
+    band_separation: float
+
+
+def label_of(pixel: Pixel, target: str) -> Label:
+    """The class of a pressed pixel: its column, its row or both; zeros for the skin at rest."""
+    row, column = pixel
+    return {"column": (column,), "row": (row,), "pixel": (row, column)}[target]
+
+
+def in_units_of_error(Z: NDArray[np.complex128], readout: Readout) -> NDArray[np.float64]:
+    """ln |Z| and phase over the meter's noise, shape (press, frequency, 2 * interface).
+
+    Z: ohm, shape (press, interface, frequency). Raises InputError where a noise is zero.
+    """
+    for name in ("magnitude_noise", "phase_noise"):
+        if not getattr(readout, name) > 0:
+            raise InputError(f"`readout.{name}` must be > 0 for a study, got 0")
+    readings = [np.log(np.abs(Z)) / readout.magnitude_noise, np.angle(Z) / readout.phase_noise]
+    return np.moveaxis(np.concatenate(readings, axis=1), 1, 2)
+
+
+def separation(
+    readings: NDArray[np.float64], labels: Sequence[Label], frequency: NDArray[np.float64]
+) -> Separation:
+    """How far the classes of these readings lie apart.
+
+    readings: as of `in_units_of_error`. labels: of each press, at least two different ones.
+    frequency: Hz, ascending.
+    """
+    classes = sorted(set(labels))
+    pairs = list(itertools.combinations(range(len(classes)), 2))
+    all_pairs = _over(class_distances(readings, labels), pairs)
+    nearby = [(i, j) for i, j in pairs if _are_neighbours(classes[i], classes[j])] or pairs
+    width = math.ceil(len(frequency) / BAND_SHARE)
+    bands = [
+        _over(class_distances(readings[:, start : start + width], labels), nearby).min()
+        for start in range(len(frequency) - width + 1)
+    ]
+    best = int(np.argmax(bands))
+    return Separation(
+        least=float(all_pairs.min()),
+        median=float(np.median(all_pairs)),
+        band_start=float(frequency[best]),
+        band_stop=float(frequency[best + width - 1]),
+        band_separation=float(bands[best]),
+    )
+
+
+def class_distances(readings: NDArray[np.float64], labels: Sequence[Label]) -> NDArray[np.float64]:
+    """The distance of each two classes at their two nearest presses, shape (class, class)."""
+    classes = sorted(set(labels))
+    number = np.array([classes.index(label) for label in labels])
+    order = np.argsort(number, kind="stable")
+    first = np.searchsorted(number[order], np.arange(len(classes)))
+    flat = readings[order].reshape(len(labels), -1)
+    to_class = np.minimum.reduceat(cdist(flat, flat), first, axis=1)
+    return np.minimum.reduceat(to_class, first, axis=0)
+
+
+def _over(distances: NDArray[np.float64], pairs: Sequence[tuple[int, int]]) -> NDArray[np.float64]:
+    return np.array([distances[pair] for pair in pairs])
+
+
+def _are_neighbours(one: Label, other: Label) -> bool:
+    """Whether they are columns, rows or pixels side by side; the skin at rest is beside none."""
+    pressed = any(one) and any(other)
+    return pressed and sum(abs(a - b) for a, b in zip(one, other, strict=True)) == 1
