@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU
 
+from simulator.circuit import Drive
 from simulator.lanczos import Pencil
+from simulator.network import allowed_potentials
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,31 @@ class Driven:
     floating: NDArray[np.float64]
     floating_conductance: NDArray[np.float64]
     common: NDArray[np.bool_]
+
+
+def driven_by(
+    drive: Drive,
+    terminal_field: NDArray[np.int64],
+    conductance: NDArray[np.float64],
+    lift: NDArray[np.float64],
+) -> Driven:
+    """What a drive drives. conductance: between terminals, S. lift: shape (unknown, terminal)."""
+    modes, common = allowed_potentials(tuple(terminal_field.tolist()), drive)
+    S = modes.T @ conductance @ modes
+    S[common, :] = 0.0
+    S[:, common] = 0.0
+    tied = np.flatnonzero(~common[1:]) + 1
+    driven, through = modes[:, 0], S[0, 0]
+    if tied.size:
+        follow = -np.linalg.solve(S[np.ix_(tied, tied)], S[tied, 0])
+        driven, through = driven + modes[:, tied] @ follow, through + S[0, tied] @ follow
+    return Driven(
+        conductance=float(through),
+        potential=lift @ driven,
+        floating=lift @ modes[:, 1:],
+        floating_conductance=S[1:, 1:],
+        common=common[1:],
+    )
 
 
 def unshifted(driven: Driven, mass: csc_matrix, K: SuperLU) -> Pencil:

@@ -29,17 +29,23 @@ from simulator.ladder import Ladder
 from simulator.line import Line
 from simulator.lumped import Lumped, least_left_out
 from simulator.mesh import Resolution
-from simulator.press import Press
+from simulator.press import Press, Touch
+from simulator.reduced import KRYLOV_SHARE as REDUCED_KRYLOV
+from simulator.reduced import Reduced, ReducedSkin, touched_cells
+from simulator.reduction import pixel_touches, reduce
 from simulator.scene import Scene
 from simulator.sheet import Sheet
 from simulator.sweeps import InputError, ToleranceError
 
-ModelName = Literal["auto", "lumped", "line", "sheet"]
+ModelName = Literal["auto", "lumped", "line", "sheet", "reduced"]
 DEFAULT_RTOL = 1e-4
 KRYLOV_SHARE = 1e-2
 GAIN = 0.1
 SHEETS_KEPT = 16
 LUMPED = "one R and one C"
+TRAINED = (0.5, 3.0)
+"""Factors of capacitance that a reduced model is trained on."""
+ASKED = {"auto": ["line", "lumped", "sheet"], "reduced": ["reduced", "sheet"]}
 FIELDS = {1: "one field", 2: "two fields"}
 
 
@@ -71,8 +77,13 @@ class Solver:
         Raises ToleranceError where none does, InputError where a model asked for by name does not
         apply to the scene or the press.
         """
-        rungs = {"line": self._line, "lumped": self._lumped, "sheet": self._elements}
-        asked = list(rungs) if self.model == "auto" else [self.model]
+        rungs = {
+            "line": self._line,
+            "lumped": self._lumped,
+            "sheet": self._elements,
+            "reduced": self._reduced,
+        }
+        asked = ASKED.get(self.model, [self.model])
         progress = Progress(len(self.scene.interfaces), self.scene.frequencies, self.rtol)
         for name in asked:
             try:
@@ -153,6 +164,23 @@ class Solver:
         error = off + change[here] + ROUNDING
         return Rung(told, sheet.nested.inner, Z[here], error)
 
+    def _reduced(self, press: Press, progress: Progress) -> None:
+        _check_trained(press)
+        reduced, skin = self._trained, self._trained_skin
+        cells, rises = touched_cells(self.scene, press)
+        Z = skin.sweeps(cells, rises, np.array([0, len(cells)]))[0]
+        error = skin.certificate(cells, rises) + reduced.mesh_error + REDUCED_KRYLOV * self.rtol
+        told = f"reduced to {reduced.size} vectors, {FIELDS[reduced.circuit.fields]}"
+        progress.offer(Rung(told, reduced.size, Z, error))
+
+    @cached_property
+    def _trained_skin(self) -> ReducedSkin:
+        return self._trained.skin(None)
+
+    @cached_property
+    def _trained(self) -> Reduced:
+        return reduce(self.scene, self.rtol, pixel_touches(self.scene, TRAINED))
+
     def _sheet(self, resolution: Resolution) -> Sheet:
         """Discretised at a resolution; the oldest are forgotten, for they are large."""
         if resolution not in self._sheets:
@@ -168,3 +196,13 @@ class Solver:
     @cached_property
     def _ladder(self) -> Ladder:
         return Ladder(self.scene, self._circuit)
+
+
+def _check_trained(press: Press) -> None:
+    """Raises InputError for a press unlike those that reduced models are trained on."""
+    low, high = TRAINED
+    for touch in press.touches:
+        if not isinstance(touch, Touch):
+            raise InputError(f"trained on whole pixels, got {touch}")
+        if not low <= touch.factor <= high:
+            raise InputError(f"trained on factors from {low} to {high}, got {touch}")

@@ -18,15 +18,19 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
 from simulator.circuit import Circuit, Drive
-from simulator.driven import Driven, shifted, unshifted
+from simulator.driven import Driven, driven_by, shifted, unshifted
 from simulator.lanczos import Pencil
-from simulator.network import Network, allowed_potentials
+from simulator.network import Network
 from simulator.sweeps import ToleranceError
-from simulator.system import System
+from simulator.system import Films, System
 
 
 class Galerkin:
-    """A system restricted to the trial functions of elements up to some order."""
+    """A system restricted to the trial functions of elements up to some order.
+
+    K: of the inner unknowns, S, sparse. lift: shape (inner + terminals, terminals). conductance:
+    between terminals at zero frequency, S.
+    """
 
     def __init__(self, system: System, circuit: Circuit, order: int) -> None:
         """order: that of the system, or from 2 on a lower one."""
@@ -43,13 +47,17 @@ class Galerkin:
             else (system.pattern, slice(None))
         )
         self._block, self._block_entries = self._whole.within(np.arange(self.inner))
-        self._K = self._inner(self.restricted(system.stiffness))
+        self.K = self._inner(self.restricted(system.stiffness))
         self.lift, self.conductance = self._terminal_lift()
         self._driven: dict[Drive, Driven] = {}
 
     def restricted(self, matrix: csc_matrix) -> csc_matrix:
         """A matrix in the system's pattern, for the unknowns of this space and the terminals."""
         return self._whole.matrix(matrix.data[self._entries])
+
+    def solve(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """K^-1 y inside, all terminals at 0 V. y: A, shape (inner, ...)."""
+        return self._factor.solve(y)
 
     def _inner(self, whole: csc_matrix) -> csc_matrix:
         return self._block.matrix(whole.data[self._block_entries])
@@ -92,49 +100,45 @@ class Galerkin:
             return unshifted(driven, mass, self._factor)
         return shifted(driven, mass, self._shifted(shift, mass), shift, self._power)
 
+    def currents(self, u: NDArray, sheets: csc_matrix, films: Films) -> NDArray:
+        """K u in A, of inner unknowns. u: V, shape (inner + terminals, k)."""
+        U = u[self.inner :]
+        V = u - self._system.at_foils[self._rows] @ U
+        in_films = self.restricted(films.stiffness) @ V + films.current[self._rows] @ U
+        return (self.restricted(sheets) @ u + in_films)[: self.inner]
+
+    def sheet_energy(self, W: NDArray[np.float64], sheets: csc_matrix) -> NDArray[np.float64]:
+        """W'KW in W of sheets alone. W: V, shape (inner + terminals, k). sheets: of the system."""
+        return W.T @ (self.restricted(sheets) @ W)
+
+    def film_energy(self, W: NDArray[np.float64], films: Films) -> NDArray[np.float64]:
+        """W'KW in W of films of contact resistance alone."""
+        U = W[self.inner :]
+        current = films.current[self._rows] @ U
+        V = W - self._system.at_foils[self._rows] @ U
+        beside = V.T @ current
+        in_films = V.T @ (self.restricted(films.stiffness) @ V)
+        return in_films + beside + beside.T + U.T @ (films.conductance @ U)
+
     def _power(self, v: NDArray[np.float64]) -> float:
-        """v'Kv in W, of sheets and films. v: V, inner unknowns and terminals."""
-        films, U = self._system.films, v[self.inner :]
-        at_foils, current = self._system.at_foils[self._rows], films.current[self._rows]
-        w = v - at_foils @ U
-        in_sheets = v @ (self.restricted(self._system.sheets) @ v)
-        in_films = w @ (self.restricted(films.stiffness) @ w)
-        return float(in_sheets + in_films + 2 * w @ (current @ U) + U @ (films.conductance @ U))
+        """v'Kv in W. v: V, shape (inner + terminals,)."""
+        W, system = v[:, None], self._system
+        in_films = self.film_energy(W, system.films)
+        return (self.sheet_energy(W, system.sheets) + in_films).item()
 
     def driven(self, drive: Drive) -> Driven:
         """What one drive drives, and what then floats."""
         if drive not in self._driven:
-            self._driven[drive] = self._new_driven(drive)
+            self._driven[drive] = driven_by(drive, self.terminal_field, self.conductance, self.lift)
         return self._driven[drive]
-
-    def _new_driven(self, drive: Drive) -> Driven:
-        modes, common = allowed_potentials(tuple(self.terminal_field.tolist()), drive)
-        S = modes.T @ self.conductance @ modes
-        S[common, :] = 0.0
-        S[:, common] = 0.0
-        tied = np.flatnonzero(~common[1:]) + 1
-        driven, conductance = modes[:, 0], S[0, 0]
-        if tied.size:
-            follow = -np.linalg.solve(S[np.ix_(tied, tied)], S[tied, 0])
-            driven, conductance = (
-                driven + modes[:, tied] @ follow,
-                conductance + S[0, tied] @ follow,
-            )
-        return Driven(
-            conductance=float(conductance),
-            potential=self.lift @ driven,
-            floating=self.lift @ modes[:, 1:],
-            floating_conductance=S[1:, 1:],
-            common=common[1:],
-        )
 
     def _shifted(self, s: complex, mass: csc_matrix) -> SuperLU:
         """Factors of the inner block of K + s M. mass: of this space."""
-        return _factorised(self._block.matrix(self._K.data + s * self._inner(mass).data))
+        return _factorised(self._block.matrix(self.K.data + s * self._inner(mass).data))
 
     @cached_property
     def _factor(self) -> SuperLU:
-        return _factorised(self._K)
+        return _factorised(self.K)
 
     def _terminal_lift(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """G, shape (inner + terminals, terminals), and G'KG in S, shape (terminals, terminals).

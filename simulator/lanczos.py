@@ -96,7 +96,7 @@ def respond(
     unknown = np.full(len(s), np.inf)
     steps, Y, change, before, quiet = 0, at_once, unknown, unknown, False
     for coefficients in itertools.islice(_coefficients(pencil), most_steps):
-        squared[steps], diagonal[steps] = coefficients
+        squared[steps], diagonal[steps], _ = coefficients
         steps += 1
         if steps >= FEWEST_STEPS or steps == most_steps:
             before = change
@@ -111,8 +111,30 @@ def respond(
     return Y, np.maximum(before, change) + lost_digits(Y, at_once)
 
 
-def _coefficients(pencil: Pencil) -> Iterator[tuple[float, float]]:
-    """b_0² and a_1, b_1² and a_2, ... until the space is exhausted."""
+def potentials(
+    pencil: Pencil, shifts: NDArray[np.float64], rtol: float, most_steps: int = MOST_STEPS
+) -> NDArray[np.float64]:
+    """u(s) in V at real s >= 0 of an unshifted pencil, less those at s = 0; shape (unknown, s).
+
+    Ends when the last step adds less than rtol to any, in the norm of K.
+    """
+    squared, diagonal, basis = [], [], []
+    parts = np.zeros((0, len(shifts)))
+    for b, a, q in itertools.islice(_coefficients(pencil), most_steps):
+        squared.append(b)
+        diagonal.append(a)
+        basis.append(q)
+        beside = np.sqrt(squared[1:])
+        T = np.diag(diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
+        start = np.eye(len(basis), 1) * np.sqrt(squared[0])
+        parts = np.hstack([-s * np.linalg.solve(np.eye(len(T)) + s * T, start) for s in shifts])
+        if (np.abs(parts[-1]) <= rtol * np.linalg.norm(parts, axis=0)).all():
+            break
+    return np.array(basis).T @ parts if basis else np.zeros((len(pencil.start), len(shifts)))
+
+
+def _coefficients(pencil: Pencil) -> Iterator[tuple[float, float, NDArray[np.float64]]]:
+    """b_0², a_1 and q_1, b_1², a_2 and q_2, ... until the space is exhausted; Q'KQ = 1."""
     beside, w, residual = 0.0, np.zeros_like(pencil.start), pencil.start
     while True:
         solution = pencil.inverse(residual)
@@ -123,5 +145,5 @@ def _coefficients(pencil: Pencil) -> Iterator[tuple[float, float]]:
         q, w = solution / beside, residual / beside
         product = pencil.mass(q)
         diagonal = float(q @ product)
-        yield squared, diagonal
+        yield squared, diagonal, q
         residual = product - diagonal * w - beside * w_before

@@ -12,14 +12,16 @@ from scipy.sparse import csc_matrix
 from threadpoolctl import ThreadpoolController
 
 from simulator.circuit import Circuit, Drive
-from simulator.foam import capacitance_map
+from simulator.foam import capacitance_map, lines, tile_map
 from simulator.frequency import laplace_variable
 from simulator.galerkin import Galerkin
+from simulator.grid import NO_LINES
 from simulator.lanczos import respond
-from simulator.mesh import Resolution
+from simulator.mesh import Resolution, tile_lines
 from simulator.network import Network
 from simulator.press import Press
 from simulator.scene import Scene
+from simulator.sweeps import InputError
 from simulator.system import build_system
 
 REACH = 10.0
@@ -54,7 +56,7 @@ class Sheet:
 
     def network(self, press: Press, frequency: NDArray[np.float64]) -> Network:
         """The N-terminal network at these frequencies in Hz."""
-        with _one_blas_thread():
+        with one_blas_thread():
             return self.space.network(self.mass(press), self._s(frequency))
 
     def sweep(
@@ -66,17 +68,30 @@ class Sheet:
         frequency: Hz. rtol: the error to end at.
         """
         mass, s = self.mass(press), self._s(frequency)
-        with _one_blas_thread():
+        with one_blas_thread():
             return [
-                _swept(space, mass, self.circuit.drives, s, rtol)
+                swept(space, mass, self.circuit.drives, s, rtol)
                 for space in spaces or (self.space,)
             ]
 
     def mass(self, press: Press) -> csc_matrix:
-        """M in F of a press, in the system's pattern."""
+        """M in F of a press, in the system's pattern.
+
+        Raises InputError where a touch ends within the cells between the mesh's lines.
+        """
         if self._filled is None or self._filled[0] != press:
-            self._filled = press, self.system.mass(capacitance_map(self.scene, press))
+            self._filled = press, self.system.mass(self._capacitance(press))
         return self._filled[1]
+
+    def _capacitance(self, press: Press) -> NDArray[np.float64]:
+        """c in F/m² between the lines that the mesh conforms to, shape (row, column)."""
+        if self.resolution.lines == NO_LINES:
+            return capacitance_map(self.scene, press)
+        for own, of_touches in zip(self.resolution.lines, lines(self.scene, press), strict=True):
+            if not set(of_touches) <= set(own):
+                raise InputError(f"press {press} has edges that the mesh does not conform to")
+        x, y = (tile_lines(self.scene, axis, self.resolution) for axis in (0, 1))
+        return self.scene.skin.foam.rest_capacitance_per_area * tile_map(self.scene, press, x, y)
 
     def moments(self, press: Press, count: int) -> NDArray[np.float64]:
         """Taylor coefficients of the network's Y(s), shape (count + 1, N, N)."""
@@ -86,13 +101,14 @@ class Sheet:
         return laplace_variable(frequency, self.scene.skin.foam.loss_tangent)
 
 
-def _swept(
+def swept(
     space: Galerkin,
     mass: csc_matrix,
     drives: Sequence[Drive],
     s: NDArray[np.complex128],
     rtol: float,
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    """Z in ohm of each drive at each s in rad/s, and its relative error. mass: M in F."""
     Y, change = zip(*(_driven(space, mass, drive, s, rtol) for drive in drives), strict=True)
     return (1 / np.stack(Y)).astype(np.complex128), np.stack(change)
 
@@ -110,7 +126,7 @@ def _driven(
     return Y, error
 
 
-def _one_blas_thread() -> AbstractContextManager:
+def one_blas_thread() -> AbstractContextManager:
     """Blocks of sparse factors are too small to share: a second thread would only wait and spin."""
     return _blas().limit(limits=1, user_api="blas")
 

@@ -1,0 +1,270 @@
+"""Reduced models: as accurate as asked and as certified, passive, and free in what they promise."""
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from simulator.estimate import relative_difference
+from simulator.fidelity import Solver
+from simulator.press import Press, Rectangle, Touch
+from simulator.reduced_kernel import swept, swept_readable
+from simulator.reduction import Case, pixel_touches, reduce
+from simulator.scene_file import load_scene
+from simulator.simulate import simulate
+from simulator.sweeps import InputError, ToleranceError, parallel_capacitance
+from simulator.variation import WAVES, Variation, mode_values, nominal
+
+RTOL = 1e-5
+FEEDS = {
+    "one field": {"top-left": {}, "bottom-left": {}},
+    "crossed": {"top-left": {}, "bottom-bottom": {}},
+    "floating foils": {"top-left": {}, "bottom-left": {}, "top-right": {}, "bottom-right": {}},
+    "films": {"top-left": {"resistance": 300.0}, "bottom-top": {"resistance": 20.0}},
+    "a floating sheet": {"top-left": {}, "top-right": {}},
+}
+
+
+def skin(make_scene, name, **more):
+    names = list(FEEDS[name])
+    pair = (names[0], names[1])
+    return make_scene(FEEDS[name], {"meter": pair}, rows=2, columns=3, **more)
+
+
+@pytest.fixture(scope="module")
+def families(make_scene):
+    """One reduced model of every kind of feed."""
+    return {name: reduce(skin(make_scene, name), RTOL) for name in FEEDS}
+
+
+def press_of(case, columns):
+    touched = zip(case.cells, case.rises, strict=True)
+    return Press(tuple(Touch(k // columns + 1, k % columns + 1, 1 + rise) for k, rise in touched))
+
+
+def batch(cases):
+    cells = np.concatenate([case.cells for case in cases])
+    rises = np.concatenate([case.rises for case in cases])
+    return cells, rises, np.cumsum([0, *(len(case.cells) for case in cases)])
+
+
+def error(Z, truth, scene):
+    return relative_difference(Z, truth, 2 * np.pi * scene.frequencies).max()
+
+
+def drawn(scene, count, seed=7):
+    random, draw = np.random.default_rng(seed), pixel_touches(scene)
+    return [draw(random) for _ in range(count)]
+
+
+@pytest.mark.parametrize("name", FEEDS)
+def test_within_the_tolerance_of_the_full_solver(families, name):
+    reduced = families[name]
+    scene, cases = reduced.scene, drawn(reduced.scene, 6)
+    solver = Solver(scene, 1e-8)
+    for case, Z in zip(cases, reduced.skin(None).sweeps(*batch(cases)), strict=True):
+        assert error(Z, solver.solve(press_of(case, 3)).Z, scene) <= RTOL
+
+
+@pytest.mark.parametrize("name", FEEDS)
+def test_the_certificate_bounds_what_the_reduction_leaves_out(families, name):
+    """A model of too few vectors is far off, and says so: within a factor of the truth."""
+    full = families[name]
+    few = full.size // 3
+    kept = len(full.conductance) + few
+    reduced = replace(
+        full,
+        basis=full.basis[:, -few:],
+        stiffness=full.stiffness[:, :kept, :kept],
+        factors=full.factors[:, :, [*range(len(full.conductance)), *range(-few, 0)]],
+    )
+    own = reduced.skin(None)
+    ratios = []
+    for case in drawn(full.scene, 6):
+        Z = own.sweeps(*batch([case]))[0]
+        exact = own.exact(case.cells, case.rises)
+        true = relative_difference(Z, exact, 2 * np.pi * full.scene.frequencies)
+        bound = own.certificate(case.cells, case.rises)
+        worth = true > 1e-7
+        assert (true[worth] <= bound[worth]).all()
+        ratios.extend(bound[worth] / true[worth])
+    assert ratios
+    assert np.median(ratios) < 30
+
+
+def test_the_kernel_and_its_readable_twin_agree(families):
+    for reduced in families.values():
+        own, cases = reduced.skin(None), drawn(reduced.scene, 4)
+        cells, rises, starts = batch(cases)
+        for feed in own.feeds:
+            given = own.rest, feed, cells, rises, starts, own.s
+            fused, readable = swept(*given, 1e-13), swept_readable(*given, 1e-13)
+            np.testing.assert_allclose(fused, readable, rtol=1e-11)
+
+
+def test_every_vector_is_orthonormal_in_K(families):
+    for reduced in families.values():
+        K = reduced.family.space.K
+        product = reduced.basis.T @ (K @ reduced.basis)
+        np.testing.assert_allclose(product, np.eye(reduced.size), atol=1e-10)
+
+
+def test_poles_are_negative_and_the_impedance_passive(families):
+    for reduced in families.values():
+        own, cases = reduced.skin(None), drawn(reduced.scene, 20)
+        assert (own.rest.diagonal >= 0).all()
+        Z = own.sweeps(*batch(cases))
+        assert (Z.real > 0).all()
+        Cp = parallel_capacitance(Z, reduced.scene.frequencies)
+        assert (np.diff(Z.real) < 0).all()
+        assert (Cp > -1e-18).all()
+
+
+def varied(scene, random, modes, alike):
+    """A skin whose sheets, films, foam and loss are all off by some per cent."""
+
+    def sheet():
+        return random.uniform(0.8, 1.2) * np.r_[1.0, random.uniform(-0.05, 0.05, modes - 1)]
+
+    top = sheet()
+    pixels = scene.pixels
+    return Variation(
+        top,
+        1.1 * top if alike else sheet(),
+        np.full(len(scene.contacts), random.uniform(0.8, 1.2))
+        if alike
+        else random.uniform(0.8, 1.2, len(scene.contacts)),
+        random.uniform(0.9, 1.1, (pixels.rows, pixels.columns)),
+        random.uniform(0.0, 0.05),
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "alike"), [("one field", True), ("one field", False), ("films", False)]
+)
+def test_skins_of_a_family(make_scene, name, alike):
+    """Sheets, their slow variation, films, foam and loss are free, without another basis."""
+    scene, modes = skin(make_scene, name), len(WAVES)
+    touch = pixel_touches(scene)
+
+    def draw(random):
+        case = touch(random)
+        return Case(varied(scene, random, modes, alike), case.cells, case.rises)
+
+    reduced = reduce(scene, RTOL, draw, modes=modes, alike=alike)
+    random = np.random.default_rng(3)
+    for _ in range(4):
+        case = draw(random)
+        own = reduced.skin(case.variation)
+        exact, Z = own.exact(case.cells, case.rises), own.sweeps(*batch([case]))[0]
+        assert error(Z, exact, scene) <= own.certificate(case.cells, case.rises).max() + 1e-6
+        assert error(Z, exact, scene) <= RTOL
+
+
+@pytest.mark.parametrize("name", ["one field", "films"])
+def test_a_uniform_variation_is_the_scene_with_other_numbers(make_scene, families, name):
+    scene, reduced = skin(make_scene, name), families[name]
+    top, bottom, films, c = 1.25, 0.8, 1.6, 1.1
+    other = skin(make_scene, name, top=50e3 / top, bottom=30e3 / bottom, c=5e-9 * c)
+    resistances = tuple(
+        contact.model_copy(update={"resistance": contact.resistance / films})
+        for contact in other.contacts
+    )
+    other = other.model_copy(update={"contacts": resistances})
+    uniform = Variation(
+        np.array([top]), np.array([bottom]), np.full(2, films), np.full((2, 3), c), 0.0
+    )
+    none = np.zeros(0, dtype=np.int64)
+    exact = reduced.skin(uniform).exact(none, np.zeros(0))
+    truth = Solver(other, 1e-8).solve(Press()).Z
+    assert error(exact, truth, scene) <= 2 * RTOL
+
+
+def test_common_factors_of_resistance_and_capacitance_only_shift_frequencies(families):
+    """Z(f; a R, b C) = a Z(a b f; R, C) holds in the basis to rounding."""
+    reduced = families["films"]
+    a, b, modes = 2.0, 3.0, np.ones(1)
+    scaled = reduced.skin(
+        Variation(modes / a, modes / a, np.full(2, 1 / a), np.full((2, 3), b), 0.0)
+    )
+    sweep = reduced.scene.sweep.model_copy(
+        update={"frequencies": tuple(a * b * reduced.scene.frequencies)}
+    )
+    shifted = replace(reduced, scene=reduced.scene.model_copy(update={"sweep": sweep}))
+    cases = drawn(reduced.scene, 3)
+    Z, Z_shifted = scaled.sweeps(*batch(cases)), shifted.skin(None).sweeps(*batch(cases))
+    np.testing.assert_allclose(Z, a * Z_shifted, rtol=1e-6)
+
+
+def test_slow_variation_is_a_cosine_of_conductance(make_scene):
+    scene = make_scene()
+    x = np.array([[0.0, 0.05, 0.10], [0.0, 0.04, 0.08]])
+    np.testing.assert_allclose(
+        mode_values(scene, x, 4),
+        [[1, 1, 1], [1, 0, -1], [1, 0, -1], [1, 0, 1]],
+        atol=1e-15,
+    )
+    with pytest.raises(InputError, match="`modes` must be between 1 and 4, got 5"):
+        mode_values(scene, x, 5)
+
+
+def test_the_face_of_every_model(families):
+    """A press and frequencies in, Z out; a rectangle that is a pixel is that pixel."""
+    reduced = families["crossed"]
+    frequency = reduced.scene.frequencies
+    pixel = Press((Touch(2, 1, 2.0),))
+    skin = reduced.scene.skin
+    width, height = skin.length / 3, skin.width / 2
+    rectangle = Press((Rectangle(width / 2, 1.5 * height, width, height, 2.0),))
+    Z = reduced.impedance(pixel, frequency)
+    np.testing.assert_allclose(reduced.impedance(rectangle, frequency), Z, rtol=1e-12)
+    np.testing.assert_allclose(reduced.impedance(pixel, frequency[1:]), Z[:, 1:], rtol=1e-5)
+
+
+def test_sheets_that_vary_differently_need_two_fields(families):
+    reduced = replace(families["one field"], modes=2)
+    own = nominal(reduced.scene, 2)
+    uneven = replace(own, top=np.array([1.0, 0.1]))
+    with pytest.raises(InputError, match="need two fields"):
+        reduced.skin(uneven)
+
+
+def test_a_model_comes_back_from_a_pickle_whole(families):
+    reduced = families["crossed"]
+    again = pickle.loads(pickle.dumps(reduced))
+    cases = drawn(reduced.scene, 3)
+    first, second = (each.skin(None).sweeps(*batch(cases)) for each in (reduced, again))
+    np.testing.assert_array_equal(first, second)
+    case = cases[0]
+    first, second = (
+        each.skin(None).certificate(case.cells, case.rises) for each in (reduced, again)
+    )
+    np.testing.assert_allclose(first, second, rtol=1e-6)
+
+
+def test_the_same_bits_on_a_second_run(make_scene, families):
+    again = reduce(skin(make_scene, "one field"), RTOL)
+    np.testing.assert_array_equal(again.factors, families["one field"].factors)
+
+
+def test_a_basis_that_outgrows_its_use_is_told(make_scene, monkeypatch):
+    monkeypatch.setattr("simulator.reduction.LARGEST", 5)
+    with pytest.raises(ToleranceError, match=r"does not reduce to 1e-05: .* with \d+ vectors"):
+        reduce(skin(make_scene, "one field"), RTOL)
+
+
+def test_presses_beyond_the_trained_range_fall_back_to_elements():
+    scene = load_scene("sheet-3x3")
+    solver = Solver(scene, RTOL, "reduced")
+    usual, strong = Press((Touch(2, 2, 2.0),)), Press((Touch(2, 2, 30.0),))
+    sweeps = simulate(solver, [usual, strong])
+    told = [solver.explain(press, solver.solve(press)) for press in (usual, strong)]
+    assert "reduced to" in told[0].splitlines()[1]
+    assert "2-D elements" in told[1].splitlines()[1]
+    assert "reduced: trained on factors from 0.5 to 3.0, got 2,2:30.0" in told[1]
+    exact = simulate(Solver(scene, 1e-7), [usual, strong])
+    for name in ("Rs", "Cp"):
+        np.testing.assert_allclose(sweeps[name], exact[name], rtol=RTOL)
+        off = abs(sweeps[name] - exact[name])
+        assert (off <= sweeps[f"{name}_error"] + 1e-7 * exact[name]).all()
