@@ -1,6 +1,5 @@
 """Reduced models: as accurate as asked and as certified, passive, and free in what they promise."""
 
-import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +8,7 @@ import pytest
 from simulator.estimate import relative_difference
 from simulator.fidelity import Solver
 from simulator.press import Press, Rectangle, Touch
+from simulator.reduced_file import load, save
 from simulator.reduced_kernel import swept, swept_readable
 from simulator.reduction import Case, pixel_touches, reduce
 from simulator.scene_file import load_scene
@@ -230,9 +230,11 @@ def test_sheets_that_vary_differently_need_two_fields(families):
         reduced.skin(uneven)
 
 
-def test_a_model_comes_back_from_a_pickle_whole(families):
-    reduced = families["crossed"]
-    again = pickle.loads(pickle.dumps(reduced))
+@pytest.mark.parametrize("name", FEEDS)
+def test_a_model_comes_back_from_its_file_whole(families, name, tmp_path):
+    reduced = families[name]
+    save(reduced, tmp_path / "model.npz")
+    again = load(tmp_path / "model.npz")
     cases = drawn(reduced.scene, 3)
     first, second = (each.skin(None).sweeps(*batch(cases)) for each in (reduced, again))
     np.testing.assert_array_equal(first, second)
@@ -241,6 +243,13 @@ def test_a_model_comes_back_from_a_pickle_whole(families):
         each.skin(None).certificate(case.cells, case.rises) for each in (reduced, again)
     )
     np.testing.assert_allclose(first, second, rtol=1e-6)
+
+
+def test_a_file_of_something_else_is_refused(tmp_path):
+    path = tmp_path / "model.npz"
+    path.write_text("no archive")
+    with pytest.raises(InputError, match="model.npz: not a reduced model"):
+        load(path)
 
 
 def test_the_same_bits_on_a_second_run(make_scene, families):
