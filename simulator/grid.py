@@ -9,12 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 SAME_LINE = 1e-9
+SAME_EDGE = 1e-8
+"""Over the skin's side, edges of touches are told apart by: in thinner elements rounding tells."""
+Lines = tuple[tuple[float, ...], tuple[float, ...]]
+"""Lines across x, and lines across y; m."""
+NO_LINES: Lines = ((), ())
 
 
-def distinct(lines: Sequence[float]) -> NDArray[np.float64]:
-    """The lines in ascending order, those that are the same but for rounding once."""
+def distinct(lines: Sequence[float], same: float = SAME_LINE) -> NDArray[np.float64]:
+    """The lines in ascending order, those that are the same but for that part of the last once."""
     ascending = np.sort(np.asarray(lines))
-    apart = np.diff(ascending) > SAME_LINE * ascending[-1]
+    apart = np.diff(ascending) > same * ascending[-1]
     return ascending[np.append(True, apart)]
 
 

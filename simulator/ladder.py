@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 
 from simulator.circuit import Circuit
+from simulator.foam import lines, patch, tile_map, touched_box
 from simulator.frequency import penetration_depth
+from simulator.grid import Lines, distinct
 from simulator.mesh import Resolution, singular_ends
-from simulator.press import Press, Touch
+from simulator.press import AnyTouch, Press, Touch
 from simulator.scene import Contact, Scene
 
 ONE_CELL = [(order, 1) for order in (2, 3, 4, 5, 6, 7, 9)]
@@ -46,19 +48,20 @@ class Ladder:
         skin = self.scene.skin
         sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
         c = skin.foam.rest_capacitance_per_area
-        factor = max((touch.factor for touch in press.touches), default=1.0)
+        factor = _strongest(press, self.scene)
         depth = penetration_depth(frequency, sheets, c)
         reached = self._reached(press, depth)
-        layer = depth / math.sqrt(factor if reached else 1.0) * max(1.0, order / 4)
+        layer = depth / math.sqrt(factor if reached.touches else 1.0) * max(1.0, order / 4)
         if self._halved(layer) == math.inf:
-            reached = ()
+            reached = Press()
         return Resolution(
             order + 1,
             self._no_plane_of_symmetry(cells),
             math.ceil(RINGS_PER_ORDER * order) + RINGS_AT_LEAST if self.singular else 0,
             edge_cell=self._halved(layer),
-            touch_cell=self._halved(layer) if reached else math.inf,
-            touched=reached,
+            touch_cell=self._halved(layer) if reached.touches else math.inf,
+            touched=_all_lines(reached, self.scene),
+            lines=lines(self.scene, press),
         )
 
     @property
@@ -80,26 +83,41 @@ class Ladder:
             return math.inf
         return longest * 2.0 ** math.floor(math.log2(width / longest))
 
-    def _reached(self, press: Press, depth: float) -> tuple[tuple[int, int], ...]:
-        """Pressed pixels near enough to a foil for the field to come back from them."""
-        return tuple(
-            (touch.row, touch.column)
-            for touch in press.touches
-            if touch.factor > 1 and math.exp(-2 * _distance(touch, self.scene) / depth) > FAINTEST
+    def _reached(self, press: Press, depth: float) -> Press:
+        """The touches near enough to a foil for the field to come back from them."""
+        return Press(
+            tuple(
+                touch
+                for touch in press.touches
+                if touch.factor > 1
+                and math.exp(-2 * _distance(touch, self.scene) / depth) > FAINTEST
+            )
         )
 
 
-def _distance(touch: Touch, scene: Scene) -> float:
-    """From a pressed pixel to the nearest foil, m."""
-    skin, pixels = scene.skin, scene.pixels
-    x = ((touch.column - 1) / pixels.columns, touch.column / pixels.columns)
-    y = ((touch.row - 1) / pixels.rows, touch.row / pixels.rows)
+def _all_lines(press: Press, scene: Scene) -> Lines:
+    """Lines that c jumps at by these touches, ascending."""
+    patches = [patch(scene, touch) for touch in press.touches]
+    x, y = ({line for p in patches for line in (p.x, p.y)[axis].tolist()} for axis in (0, 1))
+    return tuple(sorted(x)), tuple(sorted(y))
 
-    def gap(pixel: tuple[float, float], contact: Contact, axis: int, length: float) -> float:
+
+def _strongest(press: Press, scene: Scene) -> float:
+    """The largest factor anywhere, where touches lie over each other their product."""
+    if all(isinstance(touch, Touch) for touch in press.touches):
+        return max((touch.factor for touch in press.touches), default=1.0)
+    x, y = (distinct(each) for each in _all_lines(press, scene))
+    return float(tile_map(scene, press, x, y).max())
+
+
+def _distance(touch: AnyTouch, scene: Scene) -> float:
+    """From a touch to the nearest foil, m."""
+    box, skin = touched_box(scene, touch), scene.skin
+
+    def gap(touched: tuple[float, float], contact: Contact, axis: int) -> float:
         low, high = (end[axis] for end in contact.ends(skin))
-        return max(0.0, low - pixel[1] * length, pixel[0] * length - high)
+        return max(0.0, low - touched[1], touched[0] - high)
 
     return min(
-        math.hypot(gap(x, contact, 0, skin.length), gap(y, contact, 1, skin.width))
-        for contact in scene.contacts
+        math.hypot(gap(box[:2], contact, 0), gap(box[2:], contact, 1)) for contact in scene.contacts
     )

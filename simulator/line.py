@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.circuit import one_field
-from simulator.foam import capacitance_map
+from simulator.foam import lines, pixel_lines, tile_map
 from simulator.frequency import laplace_variable
 from simulator.press import Press
 from simulator.scene import Scene
@@ -45,26 +45,35 @@ class Line:
         Raises InputError where the press varies across the line. Source: chain matrices of the
         RC line, with paper Eqs 1-2.
         """
-        c = self.profile(press)
+        c, segments = self.profile(press)
         s = laplace_variable(frequency, self.scene.skin.foam.loss_tangent)
         sheets = self.scene.skin.top.sheet_resistance + self.scene.skin.bottom.sheet_resistance
-        segment = self._length / len(c)
-        R = sheets * segment / self._width
         Y = np.zeros(s.shape, dtype=complex)
-        for C in c[::-1] * segment * self._width:
+        for R, C in zip(
+            sheets * segments[::-1] / self._width, (c * segments)[::-1] * self._width, strict=True
+        ):
             T = tanh_ratio(s * R * C)
             Y = (Y + s * C * T) / (1 + Y * R * T)
         film = self._contact.resistance / self._width
         return np.tile(film + 1 / Y, (self._interfaces, 1)).astype(np.complex128)
 
-    def profile(self, press: Press) -> NDArray[np.float64]:
-        """c in F/m² of each segment from the fed edge on; InputError where it varies across."""
-        c = capacitance_map(self.scene, press)
+    def profile(self, press: Press) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """c in F/m² and length in m of each segment from the fed edge on, shape (segment,).
+
+        Raises InputError where the press varies across the line.
+        """
+        x, y = (
+            np.sort([*pixel_lines(self.scene, axis), *of_touches])
+            for axis, of_touches in enumerate(lines(self.scene, press))
+        )
+        along, c = x, tile_map(self.scene, press, x, y)
         if self._contact.edge in ("bottom", "top"):
-            c = c.T
+            along, c = y, c.T
         if not (c == c[:1]).all():
             raise InputError(f"press {press} varies across {self.scene.name}: it is no line")
-        return c[0] if self._contact.edge in ("left", "bottom") else c[0, ::-1]
+        c = c[0] * self.scene.skin.foam.rest_capacitance_per_area
+        from_feed = slice(None, None, 1 if self._contact.edge in ("left", "bottom") else -1)
+        return c[from_feed], np.diff(along)[from_feed]
 
 
 def tanh_ratio(z: NDArray[np.complex128]) -> NDArray[np.complex128]:

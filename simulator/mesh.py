@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad
 
-from simulator.grid import SAME_LINE, distinct, nodes
+from simulator.foam import pixel_lines
+from simulator.grid import NO_LINES, SAME_LINE, Lines, distinct, nodes
 from simulator.rings import Cells, rectangles, ringed
 from simulator.scene import Contact, Scene, Skin
 from simulator.wiring import touch_at
@@ -24,8 +25,8 @@ class Resolution:
     order: polynomial order of the elements. cells: cells between neighbouring conforming lines.
     layers: rings around the ends of foils, for the square-root singularity there. edge_cell: width
     in m that cells do not exceed next to contacted edges, for the layer of the field there.
-    touch_cell: the same next to the edges of the pixels (row, column) in `touched`, where the
-    capacitance jumps.
+    touch_cell: the same next to the lines `touched`, where the capacitance jumps. lines: those that
+    the mesh conforms to beside the pixels' and the ends of foils.
     """
 
     order: int
@@ -33,7 +34,8 @@ class Resolution:
     layers: int = 0
     edge_cell: float = np.inf
     touch_cell: float = np.inf
-    touched: tuple[tuple[int, int], ...] = ()
+    touched: Lines = NO_LINES
+    lines: Lines = NO_LINES
 
     def __str__(self) -> str:
         rings = f", {self.layers} rings at ends of foils" if self.layers else ""
@@ -43,9 +45,9 @@ class Resolution:
 
 @dataclass(frozen=True)
 class PixelMesh:
-    """A mesh with the pixel that every element lies in.
+    """A mesh with the pixel that every element lies in, or the part of one between further lines.
 
-    pixel: row * columns + column, both from 0, shape (element,).
+    pixel: row * columns + column, both from 0, of those between `tile_lines`, shape (element,).
     """
 
     skin: Skin
@@ -80,28 +82,33 @@ class PixelMesh:
 
 def pixel_mesh(scene: Scene, contacts: Sequence[Contact], resolution: Resolution) -> PixelMesh:
     """The mesh of a scene at a resolution, conforming to its pixels and the ends of `contacts`."""
-    skin, pixels = scene.skin, scene.pixels
+    skin = scene.skin
     tips = singular_ends(contacts, skin) if resolution.layers else []
     size = _patch(scene, contacts, resolution, tips) if tips else np.inf
-    x = _nodes(0, skin.length, pixels.columns, contacts, skin, resolution, tips, size)
-    y = _nodes(1, skin.width, pixels.rows, contacts, skin, resolution, tips, size)
+    x = _nodes(scene, 0, contacts, resolution, tips, size)
+    y = _nodes(scene, 1, contacts, resolution, tips, size)
     at = np.array(
         [np.abs(y - q).argmin() * len(x) + np.abs(x - p).argmin() for p, q in tips], dtype=np.int64
     )
     cells = ringed(rectangles(x, y), at, resolution.layers)
     middle = cells.p[:, cells.t].mean(axis=1)
-    row = _interval(middle[1], skin.width, pixels.rows)
-    column = _interval(middle[0], skin.length, pixels.columns)
     mesh = MeshQuad(cells.p, cells.t)
-    return PixelMesh(skin, mesh, cells, row * pixels.columns + column)
+    tiles_x, tiles_y = tile_lines(scene, 0, resolution), tile_lines(scene, 1, resolution)
+    column, row = np.searchsorted(tiles_x, middle[0]) - 1, np.searchsorted(tiles_y, middle[1]) - 1
+    return PixelMesh(skin, mesh, cells, row * (len(tiles_x) - 1) + column)
+
+
+def tile_lines(scene: Scene, axis: int, resolution: Resolution) -> NDArray[np.float64]:
+    """Lines across x (axis 0) or y (axis 1) that the capacitance may jump at, m, ascending."""
+    return np.sort([*pixel_lines(scene, axis), *resolution.lines[axis]])
 
 
 def _lines(
-    axis: int, length: float, pixels: int, contacts: Sequence[Contact], skin: Skin
+    scene: Scene, axis: int, contacts: Sequence[Contact], resolution: Resolution
 ) -> NDArray[np.float64]:
-    """Lines across an axis that a mesh keeps: pixel edges and ends of foils."""
-    ends = (end[axis] for contact in contacts for end in contact.ends(skin))
-    return distinct([*np.linspace(0, length, pixels + 1), *ends])
+    """Lines across an axis that a mesh keeps: those of tiles and ends of foils."""
+    ends = (end[axis] for contact in contacts for end in contact.ends(scene.skin))
+    return distinct([*tile_lines(scene, axis, resolution), *ends])
 
 
 def _patch(
@@ -111,10 +118,9 @@ def _patch(
     tips: Sequence[tuple[float, float]],
 ) -> float:
     """Width in m of the square cells around the tips: none reaches another line, or another tip."""
-    skin, pixels = scene.skin, scene.pixels
     widths = [resolution.edge_cell, resolution.touch_cell]
-    for axis, length, count in ((0, skin.length, pixels.columns), (1, skin.width, pixels.rows)):
-        lines = _lines(axis, length, count, contacts, skin)
+    for axis, length in enumerate((scene.skin.length, scene.skin.width)):
+        lines = _lines(scene, axis, contacts, resolution)
         at_tip = np.array(
             [any(abs(line - tip[axis]) <= SAME_LINE * length for tip in tips) for line in lines]
         )
@@ -124,21 +130,16 @@ def _patch(
 
 
 def _nodes(
+    scene: Scene,
     axis: int,
-    length: float,
-    pixels: int,
     contacts: Sequence[Contact],
-    skin: Skin,
     resolution: Resolution,
     tips: Sequence[tuple[float, float]],
     patch: float,
 ) -> NDArray[np.float64]:
     """Nodes along x (axis 0) or y (axis 1)."""
-    pixel_lines = np.linspace(0, length, pixels + 1)
-    widths: dict[float, float] = {}
-    for pixel in resolution.touched:
-        for line in pixel_lines[pixel[1 - axis] - 1 : pixel[1 - axis] + 1]:
-            widths[float(line)] = resolution.touch_cell
+    length = (scene.skin.length, scene.skin.width)[axis]
+    widths = dict.fromkeys(resolution.touched[axis], resolution.touch_cell)
     for contact in contacts:
         if axis == (0 if contact.edge in ("left", "right") else 1):
             line = length if contact.edge in ("right", "top") else 0.0
@@ -146,7 +147,7 @@ def _nodes(
     beside = [tip[axis] + side * patch for tip in tips for side in (-1, 1)]
     lines = distinct(
         [
-            *_lines(axis, length, pixels, contacts, skin),
+            *_lines(scene, axis, contacts, resolution),
             *(line for line in beside if 0 < line < length),
         ]
     )
@@ -175,7 +176,3 @@ def _is_singular(
     if met:
         return not all(contact.ideal and other.ideal for other in met)
     return 0 < fraction < 1
-
-
-def _interval(position: NDArray[np.float64], length: float, count: int) -> NDArray[np.int64]:
-    return np.clip((position / length * count).astype(np.int64), 0, count - 1)

@@ -8,12 +8,15 @@ from pathlib import Path
 import tomli_w
 from pydantic import ValidationError
 
-from simulator.press import Press
+from simulator.grid import SAME_LINE
+from simulator.press import Disc, Press, Rectangle, Touch
 from simulator.scene import Scene
 from simulator.sweeps import InputError
 from simulator.validation import one_line
 
 BUILTIN = Path(__file__).parent / "scenes"
+LEAST_SIZE = 1e-6
+"""Of a touch, over that of the skin: a thousand times what lines are told apart by."""
 
 
 def builtin_names() -> list[str]:
@@ -63,14 +66,40 @@ def scene_text(scene: Scene) -> str:
 
 
 def check_press(press: Press, scene: Scene) -> Press:
-    """The same press, if it lies on the scene's pixels; raises InputError."""
+    """The same press, if it lies on the scene's skin; raises InputError."""
     for touch in press.touches:
-        for axis, index, count in (
-            ("row", touch.row, scene.pixels.rows),
-            ("column", touch.column, scene.pixels.columns),
-        ):
-            if not 1 <= index <= count:
-                raise InputError(
-                    f"press {press}: {axis} must be in 1..{count} on {scene.name}, got {index}"
-                )
+        if isinstance(touch, Touch):
+            _check_pixel(touch, press, scene)
+        else:
+            _check_place(touch, press, scene)
     return press
+
+
+def _check_pixel(touch: Touch, press: Press, scene: Scene) -> None:
+    for axis, index, count in (
+        ("row", touch.row, scene.pixels.rows),
+        ("column", touch.column, scene.pixels.columns),
+    ):
+        if not 1 <= index <= count:
+            raise InputError(
+                f"press {press}: {axis} must be in 1..{count} on {scene.name}, got {index}"
+            )
+
+
+def _check_place(touch: Rectangle | Disc, press: Press, scene: Scene) -> None:
+    box, skin = touch.box, scene.skin
+    for axis, length, low, high in (
+        ("x", skin.length, box.left, box.right),
+        ("y", skin.width, box.bottom, box.top),
+    ):
+        rounding = SAME_LINE * length
+        if low < -rounding or high > length + rounding:
+            raise InputError(
+                f"press {press}: touches must lie within {axis} = 0..{length:g} m on {scene.name}, "
+                f"got {low:g}..{high:g} m"
+            )
+        if not high - low >= LEAST_SIZE * length:
+            raise InputError(
+                f"press {press}: touches must be at least {LEAST_SIZE * length:g} m large along "
+                f"{axis} on {scene.name}, got {high - low:g} m"
+            )

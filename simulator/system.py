@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -98,7 +99,7 @@ def build_system(scene: Scene, circuit: Circuit, resolution: Resolution) -> Syst
         inner=inner,
         one=_on_fields(one, unknown, inner),
         at_foils=at_foils,
-        sheets=_sheets(circuit, pattern, slots, cells),
+        sheets=conducting(circuit.conductance, pattern, slots, cells),
         films=_films(circuit, pixels, pattern, slots, resolution.order, under, at_foils),
         pattern=pattern,
         slots=slots,
@@ -212,13 +213,13 @@ def _at_foils(under: NDArray[np.float64], inner: int) -> NDArray[np.float64]:
     return at_foils
 
 
-def _sheets(
-    circuit: Circuit, pattern: Pattern, slots: NDArray[np.int64], cells: list[Group]
+def conducting(
+    conductance: Sequence[float], pattern: Pattern, slots: NDArray[np.int64], cells: list[Group]
 ) -> csc_matrix:
-    conductance = np.diag(circuit.conductance)
+    """K in S of sheets of such conductances in S, one for each field."""
     values = np.zeros(len(pattern.indices))
     for group in cells:
-        reference = _both(conductance, *group.stiffness)
+        reference = _both(np.diag(conductance), *group.stiffness)
         fill(values, slots[group.cells], group.stiffness_weights, reference)
     return pattern.matrix(values)
 

@@ -9,9 +9,9 @@ from skfem.assembly import Basis, FacetBasis
 
 from simulator.assembly import quadrilateral
 from simulator.circuit import two_fields
-from simulator.foam import capacitance_map
+from simulator.foam import tile_map
 from simulator.frequency import laplace_variable
-from simulator.mesh import pixel_mesh
+from simulator.mesh import pixel_mesh, tile_lines
 
 
 @pytest.fixture(scope="session")
@@ -57,6 +57,7 @@ class PlainSkin:
         contacts = [contact for terminal in terminals for contact in terminal.contacts]
         pixels = pixel_mesh(scene, contacts, resolution)
         self.scene, self.pixel, self.drives = scene, pixels.pixel, circuit.drives
+        self.tiles = [tile_lines(scene, axis, resolution) for axis in (0, 1)]
         self.basis = Basis(pixels.mesh, quadrilateral(order), intorder=2 * order)
         N = self.basis.N
         self.size = 2 * N + len(terminals)
@@ -100,7 +101,8 @@ class PlainSkin:
         skin = self.scene.skin
         s = laplace_variable(frequency, skin.foam.loss_tangent)
         K = self.stiffness(skin.top.sheet_resistance, skin.bottom.sheet_resistance)
-        A = K + s * self.mass(capacitance_map(self.scene, press))
+        c = skin.foam.rest_capacitance_per_area * tile_map(self.scene, press, *self.tiles)
+        A = K + s * self.mass(c)
         A = (self.tie.T @ A @ self.tie).tocsr()
         first_foil = A.shape[0] - (self.size - 2 * self.basis.N)
         drive = self.drives[interface]

@@ -1,12 +1,15 @@
 """Meshes of rectangles: they fill the skin, keep to its pixels and foils, and are fine at ends."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from simulator.assembly import groups
-from simulator.mesh import Resolution, pixel_mesh
+from simulator.grid import distinct
+from simulator.mesh import Resolution, pixel_mesh, tile_lines
 from simulator.rings import RATIO
 
 RESOLUTIONS = st.builds(
@@ -35,6 +38,25 @@ def test_every_pixel_is_filled_by_its_own_elements(random, data, resolution):
     row = np.floor(y / skin.width * scene.pixels.rows)
     column = np.floor(x / skin.length * scene.pixels.columns)
     np.testing.assert_array_equal(pixels.pixel, row * scene.pixels.columns + column)
+
+
+@given(data=st.data(), resolution=RESOLUTIONS, at=st.sets(st.floats(0.01, 0.99), max_size=3))
+def test_every_part_between_further_lines_is_filled_by_its_own_elements(
+    random, data, resolution, at
+):
+    scene = data.draw(random.between())
+    x, y = (distinct([*(side * each for each in at), side]) for side in size(scene))
+    resolution = replace(resolution, lines=(tuple(x[:-1].tolist()), tuple(y[:-1].tolist())))
+    pixels = pixel_mesh(scene, scene.contacts, resolution)
+    x, y = (tile_lines(scene, axis, resolution) for axis in (0, 1))
+    of_tile = np.multiply.outer(np.diff(y), np.diff(x)).ravel()
+    filled = np.bincount(pixels.pixel, weights=areas(pixels.cells), minlength=len(of_tile))
+    np.testing.assert_allclose(filled, of_tile, rtol=1e-6, atol=1e-15)
+
+
+def size(scene):
+    """Length and width, m."""
+    return scene.skin.length, scene.skin.width
 
 
 @given(data=st.data(), resolution=RESOLUTIONS)

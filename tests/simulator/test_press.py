@@ -2,18 +2,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulator.press import Press, Touch, parse_press
+from simulator import sweeps
+from simulator.press import Disc, Press, Rectangle, Touch, parse_press
 from simulator.scene_file import check_press, load_scene
 from simulator.sweeps import InputError
 
-touches = st.builds(
-    Touch,
-    st.integers(1, 1000),
-    st.integers(1, 1000),
-    st.floats(min_value=0, exclude_min=True, allow_infinity=False),
-)
-presses = st.lists(touches, unique_by=lambda touch: (touch.row, touch.column)).map(
-    lambda several: Press(tuple(sorted(several)))
+PLACE = st.floats(-1e3, 1e3)
+POSITIVE = st.floats(min_value=0, exclude_min=True, allow_infinity=False)
+pixels = st.builds(Touch, st.integers(1, 1000), st.integers(1, 1000), POSITIVE)
+rectangles = st.builds(Rectangle, PLACE, PLACE, POSITIVE, POSITIVE, POSITIVE)
+discs = st.builds(Disc, PLACE, PLACE, POSITIVE, POSITIVE)
+presses = st.builds(
+    lambda *touches: Press(tuple(touch for kind in touches for touch in sorted(kind))),
+    st.lists(pixels, unique_by=lambda touch: (touch.row, touch.column)),
+    st.lists(rectangles, max_size=3),
+    st.lists(discs, max_size=3),
 )
 
 
@@ -41,9 +44,35 @@ def test_syntax(text, expected):
 
 
 @pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("rect(0.03,0.04,0.01,0.02):3", (Rectangle(0.03, 0.04, 0.01, 0.02, 3.0),)),
+        (" rect ( 3e-2 , 4e-2,1e-2,2e-2 ) ", (Rectangle(0.03, 0.04, 0.01, 0.02, 1.5),)),
+        ("disc(0.03,-0.0,5e-3)", (Disc(0.03, 0.0, 0.005, 1.5),)),
+        ("disc(1,2,3):1e+1+2,3", (Touch(2, 3, 1.5), Disc(1.0, 2.0, 3.0, 10.0))),
+        ("rect(1,1,1,1)+rect(1,1,1,1)", 2 * (Rectangle(1.0, 1.0, 1.0, 1.0, 1.5),)),
+    ],
+)
+def test_syntax_of_places(text, expected):
+    assert parse_press(text, default_factor=1.5).touches == expected
+
+
+@pytest.mark.parametrize(
     ("text", "told"),
     [
         ("", "must be ROW,COLUMN"),
+        ("rect(1,2,3)", "must be ROW,COLUMN"),
+        ("rect(1,2,3,4,5)", "must be ROW,COLUMN"),
+        ("rect()", "must be ROW,COLUMN"),
+        ("disc(1)", "must be ROW,COLUMN"),
+        ("disc(1,2,3", "must be ROW,COLUMN"),
+        ("ring(1,2,3)", "must be ROW,COLUMN"),
+        ("rect(a,2,3,4)", "X must be a finite number, got a"),
+        ("disc(1,inf,3)", "Y must be a finite number, got inf"),
+        ("rect(1,2,0,4)", "WIDTH must be finite and > 0, got 0"),
+        ("rect(1,2,3,-4)", "HEIGHT must be finite and > 0, got -4"),
+        ("disc(1,2,nan)", "RADIUS must be finite and > 0, got nan"),
+        ("disc(1,2,3):0", "FACTOR must be finite and > 0, got 0"),
         ("1", "must be ROW,COLUMN"),
         ("1;2", "must be ROW,COLUMN"),
         ("-1,2", "must be ROW,COLUMN"),
@@ -66,7 +95,8 @@ def test_bad_syntax_is_told(text, told):
 
 
 @pytest.mark.parametrize(
-    ("text", "pixel"), [("none", (0, 0)), ("2,3:1.1", (2, 3)), ("2,3+1,1", (-1, -1))]
+    ("text", "pixel"),
+    [("none", (0, 0)), ("2,3:1.1", (2, 3)), ("2,3+1,1", (-1, -1)), ("disc(1,1,1)", (-1, -1))],
 )
 def test_the_pixel_of_a_press(text, pixel):
     assert parse_press(text, 2.0).pixel == pixel
@@ -78,13 +108,41 @@ def test_the_pixel_of_a_press(text, pixel):
         ("4,1", "row must be in 1..3 on sheet-3x3, got 4"),
         ("0,1", "row must be in 1..3 on sheet-3x3, got 0"),
         ("1,1+3,9", "column must be in 1..3 on sheet-3x3, got 9"),
+        ("rect(0.06,0.06,0.2,0.1)", r"within x = 0\.\.0\.12 m on sheet-3x3, got -0\.04\.\.0\.16 m"),
+        ("disc(0.06,0.11,0.02)", r"within y = 0\.\.0\.12 m on sheet-3x3, got 0\.09\.\.0\.13 m"),
+        ("disc(0.06,0.06,1e-8)", r"at least 1\.2e-07 m large along x on sheet-3x3, got 2e-08 m"),
     ],
 )
-def test_a_press_beside_the_pixels_is_told(text, told):
+def test_a_press_beside_the_skin_is_told(text, told):
     with pytest.raises(InputError, match=told):
         check_press(parse_press(text, 2.0), load_scene("sheet-3x3"))
 
 
-def test_a_press_on_the_pixels_passes():
-    press = parse_press("3,3+1,2", 2.0)
+@pytest.mark.parametrize(
+    "text",
+    ["3,3+1,2", "rect(0.06,0.06,0.12,0.12)", "rect(0.1,0.01,0.04,0.02)+disc(0.06,0.06,0.06)"],
+)
+def test_a_press_on_the_skin_passes(text):
+    press = parse_press(text, 2.0)
     assert check_press(press, load_scene("sheet-3x3")) is press
+
+
+def test_the_command_line_takes_places(run, tmp_path):
+    path = tmp_path / "x.csv"
+    asked = ("--press", "rect(0.03,0.04,0.01,0.02):2", "--press", "disc(0.03,0.04,0.005)+1,1:3")
+    assert run("sweep", "sheet-5x5", *asked, "-o", path) == (0, "", "")
+    written = sweeps.read(path)
+    assert list(written["press"].values) == [
+        "rect(0.03,0.04,0.01,0.02):2.0",
+        "1,1:3.0+disc(0.03,0.04,0.005):2.0",
+    ]
+    assert list(written["row"].values) == [-1, -1]
+
+
+@pytest.mark.parametrize(
+    "text", ["rect(0.03,0.04,0.01)", "disc(0.03,0.2,0.01)", "rect(0,0,1,1):-1"]
+)
+def test_the_command_line_tells_bad_places_in_one_line(run, tmp_path, text):
+    code, out, err = run("sweep", "sheet-5x5", "--press", text, "-o", tmp_path / "x.csv")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert text.split(":")[0] in err
