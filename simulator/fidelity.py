@@ -31,9 +31,10 @@ from simulator.lumped import Lumped, least_left_out
 from simulator.mesh import Resolution
 from simulator.press import Press, Touch
 from simulator.reduced import KRYLOV_SHARE as REDUCED_KRYLOV
-from simulator.reduced import Reduced, ReducedSkin, touched_cells
+from simulator.reduced import ReducedSkin, touched_cells
 from simulator.reduction import pixel_touches, reduce
 from simulator.scene import Scene
+from simulator.separable import Separable
 from simulator.sheet import Sheet
 from simulator.sweeps import InputError, ToleranceError
 
@@ -41,6 +42,8 @@ ModelName = Literal["auto", "lumped", "line", "sheet", "reduced"]
 DEFAULT_RTOL = 1e-4
 KRYLOV_SHARE = 1e-2
 GAIN = 0.1
+SEPARABLE_SHARE = 0.3
+"""Of the tolerance: the certificate is several times the error."""
 SHEETS_KEPT = 16
 LUMPED = "one R and one C"
 TRAINED = (0.5, 3.0)
@@ -88,7 +91,7 @@ class Solver:
         for name in asked:
             try:
                 rungs[name](press, progress)
-            except InputError as reason:
+            except (InputError, ToleranceError) as reason:
                 if name == asked[-1]:
                     raise
                 progress.reject(f"{name}: {reason}")
@@ -165,21 +168,28 @@ class Solver:
         return Rung(told, sheet.nested.inner, Z[here], error)
 
     def _reduced(self, press: Press, progress: Progress) -> None:
+        if not all(isinstance(touch, Touch) for touch in press.touches):
+            return self._separable(press, progress)
         _check_trained(press)
-        reduced, skin = self._trained, self._trained_skin
+        skin = self._reduced_skin
         cells, rises = touched_cells(self.scene, press)
         Z = skin.sweeps(cells, rises, np.array([0, len(cells)]))[0]
-        error = skin.certificate(cells, rises) + reduced.mesh_error + REDUCED_KRYLOV * self.rtol
-        told = f"reduced to {reduced.size} vectors, {FIELDS[reduced.circuit.fields]}"
-        progress.offer(Rung(told, reduced.size, Z, error))
+        at_most = skin.certificate(cells, rises) + REDUCED_KRYLOV * self.rtol
+        told = f"reduced to {skin.reduced.size} vectors, {FIELDS[skin.reduced.circuit.fields]}"
+        return progress.offer(Rung(told, skin.reduced.size, Z, at_most + skin.reduced.mesh_error))
+
+    def _separable(self, press: Press, progress: Progress) -> None:
+        model, frequency = self._separable_model, progress.frequency
+        Z, error = model.impedance(press, frequency), model.certificate(press, frequency)
+        progress.offer(Rung(model.explain(), int(model.products.counts.sum()), Z, error))
 
     @cached_property
-    def _trained_skin(self) -> ReducedSkin:
-        return self._trained.skin(None)
+    def _reduced_skin(self) -> ReducedSkin:
+        return reduce(self.scene, self.rtol, pixel_touches(self.scene, TRAINED)).skin(None)
 
     @cached_property
-    def _trained(self) -> Reduced:
-        return reduce(self.scene, self.rtol, pixel_touches(self.scene, TRAINED))
+    def _separable_model(self) -> Separable:
+        return Separable(self.scene, SEPARABLE_SHARE * self.rtol)
 
     def _sheet(self, resolution: Resolution) -> Sheet:
         """Discretised at a resolution; the oldest are forgotten, for they are large."""
@@ -202,7 +212,5 @@ def _check_trained(press: Press) -> None:
     """Raises InputError for a press unlike those that reduced models are trained on."""
     low, high = TRAINED
     for touch in press.touches:
-        if not isinstance(touch, Touch):
-            raise InputError(f"trained on whole pixels, got {touch}")
         if not low <= touch.factor <= high:
             raise InputError(f"trained on factors from {low} to {high}, got {touch}")

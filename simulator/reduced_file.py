@@ -58,5 +58,7 @@ def load(path: Path) -> Reduced:
 
 
 def _resolution(told: dict[str, Any]) -> Resolution:
-    lines = {name: tuple(map(tuple, told[name])) for name in ("touched", "lines")}
-    return Resolution(**(told | lines))
+    touched, lines = (
+        (tuple(x), tuple(y)) for x, y in (told.pop(name) for name in ("touched", "lines"))
+    )
+    return Resolution(**told, touched=touched, lines=lines)
