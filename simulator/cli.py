@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from simulator.data_commands import check, import_sweeps
+from simulator.data_commands import check, dataset, export, import_sweeps
 
 BAD_INPUT, FAILURE, INTERRUPTED = 2, 1, 130
 
@@ -50,12 +50,13 @@ def sweep(
     press: Annotated[
         list[str] | None,
         typer.Option(
-            help="ROW,COLUMN[:FACTOR], touches joined by '+', or 'none'; may be repeated. "
+            help="ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR] or "
+            "disc(X,Y,RADIUS)[:FACTOR] in m, touches joined by '+', or 'none'; may be repeated. "
             "Without it: nothing pressed, then every pixel."
         ),
     ] = None,
     rtol: Annotated[float, typer.Option(help="Largest relative error of Rs and of Cp.")] = 1e-4,
-    model: Annotated[str, typer.Option(help="auto, lumped, line or sheet.")] = "auto",
+    model: Annotated[str, typer.Option(help="auto, lumped, line, sheet or reduced.")] = "auto",
     explain: Annotated[
         bool, typer.Option("--explain", help="Print which model served each press, and why.")
     ] = False,
@@ -88,6 +89,8 @@ def sweep(
 
 app.command("import")(import_sweeps)
 app.command()(check)
+app.command()(dataset)
+app.command()(export)
 
 
 def run(failures: tuple[type[Exception], ...] = ()) -> None:

@@ -1,7 +1,8 @@
-"""The commands on measured data: bring sweeps in from other tools, and check any sweeps."""
+"""The commands on data: bring sweeps in from other tools, check any, make and export many."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -80,7 +81,7 @@ def _for_each(name: str, values: Sequence[Any] | None, files: int) -> list[Any]:
 
 
 def check(
-    file: Annotated[Path, typer.Argument(help="Sweeps: FILE.nc, or a CSV of any tool.")],
+    file: Annotated[Path, typer.Argument(help="Sweeps: FILE.nc, FILE.zarr, or a CSV of any tool.")],
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help="REPORT.png, or a folder for the chart and tables."),
@@ -130,4 +131,71 @@ def _read(file: Path) -> xr.Dataset:
     from simulator.sweeps import read
     from simulator.sweeps.imports import import_file
 
-    return read(file) if file.suffix == ".nc" else import_file(file)
+    return read(file) if file.suffix in (".nc", ".zarr") else import_file(file)
+
+
+def dataset(
+    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    sweeps: Annotated[int, typer.Option(help="How many sweeps.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="OUT.zarr.")],
+    seed: Annotated[int, typer.Option(help="Decides every draw.")] = 1,
+    rtol: Annotated[
+        float, typer.Option(help="Largest relative error of Rs and of Cp, before the readout.")
+    ] = 1e-4,
+    workers: Annotated[
+        int | None, typer.Option(help="Processes on this machine; all cores without it.")
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(help="Address of a Dask scheduler, whose workers see the same folder."),
+    ] = None,
+) -> None:
+    """Make a data set of randomised skins and presses, as the meter would show them.
+
+    What is drawn, and how, stands in the scene's tables [dataset.press] and
+    [dataset.session]; the meter's errors in [readout]. Killed at any point, the
+    same command goes on. The bytes depend on the scene, SWEEPS, SEED, RTOL and
+    the version only, and sweep k on neither SWEEPS nor who computes it.
+    """
+    from simulator.dataset import Plan, generate
+    from simulator.dataset.bar import on_terminal
+    from simulator.scene_file import load_scene
+    from simulator.sweeps import InputError, open_zarr
+
+    if workers is not None and workers < 1:
+        raise InputError(f"--workers must be >= 1, got {workers}")
+    plan = Plan(load_scene(scene), sweeps, seed, rtol)
+    with on_terminal(plan.scene.name, sweeps) as advance:
+        generate(plan, output, processes=workers or _cores(), scheduler=scheduler, advance=advance)
+    told = open_zarr(output).attrs
+    typer.echo(
+        f"{output}: {sweeps} sweeps; {told['audit_sample']} certified, largest bound on the "
+        f"relative error {told['audit_bound']:.1e}; {told['fallbacks']} solved in full"
+    )
+    if "cells_error" in told:
+        typer.echo(
+            f"{output}: touches are laid on cells, which changes Rs and Cp by up to "
+            f"{told['cells_error']:.1e}; more cells_per_pixel change less"
+        )
+
+
+def _cores() -> int:
+    """Processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def export(
+    data: Annotated[Path, typer.Argument(help="A data set, DATA.zarr.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="OUT.nc, OUT.csv or OUT.parquet.")],
+) -> None:
+    """Write a data set as NetCDF, CSV or Parquet.
+
+    NetCDF keeps everything. CSV is the long form of sweeps, a line for each
+    frequency. Parquet has one row a sweep: labels, touches, and columns
+    Rs_INTERFACE_HERTZ, X_INTERFACE_HERTZ and Cp_INTERFACE_HERTZ.
+    """
+    from simulator.dataset.export import export as write_as
+
+    write_as(data, output)

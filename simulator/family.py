@@ -16,14 +16,18 @@ from scipy.sparse import csc_matrix
 
 from simulator.assembly import EXTRA_ORDER, fill, quadrilateral
 from simulator.circuit import Circuit
+from simulator.estimate import estimated_error, frequencies_around, relative_difference
+from simulator.frequency import laplace_variable
 from simulator.galerkin import Galerkin
 from simulator.mesh import Resolution, pixel_mesh
 from simulator.quadrature import gauss_rule, stiffness_terms, surface
 from simulator.scene import Contact, Scene
+from simulator.sheet import swept
 from simulator.sweeps import InputError
 from simulator.system import Films, System, build_system, conducting
 from simulator.variation import Variation, mode_values
 
+KRYLOV_SHARE = 1e-2
 MODE_DEGREE = 6
 """Of the polynomial that half a cosine over the skin is in one of its cells."""
 
@@ -43,16 +47,38 @@ class Family:
         self.order = resolution.order - 1
         self.space = Galerkin(self.system, circuit, self.order)
 
-    @cached_property
-    def finer(self) -> Galerkin:
-        """The scene's own skin by elements of one order more."""
-        return Galerkin(self.system, self.circuit, self.order + 1)
-
     def skin(self, variation: Variation | None) -> Galerkin:
         """The space of one skin, with factors of its own; of the scene's for None."""
         if variation is None:
             return self.space
         return Galerkin(self.varied(variation), self.circuit, self.order)
+
+    def solved(
+        self, variation: Variation | None, factors: NDArray[np.float64], rtol: float
+    ) -> tuple[NDArray[np.complex128], float]:
+        """Z in ohm at the scene's frequencies, shape (interface, frequency), and its error.
+
+        factors: c over the scene's own at rest, shape (row, column). The error is the largest of Rs
+        and Cp, relatively, estimated by elements of one order more as `fidelity` does.
+        """
+        tan = (variation or self.scene.skin.foam).loss_tangent
+        frequency = self.scene.frequencies
+        around = frequencies_around(frequency)
+        system = self.system if variation is None else self.varied(variation)
+        spaces = self.skin(variation), Galerkin(system, self.circuit, self.order + 1)
+        (Z, change), (finer, _) = (
+            swept(
+                space,
+                self.mass(factors),
+                self.circuit.drives,
+                laplace_variable(around, tan),
+                KRYLOV_SHARE * rtol,
+            )
+            for space in spaces
+        )
+        off = estimated_error(relative_difference(Z, finer, 2 * np.pi * around))
+        here = np.s_[:, : len(frequency)]
+        return Z[here], float((off + change[here]).max())
 
     def varied(self, variation: Variation) -> System:
         """The system of one skin."""

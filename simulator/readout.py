@@ -19,19 +19,22 @@ if TYPE_CHECKING:
 
 
 class Meter:
-    """A meter in one session: its fixed errors are drawn once, at each interface."""
+    """A meter in one session: its fixed errors are drawn once, at each interface.
+
+    gain: factor on |Z|, turn: added to the phase [rad], both of shape (interface, 1).
+    """
 
     def __init__(self, readout: Readout, interfaces: int, random: np.random.Generator) -> None:
         self._readout, self._random = readout, random
         magnitude, phase = random.standard_normal((2, interfaces, 1))
-        self._gain = 1 + readout.magnitude_accuracy * magnitude
-        self._turn = readout.phase_accuracy * phase
+        self.gain = 1 + readout.magnitude_accuracy * magnitude
+        self.turn = readout.phase_accuracy * phase
 
     def measure(self, Z: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Z in ohm as measured, one reading for each; shape (sweep, interface, frequency)."""
         magnitude, phase = self._random.standard_normal((2, *Z.shape))
-        gain = self._gain * (1 + self._readout.magnitude_noise * magnitude)
-        return Z * gain * np.exp(1j * (self._turn + self._readout.phase_noise * phase))
+        gain = self.gain * (1 + self._readout.magnitude_noise * magnitude)
+        return Z * gain * np.exp(1j * (self.turn + self._readout.phase_noise * phase))
 
 
 def displayed(value: NDArray[np.float64], digits: int) -> NDArray[np.float64]:

@@ -9,6 +9,7 @@ a sum of terms they weigh: each sheet's resistance, its slow variation, each con
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -23,12 +24,12 @@ from simulator.driven import Driven, driven_by
 from simulator.family import Family, weights_of
 from simulator.foam import grid_map
 from simulator.frequency import laplace_variable
+from simulator.ladder import Ladder
 from simulator.mesh import Resolution
-from simulator.press import Press
+from simulator.press import Press, Touch
 from simulator.reduced_kernel import Feed, Rest, swept, written_out
 from simulator.scene import Scene
 from simulator.sheet import one_blas_thread
-from simulator.sheet import swept as swept_drives
 from simulator.sweeps import ToleranceError
 from simulator.variation import Variation, nominal
 
@@ -161,17 +162,31 @@ class ReducedSkin:
     def exact(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Z in ohm of one press by the full system, shape (interface, frequency).
 
-        Raises ToleranceError where its error does not stay below rtol.
+        On the mesh that was reduced where that keeps rtol for this press, on finer ones otherwise.
+        Raises ToleranceError where none does.
         """
-        reduced, family = self.reduced, self.reduced.family
-        rtol = KRYLOV_SHARE * reduced.rtol
+        rtol, error = self.reduced.rtol, np.inf
         with one_blas_thread():
-            space = family.skin(self.variation)
-            mass = family.mass(self.map_of(cells, rises))
-            Z, change = swept_drives(space, mass, reduced.circuit.drives, self.s, rtol)
-        if not change.max() <= reduced.rtol:
-            raise ToleranceError(f"a press leaves {change.max():.1e}, asked {reduced.rtol:g}")
-        return Z
+            for family in self._families(cells, rises):
+                Z, error = family.solved(self.variation, self.map_of(cells, rises), rtol)
+                if error <= rtol:
+                    return Z
+        raise ToleranceError(f"a press leaves {error:.1e} by the full system, asked {rtol:g}")
+
+    def _families(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> Iterator[Family]:
+        """The one that was reduced, then those of all levels, meshed for this press."""
+        reduced, columns = self.reduced, self.reduced.grid[1]
+        yield reduced.family
+        touched = zip(cells.tolist(), rises.tolist(), strict=True)
+        press = Press(
+            tuple(
+                Touch(cell // columns + 1, cell % columns + 1, 1 + rise) for cell, rise in touched
+            )
+        )
+        ladder = Ladder(reduced.scene, reduced.circuit)
+        for level in range(ladder.first(reduced.rtol), len(ladder.levels)):
+            resolution = ladder.resolution(level, press, reduced.scene.frequencies[-1])
+            yield Family(reduced.scene, reduced.circuit, resolution, reduced.modes)
 
     def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
         """c of a pressed skin over the scene's own at rest, shape (row, column)."""

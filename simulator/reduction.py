@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.circuit import Circuit, one_field, two_fields
-from simulator.estimate import estimated_error, frequencies_around, relative_difference
+from simulator.estimate import relative_difference
 from simulator.family import Family
 from simulator.frequency import laplace_variable
 from simulator.ladder import Ladder
@@ -23,7 +23,7 @@ from simulator.lanczos import potentials
 from simulator.press import Press, Touch
 from simulator.reduced import Reduced, ReducedSkin
 from simulator.scene import Scene
-from simulator.sheet import one_blas_thread, swept
+from simulator.sheet import one_blas_thread
 from simulator.sweeps import ToleranceError
 from simulator.variation import Variation
 
@@ -109,7 +109,7 @@ def _resolved(
     for level in range(ladder.first(rtol), len(ladder.levels)):
         resolution = ladder.resolution(level, press, scene.frequencies[-1])
         family = Family(scene, circuit, resolution, modes)
-        error = max(_mesh_error(family, case, rtol) for case in cases)
+        error = max(family.solved(case.variation, _map(case, scene), rtol)[1] for case in cases)
         if error <= SHARE * rtol:
             return family, error
     raise ToleranceError(f"the mesh of the reduced model does not reach {rtol:g}: {error:.1e}")
@@ -118,20 +118,6 @@ def _resolved(
 def _everywhere(scene: Scene, rise: float) -> Press:
     pixels = np.ndindex(scene.pixels.rows, scene.pixels.columns)
     return Press(tuple(Touch(i + 1, j + 1, 1 + rise) for i, j in pixels))
-
-
-def _mesh_error(family: Family, case: Case, rtol: float) -> float:
-    """Estimated as `fidelity` does, of the scene's own skin."""
-    scene = family.scene
-    around = frequencies_around(scene.frequencies)
-    s = laplace_variable(around, scene.skin.foam.loss_tangent)
-    mass = family.mass(_map(case, scene))
-    (Z, change), (finer, _) = (
-        swept(space, mass, family.circuit.drives, s, 0.01 * rtol)
-        for space in (family.space, family.finer)
-    )
-    off = estimated_error(relative_difference(Z, finer, 2 * np.pi * around))
-    return float(off.max() + change.max())
 
 
 def _map(case: Case, scene: Scene) -> NDArray[np.float64]:

@@ -11,15 +11,15 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import (
     AfterValidator,
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     ValidationError,
     model_validator,
 )
 
 from simulator.press import Press, Touch
+from simulator.randomisation import Randomisation
+from simulator.table import Table
 from simulator.validation import (
     Number,
     Whole,
@@ -43,17 +43,13 @@ Electrode = Literal["top", "bottom"]
 Edge = Literal["left", "right", "bottom", "top"]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
-
-
-class Sheet(_Table):
+class Sheet(Table):
     """An electrode sheet of uniform sheet resistance [ohm/sq]."""
 
     sheet_resistance: Annotated[Number, above_zero("ohm/sq")]
 
 
-class Foam(_Table):
+class Foam(Table):
     """The dielectric: capacitance per area [F/m²], or what it follows from; loss tangent."""
 
     capacitance_per_area: Annotated[Number, above_zero("F/m²")] | None = None
@@ -80,7 +76,7 @@ class Foam(_Table):
         return self
 
 
-class Skin(_Table):
+class Skin(Table):
     """Two electrode sheets around a foam."""
 
     length: Metre
@@ -94,7 +90,7 @@ class Skin(_Table):
         return self.top if electrode == "top" else self.bottom
 
 
-class Contact(_Table):
+class Contact(Table):
     """A foil strip on one electrode: an equipotential terminal along part of an edge."""
 
     name: Name
@@ -124,7 +120,7 @@ class Contact(_Table):
         return self
 
 
-class Interface(_Table):
+class Interface(Table):
     """One way of connecting the meter; contacts in neither list float."""
 
     name: Name
@@ -132,14 +128,14 @@ class Interface(_Table):
     low: Annotated[tuple[str, ...], Field(min_length=1)]
 
 
-class Pixels(_Table):
+class Pixels(Table):
     """The grid that presses are counted on."""
 
     rows: Annotated[Whole, Field(ge=1, le=1000)]
     columns: Annotated[Whole, Field(ge=1, le=1000)]
 
 
-class Pressing(_Table):
+class Pressing(Table):
     """How a pixel is pressed: its capacitance over that at rest, and the spread between presses.
 
     factor_spread: standard deviation of the rise (factor - 1), as a fraction of that rise.
@@ -149,7 +145,7 @@ class Pressing(_Table):
     factor_spread: Annotated[Number, Field(ge=0, lt=1)] = 0.0
 
 
-class FrequencyGrid(_Table):
+class FrequencyGrid(Table):
     """Evenly spaced frequencies, both ends included."""
 
     start: Hertz
@@ -178,7 +174,7 @@ def _listed(frequencies: object) -> object:
         raise ValueError(one_line(error)) from error
 
 
-class Sweep(_Table):
+class Sweep(Table):
     """The frequencies [Hz] of one sweep, kept ascending."""
 
     frequencies: Annotated[
@@ -194,7 +190,7 @@ class Sweep(_Table):
         return self
 
 
-class Readout(_Table):
+class Readout(Table):
     """The meter's error on |Z| (a fraction) and phase (rad), and the digits it displays.
 
     Accuracy is the standard deviation of a part that stays fixed for a session; noise that of a
@@ -208,7 +204,7 @@ class Readout(_Table):
     display_digits: Annotated[Whole, Field(ge=2, le=17)] = 6
 
 
-class Experiment(_Table):
+class Experiment(Table):
     """How often every pixel is pressed, and whether the skin at rest is a class of its own."""
 
     repetitions: Annotated[Whole, Field(ge=1)] = 6
@@ -216,7 +212,7 @@ class Experiment(_Table):
     seed: Annotated[Whole, Field(ge=0)] = 1
 
 
-class Scene(_Table):
+class Scene(Table):
     """Everything that determines a simulated measurement."""
 
     name: Name
@@ -229,6 +225,7 @@ class Scene(_Table):
     sweep: Sweep
     readout: Readout = Readout()
     experiment: Experiment = Experiment()
+    dataset: Randomisation = Randomisation()
 
     @property
     def frequencies(self) -> np.ndarray:

@@ -1,7 +1,7 @@
 """Sweeps: simulated and measured impedance spectra in one schema, and the files that hold them."""
 
 from simulator.sweeps.errors import InputError, ToleranceError
-from simulator.sweeps.files import checked_output, read, whole_file, write
+from simulator.sweeps.files import checked_output, open_zarr, read, whole_file, write
 from simulator.sweeps.impedance import (
     branch_reactance,
     parallel_capacitance,
@@ -21,6 +21,7 @@ __all__ = [
     "checked_output",
     "concatenate",
     "impedance",
+    "open_zarr",
     "parallel_capacitance",
     "read",
     "series_capacitance",

@@ -22,12 +22,17 @@ QUANTITIES = ["Rs_ohm", "X_ohm", "Cp_F"]
 
 def write_csv(sweeps: xr.Dataset, path: Path) -> None:
     """Write sweeps in long form; the numbers read back to the same bits."""
+    append_csv(sweeps, path, first=0)
+
+
+def append_csv(sweeps: xr.Dataset, path: Path, first: int) -> None:
+    """Add sweeps in long form to a file, counted on from `first`; the header stands before 0."""
     import pandas as pd
 
     shape = tuple(sweeps.sizes[name] for name in DIMENSIONS)
     sweep, interface, frequency = (axis.ravel() for axis in np.indices(shape))
     table = {
-        "sweep": sweep,
+        "sweep": first + sweep,
         **{name: sweeps[name].values[sweep] for name in ("press", "row", "column")},
         "interface": sweeps["interface"].values[interface],
         "frequency_Hz": sweeps["frequency"].values[frequency],
@@ -36,7 +41,13 @@ def write_csv(sweeps: xr.Dataset, path: Path) -> None:
             for column in QUANTITIES
         },
     }
-    pd.DataFrame(table, columns=HEADER).to_csv(path, index=False, lineterminator="\n")
+    pd.DataFrame(table, columns=HEADER).to_csv(
+        path,
+        mode="w" if first == 0 else "a",
+        header=first == 0,
+        index=False,
+        lineterminator="\n",
+    )
 
 
 def read_csv(path: Path) -> xr.Dataset:

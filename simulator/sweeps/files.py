@@ -1,10 +1,13 @@
-"""Reading and writing sweeps: NetCDF and CSV, chosen by the file's ending."""
+"""Reading and writing sweeps: NetCDF, Zarr and CSV, chosen by the file's ending."""
 
 from __future__ import annotations
 
 import os
+import shutil
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +18,7 @@ from simulator.sweeps.schema import check
 if TYPE_CHECKING:
     import xarray as xr
 
-ENDINGS = (".nc", ".csv")
+ENDINGS = (".nc", ".csv", ".zarr")
 
 
 def write(sweeps: xr.Dataset, path: str | Path) -> None:
@@ -23,7 +26,7 @@ def write(sweeps: xr.Dataset, path: str | Path) -> None:
 
     Raises InputError where the ending is not one of ENDINGS or the folder does not exist.
     """
-    writers = {".nc": _write_netcdf, ".csv": write_csv}
+    writers = {".nc": _write_netcdf, ".zarr": _write_zarr, ".csv": write_csv}
     path = checked_output(path)
     with whole_file(path) as unfinished:
         writers[path.suffix](check(sweeps), unfinished)
@@ -35,7 +38,7 @@ def read(path: str | Path) -> xr.Dataset:
     Raises InputError naming the file where it is absent, of another kind, or breaks the schema.
     """
     path = Path(path)
-    readers = {".nc": _read_netcdf, ".csv": read_csv}
+    readers = {".nc": _read_netcdf, ".zarr": _read_zarr, ".csv": read_csv}
     if path.suffix not in readers:
         raise InputError(f"{path}: sweeps are read from {', '.join(ENDINGS)}, got {path.suffix!r}")
     if not path.exists():
@@ -59,18 +62,32 @@ def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:
         raise InputError(f"{path}: must end in {' or '.join(endings)}, got {path.suffix!r}")
     if not path.parent.is_dir():
         raise InputError(f"{path}: the folder {path.parent} does not exist")
+    if path.suffix == ".zarr":
+        check_zarr(path)
     return path
 
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """A temporary name beside `path`, renamed to `path` when the block ends without an error."""
+    """A temporary name beside `path`, of a file or a folder, renamed to `path` at the block's end.
+
+    Nothing is renamed where the block ends with an error.
+    """
     unfinished = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
     try:
         yield unfinished
+        if unfinished.is_dir() and path.is_dir():
+            shutil.rmtree(path)
         os.replace(unfinished, path)
     finally:
-        unfinished.unlink(missing_ok=True)
+        _remove(unfinished)
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
 
 
 def _write_netcdf(sweeps: xr.Dataset, path: Path) -> None:
@@ -81,3 +98,35 @@ def _read_netcdf(path: Path) -> xr.Dataset:
     import xarray as xr
 
     return xr.load_dataset(path, engine="netcdf4")
+
+
+def _write_zarr(sweeps: xr.Dataset, path: Path) -> None:
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Consolidated metadata is currently not part")
+        sweeps.to_zarr(path, mode="w", zarr_format=3, consolidated=True)
+
+
+def _read_zarr(path: Path) -> xr.Dataset:
+    sweeps = open_zarr(path).load()
+    texts = [name for name, variable in sweeps.variables.items() if variable.dtype.kind == "T"]
+    return sweeps.assign_coords({name: sweeps[name].astype(object) for name in texts})
+
+
+def open_zarr(path: Path) -> xr.Dataset:
+    """The sweeps of a `.zarr`, unchecked, their arrays read in chunks as they are asked for.
+
+    Raises InputError where it cannot be read, or the extra that reads it is not installed.
+    """
+    import xarray as xr
+
+    check_zarr(path)
+    try:
+        return xr.open_zarr(path)
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError(f"{path}: cannot be read as .zarr: {error}") from error
+
+
+def check_zarr(path: Path) -> None:
+    """Raises InputError where the extra that reads and writes `.zarr` is not installed."""
+    if any(find_spec(name) is None for name in ("zarr", "dask")):
+        raise InputError(f"{path}: .zarr needs `pip install 'rcskin[scale]'`")

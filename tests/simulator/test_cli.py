@@ -141,7 +141,7 @@ def test_an_absent_output_folder_is_found_out_before_any_work(run, tmp_path):
 def test_another_ending_is_refused(run, tmp_path):
     code, _, err = run("sweep", "sheet-3x3", "-o", tmp_path / "out.xlsx")
     assert code == 2
-    assert "must end in .nc or .csv, got '.xlsx'" in err
+    assert "must end in .nc or .csv or .zarr, got '.xlsx'" in err
 
 
 def test_a_tolerance_out_of_reach_ends_with_code_1_and_no_file(run, tmp_path):

@@ -32,7 +32,7 @@ def same_bits(first, second):
     parts=st.lists(st.tuples(finite, finite, finite), min_size=12, max_size=12),
     frequency=st.lists(st.floats(1e-6, 1e12), min_size=3, max_size=3, unique=True).map(sorted),
 )
-@pytest.mark.parametrize("ending", [".csv", ".nc"])
+@pytest.mark.parametrize("ending", [".csv", ".nc", ".zarr"])
 def test_numbers_are_read_back_to_the_same_bits(make_sweeps, folder, ending, parts, frequency):
     Rs, X, Cp = np.array(parts).T.reshape(3, 2, 2, 3)
     sweeps = make_sweeps(frequency=frequency, Z=np.ones((2, 2, 3)), Cp=Cp)
@@ -41,11 +41,14 @@ def test_numbers_are_read_back_to_the_same_bits(make_sweeps, folder, ending, par
     same_bits(read(folder / f"all{ending}"), sweeps)
 
 
-def test_netcdf_keeps_everything(make_sweeps, tmp_path):
+@pytest.mark.parametrize("name", ["all.nc", "all.zarr"])
+def test_netcdf_and_zarr_keep_everything(make_sweeps, tmp_path, name):
     errors = {"Rs_error": np.full((2, 2, 3), 1e-9), "Cp_error": np.full((2, 2, 3), 1e-20)}
     sweeps = make_sweeps(errors=errors, session=[3, 4], attributes={"scene": "a = 1\n", "rtol": 1})
-    write(sweeps, tmp_path / "all.nc")
-    assert read(tmp_path / "all.nc").identical(sweeps)
+    for _ in range(2):
+        write(sweeps, tmp_path / name)
+    assert read(tmp_path / name).identical(sweeps)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
 def test_csv_is_long_form_with_the_agreed_header(make_sweeps, tmp_path):
@@ -146,7 +149,7 @@ def test_bad_tables_are_told_with_file_and_line(csv, tmp_path, text, told):
 def test_files_of_another_kind_are_told(tmp_path):
     with pytest.raises(InputError, match=r"absent\.nc: no such file"):
         read(tmp_path / "absent.nc")
-    with pytest.raises(InputError, match=r"sweeps are read from \.nc, \.csv, got '\.xlsx'"):
+    with pytest.raises(InputError, match=r"sweeps are read from \.nc, \.csv, \.zarr, got '\.xlsx'"):
         read(tmp_path / "all.xlsx")
     (tmp_path / "text.nc").write_text("no NetCDF")
     with pytest.raises(InputError, match=r"text\.nc: cannot be read as \.nc"):
@@ -163,7 +166,7 @@ def test_a_file_that_breaks_the_schema_is_named(make_sweeps, tmp_path):
 
 
 def test_where_nothing_can_be_written_is_told_first(make_sweeps, tmp_path):
-    with pytest.raises(InputError, match=r"must end in \.nc or \.csv, got '\.txt'"):
+    with pytest.raises(InputError, match=r"must end in \.nc or \.csv or \.zarr, got '\.txt'"):
         write(make_sweeps(), tmp_path / "all.txt")
     with pytest.raises(InputError, match=r"the folder .* does not exist"):
         checked_output(tmp_path / "absent" / "all.csv")

@@ -1,0 +1,102 @@
+"""Reduced models: whether they keep their targets, how they grow, and how others fare beside them.
+
+Random presses of one and of two pixels, factors from 1.2 to 3, 20 frequencies from 40 Hz to
+200 kHz; the truth is the full solver at 1e-8. Times are of one core and warm.
+
+Run: python benchmarks/reduction.py [--quick]
+"""
+
+from __future__ import annotations
+
+import argparse
+from importlib.metadata import version
+
+import pandas as pd
+import reduction_growth
+import reduction_rivals
+import reduction_targets
+from bench import RESULTS, machine
+from reduction_cases import RTOL
+from reduction_chart import draw
+
+from simulator.sheet import one_blas_thread
+from simulator.sweeps import whole_file
+
+NAME = "reduction"
+TITLES = {
+    "targets": "Accuracy and time of reduced models",
+    "pixels": "Cost against pixels on the square sheet",
+    "size": "Error against the size of the basis, sheet-5x5",
+    "ways": "Ways to a sweep of sheet-5x5",
+}
+ERRORS = (
+    "true error",
+    "left out by the basis",
+    "largest certificate",
+    "difference",
+    "error",
+    "certificate",
+    "of the same matrices",
+)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Benchmark of reduced models.")
+    parser.add_argument("--quick", action="store_true", help="small skins only, nothing written")
+    quick = parser.parse_args().quick
+    with one_blas_thread():
+        tables = {
+            "targets": reduction_targets.table(quick),
+            "pixels": reduction_growth.by_pixels(quick),
+            "size": reduction_growth.by_size(quick),
+            "ways": reduction_rivals.table(quick),
+        }
+    print(told(tables))
+    if not quick:
+        write(tables)
+
+
+def write(tables: dict[str, pd.DataFrame]) -> None:
+    """The tables as Markdown and in long form as CSV, and the chart."""
+    with whole_file(RESULTS / f"{NAME}.md") as unfinished:
+        unfinished.write_text(told(tables), encoding="utf-8")
+    with whole_file(RESULTS / f"{NAME}.csv") as unfinished:
+        in_long_form(tables).to_csv(unfinished, index=False, lineterminator="\n")
+    draw(RESULTS / f"{NAME}.png", tables["pixels"], tables["size"], tables["ways"], RTOL)
+
+
+def told(tables: dict[str, pd.DataFrame]) -> str:
+    """For people: the machine, then every table."""
+    parts = ["# Reduced models", f"{machine()}, pymor {version('pymor')}"]
+    for name, table in tables.items():
+        header, *rows = [list(table.columns), *formatted(table).to_numpy().tolist()]
+        lines = [" | ".join(row) for row in [header, ["---"] * len(header), *rows]]
+        parts += [f"## {TITLES[name]}", "\n".join(f"| {line} |" for line in lines)]
+    return "\n\n".join(parts) + "\n"
+
+
+def formatted(table: pd.DataFrame) -> pd.DataFrame:
+    """Errors with two digits, other fractions with three, as text."""
+    text = table.astype(str)
+    for column in table.select_dtypes("floating"):
+        digits = "{:.1e}" if column in ERRORS else "{:.3g}"
+        text[column] = table[column].map(digits.format).replace("nan", "-")
+    return text
+
+
+def in_long_form(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
+    """One value a row: table, number of its row, quantity, value."""
+    text = {name: formatted(table).rename_axis("row") for name, table in tables.items()}
+    long = {
+        name: table.melt(var_name="quantity", ignore_index=False).reset_index()
+        for name, table in text.items()
+    }
+    return (
+        pd.concat(long, names=["table"])
+        .reset_index("table")
+        .sort_values(["table", "row"], kind="stable")
+    )
+
+
+if __name__ == "__main__":
+    main()

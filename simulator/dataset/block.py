@@ -1,0 +1,87 @@
+"""The unit of work: one block computed, written, and then noted as finished."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from threadpoolctl import threadpool_limits
+
+from simulator.dataset import store
+from simulator.dataset.audit import Audit, together
+from simulator.dataset.layout import joined, values
+from simulator.dataset.model import Family
+from simulator.dataset.plan import Plan, parse_plan
+from simulator.dataset.session import drawn_session
+from simulator.sweeps import whole_file
+
+PLAN_FILE = "plan.json"
+
+
+@dataclass(frozen=True)
+class Workshop:
+    """The folder in which a data set is made, on a disk that every worker sees.
+
+    digest: of the plan, so that a worker never mistakes another plan at the same place for it.
+    load: the model from its file.
+    """
+
+    folder: Path
+    digest: str
+    load: Callable[[Path], Family]
+
+    @property
+    def data(self) -> Path:
+        """The Zarr store."""
+        return self.folder / "data.zarr"
+
+    @property
+    def plan_file(self) -> Path:
+        """The plan's text."""
+        return self.folder / PLAN_FILE
+
+    @property
+    def model_file(self) -> Path:
+        """The model, trained once."""
+        return self.folder / "model.npz"
+
+    def note(self, block: int) -> Path:
+        """The file that says a block is finished, with its audit."""
+        return self.folder / "finished" / f"{block}.json"
+
+    def finished(self, plan: Plan) -> set[int]:
+        """The blocks that are finished."""
+        numbers = {int(note.stem) for note in (self.folder / "finished").glob("[0-9]*.json")}
+        return numbers & set(range(plan.blocks))
+
+
+def make_block(workshop: Workshop, block: int) -> int:
+    """Compute a block, write it, note it as finished; returns its number. Runs in any process.
+
+    On one thread: several would round differently, and other blocks have the other cores.
+    """
+    plan, family = _loaded(workshop)
+    with threadpool_limits(1, user_api="blas"):
+        drawn = [drawn_session(plan, family, number) for number in plan.sessions_of(block)]
+    here = plan.sweeps_of(block)
+    arrays = joined([values(session) for session in drawn], here.stop - here.start)
+    store.write(workshop.data, plan, block, arrays)
+    with whole_file(workshop.note(block)) as unfinished:
+        audit = together(session.audit for session in drawn)
+        unfinished.write_text(json.dumps(asdict(audit)), encoding="utf-8")
+    return block
+
+
+def audit_of(workshop: Workshop, plan: Plan) -> Audit:
+    """The audit of the whole data set, once all its blocks are finished."""
+    notes = (workshop.note(block).read_text(encoding="utf-8") for block in range(plan.blocks))
+    return together(Audit(**json.loads(note)) for note in notes)
+
+
+@lru_cache(maxsize=1)
+def _loaded(workshop: Workshop) -> tuple[Plan, Family]:
+    plan = parse_plan(workshop.plan_file.read_text(encoding="utf-8"))
+    return plan, workshop.load(workshop.model_file)

@@ -1,0 +1,128 @@
+"""Data sets in other forms, block by block, so that memory stays bounded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from simulator.sweeps import InputError, checked_output, open_zarr, whole_file
+from simulator.sweeps.csv import append_csv
+from simulator.sweeps.schema import DIMENSIONS, QUANTITIES
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+VALUES_AT_ONCE = 2**20
+
+
+def export(data: Path, output: Path) -> None:
+    """Write a data set as `.nc`, `.csv` or `.parquet`; it appears whole or not at all.
+
+    Raises InputError where the data set is absent or the ending is another.
+    """
+    writers = {".nc": _write_netcdf, ".csv": _write_csv, ".parquet": _write_parquet}
+    output = checked_output(output, tuple(writers))
+    if not data.exists():
+        raise InputError(f"{data}: no such data set")
+    with open_zarr(data) as sweeps, whole_file(output) as unfinished:
+        writers[output.suffix](sweeps, unfinished)
+
+
+def wide_table(sweeps: xr.Dataset) -> pd.DataFrame:
+    """One row a sweep: what is known of the press, then every quantity at every frequency."""
+    import pandas as pd
+
+    known = [name for name in sweeps.variables if sweeps[name].dims in (("sweep",), LONG)]
+    columns = {}
+    for name in sorted(map(str, known)):
+        columns |= _columns(name, sweeps[name].values)
+    for name in QUANTITIES:
+        columns |= _spectrum(name, sweeps[name].transpose(*DIMENSIONS))
+    return pd.DataFrame(columns)
+
+
+LONG = ("sweep", "touch")
+
+
+def _columns(name: str, values: np.ndarray) -> dict[str, np.ndarray]:
+    if values.ndim == 1:
+        return {name: values}
+    return {f"{name}_{touch + 1}": each for touch, each in enumerate(values.T)}
+
+
+def _spectrum(name: str, quantity: xr.DataArray) -> dict[str, np.ndarray]:
+    values = quantity.values
+    return {
+        f"{name}_{interface}_{frequency:.10g}": values[:, i, f]
+        for i, interface in enumerate(quantity["interface"].values)
+        for f, frequency in enumerate(quantity["frequency"].values)
+    }
+
+
+def _parts(sweeps: xr.Dataset) -> Iterator[tuple[int, xr.Dataset]]:
+    """The number of the first sweep of each part, and the part, in memory."""
+    chunk = sweeps["Rs"].encoding.get("preferred_chunks", {}).get("sweep", VALUES_AT_ONCE)
+    for first in range(0, sweeps.sizes["sweep"], chunk):
+        yield first, sweeps.isel(sweep=slice(first, first + chunk)).load()
+
+
+def _write_csv(sweeps: xr.Dataset, path: Path) -> None:
+    kept = sweeps.drop_vars([name for name in sweeps.data_vars if name not in QUANTITIES])
+    for first, part in _parts(kept):
+        append_csv(part, path, first)
+
+
+def _write_parquet(sweeps: xr.Dataset, path: Path) -> None:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    kept = sweeps.drop_dims("drawn_session", errors="ignore")
+    told = {key: str(value) for key, value in sweeps.attrs.items()}
+    writer = None
+    try:
+        for _, part in _parts(kept):
+            table = pa.Table.from_pandas(wide_table(part), preserve_index=False)
+            table = table.replace_schema_metadata({**(table.schema.metadata or {}), **told})
+            writer = writer or pq.ParquetWriter(path, table.schema, compression="zstd")
+            writer.write_table(table)
+    finally:
+        if writer is not None:
+            writer.close()
+
+
+def _write_netcdf(sweeps: xr.Dataset, path: Path) -> None:
+    """Variable by variable and chunk by chunk."""
+    import netCDF4
+
+    with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
+        file.setncatts(_plain(sweeps.attrs))
+        for name, size in sweeps.sizes.items():
+            file.createDimension(str(name), size)
+        for name, variable in sweeps.variables.items():
+            _copy(file, str(name), variable, _labels(sweeps, str(name)))
+
+
+def _copy(file: Any, name: str, variable: xr.Variable, labels: str) -> None:
+    text = variable.dtype.kind in "OUT"
+    kind = str if text else np.dtype(variable.dtype).newbyteorder("=")
+    target = file.createVariable(name, kind, variable.dims)
+    target.setncatts(_plain(variable.attrs) | ({"coordinates": labels} if labels else {}))
+    rows = max(1, VALUES_AT_ONCE * variable.shape[0] // max(1, variable.size))
+    for first in range(0, variable.shape[0], rows):
+        part = variable[first : first + rows].values
+        target[first : first + rows] = part.astype(object) if text else part
+
+
+def _labels(sweeps: xr.Dataset, name: str) -> str:
+    """The coordinates of a variable that are not dimensions of their own."""
+    if name in sweeps.coords or "sweep" not in sweeps[name].dims:
+        return ""
+    return " ".join(sorted(str(c) for c in sweeps[name].coords if c not in sweeps.dims))
+
+
+def _plain(attributes: Mapping[Any, Any]) -> dict[str, Any]:
+    return {str(name): value for name, value in attributes.items()}

@@ -1,0 +1,134 @@
+"""Which arrays a data set holds: the schema of sweeps, the touches, and what was drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.dataset.plan import Plan
+from simulator.dataset.presses import MOST_TOUCHES
+from simulator.dataset.session import Drawn
+from simulator.sweeps.schema import DIMENSIONS, LABELS, QUANTITIES
+
+SINGLE_DIGITS = 6
+"""Decimal digits that float32 keeps."""
+SWEEP, SESSION = "sweep", "drawn_session"
+
+
+@dataclass(frozen=True)
+class Variable:
+    """An array of the data set. The first dimension is that of sweeps or sessions, or it is whole.
+
+    dtype: as numpy names it, or `str`.
+    """
+
+    name: str
+    dimensions: tuple[str, ...]
+    dtype: str
+    meaning: str
+    units: str = ""
+    coordinates: str = ""
+
+    @property
+    def attributes(self) -> Mapping[str, str]:
+        """Attributes as xarray reads them."""
+        told = {"long_name": self.meaning, "units": self.units, "coordinates": self.coordinates}
+        return {name: text for name, text in told.items() if text}
+
+
+def variables(plan: Plan) -> list[Variable]:
+    """Every array that grows with the data set."""
+    quantity = "float32" if plan.scene.readout.display_digits <= SINGLE_DIGITS else "float64"
+    labels = " ".join(LABELS)
+    return [
+        *(
+            Variable(name, DIMENSIONS, quantity, meaning, units, labels)
+            for name, (meaning, units) in QUANTITIES.items()
+        ),
+        *(
+            Variable(name, (SWEEP,), "str" if name == "press" else "int64", meaning)
+            for name, meaning in LABELS.items()
+        ),
+        *TOUCHES,
+        *DRAWN,
+    ]
+
+
+TOUCHES = [
+    Variable("touches", (SWEEP,), "int64", "number of touches"),
+    Variable("touch_x", (SWEEP, "touch"), "float32", "centre of a touch, 0 if none", "m"),
+    Variable("touch_y", (SWEEP, "touch"), "float32", "centre of a touch, 0 if none", "m"),
+    Variable("touch_factor", (SWEEP, "touch"), "float32", "capacitance over that at rest", "1"),
+]
+DRAWN = [
+    Variable(
+        f"drawn_{name}",
+        (SESSION, *dimensions),
+        "float64",
+        f"{meaning}, drawn for a session",
+        units,
+    )
+    for name, dimensions, meaning, units in (
+        ("top", ("wave",), "top sheet's conductance over nominal, by waves", "1"),
+        ("bottom", ("wave",), "bottom sheet's conductance over nominal, by waves", "1"),
+        ("films", ("contact",), "conductance of contacts over nominal", "1"),
+        ("capacitance", ("foam_row", "foam_column"), "foam at rest over nominal", "1"),
+        ("loss_tangent", (), "loss tangent of the foam", "1"),
+        ("stray_capacitance", (), "stray capacitance of the leads, in parallel", "F"),
+        ("lead_resistance", (), "resistance of the leads, in series", "ohm"),
+        ("meter_gain", ("interface",), "the meter's factor on |Z|", "1"),
+        ("meter_turn", ("interface",), "the meter's addition to the phase", "rad"),
+    )
+]
+
+
+def sizes(plan: Plan, grid: tuple[int, int], waves: int) -> dict[str, int]:
+    """The size of every dimension."""
+    return {
+        SWEEP: plan.sweeps,
+        "interface": len(plan.scene.interfaces),
+        "frequency": len(plan.scene.frequencies),
+        "touch": MOST_TOUCHES,
+        SESSION: plan.sessions,
+        "wave": waves,
+        "contact": len(plan.scene.contacts),
+        "foam_row": grid[0],
+        "foam_column": grid[1],
+    }
+
+
+def values(session: Drawn) -> dict[str, NDArray]:
+    """Every array of one whole session, by the name of its variable."""
+    presses, skin = session.presses, session.skin
+    drawn = {
+        "top": skin.variation.top,
+        "bottom": skin.variation.bottom,
+        "films": skin.variation.films,
+        "capacitance": skin.variation.capacitance,
+        "loss_tangent": skin.variation.loss_tangent,
+        "stray_capacitance": skin.leads.stray_capacitance,
+        "lead_resistance": skin.leads.resistance,
+        "meter_gain": session.meter.gain[:, 0],
+        "meter_turn": session.meter.turn[:, 0],
+    }
+    return {
+        **session.shown,
+        "press": np.array(presses.text, dtype=object),
+        "row": presses.row,
+        "column": presses.column,
+        "session": np.full(len(presses.text), session.number),
+        "touches": presses.touches,
+        "touch_x": presses.x,
+        "touch_y": presses.y,
+        "touch_factor": presses.factor,
+        **{f"drawn_{name}": np.asarray(value)[None] for name, value in drawn.items()},
+    }
+
+
+def joined(sessions: Sequence[dict[str, NDArray]], sweeps: int) -> dict[str, NDArray]:
+    """Several sessions one after the other, cut to so many sweeps."""
+    whole = {name: np.concatenate([part[name] for part in sessions]) for name in sessions[0]}
+    return {name: a if name.startswith("drawn_") else a[:sweeps] for name, a in whole.items()}

@@ -1,0 +1,113 @@
+"""What a data set asks of the physics: a family of skins, and many presses on one of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.dataset.presses import drawn_presses
+from simulator.dataset.skins import drawn_skin
+from simulator.randomisation import Session
+from simulator.reduced import Reduced
+from simulator.reduced_file import load, save
+from simulator.reduction import Case, reduce
+from simulator.scene import Pixels, Scene
+from simulator.variation import WAVES, Variation
+
+TRAINED_TO = 0.5
+"""Of the tolerance: a press that training has not met is then still within it."""
+
+
+class SkinModel(Protocol):
+    """One skin. Presses raise the capacitance of cells, counted row by row, by rises times that."""
+
+    def sweeps(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], starts: NDArray[np.int64], /
+    ) -> NDArray[np.complex128]:
+        """Z in ohm of many presses, shape (press, interface, frequency).
+
+        Press k is cells[starts[k]:starts[k + 1]] with the rises of the same places.
+        """
+        ...
+
+    def certificate(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], /
+    ) -> NDArray[np.float64]:
+        """Bound on the relative error of Rs and of Cp, shape (2, interface, frequency)."""
+        ...
+
+    def exact(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], /
+    ) -> NDArray[np.complex128]:
+        """Z in ohm of one press by the full system, shape (interface, frequency)."""
+        ...
+
+
+class Family(Protocol):
+    """All skins that a scene's data set may draw."""
+
+    @property
+    def grid(self) -> tuple[int, int]:
+        """Rows and columns of cells, multiples of the pixels'."""
+        ...
+
+    @property
+    def modes(self) -> int:
+        """How many slow waves of a sheet's conductance it knows, with the mean."""
+        ...
+
+    def skin(self, variation: Variation | None, /) -> SkinModel:
+        """One skin of the family."""
+        ...
+
+
+@dataclass(frozen=True)
+class Training:
+    """How a family comes about, and how it is kept on disk for other processes.
+
+    train: from a scene and the tolerance of Rs and Cp.
+    """
+
+    train: Callable[[Scene, float], Family]
+    save: Callable[[Any, Path], None]
+    load: Callable[[Path], Family]
+
+
+def reduced(scene: Scene, rtol: float) -> Reduced:
+    """The reduced model of a scene, trained on draws like those of its data set.
+
+    Raises ToleranceError where it does not get there.
+    """
+    divided = _divided(scene)
+    grid = divided.pixels.rows, divided.pixels.columns
+    modes = 1 if scene.dataset.session.unevenness == 0 else len(WAVES)
+
+    def draw(random: np.random.Generator) -> Case:
+        skin = drawn_skin(scene, int(random.integers(2**62)), 0, grid, modes)
+        press = drawn_presses(scene, random, 1, grid)
+        return Case(skin.variation, press.cells, press.rises)
+
+    return reduce(
+        divided, TRAINED_TO * rtol, draw, modes=modes, alike=_alike(scene.dataset.session)
+    )
+
+
+def _divided(scene: Scene) -> Scene:
+    """The scene with cells for pixels."""
+    pixels, cells = scene.pixels, scene.dataset.press.cells
+    finer = Pixels(rows=cells * pixels.rows, columns=cells * pixels.columns)
+    return scene.model_copy(update={"pixels": finer})
+
+
+def _alike(session: Session) -> bool:
+    """Whether both sheets vary in the same way, in every draw."""
+    own, films = session.sheet_mismatch, session.contact_resistance
+    return session.unevenness == 0 and own.low == own.high and films.low == films.high
+
+
+REDUCED = Training(reduced, save, load)

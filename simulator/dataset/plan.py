@@ -1,0 +1,155 @@
+"""What a data set will hold, and how it is cut into blocks: nothing else decides its bytes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
+from importlib.metadata import version
+
+from simulator.scene import Scene
+from simulator.scene_file import parse_scene, scene_text
+from simulator.sweeps import InputError
+
+LAYOUT = 1
+"""To be raised whenever the same plan would give other bytes."""
+MOST_VALUES = 2**22
+"""Readings of one quantity in a session."""
+MOST_CELLS = 100
+MOST_SEED = 2**63 - 1
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A data set: the scene, how many sweeps, from which seed, to which relative tolerance.
+
+    block_values: readings of one quantity that are computed and written together, about.
+    """
+
+    scene: Scene
+    sweeps: int
+    seed: int
+    rtol: float
+    block_values: int = 2**17
+
+    def __post_init__(self) -> None:
+        """Raises InputError where a number is out of range or a press does not fit the scene."""
+        if self.sweeps < 1:
+            raise InputError(f"`sweeps` must be >= 1, got {self.sweeps}")
+        if not 0 <= self.seed <= MOST_SEED:
+            raise InputError(f"`seed` must be in 0..{MOST_SEED}, got {self.seed}")
+        if not 0 < self.rtol < 1:
+            raise InputError(f"`rtol` must be between 0 and 1, got {self.rtol}")
+        _check_size(self.scene)
+        _check_presses(self.scene)
+
+    @property
+    def session_sweeps(self) -> int:
+        """Sweeps in a session."""
+        return self.scene.dataset.session.sweeps_per_session
+
+    @property
+    def sessions(self) -> int:
+        """Sessions in all; the last may be cut short."""
+        return -(-self.sweeps // self.session_sweeps)
+
+    @cached_property
+    def block_sessions(self) -> int:
+        """Sessions that are computed, written and finished together."""
+        return max(1, self.block_values // (self.session_sweeps * readings(self.scene)))
+
+    @property
+    def blocks(self) -> int:
+        """Blocks in all."""
+        return -(-self.sessions // self.block_sessions)
+
+    def sessions_of(self, block: int) -> range:
+        """The sessions of a block."""
+        first = block * self.block_sessions
+        return range(first, min(first + self.block_sessions, self.sessions))
+
+    def sweeps_of(self, block: int) -> slice:
+        """The sweeps of a block."""
+        sessions, size = self.sessions_of(block), self.session_sweeps
+        return slice(sessions.start * size, min(sessions.stop * size, self.sweeps))
+
+    @property
+    def software(self) -> str:
+        """Name and version of what makes it."""
+        return f"rcskin {version('rcskin')}"
+
+    @property
+    def told(self) -> dict[str, str | int | float]:
+        """All that decides the bytes: the plan, and the versions of what carries it out."""
+        return {
+            "software": self.software,
+            "layout": LAYOUT,
+            "sweeps": self.sweeps,
+            "seed": self.seed,
+            "rtol": self.rtol,
+            "block_values": self.block_values,
+            "scene": scene_text(self.scene),
+        }
+
+    def text(self) -> str:
+        """The plan as JSON."""
+        return json.dumps(self.told, indent=1)
+
+    @property
+    def digest(self) -> str:
+        """Equal for plans of equal bytes."""
+        return sha256(self.text().encode()).hexdigest()
+
+
+def readings(scene: Scene) -> int:
+    """Readings of one quantity in a sweep."""
+    return len(scene.interfaces) * len(scene.frequencies)
+
+
+def parse_plan(text: str) -> Plan:
+    """The plan of which this is the `text`."""
+    told = json.loads(text)
+    scene = parse_scene(told["scene"], source="plan")
+    return Plan(scene, told["sweeps"], told["seed"], told["rtol"], told["block_values"])
+
+
+def first_difference(asked: Mapping[str, object], there: Mapping[str, object]) -> str | None:
+    """The first item in which two plans, as `told`, differ, in one line; None where equal."""
+    for name in asked:
+        if asked[name] != there.get(name):
+            if name == "scene":
+                return "another scene"
+            return f"{name} {there.get(name)} where {asked[name]} is asked"
+    return None
+
+
+def _check_size(scene: Scene) -> None:
+    size = scene.dataset.session.sweeps_per_session * readings(scene)
+    if size > MOST_VALUES:
+        raise InputError(
+            f"`dataset.session.sweeps_per_session` must be <= {MOST_VALUES // readings(scene)} on "
+            f"{scene.name}, for a session to fit in memory, got {size // readings(scene)}"
+        )
+
+
+def _check_presses(scene: Scene) -> None:
+    press, pixels = scene.dataset.press, scene.pixels.rows * scene.pixels.columns
+    if press.place == "pixel" and press.most_touches > pixels:
+        raise InputError(
+            f"`dataset.press.touches` allows {press.most_touches} touches at once, "
+            f"but {scene.name} has {pixels} pixel"
+        )
+    along = press.cells * max(scene.pixels.rows, scene.pixels.columns)
+    if along > MOST_CELLS:
+        raise InputError(
+            f"`dataset.press.cells_per_pixel` must leave at most {MOST_CELLS} cells along "
+            f"{scene.name}, got {along}"
+        )
+    side = min(scene.skin.length, scene.skin.width)
+    if press.place == "anywhere" and press.size.high > side:
+        raise InputError(
+            f"`dataset.press.size` must be <= {side:g} m, the skin's shorter side, "
+            f"in every draw, got {press.size.high:g}"
+        )

@@ -1,0 +1,131 @@
+"""The presses of a session, drawn: on whole pixels, or anywhere on the skin."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.randomisation import DrawnPress
+from simulator.scene import Scene
+from simulator.sweeps import UNPRESSED
+
+MOST_TOUCHES = 2
+FACTOR_DECIMALS = 6
+"""Factors are drawn to so many decimals, so that a press as text is the press that was solved."""
+
+
+@dataclass(frozen=True)
+class Presses:
+    """Presses as a model takes them, as labels, and as numbers to learn.
+
+    cells, rises, starts: see `SkinModel.sweeps`. text, row, column: as in the schema of sweeps.
+    touches: how many, shape (press,). x, y [m], factor: centre and strength of each touch, shape
+    (press, MOST_TOUCHES); 0, 0 and 1 where there is none.
+    """
+
+    cells: NDArray[np.int64]
+    rises: NDArray[np.float64]
+    starts: NDArray[np.int64]
+    text: list[str]
+    row: NDArray[np.int64]
+    column: NDArray[np.int64]
+    touches: NDArray[np.int64]
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    factor: NDArray[np.float64]
+
+    def one(self, press: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Cells and rises of one press."""
+        here = slice(self.starts[press], self.starts[press + 1])
+        return self.cells[here], self.rises[here]
+
+
+def drawn_presses(
+    scene: Scene, random: np.random.Generator, count: int, grid: tuple[int, int]
+) -> Presses:
+    """So many presses of a scene's data set, on cells of a grid of so many rows and columns."""
+    drawn = scene.dataset.press
+    touches = _counts(drawn, random.random(count))
+    chances = random.random((4, count, MOST_TOUCHES))
+    factor = np.round(drawn.factor.at(random.random((count, MOST_TOUCHES))), FACTOR_DECIMALS)
+    if drawn.place == "anywhere":
+        from simulator.dataset.anywhere import presses_anywhere
+
+        return presses_anywhere(scene, touches, chances, factor, grid)
+    return _on_pixels(scene, touches, chances, factor, grid)
+
+
+def _counts(drawn: DrawnPress, chance: NDArray[np.float64]) -> NDArray[np.int64]:
+    below = np.cumsum(drawn.touches)
+    return np.minimum(np.searchsorted(below, chance, side="right"), drawn.most_touches)
+
+
+def _on_pixels(
+    scene: Scene,
+    touches: NDArray[np.int64],
+    chances: NDArray[np.float64],
+    factor: NDArray[np.float64],
+    grid: tuple[int, int],
+) -> Presses:
+    """Touches of whole pixels, two never on one; in the order of pixels, as texts have it."""
+    rows, columns = scene.pixels.rows, scene.pixels.columns
+    pixel = _distinct_pixels(touches, chances[0], rows * columns)
+    there = np.arange(MOST_TOUCHES) < touches[:, None]
+    factor = np.where(there, factor, 1.0)
+    row, column = np.divmod(pixel, columns)
+    inside = cells_of_pixels(scene, grid)
+    return Presses(
+        cells=inside[pixel[there]].ravel(),
+        rises=np.repeat(factor[there] - 1, inside.shape[1]),
+        starts=np.concatenate([[0], np.cumsum(touches * inside.shape[1])]),
+        text=_texts(touches, row + 1, column + 1, factor),
+        row=single_label(touches, row[:, 0] + 1),
+        column=single_label(touches, column[:, 0] + 1),
+        touches=touches,
+        x=np.where(there, (column + 0.5) * scene.skin.length / columns, 0.0),
+        y=np.where(there, (row + 0.5) * scene.skin.width / rows, 0.0),
+        factor=factor,
+    )
+
+
+def _distinct_pixels(
+    touches: NDArray[np.int64], chances: NDArray[np.float64], count: int
+) -> NDArray[np.int64]:
+    """Pixels counted from 0, shape (press, MOST_TOUCHES), ascending where both are touched."""
+    first = np.floor(chances[:, 0] * count).astype(np.int64)
+    second = np.floor(chances[:, 1] * (count - 1)).astype(np.int64)
+    second += second >= first
+    both = touches == MOST_TOUCHES
+    swapped = both & (second < first)
+    return np.stack([np.where(swapped, second, first), np.where(swapped, first, second)], axis=1)
+
+
+def cells_of_pixels(scene: Scene, grid: tuple[int, int]) -> NDArray[np.int64]:
+    """Cells of each pixel, counted row by row, shape (pixel, cell)."""
+    rows, columns = scene.pixels.rows, scene.pixels.columns
+    high, wide = grid[0] // rows, grid[1] // columns
+    cells = np.arange(grid[0] * grid[1]).reshape(rows, high, columns, wide)
+    return cells.transpose(0, 2, 1, 3).reshape(rows * columns, high * wide)
+
+
+def single_label(touches: NDArray[np.int64], index: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Row or column of a single touch, 0 at rest, -1 where it is no single pixel."""
+    return np.select([touches == 0, touches == 1], [0, index], -1)
+
+
+def _texts(
+    touches: NDArray[np.int64],
+    row: NDArray[np.int64],
+    column: NDArray[np.int64],
+    factor: NDArray[np.float64],
+) -> list[str]:
+    """Each press as `Press` writes it."""
+    numbers = zip(touches.tolist(), row.tolist(), column.tolist(), factor.tolist(), strict=True)
+    return [_text(count, list(zip(i, j, f, strict=True))) for count, i, j, f in numbers]
+
+
+def _text(count: int, touches: Sequence[tuple[int, int, float]]) -> str:
+    return "+".join(f"{i},{j}:{f!r}" for i, j, f in touches[:count]) or UNPRESSED

@@ -1,0 +1,165 @@
+"""Making a data set: begin or go on, hand out the blocks that are missing, finish.
+
+All work happens in a hidden folder beside the output, which becomes the output when it is whole.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from simulator.dataset import store, workers
+from simulator.dataset.block import PLAN_FILE, Workshop, audit_of
+from simulator.dataset.model import REDUCED, Training
+from simulator.dataset.plan import Plan, first_difference
+from simulator.sweeps import InputError, checked_output, whole_file
+
+ENDING = ".zarr"
+Advance = Callable[[int], None]
+
+
+def generate(
+    plan: Plan,
+    output: Path,
+    *,
+    processes: int = 1,
+    scheduler: str | None = None,
+    advance: Advance = lambda sweeps: None,
+    training: Training = REDUCED,
+) -> None:
+    """Make the data set, or go on where an earlier run of the same plan ended.
+
+    processes: on this machine, unless `scheduler` is the address of a Dask cluster, whose workers
+    must see the output's folder under the same path. advance: called with the number of sweeps
+    that have become finished. Raises InputError where the output holds another plan, or another
+    process is at work on it.
+    """
+    output = checked_output(output, (ENDING,)).absolute()
+    with _locked(output) as folder:
+        if _complete(plan, output):
+            return advance(plan.sweeps)
+        workshop = _prepared(plan, Workshop(folder, plan.digest, training.load), training)
+        finished = workshop.finished(plan)
+        missing = [block for block in range(plan.blocks) if block not in finished]
+        advance(sum(_size(plan, block) for block in finished))
+        for block in _at_work(workshop, missing, processes, scheduler):
+            advance(_size(plan, block))
+        _finish(workshop, plan, output)
+
+
+def _at_work(
+    workshop: Workshop, blocks: Sequence[int], processes: int, scheduler: str | None
+) -> Iterator[int]:
+    if scheduler is not None:
+        return workers.cluster(workshop, blocks, scheduler)
+    processes = min(processes, len(blocks))
+    if processes <= 1:
+        return workers.here(workshop, blocks)
+    return workers.processes(workshop, blocks, processes)
+
+
+def _size(plan: Plan, block: int) -> int:
+    return plan.sweeps_of(block).stop - plan.sweeps_of(block).start
+
+
+@contextmanager
+def _locked(output: Path) -> Iterator[Path]:
+    """The folder of work, kept for this process alone, and removed where nothing is left to do.
+
+    The system frees the lock of a killed process.
+    """
+    from filelock import FileLock, Timeout
+
+    folder = output.with_name(f".{output.name}.unfinished")
+    folder.mkdir(exist_ok=True)
+    lock = FileLock(folder / "lock")
+    try:
+        lock.acquire(timeout=0)
+    except Timeout:
+        raise InputError(f"{output}: another process is writing it") from None
+    try:
+        yield folder
+    finally:
+        if not (folder / PLAN_FILE).exists():
+            shutil.rmtree(folder, ignore_errors=True)
+        lock.release()
+
+
+def _complete(plan: Plan, output: Path) -> bool:
+    """Whether the output is there already; raises InputError where it is of another plan."""
+    if not output.exists():
+        return False
+    told = _told(output)
+    different = "no data set" if told is None else first_difference(plan.told, told)
+    if different is not None:
+        raise InputError(f"{output}: exists with {different}; remove it or write elsewhere")
+    return True
+
+
+def _told(output: Path) -> dict[str, object] | None:
+    """The plan of a data set, as `Plan.told`; None where it is none."""
+    import zarr
+
+    try:
+        group = zarr.open_group(str(output), mode="r")
+        return {**group.attrs.asdict(), "sweeps": store.array(group, "touches").shape[0]}
+    except (OSError, ValueError, KeyError):
+        return None
+
+
+def _prepared(plan: Plan, workshop: Workshop, training: Training) -> Workshop:
+    """The folder of work: as an earlier run left it, or begun."""
+    if workshop.plan_file.exists():
+        return _taken_up(workshop, plan)
+    shutil.rmtree(workshop.data, ignore_errors=True)
+    workshop.note(0).parent.mkdir(exist_ok=True)
+    family = training.train(plan.scene, plan.rtol)
+    training.save(family, workshop.model_file)
+    store.create(workshop.data, plan, family.grid, family.modes)
+    with whole_file(workshop.plan_file) as unfinished:
+        unfinished.write_text(plan.text(), encoding="utf-8")
+    return workshop
+
+
+def _taken_up(workshop: Workshop, plan: Plan) -> Workshop:
+    told = json.loads(workshop.plan_file.read_text(encoding="utf-8"))
+    different = first_difference(plan.told, told)
+    if different is not None:
+        raise InputError(
+            f"{workshop.folder}: an unfinished data set has {different}; "
+            "finish it with its own options or remove the folder"
+        )
+    store.clear_left_overs(workshop.data)
+    return workshop
+
+
+def _finish(workshop: Workshop, plan: Plan, output: Path) -> None:
+    audit = audit_of(workshop, plan)
+    store.finish(
+        workshop.data,
+        {
+            **{name: value for name, value in plan.told.items() if name != "sweeps"},
+            "model": "reduced",
+            "readout": plan.scene.readout.model_dump_json(),
+            "audit_bound": audit.bound,
+            "audit_sample": audit.sample,
+            "fallbacks": audit.fallbacks,
+            **_of_cells(workshop, plan),
+        },
+    )
+    os.replace(workshop.data, output)
+    workshop.plan_file.unlink()
+
+
+def _of_cells(workshop: Workshop, plan: Plan) -> dict[str, float]:
+    """What is told of a data set whose touches are laid on cells."""
+    if plan.scene.dataset.press.place == "pixel":
+        return {}
+    from simulator.dataset.cells import error_of_cells
+
+    family = workshop.load(workshop.model_file)
+    return {"cells_error": error_of_cells(plan.scene, family, plan.seed, plan.rtol)}

@@ -1,0 +1,89 @@
+"""The skin of a session, drawn: sheets, foam, contacts and leads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.dataset.streams import SKIN, stream
+from simulator.distribution import truncated_normal
+from simulator.randomisation import CUT
+from simulator.scene import Scene
+from simulator.variation import WAVES, Variation, mode_values
+
+
+@dataclass(frozen=True)
+class Leads:
+    """Between skin and meter: stray capacitance [F] in parallel with the skin, resistance [ohm]
+    in series with both."""
+
+    stray_capacitance: float
+    resistance: float
+
+    def seen_through(
+        self, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
+    ) -> NDArray[np.complex128]:
+        """Z in ohm at the meter's end of the leads: R + 1/(1/Z + j omega C); frequency last."""
+        stray = 2j * np.pi * frequency * self.stray_capacitance
+        return self.resistance + Z / (1 + stray * Z)
+
+
+@dataclass(frozen=True)
+class DrawnSkin:
+    """A session's skin and leads, as factors on the scene's (see `Variation`)."""
+
+    variation: Variation
+    leads: Leads
+
+
+def drawn_skin(
+    scene: Scene, seed: int, session: int, grid: tuple[int, int], modes: int
+) -> DrawnSkin:
+    """The skin of a session.
+
+    grid: rows and columns of the capacitance's cells, multiples of the pixels'. modes: of a sheet's
+    conductance that are kept, of WAVES.
+    """
+    drawn, random = scene.dataset.session, stream(seed, session, SKIN)
+    common, top, bottom, c, loss, stray, lead = random.random(7)
+    waves = random.random((2, len(WAVES) - 1))
+    contacts = random.random(len(scene.contacts))
+    variation = Variation(
+        _conductance(scene, common, top, waves[0], modes),
+        _conductance(scene, common, bottom, waves[1], modes),
+        1 / drawn.contact_resistance.at(contacts),
+        float(drawn.capacitance.at(c)) * _foam(scene, random, grid),
+        scene.skin.foam.loss_tangent + float(drawn.loss_tangent.at(loss)),
+    )
+    leads = Leads(float(drawn.stray_capacitance.at(stray)), float(drawn.lead_resistance.at(lead)))
+    return DrawnSkin(variation, leads)
+
+
+def _conductance(
+    scene: Scene, common: float, own: float, waves: NDArray[np.float64], modes: int
+) -> NDArray[np.float64]:
+    """Coefficients of a sheet's conductance over nominal, shape (mode,)."""
+    drawn = scene.dataset.session
+    resistance = drawn.sheet_resistance.at(common) * drawn.sheet_mismatch.at(own)
+    slow = drawn.unevenness * truncated_normal(waves, CUT)
+    return np.concatenate([[1.0], slow])[:modes] / resistance
+
+
+def _foam(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> NDArray:
+    """Capacitance of the cells over that of the session's foam, shape `grid`."""
+    drawn, (rows, columns) = scene.dataset.session, grid
+    pixels = scene.pixels.rows, scene.pixels.columns
+    if drawn.foam_pattern == "smooth":
+        slow = drawn.foam_spread * truncated_normal(random.random(len(WAVES) - 1), CUT)
+        waves = mode_values(scene, _centres(scene, grid), len(WAVES))[1:]
+        return 1 + np.einsum("k,kij", slow, waves)
+    spread = drawn.foam_spread * truncated_normal(random.random(pixels), CUT)
+    return np.kron(1 + spread, np.ones((rows // pixels[0], columns // pixels[1])))
+
+
+def _centres(scene: Scene, grid: tuple[int, int]) -> NDArray[np.float64]:
+    """Centres (x, y) of the cells in m, shape (2, row, column)."""
+    row, column = np.indices(grid) + 0.5
+    return np.stack([column * scene.skin.length / grid[1], row * scene.skin.width / grid[0]])

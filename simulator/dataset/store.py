@@ -1,0 +1,118 @@
+"""The Zarr store of a data set: made empty, filled block by block, finished with its audit.
+
+Chunks are whole blocks and appear whole or not at all. Nothing of time, place or order of work is
+written, so that the same plan gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.dataset.layout import SESSION, SWEEP, Variable, sizes, variables
+from simulator.dataset.plan import Plan
+
+if TYPE_CHECKING:
+    import zarr
+
+LEFT_OVER = "*.partial"
+LEVEL = 3
+
+
+def create(folder: Path, plan: Plan, grid: tuple[int, int], waves: int) -> None:
+    """An empty store in `folder`; nothing happens to chunks of one that is there already."""
+    group = _open(folder, "a")
+    extent = sizes(plan, grid, waves)
+    chunks = {
+        **extent,
+        SWEEP: plan.block_sessions * plan.session_sweeps,
+        SESSION: plan.block_sessions,
+    }
+    for variable in (*variables(plan), *(axis for axis, _ in _axes(plan))):
+        _create(group, variable, extent, chunks)
+    for axis, along in _axes(plan):
+        array(group, axis.name)[:] = along
+
+
+def write(folder: Path, plan: Plan, block: int, values: Mapping[str, NDArray]) -> None:
+    """Write the arrays of one block."""
+    group = _open(folder, "r+")
+    sessions = plan.sessions_of(block)
+    along = {SWEEP: plan.sweeps_of(block), SESSION: slice(sessions.start, sessions.stop)}
+    for variable in variables(plan):
+        here = along[variable.dimensions[0]]
+        array(group, variable.name)[here] = _converted(values[variable.name], variable)
+
+
+def finish(folder: Path, attributes: Mapping[str, str | int | float]) -> None:
+    """Write the attributes and gather all metadata in one file, by which readers open faster."""
+    import zarr
+
+    _open(folder, "r+").attrs.put(dict(attributes))
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Consolidated metadata is currently not part")
+        zarr.consolidate_metadata(str(folder))
+
+
+def clear_left_overs(folder: Path) -> None:
+    """Remove what a killed process had begun to write."""
+    for unfinished in folder.rglob(LEFT_OVER):
+        unfinished.unlink(missing_ok=True)
+
+
+def _open(folder: Path, mode: Any) -> zarr.Group:
+    import numcodecs.blosc
+    import zarr
+
+    numcodecs.blosc.use_threads = False  # threads would write parts in the order they finish
+    return zarr.open_group(str(folder), mode=mode, zarr_format=3, use_consolidated=False)
+
+
+def array(group: zarr.Group, name: str) -> Any:
+    """An array of the store; raises KeyError where it is not there."""
+    return group[name]
+
+
+def _axes(plan: Plan) -> list[tuple[Variable, NDArray]]:
+    scene = plan.scene
+    interfaces = np.array([interface.name for interface in scene.interfaces], dtype=object)
+    contacts = np.array([contact.name for contact in scene.contacts], dtype=object)
+    return [
+        (Variable("interface", ("interface",), "str", "how the meter is connected"), interfaces),
+        (Variable("frequency", ("frequency",), "float64", "frequency", "Hz"), scene.frequencies),
+        (Variable("contact", ("contact",), "str", "foil on a sheet"), contacts),
+    ]
+
+
+def _create(
+    group: zarr.Group, variable: Variable, extent: dict[str, int], chunks: dict[str, int]
+) -> None:
+    from zarr.codecs import BloscCodec
+
+    text = variable.dtype == "str"
+    size = 1 if text else np.dtype(variable.dtype).itemsize
+    group.create_array(
+        variable.name,
+        shape=tuple(extent[name] for name in variable.dimensions),
+        chunks=tuple(min(chunks[name], extent[name]) for name in variable.dimensions),
+        dtype=str if text else variable.dtype,
+        dimension_names=variable.dimensions,
+        attributes=dict(variable.attributes),
+        compressors=BloscCodec(
+            cname="zstd",
+            clevel=LEVEL,
+            shuffle="noshuffle" if text else "bitshuffle",
+            typesize=size,
+        ),
+        fill_value="" if text else np.dtype(variable.dtype).type(0),
+        config={"write_empty_chunks": True},
+    )
+
+
+def _converted(values: NDArray, variable: Variable) -> NDArray:
+    return values if variable.dtype == "str" else values.astype(variable.dtype)

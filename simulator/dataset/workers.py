@@ -1,0 +1,94 @@
+"""Who makes the blocks: this process, several on this machine, or a Dask cluster."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from functools import partial
+from itertools import islice
+from multiprocessing.process import BaseProcess
+from typing import Any
+
+from simulator.dataset.block import Workshop, make_block
+from simulator.sweeps import InputError
+
+AHEAD = 4
+"""Blocks handed out beforehand, for each worker."""
+RETRIES = 10
+SECONDS_TO_CONNECT = 10
+
+
+class WorkerError(RuntimeError):
+    """Workers were lost; what they finished is kept."""
+
+
+def here(workshop: Workshop, blocks: Sequence[int]) -> Iterator[int]:
+    """Make the blocks one after the other in this process; yields each when it is finished."""
+    return map(partial(make_block, workshop), blocks)
+
+
+def processes(workshop: Workshop, blocks: Sequence[int], workers: int) -> Iterator[int]:
+    """Make the blocks in so many processes on this machine; yields each when it is finished.
+
+    Raises WorkerError where a process is killed.
+    """
+    fresh = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, fresh, _end_with_parent) as pool:
+        try:
+            yield from _handed_out(partial(pool.submit, make_block, workshop), blocks, workers)
+        except BrokenProcessPool:
+            raise WorkerError("a worker was killed; the same command goes on from here") from None
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _handed_out(submit: Callable, blocks: Sequence[int], workers: int) -> Iterator[int]:
+    waiting = iter(blocks)
+    running = {submit(block) for block in islice(waiting, AHEAD * workers)}
+    while running:
+        done, running = wait(running, return_when=FIRST_COMPLETED)
+        running |= {submit(block) for block in islice(waiting, len(done))}
+        yield from sorted(future.result() for future in done)
+
+
+def _end_with_parent() -> None:
+    """Ends this process as soon as the one that started it is gone, and not by Ctrl-C before."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_outlive, args=(parent,), daemon=True).start()
+
+
+def _outlive(parent: BaseProcess) -> None:
+    parent.join()
+    os._exit(1)
+
+
+def cluster(workshop: Workshop, blocks: Sequence[int], address: str) -> Iterator[int]:
+    """Make the blocks on a Dask cluster whose workers see the same disk; yields each when finished.
+
+    Blocks of workers that die are made again by others. Raises InputError where the scheduler
+    cannot be reached, WorkerError where blocks are lost again and again.
+    """
+    from distributed import Client, KilledWorker, as_completed
+
+    try:
+        client: Any = Client(address, timeout=SECONDS_TO_CONNECT)
+    except (OSError, ValueError) as error:
+        raise InputError(f"--scheduler {address}: cannot be reached: {error}") from error
+    with client:
+        waiting = iter(blocks)
+        ahead = AHEAD * max(1, sum(client.nthreads().values()))
+        submit = partial(client.submit, make_block, workshop, pure=False, retries=RETRIES)
+        running = as_completed([submit(block) for block in islice(waiting, ahead)])
+        try:
+            for future in running:
+                yield future.result()
+                running.update([submit(block) for block in islice(waiting, 1)])
+        except KilledWorker as error:
+            raise WorkerError(f"{error}; the same command goes on from here") from None

@@ -1,0 +1,78 @@
+"""Presses that the bound does not vouch for are solved in full; nothing else is touched."""
+
+import numpy as np
+import pytest
+
+from simulator.dataset.audit import Audit, audited, together
+from simulator.dataset.presses import drawn_presses
+from simulator.dataset.session import drawn_session
+from simulator.dataset.streams import AUDIT, PRESSES, stream
+from simulator.sweeps import ToleranceError, open_zarr
+
+
+class Skin:
+    """Z is 1 in short and 2 in full; bounds as given, by the number of touched cells."""
+
+    def __init__(self, bounds, Z=1.0, exact=2.0):
+        self.bounds, self.Z, self.full, self.certified = bounds, Z, exact, []
+
+    def sweeps(self, cells, rises, starts):
+        return np.full((len(starts) - 1, 1, 3), self.Z, complex)
+
+    def certificate(self, cells, rises):
+        self.certified.append(len(cells))
+        return np.full((2, 1, 3), self.bounds[len(cells)])
+
+    def exact(self, cells, rises):
+        return np.full((1, 3), self.full, complex)
+
+
+@pytest.fixture(scope="module")
+def presses():
+    from simulator.scene_file import load_scene
+
+    return drawn_presses(load_scene("sheet-3x3"), stream(1, 0, PRESSES), 500, (3, 3))
+
+
+def audit(skin, presses, session=0):
+    return audited(skin, presses, stream(1, session, AUDIT), session, 1e-4)
+
+
+def test_a_sample_is_certified_and_its_largest_bound_kept(presses):
+    skin = Skin({0: 1e-9, 1: 2e-5, 2: 7e-5})
+    Z, found = audit(skin, presses)
+    assert found == Audit(sample=32, fallbacks=0, bound=7e-5)
+    assert (Z == 1).all()
+
+
+def test_one_sweep_in_a_thousand_is_certified(presses):
+    samples = [
+        audit(Skin({0: 0, 1: 0, 2: 0}), presses, session)[1].sample for session in range(300)
+    ]
+    assert min(samples[1:32]) == 1
+    assert np.mean(samples[32:]) == pytest.approx(0.5, abs=0.1)
+
+
+@pytest.mark.parametrize("bound", [2e-4, np.nan, np.inf])
+def test_presses_beyond_the_tolerance_are_solved_in_full(presses, bound):
+    Z, found = audit(Skin({0: 0.0, 1: 3e-5, 2: bound}), presses)
+    double = presses.touches == 2
+    np.testing.assert_array_equal(Z[:, 0, 0], np.where(double, 2, 1))
+    assert found == Audit(sample=500, fallbacks=double.sum(), bound=3e-5)
+
+
+def test_what_is_not_a_number_is_solved_in_full_or_fails_loudly(presses):
+    Z, found = audit(Skin({0: 0.0, 1: 0.0, 2: 0.0}, Z=np.nan), presses)
+    assert (Z == 2).all() and found.fallbacks == 500
+    with pytest.raises(ToleranceError, match="no finite impedance"):
+        audit(Skin({0: 0.0, 1: 0.0, 2: 0.0}, Z=np.nan, exact=np.nan), presses)
+
+
+def test_a_data_set_says_how_much_of_it_was_solved_in_full(make, toy):
+    plan = toy.small_plan(400)
+    sweeps = open_zarr(make("out", plan, doubtful=1))
+    family = toy.ToyFamily(plan.scene, doubtful=1)
+    whole = together(drawn_session(plan, family, number).audit for number in range(40))
+    assert sweeps.attrs["fallbacks"] == whole.fallbacks > 40
+    assert sweeps.attrs["audit_sample"] == whole.sample
+    assert sweeps.attrs["audit_bound"] <= 1e-4

@@ -1,0 +1,51 @@
+"""On a Dask cluster of processes, also where one of them is killed half way."""
+
+import os
+import signal
+
+import pytest
+from distributed import LocalCluster
+
+from simulator.dataset import generate
+from simulator.sweeps import InputError
+
+
+@pytest.fixture
+def cluster(toy_importable):
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as cluster:
+        yield cluster
+
+
+def test_a_worker_killed_half_way_changes_nothing(make, toy, cluster, tmp_path):
+    plan = toy.small_plan(600, block=2)
+    output = tmp_path / "out.zarr"
+    finished, killed = [], []
+
+    def kill_one_half_way(sweeps):
+        finished.append(sweeps)
+        if sum(finished) >= plan.sweeps / 2 and not killed:
+            killed.append(cluster.workers[0].pid)
+            os.kill(killed[0], signal.SIGKILL)
+
+    generate(
+        plan,
+        output,
+        scheduler=cluster.scheduler_address,
+        advance=kill_one_half_way,
+        training=toy.training(delay=0.02),
+    )
+    assert killed and sum(finished) == plan.sweeps
+    assert toy.bytes_of(output) == toy.bytes_of(make("alone", plan))
+
+
+def test_a_scheduler_that_is_not_there_is_told(toy, tmp_path, monkeypatch):
+    monkeypatch.setattr("simulator.dataset.workers.SECONDS_TO_CONNECT", 0.3)
+    with pytest.raises(InputError, match=r"--scheduler tcp://127\.0\.0\.1:1: cannot be reached"):
+        generate(
+            toy.small_plan(20),
+            tmp_path / "out.zarr",
+            scheduler="tcp://127.0.0.1:1",
+            training=toy.training(),
+        )

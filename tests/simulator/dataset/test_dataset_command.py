@@ -1,0 +1,78 @@
+"""`rcskin dataset` and `rcskin export` as their user meets them, with the reduced model."""
+
+import numpy as np
+import pytest
+
+from simulator.fidelity import Solver
+from simulator.press import parse_press
+from simulator.scene_file import BUILTIN, read_scene
+from simulator.sweeps import impedance, parallel_capacitance, read, write
+
+ALIKE = """
+[dataset.session]
+sweeps_per_session = 20
+sheet_resistance = 1.0
+sheet_mismatch = 1.0
+unevenness = 0.0
+capacitance = 1.0
+foam_spread = 0.0
+loss_tangent = 0.0
+stray_capacitance = 0.0
+lead_resistance = 0.0
+"""
+
+
+@pytest.fixture(scope="module")
+def scene_file(tmp_path_factory):
+    """sheet-3x3 at three frequencies, every skin alike, an ideal meter of many digits."""
+    text = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")
+    head, _, _ = text.partition("[sweep]")
+    path = tmp_path_factory.mktemp("scene") / "alike.toml"
+    sweep = "[sweep]\nfrequencies = [1e3, 2e4, 2e5]\n[readout]\ndisplay_digits = 12\n"
+    path.write_text(f"{head}{sweep}{ALIKE}", encoding="utf-8")
+    return path
+
+
+def test_sweeps_are_those_of_the_full_model_within_the_tolerance(run, scene_file, tmp_path):
+    output = tmp_path / "out.zarr"
+    code, out, err = run(
+        "dataset", scene_file, "--sweeps", 40, "--workers", 1, "--rtol", 1e-4, "-o", output
+    )
+    assert (code, err) == (0, "")
+    assert "40 sweeps" in out and "0 solved in full" in out
+    sweeps = read(output)
+    assert 0 < sweeps.attrs["audit_bound"] <= 1e-4
+    scene = read_scene(scene_file)
+    solver = Solver(scene, 1e-6)
+    for k in range(0, 40, 5):
+        Z = solver.solve(parse_press(sweeps["press"].values[k], np.nan)).Z
+        np.testing.assert_allclose(impedance(sweeps)[k].real, Z.real, rtol=1e-4)
+        Cp = parallel_capacitance(Z, scene.frequencies)
+        np.testing.assert_allclose(sweeps["Cp"][k], Cp, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["sheet-3x3", "--sweeps", 0, "-o", "out.zarr"], "`sweeps` must be >= 1, got 0"),
+        (["sheet-3x3", "--sweeps", 5, "-o", "out.nc"], "out.nc: must end in .zarr, got '.nc'"),
+        (["sheet-9x9", "--sweeps", 5, "-o", "out.zarr"], "sheet-9x9: no such file"),
+        (
+            ["sheet-3x3", "--sweeps", 5, "--workers", 0, "-o", "out.zarr"],
+            "--workers must be >= 1, got 0",
+        ),
+    ],
+)
+def test_bad_input_ends_with_one_line_and_code_2(run, tmp_path, monkeypatch, arguments, told):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run("dataset", *arguments)
+    assert (code, out) == (2, "")
+    assert told in err and err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_export_writes_what_its_ending_says(run, make_sweeps, tmp_path):
+    write(make_sweeps(), tmp_path / "data.zarr")
+    code, out, err = run("export", tmp_path / "data.zarr", "-o", tmp_path / "out.nc")
+    assert (code, out, err) == (0, "", "")
+    np.testing.assert_array_equal(read(tmp_path / "out.nc")["Cp"], make_sweeps()["Cp"])

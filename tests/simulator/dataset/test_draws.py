@@ -1,0 +1,155 @@
+"""What is drawn: of the presses, of the skins, and from which random numbers."""
+
+import numpy as np
+import pytest
+
+from simulator.dataset.presses import cells_of_pixels, drawn_presses
+from simulator.dataset.skins import Leads, drawn_skin
+from simulator.dataset.streams import PRESSES, SKIN, stream
+from simulator.distribution import Uniform
+from simulator.foam import capacitance_map, grid_map
+from simulator.press import Touch, parse_press
+from simulator.scene_file import load_scene
+
+SCENE = load_scene("sheet-3x3")
+GRID = (6, 9)
+
+
+def with_press(**press):
+    drawn = SCENE.dataset.press.model_copy(update=press)
+    return SCENE.model_copy(update={"dataset": SCENE.dataset.model_copy(update={"press": drawn})})
+
+
+def with_session(**session):
+    drawn = SCENE.dataset.session.model_copy(update=session)
+    return SCENE.model_copy(update={"dataset": SCENE.dataset.model_copy(update={"session": drawn})})
+
+
+def maps(presses, grid):
+    """c over that at rest of each press, shape (press, row, column)."""
+    found = np.ones((len(presses.text), grid[0] * grid[1]))
+    for k in range(len(presses.text)):
+        cells, rises = presses.one(k)
+        found[k, cells] += rises
+    return found.reshape(-1, *grid)
+
+
+def test_streams_differ_by_seed_session_and_purpose_only():
+    draws = [stream(*key).random() for key in [(1, 0, 0), (1, 0, 1), (1, 1, 0), (2, 0, 0)]]
+    assert len(set(draws)) == 4
+    assert stream(1, 0, SKIN).random() == draws[0]
+
+
+def test_presses_on_pixels_are_what_their_texts_say():
+    presses = drawn_presses(SCENE, stream(1, 0, PRESSES), 300, GRID)
+    rest = SCENE.skin.foam.rest_capacitance_per_area
+    for k, (text, cells) in enumerate(zip(presses.text, maps(presses, GRID), strict=True)):
+        press = parse_press(text, default_factor=np.nan)
+        assert str(press) == text
+        assert (presses.row[k], presses.column[k]) == press.pixel
+        assert presses.touches[k] == len(press.touches)
+        pixels = np.kron(capacitance_map(SCENE, press) / rest, np.ones((2, 3)))
+        np.testing.assert_allclose(cells, pixels, rtol=1e-14)
+        for touch, x, y, factor in zip(
+            press.touches, presses.x[k], presses.y[k], presses.factor[k], strict=False
+        ):
+            assert isinstance(touch, Touch)
+            assert (x, y) == pytest.approx(
+                (
+                    (touch.column - 0.5) * SCENE.skin.length / 3,
+                    (touch.row - 0.5) * SCENE.skin.width / 3,
+                )
+            )
+            assert factor == touch.factor
+
+
+def test_touches_come_as_often_as_told_and_everywhere_alike():
+    presses = drawn_presses(with_press(touches=(0.2, 0.5, 0.3)), stream(3, 0, 0), 20_000, (3, 3))
+    shares = np.bincount(presses.touches) / 20_000
+    np.testing.assert_allclose(shares, [0.2, 0.5, 0.3], atol=0.015)
+    pressed = (maps(presses, (3, 3)) != 1).mean(axis=0)
+    np.testing.assert_allclose(pressed, (0.5 + 2 * 0.3) / 9, atol=0.01)
+
+
+def test_without_a_chance_there_is_never_a_touch_and_two_fit_on_two_pixels():
+    none = drawn_presses(with_press(touches=(1.0,)), stream(3, 0, 0), 50, (3, 3))
+    assert set(none.text) == {"none"} and none.cells.size == 0
+    strip = load_scene("strip-1x3")
+    both = strip.dataset.press.model_copy(update={"touches": (0.0, 0.0, 1.0)})
+    strip = strip.model_copy(update={"dataset": strip.dataset.model_copy(update={"press": both})})
+    presses = drawn_presses(strip, stream(3, 0, 0), 200, (1, 3))
+    assert (
+        len({text.split(":")[0] + text.split("+")[1].split(":")[0] for text in presses.text}) == 3
+    )
+
+
+def test_touches_anywhere_lie_on_the_skin_and_cover_what_the_foam_says():
+    scene = with_press(place="anywhere", size=Uniform(low=0.01, high=0.03))
+    presses = drawn_presses(scene, stream(1, 0, PRESSES), 60, (12, 12))
+    kinds = " ".join(presses.text)
+    assert "rect(" in kinds and "disc(" in kinds
+    for text, cells in zip(presses.text, maps(presses, (12, 12)), strict=True):
+        press = parse_press(text, default_factor=np.nan)
+        assert str(press) == text
+        np.testing.assert_allclose(cells, grid_map(scene, press, 12, 12), rtol=1e-13)
+        for touch in press.touches:
+            box = touch.box
+            assert min(box.left, box.bottom) >= -1e-6
+            assert box.right <= scene.skin.length + 1e-6 and box.top <= scene.skin.width + 1e-6
+    assert set(presses.row[presses.touches > 0]) == {-1}
+    assert set(presses.row[presses.touches == 0]) == {0}
+
+
+def test_cells_of_pixels_tile_the_grid():
+    cells = cells_of_pixels(SCENE, GRID)
+    assert cells.shape == (9, 6)
+    np.testing.assert_array_equal(np.sort(cells.ravel()), np.arange(54))
+    np.testing.assert_array_equal(cells[1], [3, 4, 5, 12, 13, 14])
+
+
+def skins(scene, count=400, modes=4):
+    return [drawn_skin(scene, 5, session, (3, 3), modes) for session in range(count)]
+
+
+def test_skins_vary_as_much_as_told():
+    drawn = skins(
+        with_session(sheet_resistance=1.0, foam_spread=0.05).model_validate(
+            with_session(foam_spread=0.05).model_dump()
+        )
+    )
+    top = np.array([skin.variation.top for skin in drawn])
+    bottom = np.array([skin.variation.bottom for skin in drawn])
+    assert np.log(top[:, 0]).std() == pytest.approx(np.hypot(0.05, 0.03), rel=0.15)
+    assert np.log(top[:, 0] / bottom[:, 0]).std() == pytest.approx(0.03 * np.sqrt(2), rel=0.15)
+    np.testing.assert_allclose((top[:, 1:] / top[:, :1]).std(axis=0), 0.02, rtol=0.15)
+    c = np.array([skin.variation.capacitance for skin in drawn])
+    assert c.mean(axis=(1, 2)).std() == pytest.approx(np.hypot(0.03, 0.05 / 3), rel=0.15)
+    assert (c / c.mean(axis=(1, 2), keepdims=True)).std() == pytest.approx(0.05, rel=0.1)
+
+
+def test_no_skin_leaves_the_range_told():
+    scene = with_session(foam_pattern="smooth")
+    session = scene.dataset.session
+    for skin in skins(scene, 100):
+        low, high = session.sheet_range
+        assert low <= 1 / skin.variation.top[0] <= high
+        low, high = session.unevenness_range
+        assert (np.abs(skin.variation.top[1:] / skin.variation.top[0]) <= high).all()
+        low, high = session.foam_range
+        assert low <= skin.variation.capacitance.min() <= skin.variation.capacitance.max() <= high
+        assert 0 <= skin.variation.loss_tangent - scene.skin.foam.loss_tangent <= 0.02
+
+
+def test_fewer_modes_are_the_first_of_the_same_draw():
+    four, one = skins(SCENE, 3), skins(SCENE, 3, modes=1)
+    for more, fewer in zip(four, one, strict=True):
+        np.testing.assert_array_equal(more.variation.top[:1], fewer.variation.top)
+        np.testing.assert_array_equal(more.variation.capacitance, fewer.variation.capacitance)
+
+
+def test_leads_are_a_capacitance_beside_the_skin_and_a_resistance_before_both():
+    f = np.array([1e3, 1e5])
+    Z = np.array([1e5 - 2e6j, 4e4 - 3e4j])
+    expected = 2.0 + 1 / (1 / Z + 2j * np.pi * f * 3e-12)
+    np.testing.assert_allclose(Leads(3e-12, 2.0).seen_through(Z, f), expected, rtol=1e-14)
+    np.testing.assert_array_equal(Leads(0.0, 0.0).seen_through(Z, f), Z)

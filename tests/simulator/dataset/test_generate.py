@@ -1,0 +1,147 @@
+"""What a data set holds, and that nothing but its plan decides it."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from simulator.dataset import Plan
+from simulator.dataset.session import drawn_session
+from simulator.dataset.store import finish
+from simulator.distribution import Fixed
+from simulator.readout import displayed
+from simulator.scene import Readout
+from simulator.scene_file import load_scene, scene_text
+from simulator.sweeps import InputError, impedance, open_zarr, read
+
+NOTHING = {
+    "sheet_resistance": Fixed(value=1.0),
+    "sheet_mismatch": Fixed(value=1.0),
+    "unevenness": 0.0,
+    "capacitance": Fixed(value=1.0),
+    "foam_spread": 0.0,
+    "loss_tangent": Fixed(value=0.0),
+    "contact_resistance": Fixed(value=1.0),
+    "stray_capacitance": Fixed(value=0.0),
+    "lead_resistance": Fixed(value=0.0),
+}
+
+
+def test_any_number_of_processes_gives_the_same_bytes(make, toy):
+    alone, together = make("alone"), make("together", processes=2)
+    assert len(list((alone / "Rs" / "c").iterdir())) == 10
+    assert toy.bytes_of(alone) == toy.bytes_of(together)
+    assert [path.name for path in sorted(alone.parent.iterdir())] == ["alone.zarr", "together.zarr"]
+
+
+def test_a_sweep_depends_neither_on_how_many_there_are_nor_on_blocks(make, toy):
+    few, many = read(make("few", toy.small_plan(123))), read(make("many", toy.small_plan(456)))
+    small_blocks = read(make("blocks", toy.small_plan(123, block=1)))
+    for name in few.variables:
+        along = {d: slice(few.sizes[d]) for d in many[name].dims}
+        np.testing.assert_array_equal(few[name].values, many[name].isel(along).values)
+        np.testing.assert_array_equal(few[name].values, small_blocks[name].values)
+
+
+def test_seeds_give_other_sweeps(make, toy):
+    first, second = (read(make(str(s), toy.small_plan(50, seed=s))) for s in (1, 2))
+    assert not np.isclose(first["Rs"], second["Rs"], rtol=1e-6).any()
+
+
+def test_it_is_sweeps_with_their_scene_and_what_was_drawn(make, toy):
+    plan = toy.small_plan(95)
+    path = make("out", plan)
+    sweeps = xr.open_zarr(path)
+    assert dict(sweeps.sizes) | {"sweep": 95, "drawn_session": 10} == dict(sweeps.sizes)
+    assert {"press", "row", "column", "session"} <= set(sweeps.coords)
+    np.testing.assert_array_equal(sweeps["session"], np.arange(95) // 10)
+    np.testing.assert_array_equal(sweeps["frequency"], plan.scene.frequencies)
+    assert sweeps["Rs"].dtype == np.float32 and sweeps["Cp"].attrs["units"] == "F"
+    assert sweeps.attrs["scene"] == scene_text(plan.scene)
+    assert (sweeps.attrs["seed"], sweeps.attrs["rtol"]) == (1, 1e-4)
+    assert (sweeps.attrs["audit_bound"], sweeps.attrs["fallbacks"]) == (3e-6, 0)
+    session = drawn_session(plan, toy.ToyFamily(plan.scene), 4)
+    drawn = sweeps.isel(drawn_session=4)
+    np.testing.assert_array_equal(drawn["drawn_top"], session.skin.variation.top)
+    assert drawn["drawn_stray_capacitance"] == session.skin.leads.stray_capacitance
+    np.testing.assert_array_equal(drawn["drawn_meter_gain"], session.meter.gain[:, 0])
+
+
+def test_without_any_variation_it_is_the_model_to_the_digits_displayed(make, toy):
+    plan = toy.small_plan(100, **NOTHING)
+    plan = Plan(plan.scene.model_copy(update={"readout": Readout()}), 100, 1, 1e-4)
+    sweeps = read(make("out", plan))
+    session = drawn_session(plan, toy.ToyFamily(plan.scene), 0)
+    model = toy.ToyFamily(plan.scene).skin(session.skin.variation)
+    Z = model.sweeps(session.presses.cells, session.presses.rises, session.presses.starts)
+    np.testing.assert_allclose(sweeps["Rs"][:10], displayed(Z.real, 6), rtol=1e-7)
+    np.testing.assert_allclose(sweeps["X"][:10], displayed(Z.imag, 6), rtol=1e-7)
+
+
+def test_more_digits_than_single_precision_keeps_are_stored_in_double(make, toy):
+    plan = toy.small_plan(10)
+    scene = plan.scene.model_copy(update={"readout": Readout(display_digits=9)})
+    sweeps = read(make("out", Plan(scene, 10, 1, 1e-4)))
+    assert sweeps["Rs"].dtype == np.float64
+    np.testing.assert_array_equal(sweeps["Rs"], displayed(sweeps["Rs"].values, 9))
+
+
+def test_the_meter_errs_as_the_scene_tells(make, toy):
+    noise = Readout(magnitude_accuracy=0.01, magnitude_noise=0.003, phase_noise=0.002)
+    plain = toy.small_plan(2000, **NOTHING)
+    exact, noisy = (
+        Plan(plain.scene.model_copy(update={"readout": readout}), 2000, 1, 1e-4)
+        for readout in (Readout(display_digits=12), noise)
+    )
+    ratio = impedance(read(make("noisy", noisy))) / impedance(read(make("exact", exact)))
+    by_session = np.abs(ratio).reshape(200, -1)
+    assert by_session.mean(axis=1).std() == pytest.approx(0.01, rel=0.2)
+    assert (by_session / by_session.mean(axis=1, keepdims=True)).std() == pytest.approx(
+        0.003, rel=0.05
+    )
+    assert np.angle(ratio).std() == pytest.approx(0.002, rel=0.05)
+
+
+def test_finishing_twice_changes_nothing(make, toy):
+    path = make("out", toy.small_plan(30))
+    before = toy.bytes_of(path)
+    finish(path, xr.open_zarr(path).attrs)
+    assert toy.bytes_of(path) == before
+
+
+def test_it_is_read_in_chunks_where_asked(make, toy):
+    path = make("out", toy.small_plan(40))
+    lazy, loaded = open_zarr(path), read(path)
+    assert lazy["Rs"].chunks is not None and loaded["Rs"].chunks is None
+    np.testing.assert_array_equal(lazy["Rs"].values, loaded["Rs"].values)
+    assert loaded["press"].dtype == object and loaded["interface"].dtype == object
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"sweeps": 0}, "`sweeps` must be >= 1, got 0"),
+        ({"seed": -1}, r"`seed` must be in 0\.\."),
+        ({"rtol": 0.0}, "`rtol` must be between 0 and 1, got 0"),
+    ],
+)
+def test_plans_out_of_range_are_refused(change, told):
+    with pytest.raises(InputError, match=told):
+        Plan(**{"scene": load_scene("sheet-3x3"), "sweeps": 5, "seed": 1, "rtol": 1e-4, **change})
+
+
+def test_sessions_that_do_not_fit_in_memory_are_refused(make_scene):
+    scene = make_scene(rows=2, columns=2, frequencies=range(1, 101)).model_dump()
+    scene["dataset"]["session"]["sweeps_per_session"] = 50_000
+    with pytest.raises(
+        InputError, match=r"`dataset\.session\.sweeps_per_session` must be <= 41943"
+    ):
+        Plan(type(make_scene()).model_validate(scene), 1, 1, 1e-4)
+
+
+def test_presses_that_do_not_fit_the_skin_are_refused(make_scene):
+    with pytest.raises(InputError, match=r"`dataset\.press\.touches` allows 2 touches at once"):
+        Plan(make_scene(), 1, 1, 1e-4)
+    scene = make_scene(rows=2, columns=2, width=0.015).model_dump()
+    scene["dataset"]["press"]["place"] = "anywhere"
+    with pytest.raises(InputError, match=r"`dataset\.press\.size` must be <= 0\.015 m"):
+        Plan(type(make_scene()).model_validate(scene), 1, 1, 1e-4)

@@ -1,0 +1,121 @@
+"""Killed at any point and started again, a data set ends with the same bytes."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from simulator.dataset import generate
+from simulator.sweeps import InputError
+
+RUN = [sys.executable, "-c", "import toy_family; toy_family.main()"]
+SWEEPS = 400
+
+
+@pytest.fixture
+def tokens(tmp_path_factory):
+    """A folder of tokens, as `ToyFamily` takes them."""
+    return tmp_path_factory.mktemp("tokens")
+
+
+def started(output, processes, tokens):
+    return subprocess.Popen([*RUN, output, str(SWEEPS), str(processes), tokens])
+
+
+def finished_blocks(output):
+    return len(list(output.parent.glob(f".{output.name}.unfinished/finished/[0-9]*.json")))
+
+
+def killed_after(sessions, tokens, process):
+    """Killed within a block, or soon after its start where it may begin no session."""
+    for number in range(sessions):
+        (tokens / str(number)).touch()
+    while any(tokens.iterdir()):
+        time.sleep(0.01)
+    time.sleep(0.1)
+    assert process.poll() is None
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+
+
+@pytest.mark.parametrize(("processes", "kills"), [(1, [0, 7, 1]), (2, [9])])
+def test_killed_several_times_it_ends_with_the_same_bytes(
+    make, toy, tmp_path, tokens, processes, kills
+):
+    whole = toy.bytes_of(make("whole", toy.small_plan(SWEEPS, block=2)))
+    output = tmp_path / "out.zarr"
+    for sessions in kills:
+        killed_after(sessions, tokens, started(output, processes, tokens))
+        assert not output.exists()
+    assert 0 < finished_blocks(output) < SWEEPS // 20
+    tokens.rmdir()
+    assert started(output, processes, tokens).wait() == 0
+    assert toy.bytes_of(output) == whole
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.zarr", "whole.zarr"]
+
+
+def test_two_processes_do_not_write_one_output(make, toy, tmp_path, tokens):
+    first = started(tmp_path / "out.zarr", 1, tokens)
+    (tokens / "0").touch()
+    while any(tokens.iterdir()):
+        time.sleep(0.01)
+    with pytest.raises(InputError, match=r"out\.zarr: another process is writing it"):
+        make("out", toy.small_plan(SWEEPS, block=2))
+    tokens.rmdir()
+    assert first.wait() == 0
+
+
+def interrupted(toy, output, plan):
+    """A run that ends after its first block."""
+
+    def stop(sweeps):
+        if sweeps:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        generate(plan, output, advance=stop, training=toy.training())
+
+
+@pytest.mark.parametrize(
+    ("other", "told"),
+    [
+        ({"seed": 2}, "seed 1 where 2 is asked"),
+        ({"sweeps": 90}, "sweeps 100 where 90 is asked"),
+        ({"foam_spread": 0.0}, "another scene"),
+    ],
+)
+def test_another_plan_is_refused_unfinished_or_whole(make, toy, tmp_path, other, told):
+    plan = toy.small_plan(100, block=2)
+    changed = toy.small_plan(**{"sweeps": 100, "block": 2, **other})
+    interrupted(toy, tmp_path / "out.zarr", plan)
+    with pytest.raises(InputError, match=f"an unfinished data set has {told}"):
+        make("out", changed)
+    make("out", plan)
+    with pytest.raises(InputError, match=f"exists with {told}"):
+        make("out", changed)
+
+
+def test_a_whole_data_set_is_left_alone(make, toy):
+    before = os.stat(make("out", toy.small_plan(50))).st_mtime_ns
+    assert os.stat(make("out", toy.small_plan(50))).st_mtime_ns == before
+
+
+def test_what_is_no_data_set_is_never_replaced(make, toy, tmp_path):
+    (tmp_path / "out.zarr").mkdir()
+    (tmp_path / "out.zarr" / "kept.txt").write_text("mine")
+    with pytest.raises(InputError, match="exists with no data set; remove it"):
+        make("out", toy.small_plan(10))
+    assert (tmp_path / "out.zarr" / "kept.txt").read_text() == "mine"
+    assert [path.name for path in tmp_path.iterdir()] == ["out.zarr"]
+
+
+def test_what_is_left_of_half_a_write_does_not_stay(make, toy, tmp_path):
+    plan = toy.small_plan(100, block=2)
+    interrupted(toy, tmp_path / "out.zarr", plan)
+    chunks = tmp_path / ".out.zarr.unfinished" / "data.zarr" / "Rs" / "c" / "3" / "0"
+    chunks.mkdir(parents=True, exist_ok=True)
+    (chunks / "0.6f1.partial").write_bytes(b"half")
+    assert toy.bytes_of(make("out", plan)) == toy.bytes_of(make("whole", plan))
