@@ -27,7 +27,7 @@ from simulator.frequency import laplace_variable
 from simulator.ladder import Ladder
 from simulator.mesh import Resolution
 from simulator.press import Press, Touch
-from simulator.reduced_kernel import Feed, Rest, swept, written_out
+from simulator.reduced_kernel import Feed, Rest, swept
 from simulator.scene import Scene
 from simulator.sheet import one_blas_thread
 from simulator.sweeps import ToleranceError
@@ -199,10 +199,10 @@ class ReducedSkin:
     ) -> list[tuple[NDArray[np.complex128], NDArray[np.complex128]]]:
         """Potentials of each drive at 1 V in the model's coordinates, shape (N + n, s), and Y in S.
 
-        One dense complex system for each s.
+        One small complex system for each s.
         """
-        mass = written_out(self.rest, cells, rises * self.rest_factors[cells])
-        found = [_solved(driven, mass, s) for driven in self._drives]
+        weights = rises * self.rest_factors[cells]
+        found = [_solved(driven, self.rest, cells, weights, s) for driven in self._drives]
         return [(self.turn @ u, Y) for u, Y in found]
 
     def _stiffness(self) -> NDArray[np.float64]:
@@ -265,16 +265,36 @@ def _feed(driven: Driven) -> Feed:
 
 
 def _solved(
-    driven: Driven, mass: NDArray[np.float64], s: NDArray[np.complex128]
+    driven: Driven,
+    rest: Rest,
+    cells: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    s: NDArray[np.complex128],
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    n = len(mass) - len(driven.potential)
-    potential = np.concatenate([driven.potential, np.zeros(n)])
-    floating = np.vstack([driven.floating, np.zeros((n, len(driven.common)))])
-    allowed = np.hstack([floating, np.eye(len(mass), n, n - len(mass))])
-    K = np.eye(allowed.shape[1])
-    K[:-n, :-n] = driven.floating_conductance
-    charge = mass @ potential
-    M, right = allowed.T @ mass @ allowed, allowed.T @ charge
-    follow = np.stack([-np.linalg.solve(K + each * M, each * right) for each in s], axis=1)
-    Y = driven.conductance + s * (potential @ charge + right @ follow)
-    return (potential[:, None] + allowed @ follow).astype(np.complex128), Y
+    """Potentials at 1 V, shape (N + n, s), and Y in S; weights: rises of the cells' M.
+
+    K + s M is diagonal in the basis but for floating terminals f and what the cells' factors U see
+    of it, z = U v: they are solved for, and v follows.
+    """
+    N, F = len(driven.potential), driven.floating
+    U = rest.factors[cells].reshape(-1, rest.factors.shape[2])
+    C = np.repeat(weights, rest.factors.shape[1])
+    rows = rest.rows + (U[:, :N].T * C) @ U
+    charge = driven.potential @ rows
+    beside = np.vstack([F.T @ rows[:, N:], U[:, N:]])
+    floats = F.shape[1]
+    weighed = np.concatenate([np.ones(floats), C])
+    P = 1 / (1 + s[:, None] * rest.diagonal)
+    sign = np.repeat(np.stack([-(s**2), s], axis=1), [floats, len(C)], axis=1)
+    seen = (beside * P[:, None]) @ beside.T
+    own = np.zeros((len(s), len(weighed), len(weighed)), dtype=complex)
+    own[:, :floats, :floats] = driven.floating_conductance
+    own[:, :floats, :floats] += s[:, None, None] * (F.T @ rows[:, :N] @ F)
+    own[:, range(floats, len(weighed)), range(floats, len(weighed))] = 1.0
+    right = -sign * ((P * charge[N:]) @ beside.T)
+    right[:, :floats] -= s[:, None] * (F.T @ charge[:N])
+    found = np.linalg.solve(own + sign[:, :, None] * seen * weighed, right[:, :, None])[:, :, 0]
+    v = -s[:, None] * P * (charge[N:] + (found * weighed) @ beside)
+    at_terminals = driven.potential + found[:, :floats] @ F.T
+    Y = driven.conductance + s * (at_terminals @ charge[:N] + v @ charge[N:])
+    return np.hstack([at_terminals, v]).T, Y

@@ -31,14 +31,14 @@ SHARE = 0.5
 """Of the tolerance, for the mesh; the rest is for the basis."""
 FIRST_DRAWS, MOST_FIRST_DRAWS = 4, 400
 BATCH, WORST = 32, 8
-QUIET_BATCHES = 2
-LARGEST = 400
+QUIET_DRAWS = 64
+LARGEST = 600
 MESH_DRAWS = 4
 FREQUENCIES = 6
 SNAPSHOT_RTOL = 1e-6
 WORTH_ADDING = 0.3
 """Of the most that any of the worst cases lacks: so much is added whatever the tolerance."""
-CERTIFIED_SHARE = 0.9
+CERTIFIED_SHARE = 0.7
 COMPRESSED_SHARE = 0.01
 DROPPED_SHARE = 0.1
 """Of the tolerance: what any snapshot of unit energy may lose of that."""
@@ -144,15 +144,15 @@ class _Basis:
         self._pixels = family.pixel_factors()
 
     def grow(self, draw: Draw, random: np.random.Generator) -> Reduced:
-        """Until QUIET_BATCHES of fresh draws keep what the mesh leaves of the tolerance."""
+        """Until enough fresh draws in a row keep what the mesh leaves of the tolerance."""
         pixels, left = self.family.scene.pixels, self.rtol - self.mesh_error
         first = min(FIRST_DRAWS * pixels.rows * pixels.columns, MOST_FIRST_DRAWS)
         self._add([draw(random) for _ in range(first)])
         quiet, reduced = 0, self._reduced()
-        while quiet < QUIET_BATCHES:
+        while quiet < max(QUIET_DRAWS, pixels.rows * pixels.columns // 2):
             cases = [draw(random) for _ in range(BATCH)]
             bounds = self._bounds(reduced, cases)
-            quiet += 1
+            quiet += BATCH
             if not bounds.max() <= CERTIFIED_SHARE * left:
                 worst = np.argsort(bounds)[-WORST:]
                 self._add([cases[k] for k in worst])

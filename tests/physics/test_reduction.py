@@ -103,6 +103,16 @@ def test_the_kernel_and_its_readable_twin_agree(families):
             np.testing.assert_allclose(fused, readable, rtol=1e-11)
 
 
+def test_the_potentials_of_a_certificate_are_those_of_the_sweep(families):
+    for reduced in families.values():
+        own, (case,) = reduced.skin(None), drawn(reduced.scene, 1)
+        cells, rises, starts = batch([case])
+        for feed, (u, Y) in zip(own.feeds, own.solved(cells, rises, own.s), strict=True):
+            swept_Y = swept(own.rest, feed, cells, rises, starts, own.s, 1e-13)[0]
+            np.testing.assert_allclose(Y, swept_Y, rtol=1e-9)
+            assert u.shape == (len(own.turn), len(own.s))
+
+
 def test_every_vector_is_orthonormal_in_K(families):
     for reduced in families.values():
         K = reduced.family.space.K
