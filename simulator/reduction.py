@@ -29,10 +29,10 @@ from simulator.variation import Variation
 
 SHARE = 0.5
 """Of the tolerance, for the mesh; the rest is for the basis."""
-FIRST_DRAWS, MOST_FIRST_DRAWS = 4, 400
-BATCH, WORST = 32, 8
-QUIET_DRAWS = 64
-LARGEST = 600
+FIRST_DRAWS, MOST_FIRST_DRAWS, AT_ONCE = 4, 2000, 100
+BATCH = 32
+FEWEST_QUIET, MOST_QUIET = 64, 192
+LARGEST = 1200
 MESH_DRAWS = 4
 FREQUENCIES = 6
 SNAPSHOT_RTOL = 1e-6
@@ -40,7 +40,7 @@ WORTH_ADDING = 0.3
 """Of the most that any of the worst cases lacks: so much is added whatever the tolerance."""
 CERTIFIED_SHARE = 0.7
 COMPRESSED_SHARE = 0.01
-DROPPED_SHARE = 0.1
+DROPPED_SHARE = 0.2
 """Of the tolerance: what any snapshot of unit energy may lose of that."""
 
 
@@ -147,15 +147,17 @@ class _Basis:
         """Until enough fresh draws in a row keep what the mesh leaves of the tolerance."""
         pixels, left = self.family.scene.pixels, self.rtol - self.mesh_error
         first = min(FIRST_DRAWS * pixels.rows * pixels.columns, MOST_FIRST_DRAWS)
-        self._add([draw(random) for _ in range(first)])
+        for start in range(0, first, AT_ONCE):
+            self._add([draw(random) for _ in range(min(AT_ONCE, first - start))])
         quiet, reduced = 0, self._reduced()
-        while quiet < max(QUIET_DRAWS, pixels.rows * pixels.columns // 2):
+        enough = min(max(FEWEST_QUIET, pixels.rows * pixels.columns // 2), MOST_QUIET)
+        while quiet < enough:
             cases = [draw(random) for _ in range(BATCH)]
             bounds = self._bounds(reduced, cases)
             quiet += BATCH
-            if not bounds.max() <= CERTIFIED_SHARE * left:
-                worst = np.argsort(bounds)[-WORST:]
-                self._add([cases[k] for k in worst])
+            bad = np.flatnonzero(~(bounds <= CERTIFIED_SHARE * left))
+            if bad.size:
+                self._add([cases[k] for k in bad])
                 quiet, reduced = 0, self._reduced()
             if reduced.size > LARGEST:
                 told = f"{bounds.max():.1e} with {reduced.size} vectors"

@@ -21,11 +21,14 @@ def test_two_commands_do_all_the_set_up():
     assert "pytest" in commands[1]
 
 
-def test_the_example_runs(capsys):
-    (example,) = blocks("python")
-    exec(compile(example, "README.md", "exec"), {})
+def test_the_examples_run_one_after_the_other(capsys):
+    names = {}
+    for example in blocks("python"):
+        exec(compile(example, "README.md", "exec"), names)
     shown = capsys.readouterr().out
     assert len(re.findall(r"\d+\.\d+", shown)) == 20
+    assert names["Z"].shape == (2, 1, 20)
+    assert (names["bound"] <= 1e-5).all()
 
 
 def test_every_link_leads_to_a_file():
