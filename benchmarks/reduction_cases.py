@@ -155,8 +155,14 @@ def sharpened(reduced: Reduced) -> Reduced:
 def against_exact(skin: ReducedSkin, presses: Presses) -> tuple[NDArray, NDArray]:
     """What the basis leaves out of each press, and its certificate; shape (press,)."""
     Z = presses.solved(skin)
-    errors = [worst(one, skin.exact(*press)) for one, press in zip(Z, presses, strict=True)]
+    errors = [worst(one, unreduced(skin, *press)) for one, press in zip(Z, presses, strict=True)]
     return np.array(errors), np.array([skin.certificate(*press).max() for press in presses])
+
+
+def unreduced(skin: ReducedSkin, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> Impedance:
+    """Z in ohm of one press on the very mesh that was reduced, shape (interface, frequency)."""
+    reduced = skin.reduced
+    return reduced.family.solved(skin.variation, skin.map_of(cells, rises), reduced.rtol)[0]
 
 
 def microseconds(skin: ReducedSkin, scene: Scene, count: int = BATCH) -> float:
