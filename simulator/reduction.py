@@ -29,7 +29,7 @@ from simulator.variation import Variation
 
 SHARE = 0.5
 """Of the tolerance, for the mesh; the rest is for the basis."""
-FIRST_DRAWS, MOST_FIRST_DRAWS, AT_ONCE = 4, 2000, 100
+FIRST_DRAWS, MOST_FIRST_DRAWS, AT_ONCE = 6, 4000, 100
 BATCH = 32
 FEWEST_QUIET, MOST_QUIET = 64, 192
 LARGEST = 1200
@@ -40,7 +40,7 @@ WORTH_ADDING = 0.3
 """Of the most that any of the worst cases lacks: so much is added whatever the tolerance."""
 CERTIFIED_SHARE = 0.7
 COMPRESSED_SHARE = 0.01
-DROPPED_SHARE = 0.2
+DROPPED_SHARE = 0.1
 """Of the tolerance: what any snapshot of unit energy may lose of that."""
 
 
