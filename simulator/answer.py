@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from simulator.estimate import SAFETY
+from simulator.leads import Leads
 from simulator.sweeps import parallel_capacitance
 
 
@@ -51,6 +53,19 @@ class Answer:
         """Estimated errors of Rs and Cp as fractions of their values."""
         Cp = parallel_capacitance(self.Z, self.frequency)
         return self.Rs_error / np.abs(self.Z.real), self.Cp_error / np.abs(Cp)
+
+    def seen_through(self, leads: Leads) -> Answer:
+        """The same at the meter's end of the leads.
+
+        The error of Z is taken to be SAFETY times as large as that of Rs or of Cp tells: near a
+        phase of -45 degrees Cp does not tell X.
+        """
+        if leads.ideal:
+            return self
+        Z, omega = leads.seen_through(self.Z, self.frequency), 2 * np.pi * self.frequency
+        off = SAFETY * np.maximum(self.Rs_error, omega * self.Cp_error * np.abs(self.Z) ** 2)
+        off /= np.abs(1 + 1j * omega * leads.stray_capacitance * self.Z) ** 2
+        return replace(self, Z=Z, Rs_error=off, Cp_error=off / (omega * np.abs(Z) ** 2))
 
     def told(self) -> list[str]:
         """For people: each model with its frequencies and errors, then what was rejected."""

@@ -61,7 +61,7 @@ class Family:
         factors: c over the scene's own at rest, shape (row, column). The error is the largest of Rs
         and Cp, relatively, estimated by elements of one order more as `fidelity` does.
         """
-        tan = (variation or self.scene.skin.foam).loss_tangent
+        loss = (variation or self.scene.skin.foam).loss
         frequency = self.scene.frequencies
         around = frequencies_around(frequency)
         system = self.system if variation is None else self.varied(variation)
@@ -71,7 +71,7 @@ class Family:
                 space,
                 self.mass(factors),
                 self.circuit.drives,
-                laplace_variable(around, tan),
+                laplace_variable(around, loss),
                 KRYLOV_SHARE * rtol,
             )
             for space in spaces

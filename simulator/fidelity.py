@@ -45,6 +45,7 @@ GAIN = 0.1
 SEPARABLE_SHARE = 0.3
 """Of the tolerance: the certificate is several times the error."""
 SHEETS_KEPT = 16
+CLOSER = 0.1
 LUMPED = "one R and one C"
 TRAINED = (0.5, 3.0)
 """Factors of capacitance that a reduced model is trained on."""
@@ -67,7 +68,8 @@ class Solver:
         """rtol: largest relative error of Rs and of Cp. Raises InputError where it is not > 0."""
         if not (np.isfinite(rtol) and rtol > 0):
             raise InputError(f"`rtol` must be finite and > 0, got {rtol}")
-        self.scene, self.rtol, self.model = scene, rtol, model
+        self.scene, self.rtol = scene, rtol
+        self.model: ModelName = model
         self._sheets: dict[Resolution, Sheet] = {}
 
     @cached_property
@@ -77,9 +79,23 @@ class Solver:
     def solve(self, press: Press) -> Answer:
         """The answer, at each frequency, of the cheapest rung that keeps the tolerance.
 
-        Raises ToleranceError where none does, InputError where a model asked for by name does not
-        apply to the scene or the press.
+        Behind leads the skin is solved as much closer as they need for it. Raises ToleranceError
+        where no rung keeps it, InputError where a model asked for by name does not apply to the
+        scene or the press.
         """
+        solver = self
+        while True:
+            answer = solver._of_skin(press).seen_through(self.scene.leads)
+            if max(error.max() for error in answer.relative_errors) <= self.rtol:
+                return answer
+            solver = solver._closer
+
+    @cached_property
+    def _closer(self) -> Solver:
+        return Solver(self.scene, CLOSER * self.rtol, self.model)
+
+    def _of_skin(self, press: Press) -> Answer:
+        """The answer at the skin's own contacts."""
         rungs = {
             "line": self._line,
             "lumped": self._lumped,

@@ -1,18 +1,53 @@
 """From frequencies to the complex variable s of the model's equations."""
 
+from __future__ import annotations
+
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-
-def laplace_variable(frequency: ArrayLike, loss_tangent: float = 0.0) -> NDArray[np.complex128]:
-    """s = j omega (1 - j tan d), rad/s. frequency: Hz."""
-    omega = 2 * np.pi * np.asarray(frequency, dtype=np.float64)
-    return (omega * (loss_tangent + 1j)).astype(np.complex128)
+REFERENCE = 1e3
+"""Hz: where a constant-phase capacitance has the size that is named."""
 
 
-def penetration_depth(frequency: float, sheet_resistance: float, c: float) -> float:
+class Loss(NamedTuple):
+    """How a foam departs from an ideal capacitor, the same all over the skin.
+
+    tangent: tan d. exponent: a of a constant-phase element, 1 for an ideal one.
+    """
+
+    tangent: float = 0.0
+    exponent: float = 1.0
+
+
+LOSSLESS = Loss()
+
+
+def laplace_variable(frequency: ArrayLike, loss: Loss = LOSSLESS) -> NDArray[np.complex128]:
+    """s = j omega (1 - j tan d) (j f / REFERENCE)^(a - 1), rad/s. frequency: Hz.
+
+    With s for j omega the equations are those of an ideal foam. Source of the constant-phase
+    element: K. S. Cole and R. H. Cole, J. Chem. Phys. 9 (1941) 341.
+    """
+    f = np.asarray(frequency, dtype=np.float64)
+    s = 2 * np.pi * f * (loss.tangent + 1j)
+    if loss.exponent != 1:
+        s = s * (1j * f / REFERENCE) ** (loss.exponent - 1)
+    return s.astype(np.complex128)
+
+
+def charging_frequency(frequency: float, loss: Loss) -> float:
+    """Where an ideal foam would draw the current of one with this exponent, Hz."""
+    return frequency * (frequency / REFERENCE) ** (loss.exponent - 1)
+
+
+def penetration_depth(
+    frequency: float, sheet_resistance: float, c: float, loss: Loss = LOSSLESS
+) -> float:
     """delta = sqrt(2 / (omega R c)) in m: how far from a contact the field reaches.
 
     frequency: Hz. sheet_resistance: ohm/sq, of both sheets in series. c: F/m².
     """
-    return float(np.sqrt(2 / (2 * np.pi * frequency * sheet_resistance * c)))
+    omega = 2 * np.pi * charging_frequency(frequency, loss)
+    return float(np.sqrt(2 / (omega * sheet_resistance * c)))

@@ -49,7 +49,7 @@ class Ladder:
         sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
         c = skin.foam.rest_capacitance_per_area
         factor = _strongest(press, self.scene)
-        depth = penetration_depth(frequency, sheets, c)
+        depth = penetration_depth(frequency, sheets, c, skin.foam.loss)
         reached = self._reached(press, depth)
         layer = depth / math.sqrt(factor if reached.touches else 1.0) * max(1.0, order / 4)
         if self._halved(layer) == math.inf:

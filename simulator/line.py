@@ -46,7 +46,7 @@ class Line:
         RC line, with paper Eqs 1-2.
         """
         c, segments = self.profile(press)
-        s = laplace_variable(frequency, self.scene.skin.foam.loss_tangent)
+        s = laplace_variable(frequency, self.scene.skin.foam.loss)
         sheets = self.scene.skin.top.sheet_resistance + self.scene.skin.bottom.sheet_resistance
         Y = np.zeros(s.shape, dtype=complex)
         for R, C in zip(

@@ -44,7 +44,7 @@ class Lumped:
 
     def impedance(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Z in ohm, shape (interface, frequency); frequency in Hz."""
-        s = laplace_variable(frequency, self.scene.skin.foam.loss_tangent)
+        s = laplace_variable(frequency, self.scene.skin.foam.loss)
         return np.stack([1 / (s * term.C) + term.R for term in self.series(press)])
 
     def bounds(
@@ -54,7 +54,7 @@ class Lumped:
 
         Of the truncation; the discretisation of R and C is not part of it.
         """
-        s = laplace_variable(frequency, self.scene.skin.foam.loss_tangent)
+        s = laplace_variable(frequency, self.scene.skin.foam.loss)
         Rs, Cp = zip(*(_bounds(term, s, frequency) for term in self.series(press)), strict=True)
         return np.stack(Rs), np.stack(Cp)
 
@@ -81,7 +81,9 @@ def least_left_out(scene: Scene) -> float:
     """
     skin = scene.skin
     sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
-    depth = penetration_depth(scene.frequencies[-1], sheets, skin.foam.rest_capacitance_per_area)
+    depth = penetration_depth(
+        scene.frequencies[-1], sheets, skin.foam.rest_capacitance_per_area, skin.foam.loss
+    )
     u = 2 * (min(skin.length, skin.width) / 2 / depth) ** 2
     return min(1.0, u**2 / 45)
 

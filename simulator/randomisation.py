@@ -73,8 +73,8 @@ class Session(Table):
     capacitance: factor on all of the foam. foam_spread: relative standard deviation of the
     capacitance over the foam: of each pixel on its own or, where foam_pattern is smooth, of each
     slow wave. loss_tangent: added to the foam's own. contact_resistance: factor on each contact's
-    resistance; ideal foils have none. stray_capacitance [F]: of the leads, in parallel with the
-    skin. lead_resistance [ohm]: in series with both.
+    resistance; ideal foils have none. stray_capacitance [F] and lead_resistance [ohm]: added to
+    those of the leads.
 
     The defaults are assumptions. Geometry of 3 % and contacts of 4 % a session are what simulations
     of electrical impedance tomography that were to be carried to real devices took; the sheets'

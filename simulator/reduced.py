@@ -86,7 +86,7 @@ class Reduced:
         Touches that are no pixels count by the area they cover of each.
         """
         cells, rises = touched_cells(self.scene, press)
-        s = laplace_variable(frequency, self.scene.skin.foam.loss_tangent)
+        s = laplace_variable(frequency, self.scene.skin.foam.loss)
         return self.skin(None).sweeps(cells, rises, np.array([0, len(cells)]), s)[0]
 
     def skin(self, variation: Variation | None) -> ReducedSkin:
@@ -112,7 +112,7 @@ class ReducedSkin:
         self.reduced, self.variation = reduced, variation
         own = nominal(reduced.scene, reduced.modes) if variation is None else variation
         self.rest_factors = np.ascontiguousarray(own.capacitance, dtype=float).ravel()
-        self.s = laplace_variable(reduced.scene.frequencies, own.loss_tangent)
+        self.s = laplace_variable(reduced.scene.frequencies, own.loss)
         K = self._stiffness()
         rows = (np.sqrt(self.rest_factors)[:, None, None] * reduced.factors).reshape(-1, len(K))
         M = rows.T @ rows

@@ -134,13 +134,11 @@ class _Basis:
     def __init__(self, family: Family, rtol: float, mesh_error: float) -> None:
         self.family, self.rtol, self.mesh_error = family, rtol, mesh_error
         self.vectors: NDArray[np.float64] = np.zeros((family.space.inner, 0))
-        scene = family.scene
+        scene, loss = family.scene, family.scene.skin.foam.loss
         low, high = float(scene.frequencies[0]), float(scene.frequencies[-1])
         decades = max(4, math.ceil(math.log10(high / low)) + 1)
-        self._shifts = 2 * np.pi * np.geomspace(low, high, decades)
-        self._s = laplace_variable(
-            np.geomspace(low, high, FREQUENCIES), scene.skin.foam.loss_tangent
-        )
+        self._shifts = np.abs(laplace_variable(np.geomspace(low, high, decades), loss))
+        self._s = laplace_variable(np.geomspace(low, high, FREQUENCIES), loss)
         self._pixels = family.pixel_factors()
 
     def grow(self, draw: Draw, random: np.random.Generator) -> Reduced:

@@ -17,6 +17,8 @@ from pydantic import (
     model_validator,
 )
 
+from simulator.frequency import Loss
+from simulator.leads import Leads
 from simulator.press import Press, Touch
 from simulator.randomisation import Randomisation
 from simulator.table import Table
@@ -50,12 +52,22 @@ class Sheet(Table):
 
 
 class Foam(Table):
-    """The dielectric: capacitance per area [F/m²], or what it follows from; loss tangent."""
+    """The dielectric: capacitance per area [F/m²], or what it follows from, and its losses.
+
+    loss_tangent: of jwC (1 - j tan d). phase_exponent: a of a constant-phase capacitance (jw)^a,
+    which has the size that is named at 1 kHz; 1 is an ideal one.
+    """
 
     capacitance_per_area: Annotated[Number, above_zero("F/m²")] | None = None
     thickness: Metre | None = None
     relative_permittivity: Annotated[Number, Field(ge=1, allow_inf_nan=False)] | None = None
     loss_tangent: Annotated[Number, at_least_zero("(tan d)")] = 0.0
+    phase_exponent: Annotated[Number, Field(gt=0.5, le=1)] = 1.0
+
+    @property
+    def loss(self) -> Loss:
+        """Its losses as the equations take them."""
+        return Loss(self.loss_tangent, self.phase_exponent)
 
     @property
     def rest_capacitance_per_area(self) -> float:
@@ -222,6 +234,7 @@ class Scene(Table):
     interfaces: Annotated[tuple[Interface, ...], Field(alias="interface", min_length=1)]
     pixels: Pixels
     press: Pressing = Pressing()
+    leads: Leads = Leads()
     sweep: Sweep
     readout: Readout = Readout()
     experiment: Experiment = Experiment()

@@ -67,7 +67,7 @@ class Separable:
 
     def sweeps(self, touched: Pieces, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Y in S of many presses, shape (press, frequency). frequency: Hz."""
-        s = laplace_variable(frequency, self.scene.skin.foam.loss_tangent)
+        s = laplace_variable(frequency, self.scene.skin.foam.loss)
         return swept(self.products, *touched, s, LANCZOS_SHARE * self.rtol)
 
     def certificate(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -76,7 +76,7 @@ class Separable:
         Of all that the products kept leave out, and of the end of Lanczos' method; inf where the
         bound says nothing.
         """
-        s = laplace_variable(frequency, self.scene.skin.foam.loss_tangent)
+        s = laplace_variable(frequency, self.scene.skin.foam.loss)
         Y = 1 / self.impedance(press, frequency)[0]
         cells = Cells(rectangles(self.scene, press), rectangles(self.scene, press, 2))
         least = math.prod(min(1.0, touch.factor) for touch in press.touches)

@@ -98,7 +98,7 @@ class Sheet:
         return self.space.moments(self.mass(press), count)
 
     def _s(self, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
-        return laplace_variable(frequency, self.scene.skin.foam.loss_tangent)
+        return laplace_variable(frequency, self.scene.skin.foam.loss)
 
 
 def swept(

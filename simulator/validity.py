@@ -42,7 +42,7 @@ def warnings(scene: Scene) -> list[str]:
     d = least_thickness(scene)
     sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
     c = skin.foam.rest_capacitance_per_area * max(1.0, scene.press.capacitance_factor)
-    depth = penetration_depth(scene.frequencies[-1], sheets, c)
+    depth = penetration_depth(scene.frequencies[-1], sheets, c, skin.foam.loss)
     lateral, fringe = lateral_error(d, depth), fringe_error(d, skin.length, skin.width)
     pixel = min(skin.length / pixels.columns, skin.width / pixels.rows)
     told = []

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from simulator.frequency import Loss
 from simulator.scene import Scene
 from simulator.sweeps import InputError
 
@@ -21,14 +22,14 @@ class Variation:
     top, bottom: coefficients of `mode_values` in conductance over nominal, shape (mode,), 1 and
     zeros for the scene's own. films: conductance of each contact's resistance over nominal, shape
     (contact,); nothing at ideal ones. capacitance: of the foam at rest over nominal, shape (rows,
-    columns). loss_tangent: as it is, not a factor.
+    columns). loss: as it is, not a factor.
     """
 
     top: NDArray[np.float64]
     bottom: NDArray[np.float64]
     films: NDArray[np.float64]
     capacitance: NDArray[np.float64]
-    loss_tangent: float
+    loss: Loss
 
     @property
     def alike(self) -> bool:
@@ -45,7 +46,7 @@ def nominal(scene: Scene, modes: int = 1) -> Variation:
         uniform,
         np.ones(len(scene.contacts)),
         np.ones((scene.pixels.rows, scene.pixels.columns)),
-        scene.skin.foam.loss_tangent,
+        scene.skin.foam.loss,
     )
 
 

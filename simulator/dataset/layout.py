@@ -108,7 +108,7 @@ def values(session: Drawn) -> dict[str, NDArray]:
         "bottom": skin.variation.bottom,
         "films": skin.variation.films,
         "capacitance": skin.variation.capacitance,
-        "loss_tangent": skin.variation.loss_tangent,
+        "loss_tangent": skin.variation.loss.tangent,
         "stray_capacitance": skin.leads.stray_capacitance,
         "lead_resistance": skin.leads.resistance,
         "meter_gain": session.meter.gain[:, 0],

@@ -9,25 +9,11 @@ from numpy.typing import NDArray
 
 from simulator.dataset.streams import SKIN, stream
 from simulator.distribution import truncated_normal
+from simulator.frequency import Loss
+from simulator.leads import Leads
 from simulator.randomisation import CUT
 from simulator.scene import Scene
 from simulator.variation import WAVES, Variation, mode_values
-
-
-@dataclass(frozen=True)
-class Leads:
-    """Between skin and meter: stray capacitance [F] in parallel with the skin, resistance [ohm]
-    in series with both."""
-
-    stray_capacitance: float
-    resistance: float
-
-    def seen_through(
-        self, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
-    ) -> NDArray[np.complex128]:
-        """Z in ohm at the meter's end of the leads: R + 1/(1/Z + j omega C); frequency last."""
-        stray = 2j * np.pi * frequency * self.stray_capacitance
-        return self.resistance + Z / (1 + stray * Z)
 
 
 @dataclass(frozen=True)
@@ -47,6 +33,7 @@ def drawn_skin(
     conductance that are kept, of WAVES.
     """
     drawn, random = scene.dataset.session, stream(seed, session, SKIN)
+    foam = scene.skin.foam
     common, top, bottom, c, loss, stray, lead = random.random(7)
     waves = random.random((2, len(WAVES) - 1))
     contacts = random.random(len(scene.contacts))
@@ -55,9 +42,13 @@ def drawn_skin(
         _conductance(scene, common, bottom, waves[1], modes),
         1 / drawn.contact_resistance.at(contacts),
         float(drawn.capacitance.at(c)) * _foam(scene, random, grid),
-        scene.skin.foam.loss_tangent + float(drawn.loss_tangent.at(loss)),
+        Loss(foam.loss_tangent + float(drawn.loss_tangent.at(loss)), foam.phase_exponent),
     )
-    leads = Leads(float(drawn.stray_capacitance.at(stray)), float(drawn.lead_resistance.at(lead)))
+    leads = Leads(
+        resistance=scene.leads.resistance + float(drawn.lead_resistance.at(lead)),
+        inductance=scene.leads.inductance,
+        stray_capacitance=scene.leads.stray_capacitance + float(drawn.stray_capacitance.at(stray)),
+    )
     return DrawnSkin(variation, leads)
 
 

@@ -2,7 +2,9 @@
 
 Where all resistances, those of the sheets and those of the contacts, are a times as large and the
 capacitance per area is b times as large, Z'(f) = a Z(a b f): with V the same, div(grad V / (a R)) =
-s b c V is div(grad V / R) = (a b s) c V. Loss tangent, outline, foils and pixels must be the same.
+s b c V is div(grad V / R) = (a b s) c V. Losses, outline, foils and pixels must be the same; of a
+constant-phase capacitance s goes with f to the power of its exponent p, and f with (a b)^(1/p).
+Leads do not scale: behind them only equal skins are alike.
 """
 
 from __future__ import annotations
@@ -42,13 +44,18 @@ class Skin:
         self._shape = scene.model_dump(exclude=excluded)
         self._resistances = _resistances(one_field(scene) or two_fields(scene))
         self._capacitance = scene.skin.foam.rest_capacitance_per_area
+        self._exponent = scene.skin.foam.phase_exponent
+        self._leads_ideal = scene.leads.ideal
 
     def follows_from(self, other: Skin) -> Scaling | None:
         """How this one's impedance follows from the other's; None where it does not by the law."""
         ratio = _ratio(self._resistances, other._resistances)
         if ratio is None or self._shape != other._shape:
             return None
-        return Scaling(ratio, ratio * self._capacitance / other._capacitance)
+        slower = ratio * self._capacitance / other._capacitance
+        if not self._leads_ideal and (ratio, slower) != (1.0, 1.0):
+            return None
+        return Scaling(ratio, slower ** (1 / self._exponent))
 
 
 def law_between(scene: Scene, other: Scene) -> Scaling | None:

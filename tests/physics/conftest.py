@@ -99,7 +99,7 @@ class PlainSkin:
         Floating foils carry no current, and so does a floating sheet.
         """
         skin = self.scene.skin
-        s = laplace_variable(frequency, skin.foam.loss_tangent)
+        s = laplace_variable(frequency, skin.foam.loss)
         K = self.stiffness(skin.top.sheet_resistance, skin.bottom.sheet_resistance)
         c = skin.foam.rest_capacitance_per_area * tile_map(self.scene, press, *self.tiles)
         A = K + s * self.mass(c)

@@ -130,7 +130,7 @@ def test_the_kernel_does_what_is_written_out(make_scene, frequency_at, data, siz
     scene = data.draw(skins(make_scene, frequency_at))
     products = Separable(scene, 1e-4, size).products
     presses = [Press(), *random_presses(scene, np.random.default_rng(2), 3)]
-    s = laplace_variable(scene.frequencies, scene.skin.foam.loss_tangent)
+    s = laplace_variable(scene.frequencies, scene.skin.foam.loss)
     touched = pieces(scene, presses)
     np.testing.assert_allclose(
         swept(products, *touched, s, 1e-14),

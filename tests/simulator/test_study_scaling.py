@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from simulator.circuit import two_fields
 from simulator.fidelity import Solver
+from simulator.leads import Leads
 from simulator.mesh import Resolution
 from simulator.press import Press, Touch
 from simulator.scene_file import load_scene
@@ -70,6 +71,30 @@ def test_of_a_line_only_the_sum_of_the_sheets_counts(make_scene):
 )
 def test_another_shape_does_not_follow(make_scene, changed):
     assert law_between(make_scene(**changed), make_scene()) is None
+
+
+@pytest.mark.parametrize("exponent", [1.0, 0.8])
+def test_a_constant_phase_foam_scales_with_its_exponent(make_scene, exponent):
+    scene, other = (
+        _changed(make_scene(PAIR, **more, rows=2, columns=2), phase_exponent=exponent)
+        for more in ({}, {"top": 100e3, "bottom": 60e3, "c": 8e-9})
+    )
+    law, press = law_between(other, scene), Press((Touch(1, 2, 2.0),))
+    assert law is not None
+    followed = law.impedance * impedance(scene, press, law.frequency * FREQUENCY)
+    np.testing.assert_allclose(impedance(other, press, FREQUENCY), followed, rtol=1e-9)
+
+
+def test_behind_leads_nothing_scales(make_scene):
+    leads = Leads(resistance=10.0)
+    scene, other = (make_scene(PAIR, c=c).model_copy(update={"leads": leads}) for c in (5e-9, 6e-9))
+    assert law_between(scene, other) is None
+    assert law_between(scene, scene) == Scaling(1.0, 1.0)
+
+
+def _changed(scene, **foam):
+    skin = scene.skin.model_copy(update={"foam": scene.skin.foam.model_copy(update=foam)})
+    return scene.model_copy(update={"skin": skin})
 
 
 def test_one_sheet_of_a_crossed_skin_does_not_scale_alone(make_scene):

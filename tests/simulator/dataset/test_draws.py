@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from simulator.dataset.presses import cells_of_pixels, drawn_presses
-from simulator.dataset.skins import Leads, drawn_skin
+from simulator.dataset.skins import drawn_skin
 from simulator.dataset.streams import PRESSES, SKIN, stream
 from simulator.distribution import Uniform
 from simulator.foam import capacitance_map, grid_map
@@ -137,7 +137,7 @@ def test_no_skin_leaves_the_range_told():
         assert (np.abs(skin.variation.top[1:] / skin.variation.top[0]) <= high).all()
         low, high = session.foam_range
         assert low <= skin.variation.capacitance.min() <= skin.variation.capacitance.max() <= high
-        assert 0 <= skin.variation.loss_tangent - scene.skin.foam.loss_tangent <= 0.02
+        assert 0 <= skin.variation.loss.tangent - scene.skin.foam.loss_tangent <= 0.02
 
 
 def test_fewer_modes_are_the_first_of_the_same_draw():
@@ -145,11 +145,3 @@ def test_fewer_modes_are_the_first_of_the_same_draw():
     for more, fewer in zip(four, one, strict=True):
         np.testing.assert_array_equal(more.variation.top[:1], fewer.variation.top)
         np.testing.assert_array_equal(more.variation.capacitance, fewer.variation.capacitance)
-
-
-def test_leads_are_a_capacitance_beside_the_skin_and_a_resistance_before_both():
-    f = np.array([1e3, 1e5])
-    Z = np.array([1e5 - 2e6j, 4e4 - 3e4j])
-    expected = 2.0 + 1 / (1 / Z + 2j * np.pi * f * 3e-12)
-    np.testing.assert_allclose(Leads(3e-12, 2.0).seen_through(Z, f), expected, rtol=1e-14)
-    np.testing.assert_array_equal(Leads(0.0, 0.0).seen_through(Z, f), Z)
