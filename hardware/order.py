@@ -8,9 +8,10 @@ from pathlib import Path
 
 from simulator.sweeps import UNPRESSED, InputError
 
-PART = r"(\d+),(\d+)(?::[\d.eE+-]+)?"
-PRESS = re.compile(rf"{PART}(\+{PART})*", re.ASCII)
-PIXEL = re.compile(r"(\d+),(\d+)", re.ASCII)
+JOINT = re.compile(r"(?<!\de)\+", re.IGNORECASE)
+TOUCH = re.compile(
+    r"(?:(?P<row>\d+),(?P<column>\d+)|(?:rect|disc)\([\d.,eE+-]+\))(?::[\d.eE+-]+)?", re.ASCII
+)
 
 
 @dataclass(frozen=True)
@@ -26,20 +27,32 @@ REST = Step(UNPRESSED, 0, 0)
 
 
 def parse_step(text: str, rows: int, columns: int) -> Step:
-    """The step that presses `text`: ROW,COLUMN, several joined by '+', or `none`.
+    """The step that presses `text`: ROW,COLUMN, rect(...), disc(...), several joined by '+', or
+    `none`.
 
     Raises InputError on other syntax, or a pixel that is not among rows x columns.
     """
     press = "".join(text.split())
     if press == UNPRESSED:
         return REST
-    if PRESS.fullmatch(press) is None:
-        raise InputError(f"press {text!r}: must be ROW,COLUMN, touches joined by '+', or 'none'")
-    pixels = [(int(row), int(column)) for row, column in PIXEL.findall(press)]
-    for row, column in pixels:
-        if not (1 <= row <= rows and 1 <= column <= columns):
-            raise InputError(f"press {text!r}: pixels are 1,1 to {rows},{columns}")
-    return Step(press, *pixels[0]) if len(pixels) == 1 else Step(press, -1, -1)
+    labels = [_label(touch, text, rows, columns) for touch in JOINT.split(press)]
+    return Step(press, *labels[0]) if len(labels) == 1 else Step(press, -1, -1)
+
+
+def _label(touch: str, text: str, rows: int, columns: int) -> tuple[int, int]:
+    """Row and column of one touch, -1 where it is no pixel."""
+    match = TOUCH.fullmatch(touch)
+    if match is None:
+        raise InputError(
+            f"press {text!r}: must be ROW,COLUMN, rect(X,Y,WIDTH,HEIGHT) or disc(X,Y,RADIUS), "
+            "touches joined by '+', or 'none'"
+        )
+    if match["row"] is None:
+        return -1, -1
+    row, column = int(match["row"]), int(match["column"])
+    if not (1 <= row <= rows and 1 <= column <= columns):
+        raise InputError(f"press {text!r}: pixels are 1,1 to {rows},{columns}")
+    return row, column
 
 
 def standard_order(rows: int, columns: int, repetitions: int) -> list[Step]:

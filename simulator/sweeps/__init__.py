@@ -8,7 +8,7 @@ from simulator.sweeps.impedance import (
     series_capacitance,
 )
 from simulator.sweeps.passivity import Violation, violations
-from simulator.sweeps.schema import UNPRESSED, build, check, concatenate, impedance
+from simulator.sweeps.schema import UNPRESSED, build, check, concatenate, impedance, side_by_side
 
 __all__ = [
     "UNPRESSED",
@@ -25,6 +25,7 @@ __all__ = [
     "parallel_capacitance",
     "read",
     "series_capacitance",
+    "side_by_side",
     "violations",
     "whole_file",
     "write",

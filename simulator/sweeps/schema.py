@@ -133,3 +133,22 @@ def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
             if not np.array_equal(part[name].values, first[name].values):
                 raise InputError(f"sweeps of different `{name}` cannot be joined")
     return xr.concat(parts, dim="sweep", combine_attrs="override", join="exact")
+
+
+def side_by_side(parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    """The same presses at several interfaces, each recorded by itself, as one data set.
+
+    Attributes of the first. Raises InputError where presses, sessions or frequencies differ, or an
+    interface is named twice.
+    """
+    import xarray as xr
+
+    first = parts[0]
+    for part in parts[1:]:
+        for name in (*LABELS, "frequency"):
+            if not np.array_equal(part[name].values, first[name].values):
+                raise InputError(f"sweeps of different `{name}` are not of the same presses")
+    names = [name for part in parts for name in part["interface"].values]
+    if len(set(names)) < len(names):
+        raise InputError(f"`interface` names must be distinct, got {', '.join(names)}")
+    return xr.concat(parts, dim="interface", combine_attrs="override", join="exact")

@@ -22,8 +22,21 @@ def test_every_pixel_as_often_and_rest_before_between_and_after(rows, columns, r
 
 def test_a_file_gives_its_own_order(tmp_path):
     path = tmp_path / "order.txt"
-    path.write_text("# first at rest\nnone\n\n2,1  # firmly\n1, 1:1.5 + 2,2\n")
-    assert read_order(path, 2, 2) == [REST, Step("2,1", 2, 1), Step("1,1:1.5+2,2", -1, -1)]
+    lines = [
+        "# first at rest",
+        "none",
+        "",
+        "2,1  # firmly",
+        "1, 1:1.5 + 2,2",
+        "rect(1e-2,0.03,1e-3,0.1):2",
+    ]
+    path.write_text("\n".join(lines))
+    assert read_order(path, 2, 2) == [
+        REST,
+        Step("2,1", 2, 1),
+        Step("1,1:1.5+2,2", -1, -1),
+        Step("rect(1e-2,0.03,1e-3,0.1):2", -1, -1),
+    ]
 
 
 @pytest.mark.parametrize(
