@@ -29,6 +29,12 @@ TITLES = {
     "size": "Error against the size of the basis, sheet-5x5",
     "ways": "Ways to a sweep of sheet-5x5",
 }
+TABLES = {
+    "targets": reduction_targets.table,
+    "pixels": reduction_growth.by_pixels,
+    "size": reduction_growth.by_size,
+    "ways": reduction_rivals.table,
+}
 ERRORS = (
     "true error",
     "left out by the basis",
@@ -44,14 +50,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Benchmark of reduced models.")
     parser.add_argument("--quick", action="store_true", help="small skins only, nothing written")
     quick = parser.parse_args().quick
+    tables = {}
     with one_blas_thread():
-        tables = {
-            "targets": reduction_targets.table(quick),
-            "pixels": reduction_growth.by_pixels(quick),
-            "size": reduction_growth.by_size(quick),
-            "ways": reduction_rivals.table(quick),
-        }
-    print(told(tables))
+        for name, table in TABLES.items():
+            tables[name] = table(quick)
+            print(titled(name, tables[name]), flush=True)
     if not quick:
         write(tables)
 
@@ -68,11 +71,14 @@ def write(tables: dict[str, pd.DataFrame]) -> None:
 def told(tables: dict[str, pd.DataFrame]) -> str:
     """For people: the machine, then every table."""
     parts = ["# Reduced models", f"{machine()}, pymor {version('pymor')}"]
-    for name, table in tables.items():
-        header, *rows = [list(table.columns), *formatted(table).to_numpy().tolist()]
-        lines = [" | ".join(row) for row in [header, ["---"] * len(header), *rows]]
-        parts += [f"## {TITLES[name]}", "\n".join(f"| {line} |" for line in lines)]
-    return "\n\n".join(parts) + "\n"
+    return "\n\n".join([*parts, *(titled(*each) for each in tables.items())]) + "\n"
+
+
+def titled(name: str, table: pd.DataFrame) -> str:
+    """One table under its title."""
+    header, *rows = [list(table.columns), *formatted(table).to_numpy().tolist()]
+    lines = [" | ".join(row) for row in [header, ["---"] * len(header), *rows]]
+    return "\n\n".join([f"## {TITLES[name]}", "\n".join(f"| {line} |" for line in lines)])
 
 
 def formatted(table: pd.DataFrame) -> pd.DataFrame:
