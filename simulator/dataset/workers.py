@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import multiprocessing
 import os
 import signal
@@ -9,6 +10,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from functools import partial
 from itertools import islice
 from multiprocessing.process import BaseProcess
@@ -35,33 +37,53 @@ def here(workshop: Workshop, blocks: Sequence[int]) -> Iterator[int]:
 def processes(workshop: Workshop, blocks: Sequence[int], workers: int) -> Iterator[int]:
     """Make the blocks in so many processes on this machine; yields each when it is finished.
 
-    Raises WorkerError where a process is killed.
+    Raises WorkerError where a process is killed. What is unfinished when this ends is given up.
     """
-    fresh = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, fresh, _end_with_parent) as pool:
+    fresh, others = multiprocessing.get_context("spawn"), multiprocessing.active_children()
+    with ProcessPoolExecutor(workers, fresh, _begin) as pool:
         try:
             yield from _handed_out(partial(pool.submit, make_block, workshop), blocks, workers)
         except BrokenProcessPool:
             raise WorkerError("a worker was killed; the same command goes on from here") from None
-        finally:
+        except BaseException:
+            for worker in set(multiprocessing.active_children()) - set(others):
+                worker.terminate()
             pool.shutdown(wait=True, cancel_futures=True)
+            raise
 
 
 def _handed_out(submit: Callable, blocks: Sequence[int], workers: int) -> Iterator[int]:
     waiting = iter(blocks)
-    running = {submit(block) for block in islice(waiting, AHEAD * workers)}
+    with _uninterrupted():
+        running = {submit(block) for block in islice(waiting, AHEAD * workers)}
     while running:
         done, running = wait(running, return_when=FIRST_COMPLETED)
         running |= {submit(block) for block in islice(waiting, len(done))}
         yield from sorted(future.result() for future in done)
 
 
-def _end_with_parent() -> None:
-    """Ends this process as soon as the one that started it is gone, and not by Ctrl-C before."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Ctrl-C waits; processes started within never hear of it, as they inherit the mask."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _begin() -> None:
+    """Ends this process as soon as the one that started it is gone, or says so."""
+    signal.signal(signal.SIGTERM, _end)
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_outlive, args=(parent,), daemon=True).start()
+
+
+def _end(*_: object) -> None:
+    """Give up the block at work, at once, and only remove locks that other processes know of."""
+    atexit._run_exitfuncs()
+    os._exit(1)
 
 
 def _outlive(parent: BaseProcess) -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from simulator.estimate import relative_difference
 from simulator.fidelity import Solver
+from simulator.frequency import LOSSLESS, Loss
 from simulator.press import Press, Rectangle, Touch
 from simulator.reduced_file import load, save
 from simulator.reduced_kernel import swept, swept_readable
@@ -146,7 +147,7 @@ def varied(scene, random, modes, alike):
         if alike
         else random.uniform(0.8, 1.2, len(scene.contacts)),
         random.uniform(0.9, 1.1, (pixels.rows, pixels.columns)),
-        random.uniform(0.0, 0.05),
+        Loss(random.uniform(0.0, 0.05)),
     )
 
 
@@ -183,7 +184,7 @@ def test_a_uniform_variation_is_the_scene_with_other_numbers(make_scene, familie
     )
     other = other.model_copy(update={"contacts": resistances})
     uniform = Variation(
-        np.array([top]), np.array([bottom]), np.full(2, films), np.full((2, 3), c), 0.0
+        np.array([top]), np.array([bottom]), np.full(2, films), np.full((2, 3), c), LOSSLESS
     )
     none = np.zeros(0, dtype=np.int64)
     exact = reduced.skin(uniform).exact(none, np.zeros(0))
@@ -196,7 +197,7 @@ def test_common_factors_of_resistance_and_capacitance_only_shift_frequencies(fam
     reduced = families["films"]
     a, b, modes = 2.0, 3.0, np.ones(1)
     scaled = reduced.skin(
-        Variation(modes / a, modes / a, np.full(2, 1 / a), np.full((2, 3), b), 0.0)
+        Variation(modes / a, modes / a, np.full(2, 1 / a), np.full((2, 3), b), LOSSLESS)
     )
     sweep = reduced.scene.sweep.model_copy(
         update={"frequencies": tuple(a * b * reduced.scene.frequencies)}

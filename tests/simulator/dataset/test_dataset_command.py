@@ -1,5 +1,11 @@
 """`rcskin dataset` and `rcskin export` as their user meets them, with the reduced model."""
 
+import os
+import signal
+import subprocess
+import sys
+import time
+
 import numpy as np
 import pytest
 
@@ -69,6 +75,26 @@ def test_bad_input_ends_with_one_line_and_code_2(run, tmp_path, monkeypatch, arg
     assert (code, out) == (2, "")
     assert told in err and err.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_ctrl_c_ends_with_one_line_and_leaves_a_data_set_that_goes_on(
+    scene_file, tmp_path, workers
+):
+    work = tmp_path / ".out.zarr.unfinished"
+    dataset = ["dataset", scene_file, "--sweeps", "9000000", "--workers", str(workers)]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "rcskin", *dataset, "-o", tmp_path / "out.zarr"],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    while process.poll() is None and not list(work.glob("finished/*.json")):
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate()
+    assert (process.returncode, err) == (130, "rcskin: interrupted\n")
+    assert (work / "plan.json").exists() and (work / "model.npz").exists()
 
 
 def test_export_writes_what_its_ending_says(run, make_sweeps, tmp_path):

@@ -7,9 +7,9 @@ import pytest
 
 from simulator.dataset import Plan, generate
 from simulator.dataset.model import REDUCED, reduced
-from simulator.dataset.skins import Leads
 from simulator.distribution import Fixed, Uniform
 from simulator.fidelity import Solver
+from simulator.leads import Leads
 from simulator.press import parse_press
 from simulator.scene import Readout, Scene
 from simulator.scene_file import load_scene
@@ -27,7 +27,7 @@ ALIKE = {
     "stray_capacitance": 3e-12,
     "lead_resistance": 50.0,
 }
-LEADS = Leads(3e-12, 50.0)
+LEADS = Leads(stray_capacitance=3e-12, resistance=50.0)
 RTOL = 1e-4
 
 

@@ -17,6 +17,7 @@ from scipy.sparse import csc_matrix
 from simulator.assembly import EXTRA_ORDER, fill, quadrilateral
 from simulator.circuit import Circuit
 from simulator.estimate import estimated_error, frequencies_around, relative_difference
+from simulator.family.pixels import PixelMasses
 from simulator.frequency import laplace_variable
 from simulator.galerkin import Galerkin
 from simulator.mesh import Resolution, pixel_mesh
@@ -30,8 +31,6 @@ from simulator.variation import Variation, mode_values
 KRYLOV_SHARE = 1e-2
 MODE_DEGREE = 6
 """Of the polynomial that half a cosine over the skin is in one of its cells."""
-
-ROUNDING = 1e-14
 
 
 class Family:
@@ -84,33 +83,20 @@ class Family:
         """The system of one skin."""
         weights = weights_of(variation, self.scene, self.circuit)
         sheets, films = np.split(weights, [len(self.sheet_terms)])
-        values = np.sum(
-            [w * term.data for w, term in zip(sheets, self.sheet_terms, strict=True)], axis=0
-        )
         return replace(
             self.system,
-            sheets=self.system.pattern.matrix(values),
+            sheets=self.system.pattern.matrix(sheets @ self._sheet_values),
             films=self._changed(self.system.films, films - 1, self.film_terms),
         )
 
     def mass(self, factors: NDArray[np.float64]) -> csc_matrix:
         """M in F, in the system's pattern. factors: c over that at rest, shape (row, column)."""
-        return self.system.mass(factors * self.scene.skin.foam.rest_capacitance_per_area)
+        return self.pixels.mass(factors)
 
-    def pixel_factors(self) -> list[tuple[NDArray[np.int64], NDArray[np.float64]]]:
-        """F of each pixel at rest, M = F'F in F: the space's unknowns it has, shape (own,), and F,
-        shape (rank, own), padded with zeros to the same rank."""
-        rows, columns = self.scene.pixels.rows, self.scene.pixels.columns
-        found = []
-        for pixel in range(rows * columns):
-            alone = np.eye(1, rows * columns, pixel).reshape(rows, columns)
-            mass = self.space.restricted(self.mass(alone))
-            own = np.unique(mass.indices[mass.data != 0]).astype(np.int64)
-            power, turn = np.linalg.eigh(mass[own][:, own].toarray())
-            kept = power > ROUNDING * power[-1]
-            found.append((own, np.sqrt(power[kept])[:, None] * turn[:, kept].T))
-        rank = max(len(F) for _, F in found)
-        return [(own, np.pad(F, ((0, rank - len(F)), (0, 0)))) for own, F in found]
+    @cached_property
+    def pixels(self) -> PixelMasses:
+        """M of each pixel at rest."""
+        return PixelMasses(self.system, self.order, self.scene)
 
     @cached_property
     def sheet_terms(self) -> list[csc_matrix]:
@@ -131,6 +117,10 @@ class Family:
         """What each contact resistance adds to the films."""
         halved = [self._films_with_half(contact) for contact in self._resistive]
         return [self._changed(films, -np.ones(1), [self.system.films]) for films in halved]
+
+    @cached_property
+    def _sheet_values(self) -> NDArray[np.float64]:
+        return np.stack([term.data for term in self.sheet_terms]).astype(np.float64)
 
     @property
     def _resistive(self) -> list[Contact]:

@@ -8,67 +8,52 @@ draws keep the tolerance.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.circuit import Circuit, one_field, two_fields
+from simulator.circuit import Circuit, Drive, one_field, two_fields
 from simulator.estimate import relative_difference
 from simulator.family import Family
 from simulator.frequency import laplace_variable
+from simulator.galerkin import Galerkin
 from simulator.ladder import Ladder
 from simulator.lanczos import potentials
 from simulator.press import Press, Touch
 from simulator.reduced import Reduced, ReducedSkin
+from simulator.reduction.bounds import bounds
+from simulator.reduction.cases import (
+    Case,
+    Draw,
+    by_skin,
+    covering,
+    pixel_touches,
+    sharing_skins,
+)
 from simulator.scene import Scene
 from simulator.sheet import one_blas_thread
 from simulator.sweeps import ToleranceError
-from simulator.variation import Variation
 
 SHARE = 0.5
 """Of the tolerance, for the mesh; the rest is for the basis."""
-FIRST_DRAWS, MOST_FIRST_DRAWS, AT_ONCE = 6, 4000, 100
+IDLE_DRAWS = 50
+"""In a row that touch no new cell: enough to begin with."""
+AT_ONCE, PRESSES_ON_SKIN = 64, 8
 BATCH = 32
 FEWEST_QUIET, MOST_QUIET = 64, 192
 LARGEST = 1200
 MESH_DRAWS = 4
 FREQUENCIES = 6
-SNAPSHOT_RTOL = 1e-6
+SNAPSHOT_SHARE = 0.1
+"""Of what may be dropped of a snapshot: what it may be off by, in the norm of K."""
 WORTH_ADDING = 0.3
 """Of the most that any of the worst cases lacks: so much is added whatever the tolerance."""
-CERTIFIED_SHARE = 0.7
+CERTIFIED_SHARE, NEAR = 0.7, 0.5
 COMPRESSED_SHARE = 0.01
 DROPPED_SHARE = 0.1
 """Of the tolerance: what any snapshot of unit energy may lose of that."""
-
-
-@dataclass(frozen=True)
-class Case:
-    """A press on a skin of the family: the touched pixels and by how much c rises there.
-
-    variation: None for the scene's own skin. cells: row * columns + column, from 0.
-    """
-
-    variation: Variation | None
-    cells: NDArray[np.int64]
-    rises: NDArray[np.float64]
-
-
-Draw = Callable[[np.random.Generator], Case]
-
-
-def pixel_touches(scene: Scene, factor: tuple[float, float] = (1.0, 3.0), most: int = 2) -> Draw:
-    """One or several pixels pressed at random on the scene's own skin, factors within a range."""
-    pixels = scene.pixels.rows * scene.pixels.columns
-
-    def draw(random: np.random.Generator) -> Case:
-        touches = random.integers(1, min(most, pixels), endpoint=True)
-        cells = random.choice(pixels, touches, replace=False)
-        return Case(None, cells, random.uniform(*factor, touches) - 1)
-
-    return draw
 
 
 def reduce(
@@ -109,7 +94,7 @@ def _resolved(
     for level in range(ladder.first(rtol), len(ladder.levels)):
         resolution = ladder.resolution(level, press, scene.frequencies[-1])
         family = Family(scene, circuit, resolution, modes)
-        error = max(family.solved(case.variation, _map(case, scene), rtol)[1] for case in cases)
+        error = max(family.solved(case.variation, case.map_on(scene), rtol)[1] for case in cases)
         if error <= SHARE * rtol:
             return family, error
     raise ToleranceError(f"the mesh of the reduced model does not reach {rtol:g}: {error:.1e}")
@@ -118,14 +103,6 @@ def _resolved(
 def _everywhere(scene: Scene, rise: float) -> Press:
     pixels = np.ndindex(scene.pixels.rows, scene.pixels.columns)
     return Press(tuple(Touch(i + 1, j + 1, 1 + rise) for i, j in pixels))
-
-
-def _map(case: Case, scene: Scene) -> NDArray[np.float64]:
-    """c over the scene's own at rest, shape (row, column)."""
-    factors = np.ones(scene.pixels.rows * scene.pixels.columns)
-    np.add.at(factors, case.cells, case.rises)
-    rest = 1.0 if case.variation is None else case.variation.capacitance
-    return factors.reshape(scene.pixels.rows, scene.pixels.columns) * rest
 
 
 class _Basis:
@@ -139,32 +116,33 @@ class _Basis:
         decades = max(4, math.ceil(math.log10(high / low)) + 1)
         self._shifts = np.abs(laplace_variable(np.geomspace(low, high, decades), loss))
         self._s = laplace_variable(np.geomspace(low, high, FREQUENCIES), loss)
-        self._pixels = family.pixel_factors()
 
     def grow(self, draw: Draw, random: np.random.Generator) -> Reduced:
         """Until enough fresh draws in a row keep what the mesh leaves of the tolerance."""
         pixels, left = self.family.scene.pixels, self.rtol - self.mesh_error
-        first = min(FIRST_DRAWS * pixels.rows * pixels.columns, MOST_FIRST_DRAWS)
-        for start in range(0, first, AT_ONCE):
-            self._add([draw(random) for _ in range(min(AT_ONCE, first - start))])
-        quiet, reduced = 0, self._reduced()
-        enough = min(max(FEWEST_QUIET, pixels.rows * pixels.columns // 2), MOST_QUIET)
-        while quiet < enough:
+        limit, cells = CERTIFIED_SHARE * left, pixels.rows * pixels.columns
+        first = sharing_skins(covering(draw, random, cells, IDLE_DRAWS), PRESSES_ON_SKIN)
+        for start in range(0, len(first), AT_ONCE):
+            self._add(first[start : start + AT_ONCE])
+        quiet, reduced, roughly = 0, self._reduced(), True
+        while quiet < min(max(FEWEST_QUIET, cells // 2), MOST_QUIET):
             cases = [draw(random) for _ in range(BATCH)]
-            bounds = self._bounds(reduced, cases)
-            quiet += BATCH
-            bad = np.flatnonzero(~(bounds <= CERTIFIED_SHARE * left))
-            if bad.size:
-                self._add([cases[k] for k in bad])
-                quiet, reduced = 0, self._reduced()
+            roughly = roughly and any(case.variation is not None for case in cases)
+            cases = sharing_skins(cases, PRESSES_ON_SKIN) if roughly else cases
+            found = bounds(reduced, cases, self._s)
+            if found.max() <= limit:
+                quiet, roughly = quiet + (0 if roughly else BATCH), False
+                continue
+            self._add([cases[k] for k in np.flatnonzero(~(found <= NEAR * limit))])
+            quiet, reduced, roughly = 0, self._reduced(), True
             if reduced.size > LARGEST:
-                told = f"{bounds.max():.1e} with {reduced.size} vectors"
+                told = f"{found.max():.1e} with {reduced.size} vectors"
                 raise ToleranceError(f"the scene does not reduce to {self.rtol:g}: {told}")
         return compressed(reduced, [draw(random) for _ in range(BATCH)])
 
     def _add(self, cases: list[Case]) -> None:
         """What the snapshots of these cases have beyond the basis, as far as it matters."""
-        found = np.hstack([self._snapshots(case) for case in cases])
+        found = np.hstack(list(self._snapshots(cases)))
         found = self._beyond(self._beyond(found))
         power, turn = np.linalg.eigh(found.T @ (self.family.space.K @ found))
         lost = np.cumsum(np.maximum(power, 0.0) * turn**2, axis=1).max(axis=0)
@@ -179,30 +157,30 @@ class _Basis:
         """What is K-orthogonal to the basis."""
         return found - self.vectors @ (self.vectors.T @ (self.family.space.K @ found))
 
-    def _snapshots(self, case: Case) -> NDArray[np.float64]:
+    def _snapshots(self, cases: list[Case]) -> Iterator[NDArray[np.float64]]:
         """Deviations from the lifted terminals' potentials at the shifts, each of unit energy."""
-        family = self.family
-        space, mass = family.skin(case.variation), family.mass(_map(case, family.scene))
-        found = []
-        for drive in family.circuit.drives:
-            pencil, driven = space.pencil(mass, drive, 0.0), space.driven(drive)
-            at_shifts = self._deviation(potentials(pencil, self._shifts, SNAPSHOT_RTOL))
-            energy = (at_shifts * (family.space.K @ at_shifts)).sum(axis=0)
-            found.append(at_shifts / np.sqrt(energy))
-            if case.variation is not None:
-                at_zero = np.column_stack([driven.potential, driven.floating])
-                found.append(self._deviation(at_zero) / np.sqrt(energy.max()))
-        return np.hstack(found)
+        for group in by_skin(cases):
+            space = self.family.skin(cases[group[0]].variation)
+            for drive in self.family.circuit.drives:
+                yield self._at_shifts(space, drive, [cases[k] for k in group])
+
+    def _at_shifts(self, space: Galerkin, drive: Drive, cases: list[Case]) -> NDArray[np.float64]:
+        family, rtol = self.family, SNAPSHOT_SHARE * math.sqrt(DROPPED_SHARE * self.rtol)
+        pencils = [
+            space.pencil(family.mass(case.map_on(family.scene)), drive, 0.0) for case in cases
+        ]
+        found = [self._deviation(potentials(each, self._shifts, rtol)) for each in pencils]
+        energies = [(each * (family.space.K @ each)).sum(axis=0) for each in found]
+        unit = [each / np.sqrt(energy) for each, energy in zip(found, energies, strict=True)]
+        if space is family.space:
+            return np.hstack(unit)
+        driven = space.driven(drive)
+        at_zero = self._deviation(np.column_stack([driven.potential, driven.floating]))
+        return np.hstack([*unit, at_zero / np.sqrt(min(energy.max() for energy in energies))])
 
     def _deviation(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
         inner = self.family.space.inner
         return u[:inner] - self.family.space.lift[:inner] @ u[inner:]
-
-    def _bounds(self, reduced: Reduced, cases: list[Case]) -> NDArray[np.float64]:
-        """The certificate of each case, the largest over a few frequencies."""
-        skins = _skins(reduced, cases)
-        pairs = zip(skins, cases, strict=True)
-        return np.array([s.certificate(c.cells, c.rises, self._s).max() for s, c in pairs])
 
     def _reduced(self) -> Reduced:
         """The model as it now is."""
@@ -224,8 +202,7 @@ class _Basis:
         W = reduced.coordinates
         terms = [family.space.sheet_energy(W, term) for term in family.sheet_terms]
         terms += [family.space.film_energy(W, term) for term in family.film_terms]
-        factors = [F @ W[own] for own, F in self._pixels]
-        return replace(reduced, stiffness=np.stack(terms), factors=np.stack(factors))
+        return replace(reduced, stiffness=np.stack(terms), factors=family.pixels.factors(W))
 
 
 def compressed(reduced: Reduced, cases: list[Case]) -> Reduced:
