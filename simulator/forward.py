@@ -26,6 +26,7 @@ from simulator.reduction import Case, Draw, pixel_touches, reduce
 from simulator.scene import FrequencyGrid, Pixels, Scene, Sweep
 from simulator.sensitivity import Sensitivity, sensitivity
 from simulator.separable_pieces import random_presses
+from simulator.sheet import one_blas_thread
 from simulator.variation import Variation
 
 REACH = 3.0
@@ -61,6 +62,7 @@ class Forward:
             rows=cells_per_pixel * pixels.rows, columns=cells_per_pixel * pixels.columns
         )
         self.divided = scene.model_copy(update={"pixels": divided})
+        self._kept: tuple[Mapping[str, float], ReducedSkin] | None = None
 
     def cells(self, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Cells that a press touches, row by row from 0, and by how much of c at rest it rises."""
@@ -78,7 +80,8 @@ class Forward:
         """
         values = all_values(self.scene, given)
         s, skin = self._s(values), self._skin(values)
-        found = sensitivity(skin, cells, rises, s)
+        with one_blas_thread():
+            found = sensitivity(skin, cells, rises, s)
         by_name = {name: found.by_s * slope for name, slope in self._slopes(values, s).items()}
         assert skin.variation is not None
         by_name |= self._by_weights(found, skin.variation)
@@ -146,7 +149,10 @@ class Forward:
         return draw
 
     def _skin(self, values: Mapping[str, float]) -> ReducedSkin:
-        return self.reduced.skin(variation_of(self.divided, values))
+        """The last one is kept: many presses of one skin are asked for in a row."""
+        if self._kept is None or self._kept[0] != values:
+            self._kept = dict(values), self.reduced.skin(variation_of(self.divided, values))
+        return self._kept[1]
 
     def _s(self, values: Mapping[str, float]) -> NDArray[np.complex128]:
         return laplace_variable(self.scene.frequencies, loss_of(values))

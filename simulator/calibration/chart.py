@@ -1,0 +1,76 @@
+"""Residual charts: one for each interface, in units of the meter's error."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.calibration.measured import Reading
+from simulator.calibration.residuals import residuals
+from simulator.plot import AT_REST, COLOURS, chart, frequency_axis
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from simulator.calibration.run import Calibration
+
+LIKELY = 2.0
+MOST_NAMED = 6
+FAINT = 0.35
+
+
+def draw_residuals(calibration: Calibration, interface: int, path: Path) -> None:
+    """Residuals of |Z|, phase, Rs and Cp at one interface against frequency, as a PNG."""
+    measured = calibration.fit.asked.measured
+    frequency = measured.scene.frequencies
+    with chart(path, 9, 6.2) as figure:
+        grid = figure.subplots(2, 2, sharex=True)
+        for axes, (name, left) in zip(grid.flat, residuals(calibration.fit).items(), strict=True):
+            _draw(axes, frequency, left[:, interface], measured.readings)
+            axes.set_title(name)
+        for axes in grid[1]:
+            frequency_axis(axes)
+        for axes in grid[:, 0]:
+            axes.set_ylabel("(measured - fitted) / error")
+        handles, labels = grid[0, 0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4))
+        name = measured.scene.interfaces[interface].name
+        figure.suptitle(
+            f"{measured.scene.name}, interface {name}\nWhat the fit leaves, in units of the "
+            f"meter's error; chi-squared per degree of freedom {calibration.chi_squared:.3g}"
+        )
+
+
+def _draw(
+    axes: Axes,
+    frequency: NDArray[np.float64],
+    left: NDArray[np.float64],
+    readings: tuple[Reading, ...],
+) -> None:
+    """Readings at rest black, presses in colours: each a line while they are few.
+
+    Of more, those of a column are dots, and their mean the line.
+    """
+    kHz, few = frequency / 1e3, len(readings) <= MOST_NAMED + 1
+    axes.axhspan(-LIKELY, LIKELY, color="0.93", label="within 2 errors")
+    told = [_told(reading, few) for reading in readings]
+    for label, colour in dict.fromkeys(told):
+        group = left[[each == (label, colour) for each in told]]
+        if len(group) > 1:
+            axes.plot(kHz, group.T, ".", color=colour, alpha=FAINT, markersize=3, label="_")
+            label = f"{label}, mean"
+        axes.plot(kHz, group.mean(axis=0), marker=".", linewidth=1, color=colour, label=label)
+
+
+def _told(reading: Reading, few: bool) -> tuple[str, str]:
+    """Name and colour of a reading, or of all that are drawn together."""
+    if not reading.press.touches:
+        return "at rest", AT_REST
+    row, column = reading.press.pixel
+    colour = COLOURS[(max(column, 1) - 1) % len(COLOURS)]
+    if few:
+        return f"pressed {row},{column}" if row > 0 else f"pressed {reading.press}", colour
+    return f"column {column}" if column > 0 else "several pressed", colour

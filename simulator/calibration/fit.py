@@ -1,0 +1,192 @@
+"""Gauss-Newton with bounds on the problem, from several starts, and within the model's reach.
+
+Where the fitted factors reach the edge of what the model was trained on, or its certificate is no
+longer small beside the meter's error, the model is trained anew about the fitted values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from simulator.calibration.model import Around, around, movable
+from simulator.calibration.problem import Asked, Problem
+from simulator.calibration.starts import starts
+from simulator.scene import Readout
+from simulator.sheet import one_blas_thread
+from simulator.sweeps import InputError
+
+Tell = Callable[[str], None]
+ROUNDS = 10
+EDGE = 0.02
+NEAR = 0.1
+"""Of the logarithm of a factor: so near the edge of its reach a value is held by it; so near where
+the model was trained, training it there again helps nothing."""
+SHARE_OF_NOISE = 0.03
+"""Of the meter's noise: asked of the model."""
+SMALL_BESIDE_NOISE = 0.2
+"""Of the meter's noise: what the certificate of the model may be at the solution."""
+CERTIFIED = 8
+EXPLAINED = 2.0
+"""Chi-squared over how many numbers there are, below which no other start is tried."""
+FINEST, COARSEST = 1e-6, 1e-3
+CLOSE = 1e-8
+MOST_STEPS = 300
+AT_BOUND = 1e-6
+"""Deviations of its prior within which an unknown is at its bound."""
+
+
+def silent(told: str) -> None:
+    """Tells nothing."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A solution.
+
+    u: unknowns of the problem. chi_squared: with the priors of strengths and of the meter's fixed
+    errors, which the data share, and without those of the parameters. certificate: largest bound
+    on what the model leaves out of Rs and Cp. trained: how often it was trained anew.
+    """
+
+    problem: Problem = field(repr=False)
+    u: NDArray[np.float64]
+    certificate: float = 0.0
+    trained: int = 0
+
+    @property
+    def asked(self) -> Asked:
+        """What was fitted to what."""
+        return self.problem.asked
+
+    @property
+    def values(self) -> dict[str, float]:
+        """All parameters."""
+        return self.asked.values(self.u)
+
+    @property
+    def cost(self) -> float:
+        """What is least: chi-squared and the priors of the parameters."""
+        residuals = self.problem.residuals(self.u)
+        return float(residuals @ residuals)
+
+    @property
+    def chi_squared(self) -> float:
+        """Of all readings."""
+        of_parameters = self.u[: len(self.asked.fitted)]
+        residuals = self.problem.residuals(self.u)
+        return float(residuals @ residuals - of_parameters @ of_parameters)
+
+    @property
+    def rms_error(self) -> float:
+        """Of Z, relative to |Z|, without the meter's fixed errors."""
+        measured = np.stack([reading.Z for reading in self.asked.measured.readings])
+        return float(np.sqrt(np.mean(np.abs(self.problem.fitted(self.u) / measured - 1) ** 2)))
+
+
+def model_tolerance(readout: Readout) -> float:
+    """Of Rs and Cp, asked of the model."""
+    noise = min(readout.magnitude_noise, readout.phase_noise)
+    return float(np.clip(SHARE_OF_NOISE * noise, FINEST, COARSEST))
+
+
+def fitted(
+    asked: Asked, ready: Around, begin: Mapping[str, float] | None = None, tell: Tell = silent
+) -> Fit:
+    """The best fit. ready: a model to begin with. begin: values to begin at, in place of several.
+
+    Raises InputError where the factors go on and on.
+    """
+    with one_blas_thread():
+        for trained in range(ROUNDS):
+            problem = Problem(asked, ready)
+            begins = starts(problem) if begin is None else [begin]
+            fit = best(problem, begins)
+            certificate = certified(fit)
+            if not held(fit) and (certificate <= allowed(asked) or near(fit)):
+                return Fit(problem, fit.u, certificate, trained)
+            begin = fit.values
+            tell(_again(fit, certificate))
+            ready = around(asked.measured.scene, begin, model_tolerance(asked.readout))
+    raise InputError(
+        f"{asked.measured.scene.name} is too unlike what was measured: its factors run away"
+    )
+
+
+def best(problem: Problem, begins: Sequence[Mapping[str, float]]) -> Fit:
+    """From several starts, as many as it takes to explain the readings."""
+    fits: list[Fit] = []
+    for begin in begins:
+        fits.append(solved(problem, begin))
+        if fits[-1].chi_squared < EXPLAINED * problem.asked.measured.numbers:
+            break
+    return min(fits, key=lambda fit: fit.cost)
+
+
+def solved(problem: Problem, begin: Mapping[str, float]) -> Fit:
+    """From one start, within the model's reach."""
+    low, high = problem.bounds()
+    u = np.clip(problem.asked.unknowns(begin), low, high)
+    if not len(u):
+        return Fit(problem, u)
+    exact: Any = problem.jacobian
+    found = least_squares(
+        problem.residuals,
+        u,
+        exact,
+        bounds=(low, high),
+        method="dogbox",
+        x_scale="jac",
+        ftol=CLOSE,
+        xtol=CLOSE,
+        gtol=CLOSE,
+        max_nfev=MOST_STEPS,
+    )
+    return Fit(problem, np.where(found.x - low < AT_BOUND, low, found.x))
+
+
+def held(fit: Fit) -> list[str]:
+    """Factors that only the model's reach keeps where they are."""
+    around = fit.problem.around
+    return [
+        name
+        for name in movable(fit.asked.measured.scene)
+        if name in fit.asked.names
+        and abs(fit.values[name] - around.about[name]) > around.reach - EDGE
+    ]
+
+
+def near(fit: Fit) -> bool:
+    """Whether the model was trained about the solution, as far as that helps."""
+    about = fit.problem.around.about
+    return all(abs(fit.values[name] - at) < NEAR for name, at in about.items())
+
+
+def allowed(asked: Asked) -> float:
+    """What the model may leave out of Rs and Cp."""
+    noise = min(asked.readout.magnitude_noise, asked.readout.phase_noise)
+    return SMALL_BESIDE_NOISE * max(noise, FINEST / SHARE_OF_NOISE)
+
+
+def certified(fit: Fit) -> float:
+    """Largest bound on what the model leaves out, over the first presses."""
+    problem, values = fit.problem, fit.values
+    return max(
+        problem.around.certificate(cells, problem.rises(fit.u, k), values)
+        for k, (cells, _) in enumerate(problem.cells[:CERTIFIED])
+    )
+
+
+def _again(fit: Fit, certificate: float) -> str:
+    edge = held(fit)
+    why = (
+        f"{', '.join(edge)} beyond the model's reach"
+        if edge
+        else f"the model leaves out up to {certificate:.1e} there"
+    )
+    return f"{why}: training it anew about the fitted values"

@@ -1,0 +1,172 @@
+"""Measured sweeps as a fit takes them: ln |Z| and phase of the skin at rest and of each press."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.observation import observed
+from simulator.press import Press, Touch, parse_press
+from simulator.scene import Scene, Sweep
+from simulator.scene_file import check_press
+from simulator.sweeps import InputError, impedance
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One press in one session.
+
+    Z: ohm, shape (interface, frequency). deviation: sample standard deviation of `observed` over
+    the sweeps that were averaged, shape (2 * readings,), None where there was one.
+    """
+
+    press: Press
+    session: int
+    Z: NDArray[np.complex128]
+    averaged: int = 1
+    deviation: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was measured on a scene.
+
+    scene: at the interfaces and frequencies of the sweeps. left_out: one line for each press that
+    could not be used.
+    """
+
+    scene: Scene
+    readings: tuple[Reading, ...]
+    left_out: tuple[str, ...] = ()
+
+    @cached_property
+    def numbers(self) -> int:
+        """How many numbers were measured: two for every reading."""
+        return 2 * sum(reading.Z.size for reading in self.readings)
+
+    @cached_property
+    def sessions(self) -> list[int]:
+        """Sessions in which something was measured."""
+        return sorted({reading.session for reading in self.readings})
+
+
+def measured(
+    scene: Scene,
+    sweeps: xr.Dataset,
+    band: tuple[float, float] | None = None,
+    session: int | None = None,
+) -> Measured:
+    """Sweeps on a scene: those at rest averaged in each session, every press on its own.
+
+    band: lowest and highest frequency that counts, Hz. session: the only one that counts.
+    Presses that are no whole pixels of the scene are left out.
+    Raises InputError where an interface is not in the scene, or nothing is left.
+    """
+    if session is not None:
+        sweeps = _of_session(sweeps, session)
+    if band is not None:
+        sweeps = _within(sweeps, band)
+    bare = _as_measured(scene, sweeps)
+    presses, left_out = _presses(bare, list(sweeps["press"].values))
+    sessions = [int(each) for each in sweeps["session"].values]
+    readings = tuple(_readings(impedance(sweeps), presses, sessions))
+    if not readings:
+        raise InputError(f"no sweep can be used: {'; '.join(left_out) or 'there is none'}")
+    return Measured(bare, readings, left_out)
+
+
+def parse_band(text: str | None) -> tuple[float, float] | None:
+    """LOW:HIGH in Hz, either of which may be absent. Raises InputError on anything else."""
+    if text is None:
+        return None
+    try:
+        low, high = (float(part) if part else None for part in text.split(":"))
+    except ValueError:
+        raise InputError(f"--band must be LOW:HIGH in Hz, got {text!r}") from None
+    band = (0.0 if low is None else low, np.inf if high is None else high)
+    if not 0 <= band[0] < band[1]:
+        raise InputError(f"--band must have 0 <= LOW < HIGH, got {text!r}")
+    return band
+
+
+def _of_session(sweeps: xr.Dataset, session: int) -> xr.Dataset:
+    there = sorted({int(each) for each in sweeps["session"].values})
+    if session not in there:
+        known = ", ".join(map(str, there))
+        raise InputError(f"`session` must be one of {known}, got {session}")
+    return sweeps.isel(sweep=sweeps["session"].values == session)
+
+
+def _within(sweeps: xr.Dataset, band: tuple[float, float]) -> xr.Dataset:
+    f = sweeps["frequency"].values
+    inside = (f >= band[0]) & (f <= band[1])
+    if not inside.any():
+        raise InputError(
+            f"`band` must hold frequencies of the sweeps, {f[0]:g} to {f[-1]:g} Hz, "
+            f"got {band[0]:g} to {band[1]:g} Hz"
+        )
+    return sweeps.isel(frequency=inside)
+
+
+def _as_measured(scene: Scene, sweeps: xr.Dataset) -> Scene:
+    """The scene at the interfaces and frequencies of the sweeps."""
+    interfaces = {interface.name: interface for interface in scene.interfaces}
+    asked = [str(name) for name in sweeps["interface"].values]
+    for name in asked:
+        if name not in interfaces:
+            raise InputError(
+                f"the sweeps were measured at interface {name!r}; "
+                f"{scene.name} has {', '.join(interfaces)}"
+            )
+    sweep = Sweep(frequencies=tuple(sweeps["frequency"].values.tolist()))
+    chosen = tuple(interfaces[name] for name in asked)
+    return scene.model_copy(update={"sweep": sweep, "interfaces": chosen})
+
+
+def _presses(scene: Scene, texts: Sequence[str]) -> tuple[list[Press | None], tuple[str, ...]]:
+    """Each press, None for those left out, and why those were."""
+    presses: list[Press | None] = []
+    left_out: dict[str, None] = {}
+    for text in texts:
+        try:
+            presses.append(_whole_pixels(scene, str(text)))
+        except InputError as reason:
+            presses.append(None)
+            left_out[str(reason)] = None
+    return presses, tuple(left_out)
+
+
+def _whole_pixels(scene: Scene, text: str) -> Press:
+    press = check_press(parse_press(text, scene.press.capacitance_factor), scene)
+    if not all(isinstance(touch, Touch) for touch in press.touches):
+        raise InputError(f"press {press}: only whole pixels can be fitted")
+    return press
+
+
+def _readings(
+    Z: NDArray[np.complex128], presses: Sequence[Press | None], sessions: Sequence[int]
+) -> Iterator[Reading]:
+    at_rest: dict[int, list[int]] = {}
+    for k, (press, session) in enumerate(zip(presses, sessions, strict=True)):
+        if press is not None and not press.touches:
+            at_rest.setdefault(session, []).append(k)
+    for session, members in at_rest.items():
+        yield _averaged(Z[members], session)
+    for k, (press, session) in enumerate(zip(presses, sessions, strict=True)):
+        if press is not None and press.touches:
+            yield Reading(press, session, Z[k])
+
+
+def _averaged(Z: NDArray[np.complex128], session: int) -> Reading:
+    """Of the skin at rest, in ln |Z| and phase."""
+    mean = Z[0] * np.exp(np.log(Z / Z[0]).mean(axis=0))
+    deviation = observed(Z / mean).std(axis=0, ddof=1) if len(Z) > 1 else None
+    return Reading(Press(), session, mean.astype(np.complex128), len(Z), deviation)

@@ -1,0 +1,88 @@
+"""The differentiable model that a fit asks: the exact line where a scene is one, else `Forward`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.calibration.line_model import LineModel
+from simulator.circuit import one_field
+from simulator.forward import REACH, Forward, Response
+from simulator.parameters import FACTORS, scene_with
+from simulator.scene import Scene
+from simulator.sweeps import InputError
+
+ANYWHERE = 50.0
+"""Logarithm of the largest factor of a model that knows no reach."""
+
+
+Model = Forward | LineModel
+"""Both answer `respond`, `certificate` and `cells` alike, and know what is `free`."""
+
+
+def model_of(scene: Scene, rtol: float) -> Model:
+    """The cheapest one that serves. rtol: largest relative error of Rs and Cp at the skin."""
+    try:
+        return LineModel(scene)
+    except InputError:
+        return Forward(scene, rtol=rtol)
+
+
+class Around:
+    """A scene's model, trained about values of its parameters that may be far from the scene's."""
+
+    def __init__(self, model: Model, about: Mapping[str, float]) -> None:
+        """model: of the scene with its factors at `about`, which are logarithms."""
+        self.model, self.about = model, {name: about.get(name, 0.0) for name in FACTORS}
+
+    @property
+    def reach(self) -> float:
+        """How far the logarithm of a factor may be from `about`."""
+        return ANYWHERE if isinstance(self.model, LineModel) else math.log(REACH)
+
+    def own(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Values of the scene's parameters as the model counts them."""
+        return {name: value - self.about.get(name, 0.0) for name, value in values.items()}
+
+    def respond(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], values: Mapping[str, float]
+    ) -> Response:
+        """Of one press; `by_cell` is to the rises here."""
+        own = self.own(values)
+        response = self.model.respond(cells, rises, own)
+        by_rise = math.exp(own["capacitance"]) * response.by_cell
+        return Response(response.Z, response.by_parameter, by_rise)
+
+    def certificate(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], values: Mapping[str, float]
+    ) -> float:
+        """See `Model.certificate`."""
+        return self.model.certificate(cells, rises, self.own(values))
+
+
+def around(scene: Scene, values: Mapping[str, float], rtol: float) -> Around:
+    """The scene's model about values of its parameters."""
+    about = {name: values.get(name, 0.0) for name in movable(scene)}
+    return Around(model_of(scene_with(scene, about), rtol), about)
+
+
+def movable(scene: Scene) -> list[str]:
+    """Factors that a model may be trained about: not such that one field would become two."""
+    single = one_field(scene) is not None
+    return [name for name in FACTORS if not (single and name == "sheet_mismatch")]
+
+
+def checked_model(model: Model, scene: Scene) -> Model:
+    """The same model, if it is of the pixels, interfaces and frequencies of a scene.
+
+    Raises InputError where it is not.
+    """
+    for name in ("sweep", "interfaces", "pixels"):
+        if getattr(model.scene, name) != getattr(scene, name):
+            raise InputError(f"the model has other {name} than were measured")
+    if isinstance(model, Forward) and model.cells_per_pixel != 1:
+        raise InputError(f"`cells_per_pixel` of the model must be 1, got {model.cells_per_pixel}")
+    return model

@@ -1,0 +1,219 @@
+"""A calibration told: a table for the terminal, and files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from simulator.calibration.chart import draw_residuals
+from simulator.parameters import FACTORS
+from simulator.scene_file import scene_text
+from simulator.sweeps import InputError
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from simulator.calibration.estimates import Quantity
+    from simulator.calibration.run import Calibration
+
+COLUMNS = ("quantity", "unit", "scene", "fitted", "low_95", "high_95", "told_by")
+PARAMETER_COLUMNS = ("parameter", "counted", "value", "low_95", "high_95", "told_by")
+BY = {True: "data", False: "prior"}
+TIED = 0.95
+WIDENED = 1.2
+"""Chi-squared per degree of freedom from which it is said that intervals are wider for it."""
+
+
+def checked_folder(path: Path) -> Path:
+    """The same path, if it is a folder or can become one; raises InputError."""
+    if path.exists() and not path.is_dir():
+        raise InputError(f"{path}: is a file, not a folder")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: the folder {path.parent} does not exist")
+    return path
+
+
+def write_report(calibration: Calibration, source: str, folder: Path) -> list[str]:
+    """All files into a folder, each whole; their names. source: what was fitted to, in words."""
+    with TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}.") as unfinished:
+        made = Path(unfinished)
+        text = calibrated_text(calibration, source)
+        (made / "calibrated.toml").write_text(text, encoding="utf-8")
+        (made / "calibration.json").write_text(
+            json.dumps(numbers(calibration, source), indent=2) + "\n", encoding="utf-8"
+        )
+        _write_csv(made / "quantities.csv", COLUMNS, map(_row, calibration.quantities))
+        _write_csv(made / "parameters.csv", PARAMETER_COLUMNS, _parameter_rows(calibration))
+        _write_csv(
+            made / "correlation.csv", ("parameter", *_names(calibration)), _tied(calibration)
+        )
+        for k, interface in enumerate(calibration.fit.asked.measured.scene.interfaces):
+            draw_residuals(calibration, k, made / f"residuals-{_file_name(interface.name)}.png")
+        folder.mkdir(exist_ok=True)
+        names = sorted(path.name for path in made.iterdir())
+        for name in names:
+            os.replace(made / name, folder / name)
+    return names
+
+
+def calibrated_text(calibration: Calibration, source: str) -> str:
+    """The calibrated scene as TOML, with what was fitted from what above it."""
+    scene = calibration.scene
+    told = "; ".join(filter(None, (scene.description, f"calibrated to {source}")))
+    lines = [f"Calibrated to {source} by rcskin calibrate.", "Fitted, with 95 % intervals:"]
+    lines += [f"  {_sentence(each)}" for each in calibration.quantities]
+    comment = "".join(f"# {line}\n" for line in lines)
+    return f"{comment}\n{scene_text(scene.model_copy(update={'description': told}))}"
+
+
+def table(calibration: Calibration) -> Table:
+    """Every fitted quantity."""
+    from rich.table import Column, Table
+
+    left = [Column(name, no_wrap=True) for name in ("quantity", "unit")]
+    right = [
+        Column(name, justify="right", no_wrap=True) for name in ("scene", "fitted", "from", "to")
+    ]
+    found = Table(*left, *right, "told by", box=None, padding=(0, 1, 0, 0))
+    for each in calibration.quantities:
+        numbers = (f"{x:.4g}" for x in (each.start, each.value, each.low, each.high))
+        found.add_row(each.name, each.unit, *numbers, each.told_by)
+    return found
+
+
+def correlation_table(calibration: Calibration) -> Table:
+    """Of the fitted parameters."""
+    from rich.table import Column, Table
+
+    names = _names(calibration)
+    numbered = [Column(str(k + 1), justify="right") for k in range(len(names))]
+    found = Table("correlation", *numbered, box=None)
+    for k, (name, *row) in enumerate(_tied(calibration)):
+        found.add_row(f"{k + 1} {name}", *(f"{float(each):.2f}" for each in row[: k + 1]))
+    return found
+
+
+def explanations(calibration: Calibration) -> list[str]:
+    """What else is to be said, a line each."""
+    readout, asked = calibration.noise.readout, calibration.fit.asked
+    lines = [
+        f"chi-squared per degree of freedom {calibration.chi_squared:.3g}"
+        f"{' by construction' if calibration.noise.guessed else ''}; "
+        f"rms relative error of Z {100 * calibration.rms_error:.3g} %",
+        f"noise from {calibration.noise.source}: {100 * readout.magnitude_noise:.3g} % of |Z|, "
+        f"{1e3 * readout.phase_noise:.3g} mrad",
+    ]
+    if calibration.information.scale > WIDENED:
+        lines.append(
+            f"intervals are {calibration.information.scale**0.5:.2g} times as wide as the noise "
+            "alone would make them, because the fit leaves more than the noise"
+        )
+    if asked.touches:
+        lines.append(_strengths_told(calibration))
+    if calibration.given_up:
+        names = ", ".join(calibration.given_up)
+        lines.append(f"left as in the scene, for the data do not tell them: {names}")
+    lines += calibration.unclear
+    lines += _ties(calibration)
+    lines += calibration.remarks
+    return [*lines, *(calibration.ideal.told if calibration.ideal else ())]
+
+
+def numbers(calibration: Calibration, source: str) -> dict[str, Any]:
+    """All of it, for JSON."""
+    fit, noise = calibration.fit, calibration.noise
+    readings = zip(fit.asked.measured.readings, calibration.strengths, strict=True)
+    ideal = calibration.ideal
+    return {
+        "measured": source,
+        "scene": fit.asked.measured.scene.name,
+        "values": calibration.values,
+        "intervals_95": calibration.intervals,
+        "told": calibration.told,
+        "quantities": [asdict(each) for each in calibration.quantities],
+        "correlation": {name: list(map(float, row)) for name, *row in _tied(calibration)},
+        "strengths": [
+            {"press": str(reading.press), "session": reading.session, "rises": rises.tolist()}
+            for reading, rises in readings
+            if reading.press.touches
+        ],
+        "chi_squared_per_freedom": calibration.chi_squared,
+        "rms_relative_error": calibration.rms_error,
+        "noise": {
+            "magnitude": noise.readout.magnitude_noise,
+            "phase_rad": noise.readout.phase_noise,
+            "source": noise.source,
+        },
+        "certificate": fit.certificate,
+        "given_up": list(calibration.given_up),
+        "unclear": list(calibration.unclear),
+        "remarks": list(calibration.remarks),
+        "ideal_capacitance": None
+        if ideal is None
+        else {"rms_relative_error": ideal.ideal_rms_error, "why_not": list(ideal.told)},
+    }
+
+
+def _names(calibration: Calibration) -> tuple[str, ...]:
+    return calibration.information.names
+
+
+def _row(each: Quantity) -> tuple[object, ...]:
+    return each.name, each.unit, each.start, each.value, each.low, each.high, each.told_by
+
+
+def _parameter_rows(calibration: Calibration) -> Iterable[tuple[object, ...]]:
+    for name, (low, high) in calibration.intervals.items():
+        counted = "logarithm of a factor" if name in FACTORS else "as it is"
+        yield name, counted, calibration.values[name], low, high, BY[calibration.told[name]]
+
+
+def _tied(calibration: Calibration) -> list[tuple[Any, ...]]:
+    rows = calibration.information.correlation.tolist()
+    return [(name, *row) for name, row in zip(_names(calibration), rows, strict=True)]
+
+
+def _ties(calibration: Calibration) -> list[str]:
+    """Pairs whose estimates hang on each other."""
+    names, rows = _names(calibration), calibration.information.correlation
+    return [
+        f"{names[i]} and {names[j]} hang together (correlation {rows[i, j]:+.3f})"
+        for i in range(len(names))
+        for j in range(i)
+        if abs(rows[i, j]) > TIED
+    ]
+
+
+def _strengths_told(calibration: Calibration) -> str:
+    stated = [cells[1] for cells in calibration.fit.problem.cells]
+    pairs = zip(calibration.strengths, stated, strict=True)
+    over = [
+        float(own / said) for rises, saids in pairs for own, said in zip(rises, saids, strict=True)
+    ]
+    return (
+        f"{len(over)} touches rose by {min(over):.2f} to {max(over):.2f} times what is said of them"
+    )
+
+
+def _sentence(each: Quantity) -> str:
+    low, high = f"{each.low:.6g}", f"{each.high:.6g}"
+    by = "" if each.told else ", told by the prior and not by the data"
+    value = f"{each.value:.6g} {each.unit}".strip()
+    return f"{each.name}: {value} ({low} to {high}){by}, was {each.start:.6g}"
+
+
+def _file_name(interface: str) -> str:
+    return "".join(c if c.isalnum() or c in "-_" else "-" for c in interface)
+
+
+def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(rows)

@@ -1,0 +1,202 @@
+"""A scene fitted to measured sweeps: its parameters, how surely each is told, and what is left."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.calibration.choice import candidates, chosen
+from simulator.calibration.estimates import Quantity, intervals, quantities, told_together
+from simulator.calibration.fit import Fit, Tell, allowed, fitted, model_tolerance, silent
+from simulator.calibration.ideal import Comparison, compared
+from simulator.calibration.information import Information, freedom, information
+from simulator.calibration.line_model import LineModel
+from simulator.calibration.measured import Measured, measured
+from simulator.calibration.model import Around, Model, around, checked_model, model_of
+from simulator.calibration.noise import Noise, noise_of, with_noise
+from simulator.calibration.prior import Kind, priors
+from simulator.calibration.problem import Asked
+from simulator.calibration.starts import capacitance_off
+from simulator.parameters import own_values, scene_with
+from simulator.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+NOISE_ROUNDS = 3
+
+
+@dataclass(frozen=True)
+class Options:
+    """What to fit, and to what part of the sweeps.
+
+    fit: names of parameters, those that the data tell where empty. fix: names left as the scene
+    has them. band: lowest and highest frequency, Hz. session: the only one that counts.
+    strengths: whether those of presses are unknown too, about what is said of them, with the
+    scene's spread. prior: see `simulator.calibration.prior`.
+    """
+
+    fit: tuple[str, ...] = ()
+    fix: tuple[str, ...] = ()
+    band: tuple[float, float] | None = None
+    session: int | None = None
+    strengths: bool = True
+    prior: Kind = "wide"
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """What the sweeps say of a scene.
+
+    values: all parameters as `Forward` counts them about the scene given. intervals: 95 %, of the
+    fitted ones. told: whether the data tell each of them, or its prior does. scene: the calibrated
+    one. quantities: the same in physical units. strengths: of the touches of each press, with
+    deviations. noise: of the meter. unclear: what the data cannot tell apart. remarks: what was
+    done on the way. given_up: parameters left as they are, because the data do not tell them.
+    ideal: where the exponent was fitted, why an ideal capacitance would not do.
+    """
+
+    values: dict[str, float]
+    intervals: dict[str, tuple[float, float]]
+    scene: Scene
+    told: dict[str, bool]
+    quantities: tuple[Quantity, ...]
+    information: Information = field(repr=False)
+    fit: Fit = field(repr=False)
+    noise: Noise
+    unclear: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+    given_up: tuple[str, ...] = ()
+    ideal: Comparison | None = None
+
+    @property
+    def chi_squared(self) -> float:
+        """Per degree of freedom."""
+        return self.fit.chi_squared / freedom(self.fit, sum(self.told.values()))
+
+    @property
+    def rms_error(self) -> float:
+        """Of Z, relative to |Z|."""
+        return self.fit.rms_error
+
+    @property
+    def strengths(self) -> list[NDArray[np.float64]]:
+        """Rise of capacitance (factor - 1) of each touch of each reading."""
+        readings = range(len(self.fit.asked.measured.readings))
+        return [self.fit.problem.rises(self.fit.u, k) for k in readings]
+
+
+def calibrate(
+    scene: Scene,
+    sweeps: xr.Dataset,
+    options: Options = Options(),  # noqa: B008
+    *,
+    model: Model | None = None,
+    tell: Tell = silent,
+) -> Calibration:
+    """Fit a scene to sweeps, unpressed ones and presses of pixels, at all their interfaces.
+
+    model: of the scene at the sweeps' interfaces and frequencies, where there is one at hand; its
+    training is the slow part. tell: is told what takes long.
+    Raises InputError where sweeps and scene do not fit, ToleranceError where no model holds.
+    """
+    job = _Job(measured(scene, sweeps, options.band, options.session), options, model, tell)
+    fit, given_up, noise = job.done()
+    told = information(fit)
+    degrees = freedom(fit, sum(told.told.values())) if noise.guessed else noise.freedom
+    bounds = intervals(fit, told, degrees)
+    beaten = bounds.get("phase_exponent", (0.0, 1.0))[1] < 1
+    return Calibration(
+        values=fit.values,
+        intervals=bounds,
+        scene=scene_with(scene, fit.values),
+        told=told.told,
+        quantities=quantities(scene, fit, told, degrees),
+        information=told,
+        fit=fit,
+        noise=noise,
+        unclear=tuple(told_together(fit, told)),
+        remarks=tuple(dict.fromkeys([*job.remarks, *_left_out(fit)])),
+        given_up=tuple(given_up),
+        ideal=compared(fit, tell) if beaten else None,
+    )
+
+
+class _Job:
+    """A calibration under way: the model at hand, and what is to be remarked."""
+
+    def __init__(
+        self, measured: Measured, options: Options, model: Model | None, tell: Tell
+    ) -> None:
+        self.measured, self.options, self._tell = measured, options, tell
+        self.remarks = [f"left out: {reason}" for reason in measured.left_out]
+        self.noise = noise_of(measured)
+        self.priors = priors(measured, options.prior)
+        at_hand = model or model_of(measured.scene, self._tolerance)
+        self.names = candidates(at_hand.free, self.priors, options.fit, options.fix)
+        self._ready = self._prepared(at_hand, trained=model is not None)
+        self._begin: Mapping[str, float] | None = None
+
+    def done(self) -> tuple[Fit, list[str], Noise]:
+        """The fit, parameters given up, and the noise it was made with."""
+        if not self.noise.guessed:
+            return *self._fit(), self.noise
+        for _ in range(NOISE_ROUNDS):
+            fit, _ = self._fit()
+            self.noise = self._from_residuals(fit)
+        return *self._fit(), self.noise
+
+    def _fit(self) -> tuple[Fit, list[str]]:
+        if self.options.fit:
+            return self._fit_to(self.names), []
+        return chosen(self._fit_to, self.names)
+
+    def _fit_to(self, names: Sequence[str]) -> Fit:
+        own = own_values(self.measured.scene)
+        asked = Asked(
+            self.measured,
+            self.noise.readout,
+            {name: self.priors[name] for name in names},
+            {name: value for name, value in own.items() if name not in names},
+            self.options.strengths,
+        )
+        fit = fitted(asked, self._ready, self._begin, self._remark)
+        self._ready, self._begin = fit.problem.around, fit.values
+        return fit
+
+    def _prepared(self, model: Model, trained: bool) -> Around:
+        """A model about the scene, or about the capacitance that is seen where that is far off."""
+        scene = self.measured.scene
+        if trained or isinstance(model, LineModel):
+            return Around(checked_model(model, scene), {})
+        self._tell("training a model of the scene")
+        wide = self.options.prior == "wide" and "capacitance" in self.names
+        off = capacitance_off(self.measured) if wide else 0.0
+        return around(scene, {"capacitance": off}, self._tolerance) if off else Around(model, {})
+
+    @property
+    def _tolerance(self) -> float:
+        return model_tolerance(self.noise.readout)
+
+    def _from_residuals(self, fit: Fit) -> Noise:
+        found = information(fit)
+        scale = math.sqrt(fit.chi_squared / freedom(fit, sum(found.told.values())))
+        noise = scale * self.noise.readout.magnitude_noise
+        readout = with_noise(self.noise.readout, noise, noise)
+        return replace(self.noise, readout=readout, source="the residuals of the fit")
+
+    def _remark(self, told: str) -> None:
+        self._tell(told)
+        self.remarks.append(told)
+
+
+def _left_out(fit: Fit) -> list[str]:
+    """What the model leaves out, where that is not small beside the meter's error."""
+    if fit.certificate <= allowed(fit.asked):
+        return []
+    return [f"the model leaves out up to {fit.certificate:.1e} of Rs and Cp at the solution"]

@@ -1,0 +1,53 @@
+"""Scenes that are cheap to fit, and what a meter would read on others like them."""
+
+import numpy as np
+import pytest
+
+from simulator.fidelity import Solver
+from simulator.parameters import scene_with
+from simulator.press import parse_press
+from simulator.readout import read_out
+from simulator.scene import Pressing, Readout
+from simulator.simulate import simulate
+
+METER = Readout(
+    magnitude_accuracy=3e-3,
+    phase_accuracy=2e-3,
+    magnitude_noise=2e-3,
+    phase_noise=2e-3,
+    display_digits=9,
+)
+SPREAD = 0.1
+
+
+@pytest.fixture(scope="session")
+def line(make_scene):
+    """A line of three pixels with a meter whose errors are known."""
+    scene = make_scene(columns=3, frequencies=np.geomspace(1e3, 2e5, 12).tolist())
+    press = Pressing(factor_spread=SPREAD)
+    return scene.model_copy(update={"readout": METER, "press": press})
+
+
+def true_sweeps(scene, truth, presses):
+    """Of a skin of other parameters than the scene's, without a meter's errors."""
+    solver = Solver(scene_with(scene, truth or {}), 1e-6)
+    return simulate(solver, [parse_press(press, 2.0) for press in presses])
+
+
+@pytest.fixture(scope="session")
+def simulated():
+    """A function: sweeps of a skin of other parameters than the scene's."""
+    return true_sweeps
+
+
+@pytest.fixture(scope="session")
+def read():
+    """A function: the same as a meter reads them, and as those who pressed it call the presses."""
+
+    def read(scene, truth=None, presses=("none",), seed=0, readout=None, called=None):
+        sweeps = true_sweeps(scene, truth, presses)
+        if called is not None:
+            sweeps["press"] = ("sweep", np.array(called, dtype=object))
+        return read_out(sweeps, readout or scene.readout, np.random.default_rng(seed))
+
+    return read

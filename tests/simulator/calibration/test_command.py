@@ -1,0 +1,142 @@
+"""`rcskin calibrate` as its user meets it."""
+
+import json
+
+import pytest
+
+from simulator.parameters import scene_with
+from simulator.scene_file import read_scene, scene_text
+from simulator.sweeps import read as read_sweeps
+from simulator.sweeps import write
+
+TRUTH = {"sheet_resistance": 0.25, "capacitance": -0.3}
+PRESSES = ("none", "none", "1,2:1.9", "1,3:2.1")
+TWO = ("--fit", "sheet_resistance", "--fit", "capacitance")
+FILES = [
+    "calibrated.toml",
+    "calibration.json",
+    "correlation.csv",
+    "parameters.csv",
+    "quantities.csv",
+    "residuals-meter.png",
+]
+
+
+@pytest.fixture
+def files(tmp_path, line, read):
+    (tmp_path / "skin.toml").write_text(scene_text(line))
+    write(read(line, TRUTH, PRESSES), tmp_path / "run.nc")
+    return tmp_path / "skin.toml", tmp_path / "run.nc", tmp_path / "found"
+
+
+def test_a_scene_is_calibrated(run, files, line):
+    scene, measured, folder = files
+    code, out, err = run("calibrate", scene, measured, "-o", folder)
+    assert (code, err) == (0, "")
+    assert "foam capacitance" in out
+    assert "chi-squared per degree of freedom" in out
+    assert "left as in the scene, for the data do not tell them: sheet_mismatch" in out
+    assert sorted(path.name for path in folder.iterdir()) == FILES
+    assert sorted(path.name for path in folder.parent.iterdir()) == ["found", "run.nc", "skin.toml"]
+
+
+def test_the_calibrated_scene_says_from_what(run, files, line):
+    scene, measured, folder = files
+    run("calibrate", scene, measured, "-o", folder, *TWO)
+    text = (folder / "calibrated.toml").read_text()
+    assert text.startswith("# Calibrated to run.nc by rcskin calibrate.\n# Fitted, with 95 %")
+    calibrated, truth = read_scene(folder / "calibrated.toml"), scene_with(line, TRUTH)
+    assert calibrated.description == "calibrated to run.nc"
+    assert calibrated.skin.foam.rest_capacitance_per_area == pytest.approx(
+        truth.skin.foam.rest_capacitance_per_area, rel=0.02
+    )
+    code, _, err = run("sweep", folder / "calibrated.toml", "-o", folder / "again.nc")
+    assert (code, err) == (0, "")
+    assert read_sweeps(folder / "again.nc").sizes["frequency"] == 12
+
+
+def test_numbers_are_written_for_machines(run, files):
+    scene, measured, folder = files
+    run(
+        "calibrate",
+        scene,
+        measured,
+        "-o",
+        folder,
+        "--fit",
+        "sheet_resistance",
+        "--fit",
+        "capacitance",
+    )
+    told = json.loads((folder / "calibration.json").read_text())
+    low, high = told["intervals_95"]["capacitance"]
+    assert low < told["values"]["capacitance"] < high
+    assert told["correlation"]["capacitance"][1] == pytest.approx(1)
+    assert [each["press"] for each in told["strengths"]] == ["1,2:1.9", "1,3:2.1"]
+    lines = (folder / "quantities.csv").read_text().splitlines()
+    assert lines[0] == "quantity,unit,scene,fitted,low_95,high_95,told_by"
+    assert len(lines) == 5
+    assert (folder / "residuals-meter.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_same_bytes_again(run, files):
+    scene, measured, folder = files
+    written = []
+    for _ in range(2):
+        run("calibrate", scene, measured, "-o", folder, *TWO)
+        written.append({path.name: path.read_bytes() for path in folder.iterdir()})
+    assert written[0] == written[1]
+
+
+def test_other_files_of_the_folder_stay(run, files):
+    scene, measured, folder = files
+    folder.mkdir()
+    (folder / "notes.txt").write_text("mine")
+    assert run("calibrate", scene, measured, "-o", folder, *TWO)[0] == 0
+    assert sorted(path.name for path in folder.iterdir()) == sorted([*FILES, "notes.txt"])
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        (("--fit", "bulk"), "got 'bulk'"),
+        (("--band", "high"), "--band must be LOW:HIGH in Hz, got 'high'"),
+        (("--band", "5:1"), "--band must have 0 <= LOW < HIGH, got '5:1'"),
+        (("--prior", "none"), "`prior` must be one of wide, session, got 'none'"),
+        (("--session", "9"), "`session` must be one of 0, got 9"),
+    ],
+)
+def test_bad_input_is_one_line_and_nothing_is_written(run, files, more, message):
+    scene, measured, folder = files
+    code, out, err = run("calibrate", scene, measured, "-o", folder, *more)
+    assert (code, out) == (2, "")
+    assert message in err
+    assert err.count("\n") == 1
+    assert not folder.exists()
+
+
+def test_sweeps_of_another_skin_are_refused(run, files):
+    _, measured, folder = files
+    code, _, err = run("calibrate", "strip-1x3", measured, "-o", folder)
+    assert code == 2
+    assert "interface 'meter'; strip-1x3 has left" in err
+
+
+def test_a_file_is_no_folder(run, files):
+    scene, measured, _ = files
+    code, _, err = run("calibrate", scene, measured, "-o", measured)
+    assert code == 2
+    assert "is a file, not a folder" in err
+
+
+def test_nothing_is_left_where_writing_fails(run, files, monkeypatch):
+    scene, measured, folder = files
+
+    def broken(*_):
+        raise OSError("no space left")
+
+    monkeypatch.setattr("simulator.calibration.report.draw_residuals", broken)
+    code, _, err = run("calibrate", scene, measured, "-o", folder, *TWO)
+    assert code == 1
+    assert "no space left" in err
+    assert sorted(path.name for path in folder.parent.iterdir()) == ["run.nc", "skin.toml"]

@@ -1,0 +1,71 @@
+"""The least-squares problem: exact slopes, and the meter's errors as its error model has them."""
+
+import numpy as np
+import pytest
+
+from simulator.calibration.fit import solved
+from simulator.calibration.measured import measured
+from simulator.calibration.model import around
+from simulator.calibration.prior import priors
+from simulator.calibration.problem import Asked, Problem, difference
+from simulator.observation import ErrorModel
+from simulator.parameters import own_values
+
+PRESSES = ("none", "none", "1,2:1.8+1,3:2.4", "1,1:2.0")
+NAMES = ("sheet_resistance", "capacitance", "phase_exponent", "lead_inductance")
+
+
+def asked_of(scene, sweeps, names=()):
+    data, own = measured(scene, sweeps), own_values(scene)
+    known = priors(data, "wide")
+    fixed = {name: value for name, value in own.items() if name not in names}
+    return Asked(data, scene.readout, {name: known[name] for name in names}, fixed)
+
+
+def test_slopes_are_exact(line, read):
+    asked = asked_of(line, read(line, presses=PRESSES), NAMES)
+    problem = Problem(asked, around(line, {}, 1e-4))
+    u = 0.3 * np.random.default_rng(1).standard_normal(len(NAMES) + asked.touches + asked.errors)
+    u[2] = -abs(u[2])
+    u[3] = abs(u[3])
+    slopes = problem.jacobian(u)
+    for k in range(len(u)):
+        step = 1e-5 * np.eye(len(u))[k]
+        difference = (problem.residuals(u + step) - problem.residuals(u - step)) / 2e-5
+        np.testing.assert_allclose(slopes[:, k], difference, atol=1e-6 * abs(slopes[:, k]).max())
+
+
+def test_unknown_are_strengths_of_touches_and_the_meters_fixed_errors(line, read):
+    asked = asked_of(line, read(line, presses=PRESSES), NAMES)
+    assert asked.touches == 3
+    assert asked.errors == 2
+    assert asked.measured.readings[0].averaged == 2
+
+
+def test_every_session_has_errors_of_its_own(line, read):
+    sweeps = read(line, presses=PRESSES)
+    sweeps["session"] = ("sweep", np.array([1, 1, 2, 2]))
+    asked = asked_of(line, sweeps, NAMES)
+    slopes = Problem(asked, around(line, {}, 1e-4)).jacobian(np.zeros(len(NAMES) + 3 + 4))
+    seen = np.abs(slopes[:72, -4:]).reshape(3, 2, 12, 4).any(axis=2).any(axis=1)
+    assert seen.tolist() == [[True, True, False, False]] + 2 * [[False, False, True, True]]
+
+
+def test_chi_squared_is_that_of_the_error_models_covariance(line, read):
+    sweeps = read(line, {"capacitance": 0.01}, presses=("none",), seed=3)
+    asked = asked_of(line, sweeps)
+    ready = around(line, {}, 1e-4)
+    fit = solved(Problem(asked, ready), asked.fixed)
+    Z = ready.respond(np.zeros(0, dtype=np.int64), np.zeros(0), asked.fixed).Z
+    off = difference(Z, asked.measured.readings[0].Z)
+    whitened = ErrorModel(line.readout, 1, 12).whitened(off)
+    assert fit.chi_squared == pytest.approx(whitened @ whitened, rel=1e-9)
+
+
+def test_a_model_about_other_values_answers_alike(line):
+    near, far = around(line, {}, 1e-4), around(line, {"capacitance": 0.7}, 1e-4)
+    values = own_values(line) | {"capacitance": 0.5, "sheet_resistance": -0.2}
+    cells, rises = np.array([1]), np.array([0.8])
+    one, other = (model.respond(cells, rises, values) for model in (near, far))
+    np.testing.assert_allclose(other.Z, one.Z, rtol=1e-12)
+    np.testing.assert_allclose(other.by_cell, one.by_cell, rtol=1e-12)
