@@ -1,0 +1,203 @@
+"""The twin experiment: localizers trained on simulation alone, asked about skins they do not know.
+
+Every twin is drawn: sheets, foam, leads, contacts away from nominal and uneven, presses offset and
+of unequal strength, drift, and for one interface a floating pair of foils at the far edge. It is
+read through the virtual meter on TCP by the same driver and recorder as a skin would be. None of
+this is a measurement of a skin.
+
+Run: python benchmarks/twin.py [--skins N] [--only NAME] [--processes N]
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from bench import RESULTS, publish
+from joblib import Parallel, delayed
+from twin_chart import draw
+from twin_recording import recorded
+from twin_scenes import built
+from twin_trials import TRIALS, Trial, quantile
+
+from localization.estimators import Registry, estimators
+from localization.model import Model, train
+from localization.model_based import model_based
+from simulator.calibration import Options, calibrate
+from simulator.dataset import Plan, generate
+from simulator.dataset.model import Training, reduced
+from simulator.distribution import Lognormal, Normal
+from simulator.reduced import Reduced
+from simulator.reduced_file import load, save
+from simulator.scene import Scene
+from simulator.sweeps import open_zarr
+from simulator.templates import templates
+from simulator.twin import Twin
+
+SKINS, SEED = 24, 2026
+RTOL = 1e-3
+"""Of the simulated sweeps: a third of the meter's noise."""
+LEARNED, INVERTED = ("dlnZ", "dphase", "skin"), ("dlnZ", "dphase")
+"""Quantities that localizers look at: those that learn from examples, and the model-based one."""
+CALIBRATED_TO = 0.03
+"""Spread of training around a calibrated skin."""
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A trial with the twins' family of skins, and the localizers trained on simulation."""
+
+    trial: Trial
+    family: Reduced
+    models: dict[str, Model]
+
+
+def localizers() -> Registry:
+    """All that there are, with the one that inverts the simulator."""
+    return estimators([model_based(templates)])
+
+
+def prepared(trial: Trial, registry: Registry) -> Prepared:
+    """Everything that is the same for all skins."""
+    family = reduced(built(trial.believed), RTOL)
+    sweeps = simulated(trial.believed, trial.training)
+    return Prepared(trial, family, localized(trial, sweeps, registry))
+
+
+def simulated(scene: Scene, count: int) -> xr.Dataset:
+    """Sweeps of the scene's data set."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "training.zarr"
+        generate(Plan(scene, count, SEED, RTOL), path, training=Training(reduced, save, load))
+        return open_zarr(path).load()
+
+
+def localized(trial: Trial, sweeps: xr.Dataset, registry: Registry) -> dict[str, Model]:
+    """The trial's localizers, trained on sweeps."""
+    return {
+        name: train(
+            sweeps,
+            trial.target,
+            name,
+            quantities=INVERTED if name == "model-based" else LEARNED,
+            registry=registry,
+        )
+        for name in trial.estimators
+    }
+
+
+def scores(ready: Prepared, number: int) -> list[dict[str, Any]]:
+    """Of one twin: a row for each localizer, and again after calibration where it is asked."""
+    trial = ready.trial
+    twin = Twin(built(trial.believed), ready.family, SEED, number, trial.hand)
+    presses = trial.recording(np.random.default_rng([SEED, number]))
+    sweeps = recorded(twin, presses, [each.name for each in trial.believed.interfaces])
+    rows = [_row(trial, number, name, model, sweeps) for name, model in ready.models.items()]
+    if trial.touches:
+        rows += _after_calibration(trial, number, sweeps)
+    return rows
+
+
+def _row(
+    trial: Trial, number: int, name: str, model: Model, sweeps: xr.Dataset, calibrated: int = 0
+) -> dict[str, Any]:
+    return {
+        "trial": trial.name,
+        "localizer": name,
+        "calibrated with": calibrated,
+        "skin": number,
+        "score": trial.score(model, sweeps),
+        "unit": trial.unit,
+        "goal": trial.goal,
+    }
+
+
+def _after_calibration(trial: Trial, number: int, sweeps: xr.Dataset) -> list[dict[str, Any]]:
+    """The touches that calibrate are not asked about again."""
+    touched = np.flatnonzero(sweeps["press"].values != "none")
+    known = touched[:: touched.size // trial.touches][: trial.touches]
+    rest = np.flatnonzero(sweeps["press"].values == "none")
+    found = calibrate(trial.believed, sweeps.isel(sweep=np.union1d(rest, known)), Options())
+    registry = localizers()
+    models = localized(trial, simulated(_narrowed(found.scene), trial.training), registry)
+    asked = sweeps.isel(sweep=np.setdiff1d(np.arange(sweeps.sizes["sweep"]), known))
+    return [
+        _row(trial, number, name, model, asked, trial.touches) for name, model in models.items()
+    ]
+
+
+def _narrowed(scene: Scene) -> Scene:
+    """Training around a skin that is known, more or less."""
+    session = scene.dataset.session.model_copy(
+        update={
+            "sheet_resistance": Lognormal(median=1.0, spread=CALIBRATED_TO),
+            "capacitance": Normal(mean=1.0, deviation=CALIBRATED_TO),
+        }
+    )
+    return scene.model_copy(
+        update={"dataset": scene.dataset.model_copy(update={"session": session})}
+    )
+
+
+def summary(table: pd.DataFrame) -> pd.DataFrame:
+    """One row for each trial, localizer and calibration: the distribution over skins."""
+    rows = []
+    by = ["trial", "localizer", "calibrated with", "unit", "goal"]
+    for (trial, localizer, touches, unit, goal), group in table.groupby(by, sort=False):
+        found = group["score"].to_numpy()
+        distance, median = unit == "mm", quantile(found, 0.5)
+        reached = median <= goal if distance else median >= goal
+        rows.append(
+            {
+                "trial": trial,
+                "localizer": localizer,
+                "touches of calibration": touches,
+                "skins": len(found),
+                "worst": found.max() if distance else found.min(),
+                "10 %": quantile(found, 0.1),
+                "median": median,
+                "90 %": quantile(found, 0.9),
+                "unit": unit,
+                "goal": goal,
+                "reached": "yes" if reached else "no",
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def experiment(trials: Sequence[Trial], skins: int, processes: int) -> pd.DataFrame:
+    """A row for each answer of each localizer on each skin."""
+    rows: list[dict[str, Any]] = []
+    for trial in trials:
+        ready = prepared(trial, localizers())
+        work = (delayed(scores)(ready, number) for number in range(skins))
+        for found in Parallel(n_jobs=processes, return_as="generator")(work):
+            rows += found
+        told = summary(pd.DataFrame(rows)).tail(len(trial.estimators) * (2 if trial.touches else 1))
+        print(told.to_string(index=False), flush=True)
+    return pd.DataFrame(rows)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Twin experiment.")
+    parser.add_argument("--skins", type=int, default=SKINS)
+    parser.add_argument("--only", help="Trials whose name holds this; nothing is written.")
+    parser.add_argument("--processes", type=int, default=2)
+    asked = parser.parse_args()
+    trials = [trial for trial in TRIALS if not asked.only or asked.only in trial.name]
+    table = experiment(trials, asked.skins, asked.processes)
+    if not asked.only:
+        publish("twin", "Twin experiment: localizers trained on simulation alone", summary(table))
+        table.to_csv(RESULTS / "twin_skins.csv", index=False, lineterminator="\n")
+        draw(table, RESULTS / "twin.png")
+
+
+if __name__ == "__main__":
+    main()

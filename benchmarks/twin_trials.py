@@ -1,0 +1,154 @@
+"""What is asked of the localizers in the twin experiment, and how a skin's answers are scored."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from twin_scenes import PLACED_SIZE, believed
+
+from localization.model import Model
+from localization.targets import labels, positions
+from simulator.scene import Scene
+from simulator.twin import Hand
+
+ONE, TWO = "sheet-5x5", "sheet-5x5-two-interfaces"
+RESTS = 10
+SINGLE, DOUBLE = (0.1, 0.9, 0.0), (0.05, 0.15, 0.8)
+Order = Callable[[Scene, np.random.Generator], list[str]]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One question.
+
+    believed: the localizer's scene. order: presses of a recording, apart from the skin at rest.
+    estimators: those that are compared, the reference first. goal: median over skins, of the share
+    of right answers, or of the distance in mm where `target` is a position. training: simulated
+    sweeps. touches: of known place that the skin is calibrated with, for a second answer. hand: a
+    person's, or a stage that places touches to half a millimetre.
+    """
+
+    name: str
+    believed: Scene
+    target: str
+    order: Order
+    estimators: tuple[str, ...]
+    goal: float
+    training: int
+    touches: int = 0
+    hand: Hand = Hand()
+
+    @property
+    def placed(self) -> bool:
+        """Whether a distance is scored."""
+        return self.target == "position"
+
+    @property
+    def unit(self) -> str:
+        """Of scores."""
+        return "mm" if self.placed else "right"
+
+    def recording(self, random: np.random.Generator) -> list[str]:
+        """Presses with the skin at rest at both ends and in between."""
+        presses = self.order(self.believed, random)
+        parts = np.array_split(np.array(presses, dtype=object), RESTS - 1)
+        return ["none", *itertools.chain.from_iterable([*part, "none"] for part in parts)]
+
+    def score(self, model: Model, sweeps: xr.Dataset) -> float:
+        """Of one skin: the share of right answers, or the median distance in mm."""
+        touched = sweeps["press"].values != "none"
+        if self.placed:
+            told, _ = model.positions(sweeps)
+            off = told[touched, :2] - positions(sweeps.isel(sweep=touched))[:, :2]
+            return float(np.median(np.hypot(*off.T)))
+        return float((model.predict(sweeps) == labels(sweeps, self.target))[touched].mean())
+
+
+def every_pixel(repetitions: int) -> Order:
+    """Every pixel so many times, in an order of its own each time."""
+
+    def order(scene: Scene, random: np.random.Generator) -> list[str]:
+        pixels = [
+            f"{i + 1},{j + 1}" for i, j in np.ndindex(scene.pixels.rows, scene.pixels.columns)
+        ]
+        return [press for _ in range(repetitions) for press in random.permutation(pixels)]
+
+    return order
+
+
+def every_pair(scene: Scene, random: np.random.Generator) -> list[str]:
+    """Every two pixels once, in an order of its own."""
+    pixels = [f"{i + 1},{j + 1}" for i, j in np.ndindex(scene.pixels.rows, scene.pixels.columns)]
+    pairs = ["+".join(pair) for pair in itertools.combinations(pixels, 2)]
+    return list(random.permutation(pairs))
+
+
+def anywhere(count: int) -> Order:
+    """Squares anywhere on the skin."""
+
+    def order(scene: Scene, random: np.random.Generator) -> list[str]:
+        side = PLACED_SIZE.value
+        places = side / 2 + random.uniform(size=(count, 2)) * (
+            np.array([scene.skin.length, scene.skin.width]) - side
+        )
+        return [f"rect({x:.4f},{y:.4f},{side:g},{side:g})" for x, y in places]
+
+    return order
+
+
+def _columns(pixels: int, goal: float) -> Trial:
+    return Trial(
+        f"column of {pixels}x{pixels}",
+        believed(ONE, pixels, SINGLE),
+        "column",
+        every_pixel(4),
+        ("ksvm-ovo", "model-based"),
+        goal,
+        training=6000,
+    )
+
+
+TRIALS = (
+    _columns(3, 1.0),
+    _columns(4, 1.0),
+    _columns(5, 0.97),
+    Trial(
+        "pixel of 6x6, two interfaces",
+        believed(TWO, 6, SINGLE),
+        "pixel",
+        every_pixel(2),
+        ("ksvm-ovo", "model-based"),
+        0.90,
+        training=12_000,
+        touches=5,
+    ),
+    Trial(
+        "both of two touches on 4x4, two interfaces",
+        believed(TWO, 4, DOUBLE),
+        "pair",
+        every_pair,
+        ("ksvm-components", "model-based"),
+        0.80,
+        training=12_000,
+    ),
+    Trial(
+        "position of a touch, two interfaces",
+        believed(TWO, 5, (0.05, 0.95, 0.0), anywhere=True),
+        "position",
+        anywhere(60),
+        ("gaussian-process", "model-based"),
+        4.0,
+        training=6000,
+        hand=Hand(offset=0.02, size=0.02),
+    ),
+)
+
+
+def quantile(scores: NDArray[np.float64], part: float) -> float:
+    """Of the scores of all skins."""
+    return float(np.quantile(scores, part))

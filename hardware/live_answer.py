@@ -1,0 +1,148 @@
+"""What live localization asks of a localizer, and what it is told: an answer that can be drawn."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+PIXEL = re.compile(r"(\d+),(\d+)", re.ASCII)
+NOTHING_PRESSED = "nothing pressed"
+CANNOT_TELL = "cannot tell"
+NAMED = {"column": "column {}", "row": "row {}", "touches": "{} touches"}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What one sweep tells.
+
+    label: in words. probability: of the label, None where it is not known. pixels: probability that
+    a pixel is pressed, shape (row, column), row 1 first. position: x, y in mm. deviation: its
+    standard deviations, mm. Raises ValueError where a number is none or no probability.
+    """
+
+    label: str
+    probability: float | None = None
+    pixels: NDArray[np.float64] | None = None
+    position: tuple[float, float] | None = None
+    deviation: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        probabilities = np.append(
+            [] if self.pixels is None else self.pixels,
+            [] if self.probability is None else self.probability,
+        )
+        lengths = (*(self.position or ()), *(self.deviation or ()))
+        within = (probabilities >= -1e-9) & (probabilities <= 1 + 1e-9)
+        if not (within.all() and all(map(math.isfinite, lengths))):
+            raise ValueError(f"the localizer's answer {self.label!r} has numbers that are none")
+
+    @property
+    def words(self) -> str:
+        """The label with how sure it is: `column 3, 97 %`."""
+        parts = [self.label]
+        if self.deviation is not None:
+            parts.append(f"± {self.deviation[0]:.1f} x {self.deviation[1]:.1f} mm")
+        if self.probability is not None:
+            parts.append(f"{100 * self.probability:.0f} %")
+        return ", ".join(parts)
+
+
+class Localizer(Protocol):
+    """A model that tells touches from sweeps. Everything is fixed but `answer`."""
+
+    @property
+    def frequencies(self) -> tuple[float, ...]:
+        """Hz, ascending."""
+        ...
+
+    @property
+    def interfaces(self) -> tuple[str, ...]:
+        """Names of the interfaces that it needs the sweep of."""
+        ...
+
+    @property
+    def target(self) -> str:
+        """What it tells: column, row, pixel, position, touches or pair."""
+        ...
+
+    @property
+    def rows(self) -> int:
+        """Of pixels."""
+        ...
+
+    @property
+    def columns(self) -> int:
+        """Of pixels."""
+        ...
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Length and width of the skin, mm."""
+        ...
+
+    @property
+    def needs_rest(self) -> bool:
+        """Whether it looks at what differs from the skin at rest."""
+        ...
+
+    @property
+    def scene(self) -> str:
+        """TOML text of the skin that it was trained for."""
+        ...
+
+    def answer(self, sweep: xr.Dataset, rest: xr.Dataset | None, /) -> Answer:
+        """Where one sweep was pressed. rest: sweeps of the skin at rest, where there are any."""
+        ...
+
+
+def answer_of_classes(
+    target: str,
+    label: str,
+    classes: Sequence[str],
+    probabilities: NDArray[np.float64],
+    shape: tuple[int, int],
+) -> Answer:
+    """The answer of a classifier: its label, and the probability of each of its classes.
+
+    classes: a number for a column, row or count of touches, `ROW,COLUMN` for a pixel, several
+    joined by '+'; zeros where nothing is pressed. shape: rows and columns of pixels.
+    """
+    known = dict(zip(classes, probabilities.tolist(), strict=True))
+    pixels = None
+    if target != "touches":
+        pressed = np.array([_pressed(target, each, shape) for each in classes])
+        pixels = np.tensordot(probabilities, pressed, 1)
+    return Answer(_in_words(target, label), known.get(label), pixels)
+
+
+def _in_words(target: str, label: str) -> str:
+    if label == CANNOT_TELL:
+        return label
+    pixels = PIXEL.findall(label)
+    if label == "0" or (pixels and all(pixel == ("0", "0") for pixel in pixels)):
+        return NOTHING_PRESSED
+    if pixels:
+        return ("pixel " if len(pixels) == 1 else "pixels ") + label.replace("+", " and ")
+    return "1 touch" if (target, label) == ("touches", "1") else NAMED[target].format(label)
+
+
+def _pressed(target: str, label: str, shape: tuple[int, int]) -> NDArray[np.float64]:
+    """1 where a class presses, shape (row, column)."""
+    pressed = np.zeros(shape)
+    if target == "column" and int(label):
+        pressed[:, int(label) - 1] = 1
+    elif target == "row" and int(label):
+        pressed[int(label) - 1, :] = 1
+    for row, column in PIXEL.findall(label):
+        if int(row) and int(column):
+            pressed[int(row) - 1, int(column) - 1] = 1
+    return pressed

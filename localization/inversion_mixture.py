@@ -1,0 +1,77 @@
+"""A mixture of normal distributions of low-rank spread: what a model holds to be possible.
+
+Numbers are counted in units of the meter's noise, so that each entry is N(mean, 1 + B B'), where
+the columns of B are what is not known: the strength or place that the entry stands for, the skin,
+the model's own error.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import softmax
+
+RANK = 8
+"""Directions kept of each entry's spread."""
+AT_ONCE = 2**22
+"""Numbers held in memory together, about."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mixture:
+    """Entries N(mean, (1 - G'G)^-1), each with its chance.
+
+    mean: shape (entry, number). directions: G, shape (entry, rank, number). log_weight: logarithm
+    of the chance, and of the normal distribution's constant but for 2 pi, shape (entry,). along:
+    G mean, shape (entry, rank).
+    """
+
+    mean: NDArray[np.float64]
+    directions: NDArray[np.float64]
+    along: NDArray[np.float64]
+    log_weight: NDArray[np.float64]
+
+    def distances(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Squared Mahalanobis distance of sweeps from entries, shape (sweep, entry)."""
+        entries, rank, _ = self.directions.shape
+        part = max(1, AT_ONCE // (entries * rank))
+        flat = self.directions.reshape(entries * rank, -1)
+        found = np.empty((len(X), entries))
+        for start in range(0, len(X), part):
+            x = X[start : start + part]
+            off = (x**2).sum(axis=1)[:, None] - 2 * x @ self.mean.T + (self.mean**2).sum(axis=1)
+            along = (x @ flat.T).reshape(len(x), entries, rank) - self.along
+            found[start : start + part] = off - (along**2).sum(axis=2)
+        return np.maximum(found, 0.0)
+
+    def log_joint(self, distances: NDArray[np.float64]) -> NDArray[np.float64]:
+        """ln of chance times density of sweeps at these distances, but for a constant."""
+        return self.log_weight - distances / 2
+
+    def responsibilities(self, distances: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Posterior probability of each entry, shape (sweep, entry)."""
+        return softmax(self.log_joint(distances), axis=1)
+
+
+def mixture(
+    mean: NDArray[np.float64], spread: NDArray[np.float64], weight: NDArray[np.float64]
+) -> Mixture:
+    """Entries of N(mean, 1 + B B'). spread: B, shape (entry, number, column). weight: chances."""
+    power, turn = np.linalg.eigh(np.swapaxes(spread, 1, 2) @ spread)
+    power, turn = np.maximum(power[:, -RANK:], 0.0), turn[:, :, -RANK:]
+    directions = np.swapaxes((spread @ turn) / np.sqrt(1 + power)[:, None], 1, 2)
+    log_weight = np.log(weight) - np.log1p(power).sum(axis=1) / 2
+    along = np.einsum("ern,en->er", directions, mean)
+    return Mixture(mean, np.ascontiguousarray(directions), along, log_weight)
+
+
+def joined(parts: list[Mixture]) -> Mixture:
+    """Entries of several, one after the other."""
+    return Mixture(
+        np.concatenate([part.mean for part in parts]),
+        np.concatenate([part.directions for part in parts]),
+        np.concatenate([part.along for part in parts]),
+        np.concatenate([part.log_weight for part in parts]),
+    )

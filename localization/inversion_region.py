@@ -1,0 +1,70 @@
+"""Where a touch may be: the smallest region that holds it with a given probability."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+LINES = 41
+NEGLIGIBLE = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Posterior of a sweep's place: normal distributions within the skin, x and y in mm.
+
+    weight: shape (entry,). mean: (entry, 2). covariance: (entry, 2, 2), mm². bounds: (2, 2).
+    """
+
+    weight: NDArray[np.float64]
+    mean: NDArray[np.float64]
+    covariance: NDArray[np.float64]
+    bounds: NDArray[np.float64]
+
+    def density(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """1/mm², at places of the same shape."""
+        kept = self.weight > NEGLIGIBLE * self.weight.max()
+        inverse = np.linalg.inv(self.covariance[kept])
+        peak = self.weight[kept] * np.sqrt(np.linalg.det(inverse)) / (2 * np.pi)
+        u, v = x[..., None] - self.mean[kept, 0], y[..., None] - self.mean[kept, 1]
+        distance = inverse[:, 0, 0] * u**2 + inverse[:, 1, 1] * v**2 + 2 * inverse[:, 0, 1] * u * v
+        return np.exp(-distance / 2) @ peak
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """Cells of a grid, middles x and y in mm, and which of them belong to it, shape (y, x).
+
+    level: the density on its border. places: the whole posterior.
+    """
+
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    inside: NDArray[np.bool_]
+    level: float
+    places: Places
+
+    @property
+    def area(self) -> float:
+        """Of the region, mm²."""
+        return float(self.inside.sum() * (self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
+
+    def covers(self, x: float, y: float) -> bool:
+        """Whether a place lies within."""
+        return bool(self.places.density(np.array(x), np.array(y)) >= self.level)
+
+
+def region_of(places: Places, probability: float) -> Region:
+    """The cells of highest density that hold the probability together."""
+    x, y = (_middles(*sides) for sides in places.bounds)
+    density = places.density(*np.meshgrid(x, y))
+    ordered = np.sort(density, axis=None)[::-1]
+    held = np.cumsum(ordered) / ordered.sum()
+    level = float(ordered[np.searchsorted(held, probability)])
+    return Region(x, y, density >= level, level, places)
+
+
+def _middles(low: float, high: float) -> NDArray[np.float64]:
+    return low + (high - low) * (np.arange(LINES) + 0.5) / LINES

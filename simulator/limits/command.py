@@ -1,0 +1,217 @@
+"""The command `rcskin limits`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from simulator.limits.identity import Identity
+    from simulator.limits.survey import Question, Variant
+    from simulator.progress import Track
+    from simulator.scene import Scene
+
+FOLDER = Path("limits")
+
+
+def limits(
+    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Folder for maps, tables and summary; else ./limits."),
+    ] = None,
+    interface: Annotated[
+        list[str] | None, typer.Option(help="Only this one of the scene's; may be repeated.")
+    ] = None,
+    sheet_resistance: Annotated[
+        str | None, typer.Option(help="Further maps for both sheets of R,R,... ohm/sq.")
+    ] = None,
+    n: Annotated[
+        int | None,
+        typer.Option("-n", help="Frequencies of the sets that are compared; else one a pixel."),
+    ] = None,
+    size: Annotated[
+        float | None, typer.Option(help="Side of a square touch in mm; else a pixel's sides.")
+    ] = None,
+    factor: Annotated[
+        float | None, typer.Option(help="Capacitance under the touch over that at rest.")
+    ] = None,
+    against_rest: Annotated[
+        int, typer.Option(help="Sweeps of the skin at rest that each sweep is compared with.")
+    ] = 0,
+    unknown_skin: Annotated[
+        bool,
+        typer.Option("--unknown-skin", help="Skins differ as [dataset.session] of the scene says."),
+    ] = False,
+    accuracy: Annotated[
+        float | None,
+        typer.Option(help="Print the most pixels that any classifier tells this well, 0 to 1."),
+    ] = None,
+    draws: Annotated[int, typer.Option(help="Sweeps drawn for an accuracy.")] = 2000,
+    seed: Annotated[int, typer.Option(help="Of all random numbers.")] = 1,
+) -> None:
+    """How well one sweep can tell a touch at best, whoever reads it.
+
+    Maps of Cramer and Rao's bound on x, y and strength over the sheet, by
+    frequency set, interface and sheet resistance; distances between pixels'
+    sweeps in units of the meter's error; and Bayes' accuracy of columns, rows
+    and pixels, which no classifier surpasses.
+
+    With --accuracy: the largest number of pixels for it, by target.
+    """
+    from simulator.limits.position import chosen_touch
+    from simulator.limits.survey import Question, with_interfaces, with_sheets
+    from simulator.progress import on_terminal
+    from simulator.scene_file import load_scene
+
+    loaded = with_interfaces(load_scene(scene), interface or [])
+    check_numbers(draws=draws, against_rest=against_rest, seed=seed, n=n)
+    touch = chosen_touch(loaded, None if size is None else 1e-3 * size, factor)
+    question = Question(touch, against_rest, unknown_skin)
+    resistances = _listed(sheet_resistance)
+    for resistance in resistances:
+        with_sheets(loaded, resistance)
+    with on_terminal() as track:
+        if accuracy is not None:
+            _print_counts(loaded, accuracy, (seed, draws), against_rest, track)
+        if accuracy is None or output is not None:
+            folder = _made(output or FOLDER)
+            _write(loaded, question, resistances, n, (seed, draws), folder, track)
+
+
+def check_numbers(
+    *, draws: int = 2, against_rest: int = 0, seed: int = 0, n: int | None = None
+) -> None:
+    """Raises InputError where one is out of range."""
+    from simulator.sweeps import InputError
+
+    for name, value, least, most in (
+        ("--draws", draws, 2, 10**6),
+        ("--against-rest", against_rest, 0, 10**6),
+        ("--seed", seed, 0, 2**63),
+        ("-n", 1 if n is None else n, 1, 100),
+    ):
+        if not least <= value <= most:
+            raise InputError(f"{name} must be from {least} to {most}, got {value}")
+
+
+def _listed(text: str | None) -> list[float]:
+    from simulator.sweeps import InputError
+
+    try:
+        return [float(part) for part in text.split(",")] if text is not None else []
+    except ValueError:
+        raise InputError(f"--sheet-resistance must be R,R,... in ohm/sq, got {text}") from None
+
+
+def _made(folder: Path) -> Path:
+    from simulator.sweeps import InputError
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made a folder: {error}") from error
+    return folder
+
+
+def _print_counts(
+    scene: Scene, accuracy: float, random: tuple[int, int], against_rest: int, track: Track
+) -> None:
+    from simulator.limits.count import FEWEST, MOST, counts, shape_of
+
+    for target in ("column", "pixel"):
+        found = list(counts(scene, target, accuracy, *random, against_rest, track))
+        reached = [each for each in found if each.reaches(accuracy)]
+        best = reached[-1] if reached else None
+        told = (
+            f"at most {shape_of(scene, best.n)} pixels"
+            if best
+            else f"fewer than {shape_of(scene, FEWEST)} pixels"
+        )
+        if best is not None and best.n == MOST:
+            told = f"{shape_of(scene, best.n)} pixels or more"
+        tried = "; ".join(
+            f"{shape_of(scene, each.n)} at most {100 * each.accuracy.share:.1f} "
+            f"± {100 * each.accuracy.error:.1f} %"
+            for each in found
+        )
+        typer.echo(f"{target}: {told} for {100 * accuracy:g} % ({tried})")
+
+
+def _write(
+    scene: Scene,
+    question: Question,
+    resistances: list[float],
+    n: int | None,
+    random: tuple[int, int],
+    folder: Path,
+    track: Track,
+) -> None:
+    from simulator.limits.figure import draw_distances, draw_maps
+    from simulator.limits.identity import identity
+    from simulator.limits.report import (
+        summary,
+        write_distances,
+        write_places,
+        write_summary,
+    )
+    from simulator.limits.survey import survey
+
+    variants = survey(scene, question, resistances, n, track)
+    told_apart = identity(scene, *random, question.against_rest, track)
+    title = _title(scene, question)
+    for comparison in dict.fromkeys(variant.comparison for variant in variants):
+        chosen = [variant for variant in variants if variant.comparison == comparison]
+        draw_maps(scene, chosen, title, folder / f"{comparison}.png")
+    draw_distances(
+        told_apart.apart,
+        told_apart.names,
+        f"{scene.name}: distance between pixels' sweeps, whatever their strengths",
+        folder / "pixels.png",
+    )
+    write_places(variants, folder / "limits.csv")
+    write_distances(told_apart.apart, told_apart.names, folder / "pixels.csv")
+    content = {
+        "scene": scene.name,
+        "position": [summary(variant) for variant in variants],
+        "accuracy": told_apart.summary(),
+    }
+    write_summary(content, folder / "limits.json")
+    _print(variants, told_apart, folder)
+
+
+def _title(scene: Scene, question: Question) -> str:
+    touch = question.touch
+    rest = f", against {question.against_rest} sweeps at rest" if question.against_rest else ""
+    skin = ", skin unknown" if question.unknown_skin else ""
+    return (
+        f"{scene.name}: least standard deviation from one sweep, touch of "
+        f"{1e3 * touch.width:.3g} x {1e3 * touch.height:.3g} mm at {1 + touch.rise:g} times "
+        f"the capacitance{rest}{skin}"
+    )
+
+
+def _print(variants: list[Variant], told_apart: Identity, folder: Path) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    from simulator.limits.report import summary
+
+    columns = {
+        "x (mm)": "median_deviation_x_mm",
+        "y (mm)": "median_deviation_y_mm",
+        "strength": "median_deviation_strength",
+        "error (mm)": "median_error_mm",
+    }
+    table = Table("", "median deviation of", *columns, box=None)
+    for variant in variants:
+        numbers = summary(variant)
+        cells = [str(numbers[key]) for key in columns.values()]
+        table.add_row(variant.comparison, variant.name, *cells)
+    console = Console()
+    console.print(table)
+    for line in told_apart.lines():
+        console.print(line, soft_wrap=True, highlight=False)
+    console.print(f"maps and tables in {folder}", soft_wrap=True, highlight=False)

@@ -1,0 +1,152 @@
+"""What a set of frequencies is judged by: how well it tells places, columns or pixels.
+
+position: the bound on the distance between touch and estimate, in m, root mean square over the
+sheet, where a touch may be anywhere beforehand. column, pixel: the distance of the nearest two
+pixels that are to be told apart, in the meter's errors, strengths being unknown within the spread
+of presses. What not even all candidates together tell, mirror images above all, is left out.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.limits.fields import Answer, Fields
+from simulator.limits.hypotheses import Hypothesis, hypotheses
+from simulator.limits.information import summed, variances
+from simulator.limits.meter import error_model, in_noise, session_errors
+from simulator.limits.position import Slopes
+from simulator.limits.skin import pixel_maps
+from simulator.observation import ErrorModel, observed
+from simulator.progress import Track, silent
+from simulator.scene import Scene
+from simulator.sweeps import InputError
+
+CRITERIA = ("position", "column", "pixel")
+TOLD_APART = 1.0
+"""In the meter's errors: what all candidates together must reach."""
+NO_ROOM = 1e-30
+"""m²: of a coordinate that is known."""
+AT_ONCE = 200_000
+"""Matrices inverted together."""
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A figure of merit of any set of candidates.
+
+    frequency: of the candidates, Hz. information: of each, shape (case, candidate, p, p). prior:
+    shape (p, p). merit: from variances of the first `wanted` unknowns, shape (choice, case,
+    wanted), to a figure that is to be small, shape (choice,). left_out: coordinates at a place, or
+    pairs of pixels, that no candidates tell.
+    """
+
+    frequency: NDArray[np.float64]
+    information: NDArray[np.float64]
+    prior: NDArray[np.float64]
+    wanted: int
+    merit: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    left_out: int = 0
+
+    def score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
+        """The figure of choices of candidates, shape (choice, n) to (choice,)."""
+        chunk = max(1, AT_ONCE // len(self.information))
+        parts = [choices[k : k + chunk] for k in range(0, len(choices), chunk)]
+        return np.concatenate([self._score(part) for part in parts])
+
+    def _score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
+        total = self.information[:, choices].sum(axis=2).swapaxes(0, 1)
+        return self.merit(variances(total + self.prior, self.wanted))
+
+
+def position_criterion(slopes: Slopes) -> Criterion:
+    """Of the distance between touch and estimate, in coordinates that all candidates tell.
+
+    Raises InputError where there are none.
+    """
+    information, prior = summed(slopes.by), np.diag(slopes.prior)
+    anywhere = np.square(slopes.room) / 12
+    told = variances(information.sum(axis=1) + prior, 2) < anywhere
+    if not told.any():
+        raise InputError("no frequencies tell where the skin is touched")
+
+    def merit(variance: NDArray[np.float64]) -> NDArray[np.float64]:
+        held = told / (1 / variance + 1 / np.maximum(anywhere, NO_ROOM))
+        return np.sqrt(held.sum(axis=(-1, -2)) / told.any(axis=-1).sum())
+
+    return Criterion(slopes.frequency, information, prior, 2, merit, int((~told).sum()))
+
+
+def identity_criterion(
+    fields: Fields,
+    target: str,
+    frequency: NDArray[np.float64],
+    against_rest: int = 0,
+    track: Track = silent,
+) -> Criterion:
+    """Of the nearest two pixels whose columns, or which themselves, are to be told apart.
+
+    Its figure is the inverse of their distance. Raises InputError where none can be.
+    """
+    scene = fields.scene
+    model = error_model(scene, len(frequency), against_rest)
+    among = hypotheses(scene, target)
+    answers = [_pressed(fields, each, frequency) for each in track(among, "pixels")]
+    pairs = [
+        (one, other)
+        for one, other in itertools.combinations(range(len(among)), 2)
+        if among[one].answer != among[other].answer
+    ]
+    slopes, prior = _pair_slopes(scene, pairs, answers, model)
+    information = summed(slopes)
+    whole = variances(information.sum(axis=1) + np.diag(prior), 1)[:, 0]
+    told = whole < TOLD_APART**-2
+    if not told.any():
+        raise InputError(f"{scene.name}: no two {target}s can be told apart at any frequencies")
+
+    def merit(variance: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.sqrt(variance[..., 0].max(axis=-1))
+
+    left_out = int((~told).sum())
+    return Criterion(frequency, information[told], np.diag(prior), 1, merit, left_out)
+
+
+def _pressed(fields: Fields, hypothesis: Hypothesis, frequency: NDArray[np.float64]) -> Answer:
+    """One pixel pressed as the scene does, and the derivative by its strength."""
+    scene = fields.scene
+    maps = list(pixel_maps(scene, fields.cells).values())
+    columns, rise = scene.pixels.columns, scene.press.capacitance_factor - 1
+    pixels = [maps[i * columns + j] for i, j in hypothesis.pixels]
+    pressed = sum(pixels, np.zeros(fields.grid))
+    return fields.respond(1 + rise * pressed, {"strength": pressed}, frequency)
+
+
+def _pair_slopes(
+    scene: Scene, pairs: Sequence[tuple[int, int]], answers: Sequence[Answer], model: ErrorModel
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """From one pixel to the other, by both strengths and by the session's errors, over noise."""
+    shape = 2, model.interfaces, model.frequencies
+    deviation = np.moveaxis(model.deviation.reshape(shape), 0, -1)
+    levels = [np.moveaxis(observed(each.Z).reshape(shape), 0, -1) / deviation for each in answers]
+    by_strength = [in_noise(each.Z, [each.by["strength"]], model)[..., 0] for each in answers]
+    errors, known = session_errors(model)
+    spread = scene.press.factor_spread * abs(scene.press.capacitance_factor - 1)
+    strengths = 2 if spread else 0
+    slopes = np.zeros((len(pairs), *levels[0].shape, 1 + strengths + errors.shape[-1]))
+    for number, (one, other) in enumerate(pairs):
+        slopes[number, ..., 0] = levels[one] - levels[other]
+        if strengths:
+            slopes[number, ..., 1], slopes[number, ..., 2] = by_strength[one], -by_strength[other]
+    slopes[..., 1 + strengths :] = errors
+    return slopes, np.concatenate([[0.0], np.full(strengths, spread**-2.0 if spread else 0), known])
+
+
+def checked_criterion(name: str) -> str:
+    """The same name. Raises InputError where there is none such."""
+    if name not in CRITERIA:
+        raise InputError(f"--criterion must be one of {', '.join(CRITERIA)}, got {name!r}")
+    return name

@@ -1,0 +1,159 @@
+"""Impedance of any map of capacitance on one mesh, and its exact derivatives.
+
+The mesh conforms to cells, some along each side of a pixel; a touch is laid on them by the area it
+covers. K + s M is symmetric, so the problem is its own adjoint: dY = u'(dK + s dM + ds M) u with
+the potentials u of 1 V, for any number of directions and without a further solve. Nothing is
+trained: a sweep with its derivatives costs some tens of milliseconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+
+from simulator.circuit import Drive, one_field, two_fields
+from simulator.family import Family
+from simulator.frequency import REFERENCE, laplace_variable
+from simulator.ladder import Ladder
+from simulator.lanczos import Pencil, potentials, respond
+from simulator.press import Press
+from simulator.scene import Pixels, Scene
+from simulator.sheet import one_blas_thread
+from simulator.sweeps import InputError
+
+RTOL = 1e-3
+CELLS_PER_PIXEL = 4
+KRYLOV_RTOL = 1e-6
+Maps = Mapping[str, NDArray[np.float64]]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Z in ohm behind the leads, shape (interface, frequency), and its derivatives by name."""
+
+    Z: NDArray[np.complex128]
+    by: dict[str, NDArray[np.complex128]]
+
+
+class Fields:
+    """A scene on the cells of a grid, at any frequencies up to `highest`."""
+
+    def __init__(self, scene: Scene, highest: float, cells: int = CELLS_PER_PIXEL) -> None:
+        """cells: along each side of a pixel. highest: Hz."""
+        pixels = scene.pixels
+        self.scene, self.cells = scene, cells
+        self.grid = cells * pixels.rows, cells * pixels.columns
+        divided = scene.model_copy(
+            update={"pixels": Pixels(rows=self.grid[0], columns=self.grid[1])}
+        )
+        self._circuit = one_field(divided) or two_fields(divided)
+        ladder = Ladder(divided, self._circuit)
+        resolution = ladder.resolution(ladder.first(RTOL), Press(), highest)
+        self._family = Family(divided, self._circuit, resolution, modes=1)
+
+    def respond(
+        self, factors: NDArray[np.float64], directions: Maps, frequency: NDArray[np.float64]
+    ) -> Answer:
+        """Of one map of c over that at rest, shape (row, column) of cells; frequency in Hz.
+
+        directions: by name, how the map changes with something, of the same shape. The answer holds
+        their derivatives and those of the skin's and leads' parameters (see `parameters`). Raises
+        InputError where frequencies lie too far above cut-off.
+        """
+        masses = {name: self._mass(change) for name, change in directions.items()}
+        mass = self._mass(factors)
+        s = laplace_variable(frequency, self.scene.skin.foam.loss)
+        with one_blas_thread():
+            found = [
+                self._of_drive(drive, mass, masses, s, frequency) for drive in self._circuit.drives
+            ]
+        Y = np.stack([own for own, _ in found])
+        by = {name: np.stack([each[name] for _, each in found]) for name in found[0][1]}
+        return self._at_meter(1 / Y, by, frequency)
+
+    def _mass(self, factors: NDArray[np.float64]) -> csc_matrix:
+        return self._family.mass(factors)
+
+    def _of_drive(
+        self,
+        drive: Drive,
+        mass: csc_matrix,
+        masses: Mapping[str, csc_matrix],
+        s: NDArray[np.complex128],
+        frequency: NDArray[np.float64],
+    ) -> tuple[NDArray[np.complex128], dict[str, NDArray[np.complex128]]]:
+        space = self._family.space
+        pencil = space.pencil(mass, drive, 0.0)
+        Y, _ = respond(pencil, s, KRYLOV_RTOL)
+        u = self._potentials(drive, pencil, mass, s, Y)
+        by = {name: s * self._energy(u, each) for name, each in masses.items()}
+        by_s = self._energy(u, mass)
+        by |= {name: by_s * slope for name, slope in self._slopes_of_s(s, frequency).items()}
+        return Y, by | self._by_resistance(u)
+
+    def _potentials(
+        self,
+        drive: Drive,
+        pencil: Pencil,
+        mass: csc_matrix,
+        s: NDArray[np.complex128],
+        Y: NDArray[np.complex128],
+    ) -> NDArray[np.complex128]:
+        """u at 1 V, shape (unknown, s). Raises InputError where they do not give Y."""
+        driven, space = self._family.space.driven(drive), self._family.space
+        g, sheets = driven.potential, driven.floating[:, driven.common]
+        if sheets.size:
+            charge = space.restricted(mass) @ sheets
+            g = g - sheets @ np.linalg.solve(sheets.T @ charge, charge.T @ g)
+        u = g[:, None] + potentials(pencil, s, KRYLOV_RTOL)  # pyright: ignore[reportArgumentType]
+        found = pencil.admittance + s * (pencil.start @ u)
+        if not (np.abs(found - Y) <= RTOL * np.abs(Y)).all():
+            highest = np.abs(s).max() / (2 * np.pi)
+            raise InputError(f"frequencies up to {highest:.4g} Hz lie too far above cut-off")
+        return u.astype(np.complex128)
+
+    def _energy(self, u: NDArray[np.complex128], mass: csc_matrix) -> NDArray[np.complex128]:
+        return (u * (self._family.space.restricted(mass) @ u)).sum(axis=0)
+
+    def _slopes_of_s(
+        self, s: NDArray[np.complex128], frequency: NDArray[np.float64]
+    ) -> dict[str, NDArray[np.complex128]]:
+        """ds by the capacitance of all foam, a factor on it, and by its loss tangent."""
+        turned = 1j * frequency / REFERENCE
+        exponent = self.scene.skin.foam.phase_exponent
+        by_loss = 2 * np.pi * frequency * turned ** (exponent - 1)
+        return {"capacitance": s, "loss_tangent": by_loss}
+
+    def _by_resistance(self, u: NDArray[np.complex128]) -> dict[str, NDArray[np.complex128]]:
+        """dY by the logarithms of resistances and of top over bottom; see `parameters`."""
+        family, skin = self._family, self.scene.skin
+        sheets = [
+            (u * (family.space.restricted(term) @ u)).sum(axis=0) for term in family.sheet_terms
+        ]
+        if len(sheets) == 2:
+            mismatch = (sheets[1] - sheets[0]) / 2
+        else:
+            top, bottom = skin.top.sheet_resistance, skin.bottom.sheet_resistance
+            mismatch = sheets[0] * (bottom - top) / (bottom + top) / 2
+        found = {"sheet_resistance": -np.sum(sheets, axis=0), "sheet_mismatch": mismatch}
+        if any(not contact.ideal for contact in self.scene.contacts):
+            films = family.space.film_energy(u, family.system.films)  # pyright: ignore[reportArgumentType]
+            found["contact_resistance"] = -films.diagonal()
+        return found
+
+    def _at_meter(
+        self,
+        Z: NDArray[np.complex128],
+        by: Mapping[str, NDArray[np.complex128]],
+        frequency: NDArray[np.float64],
+    ) -> Answer:
+        """From admittance at the skin to impedance behind the leads."""
+        leads, omega = self.scene.leads, 2j * np.pi * frequency
+        seen = -((Z / (1 + omega * leads.stray_capacitance * Z)) ** 2)
+        found = {name: seen * slope for name, slope in by.items()}
+        found |= {"lead_resistance": np.ones_like(Z), "stray_capacitance": omega * seen}
+        return Answer(leads.seen_through(Z, frequency).astype(np.complex128), found)

@@ -1,0 +1,197 @@
+"""Maps of the bound on position over the sheet, and how far pixels' sweeps lie apart."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.limits.position import Bounds
+from simulator.limits.survey import Variant
+from simulator.plot import COLOURS, LINE_STYLES, chart
+from simulator.scene import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.colors import Normalize
+    from matplotlib.figure import Figure
+
+QUANTITIES = {
+    "x": (1e3, "Deviation of x (mm)"),
+    "y": (1e3, "Deviation of y (mm)"),
+    "strength": (100.0, "Deviation of the rise\n(% of C at rest)"),
+}
+NOT_TOLD = "0.8"
+FOIL = {"top": COLOURS[1], "bottom": COLOURS[0]}
+FOIL_OFF = {"top": 0.05, "bottom": 0.025}
+"""From the edge, over the longer side: drawn one outside the other."""
+MARGIN = 0.08
+NOISE = 1.0
+FEW = 12.0
+LETTERS_PER_INCH = 11
+
+
+def draw_maps(scene: Scene, variants: Sequence[Variant], title: str, path: Path) -> None:
+    """The bounds of x, y and strength for every variant: maps, along a strip lines; a PNG."""
+    if len(np.unique(variants[0].bounds.places[:, 1])) == 1:
+        return _draw_lines(scene, variants, title, path)
+    shape = scene.skin.width / scene.skin.length
+    width = 2.9 * len(variants) + 1.4
+    rows = len(QUANTITIES)
+    with chart(path, width, rows * (2.4 * shape + 0.2) + 1.2) as figure:
+        panels = figure.subplots(rows, len(variants), sharex=True, sharey=True, squeeze=False)
+        for row, (quantity, (unit, label)) in zip(panels, QUANTITIES.items(), strict=True):
+            values = [unit * getattr(variant.bounds, quantity) for variant in variants]
+            _draw_row(figure, row, scene, variants, values, label)
+        for axes, variant in zip(panels[0], variants, strict=True):
+            axes.set_title(variant.name)
+        for axes in panels[:, 0]:
+            axes.set_ylabel("y (mm)")
+        for axes in panels[-1]:
+            axes.set_xlabel("x (mm)")
+        _draw_legend(figure)
+        figure.suptitle(textwrap.fill(title, round(LETTERS_PER_INCH * width)))
+    return None
+
+
+def _draw_row(
+    figure: Figure,
+    panels: NDArray[np.object_],
+    scene: Scene,
+    variants: Sequence[Variant],
+    values: Sequence[NDArray[np.float64]],
+    label: str,
+) -> None:
+    from matplotlib.cm import ScalarMappable
+
+    norm = _norm(values)
+    for axes, variant, own in zip(panels, variants, values, strict=True):
+        _draw_map(axes, scene, variant.bounds, own, norm)
+    if norm is not None:
+        bar = figure.colorbar(ScalarMappable(norm, "viridis_r"), ax=panels.tolist(), pad=0.02)
+        bar.set_label(label)
+        bar.ax.yaxis.set_major_formatter("{x:g}")
+        bar.ax.yaxis.set_minor_formatter("{x:g}" if _few_decades(bar.ax) else "")
+
+
+def _norm(values: Sequence[NDArray[np.float64]]) -> Normalize | None:
+    from matplotlib.colors import LogNorm
+
+    told = np.concatenate([each[np.isfinite(each)] for each in values])
+    if not told.size:
+        return None
+    return LogNorm(0.999 * float(told.min()), 1.001 * float(told.max()))
+
+
+def _few_decades(axes: Axes) -> bool:
+    """Whether a vertical scale has room for numbers at minor ticks."""
+    low, high = axes.get_ylim()
+    return high < FEW * low
+
+
+def _draw_map(
+    axes: Axes,
+    scene: Scene,
+    bounds: Bounds,
+    values: NDArray[np.float64],
+    norm: Normalize | None,
+) -> None:
+    x, y = (np.unique(1e3 * bounds.places[:, axis]) for axis in (0, 1))
+    skin, pixels = scene.skin, scene.pixels
+    cells = skin.length / pixels.columns, skin.width / pixels.rows
+    axes.set_facecolor("white")
+    edges = _edges(x, 1e3 * cells[0]), _edges(y, 1e3 * cells[1])
+    shown = np.ma.masked_invalid(np.reshape(values, (len(y), len(x))))
+    axes.pcolormesh(*edges, np.zeros(shown.shape), cmap="Greys", vmin=-1, vmax=3)
+    axes.pcolormesh(*edges, shown, cmap="viridis_r", norm=norm)
+    draw_sheet(axes, scene)
+
+
+def _edges(middles: NDArray[np.float64], alone: float) -> NDArray[np.float64]:
+    step = middles[1] - middles[0] if len(middles) > 1 else alone
+    return np.append(middles - step / 2, middles[-1] + step / 2)
+
+
+def draw_sheet(axes: Axes, scene: Scene) -> None:
+    """Outline, pixel grid and foils, in mm."""
+    skin, pixels = scene.skin, scene.pixels
+    length, width = 1e3 * skin.length, 1e3 * skin.width
+    longer = max(length, width)
+    axes.grid(False)
+    for x in np.linspace(0, length, pixels.columns + 1)[1:-1]:
+        axes.plot([x, x], [0, width], color="0.4", linewidth=0.5)
+    for y in np.linspace(0, width, pixels.rows + 1)[1:-1]:
+        axes.plot([0, length], [y, y], color="0.4", linewidth=0.5)
+    axes.plot([0, length, length, 0, 0], [0, 0, width, width, 0], color="black", linewidth=1)
+    outward = {"left": (-1, 0), "right": (1, 0), "bottom": (0, -1), "top": (0, 1)}
+    for contact in scene.contacts:
+        off = np.array(outward[contact.edge]) * FOIL_OFF[contact.electrode] * longer
+        ends = 1e3 * np.array(contact.ends(skin)) + off
+        axes.plot(*ends.T, color=FOIL[contact.electrode], linewidth=2.5, solid_capstyle="butt")
+    axes.set_xlim(-MARGIN * longer, length + MARGIN * longer)
+    axes.set_ylim(-MARGIN * longer, width + MARGIN * longer)
+    axes.set_aspect("equal")
+
+
+def _draw_legend(figure: Figure) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    foils = [
+        Line2D([], [], color=colour, linewidth=2.5, label=f"foil on the {name} sheet")
+        for name, colour in FOIL.items()
+    ]
+    untold = Patch(color=NOT_TOLD, label="not told")
+    figure.legend(handles=[*foils, untold], loc="outside lower center", ncols=3)
+
+
+def _draw_lines(scene: Scene, variants: Sequence[Variant], title: str, path: Path) -> None:
+    with chart(path, 6.5, 3.6) as figure:
+        axes = figure.subplots()
+        for k, variant in enumerate(variants):
+            x, deviation = 1e3 * variant.bounds.places[:, 0], 1e3 * variant.bounds.x
+            told = np.where(np.isfinite(deviation), deviation, np.nan)
+            colour, style = COLOURS[k % len(COLOURS)], LINE_STYLES[k % len(LINE_STYLES)]
+            axes.plot(x, told, linestyle=style, color=colour, label=variant.name)
+        for line in np.linspace(0, 1e3 * scene.skin.length, scene.pixels.columns + 1):
+            axes.axvline(line, color="0.7", linewidth=0.5)
+        axes.set_xlim(0, 1e3 * scene.skin.length)
+        axes.grid(False, axis="x")
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.yaxis.set_minor_formatter("{x:g}" if _few_decades(axes) else "")
+        axes.set_xlabel("Middle of the touch, x (mm); lines between pixels")
+        axes.set_ylabel(QUANTITIES["x"][1])
+        axes.legend()
+        figure.suptitle(textwrap.fill(title, round(LETTERS_PER_INCH * 6.5)))
+
+
+def draw_distances(
+    apart: NDArray[np.float64], names: Sequence[str], title: str, path: Path
+) -> None:
+    """How far each two pixels' sweeps lie apart, as a matrix; writes a PNG."""
+    from matplotlib.colors import LogNorm
+
+    size = 2.4 + 0.22 * len(names)
+    width = max(5.0, size + 0.8)
+    with chart(path, width, max(4.4, size)) as figure:
+        axes = figure.subplots()
+        shown = np.ma.masked_less(apart, NOISE / 10)
+        top = float(max(apart.max(), 10 * NOISE))
+        image = axes.imshow(shown, cmap="viridis", norm=LogNorm(NOISE / 10, top))
+        axes.set_facecolor(NOT_TOLD)
+        axes.grid(False)
+        ticks = list(range(0, len(names), max(1, math.ceil(len(names) / 36))))
+        axes.set_xticks(ticks, [names[k] for k in ticks], rotation=90, fontsize=7)
+        axes.set_yticks(ticks, [names[k] for k in ticks], fontsize=7)
+        axes.set_xlabel("Pixel (row, column)")
+        axes.set_ylabel("Pixel (row, column)")
+        bar = figure.colorbar(image, ax=axes, pad=0.02)
+        bar.set_label("Distance (meter's errors); grey: less than 0.1")
+        bar.ax.yaxis.set_major_formatter("{x:g}")
+        figure.suptitle(textwrap.fill(title, round(LETTERS_PER_INCH * width)))

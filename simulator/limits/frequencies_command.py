@@ -1,0 +1,94 @@
+"""The command `rcskin frequencies`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from simulator.limits.command import check_numbers
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from simulator.limits.design import Design
+
+
+def frequencies(
+    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    n: Annotated[int, typer.Option("-n", help="How many.")],
+    criterion: Annotated[
+        str,
+        typer.Option(
+            help="position: the bound on the distance from the touch, rms over the sheet; column "
+            "or pixel: the distance of the nearest two in the meter's errors."
+        ),
+    ] = "position",
+    band: Annotated[
+        str | None, typer.Option(help="LOW:HIGH in Hz; else from the scene's lowest to highest.")
+    ] = None,
+    grid: Annotated[int, typer.Option(help="How many to choose from.")] = 60,
+    interface: Annotated[
+        list[str] | None, typer.Option(help="Only this one of the scene's; may be repeated.")
+    ] = None,
+    size: Annotated[
+        float | None, typer.Option(help="Side of a square touch in mm; else a pixel's sides.")
+    ] = None,
+    factor: Annotated[
+        float | None, typer.Option(help="Capacitance under the touch over that at rest.")
+    ] = None,
+    against_rest: Annotated[
+        int, typer.Option(help="Sweeps of the skin at rest that each sweep is compared with.")
+    ] = 0,
+    repeats: Annotated[
+        bool, typer.Option("--repeats", help="A frequency may be read more than once.")
+    ] = False,
+) -> None:
+    """The n frequencies that tell most, beside Eq. 6 of the paper and log spacing.
+
+    In a pipe one frequency in Hz a line; the comparison then goes to standard
+    error.
+    """
+    from rich.console import Console
+
+    from simulator.limits.criteria import checked_criterion
+    from simulator.limits.design import check_design, design
+    from simulator.limits.position import chosen_touch
+    from simulator.limits.sets import parse_band
+    from simulator.limits.survey import with_interfaces
+    from simulator.progress import on_terminal
+    from simulator.scene_file import load_scene
+
+    loaded = with_interfaces(load_scene(scene), interface or [])
+    check_numbers(against_rest=against_rest)
+    check_design(n, grid, repeats)
+    with on_terminal() as track:
+        found = design(
+            loaded,
+            n,
+            parse_band(band, loaded),
+            chosen_touch(loaded, None if size is None else 1e-3 * size, factor),
+            criterion=checked_criterion(criterion),
+            grid=grid,
+            against_rest=against_rest,
+            repeats=repeats,
+            track=track,
+        )
+    console = Console()
+    if console.is_terminal:
+        console.print(_table(found))
+        return
+    for frequency in found.best:
+        typer.echo(f"{frequency:.6g}")
+    for name in found.sets:
+        typer.echo(f"{name}: {found.told(name)}, {found.ratio(name):.3g} of the best", err=True)
+
+
+def _table(found: Design) -> Table:
+    from rich.table import Table
+
+    table = Table("", "frequencies (Hz)", found.heading, "over the best", box=None)
+    for name, chosen in found.sets.items():
+        told = ", ".join(f"{frequency:.6g}" for frequency in chosen)
+        table.add_row(name, told, found.told(name), f"{found.ratio(name):.3g}")
+    return table

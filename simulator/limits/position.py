@@ -1,0 +1,199 @@
+"""How well one sweep tells where and how strongly a skin is touched: Cramér and Rao's bound.
+
+A touch is a rectangle of known size, anywhere; unknown are x, y and its strength, the rise of
+capacitance over that at rest. Beside them the meter's errors of the session are unknown and, on
+demand, the skin, within the spread of [dataset.session].
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.limits.fields import Answer, Fields
+from simulator.limits.information import covariances, summed
+from simulator.limits.meter import error_model, in_noise, session_errors
+from simulator.limits.skin import deviations, pixel_maps
+from simulator.limits.touch import Cells, TouchSize
+from simulator.observation import ErrorModel
+from simulator.progress import Track, silent
+from simulator.scene import Scene
+from simulator.sweeps import InputError
+
+WANTED = ("x", "y", "strength")
+Place = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Standard deviations that no unbiased estimate goes below, infinite where nothing is told.
+
+    places: (x, y) in m, shape (place, 2). x, y: m; strength: of capacitance at rest; (place,).
+    correlation: of errors of x and y, shape (place,). room: as of `Slopes`.
+    """
+
+    places: NDArray[np.float64]
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    strength: NDArray[np.float64]
+    correlation: NDArray[np.float64]
+    room: tuple[float, float]
+
+    def median_error(self, draws: int = 256, seed: int = 0) -> float:
+        """Distance in m below which half of all errors lie, over all places, for an estimate with
+        normal errors at the bound; a coordinate that is not told errs as far as there is room."""
+        first, second = np.random.default_rng(seed).standard_normal((2, draws, len(self.places)))
+        along = np.sqrt(1 - self.correlation**2) * second + self.correlation * first
+        x, y = (
+            np.minimum(own, length / math.sqrt(12))
+            for own, length in zip((self.x, self.y), self.room, strict=True)
+        )
+        return float(np.median(np.hypot(x * first, y * along)))
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """Derivatives of all readings by what is unknown, over the meter's noise.
+
+    places: m, shape (place, 2). by: shape (place, interface, frequency, 2, unknown), WANTED first.
+    prior: 1/deviation² of each unknown, shape (unknown,). frequency: Hz. room: how
+    far the middle of a touch can move along x and y, m: no bound beyond that tells anything.
+    """
+
+    places: NDArray[np.float64]
+    by: NDArray[np.float64]
+    prior: NDArray[np.float64]
+    frequency: NDArray[np.float64]
+    room: tuple[float, float]
+
+    def bounds(
+        self,
+        frequencies: NDArray[np.float64] | None = None,
+        interfaces: Sequence[int] | None = None,
+    ) -> Bounds:
+        """Of sweeps at some of the frequencies, in Hz, and through some of the interfaces only."""
+        of_interfaces = self.by if interfaces is None else self.by[:, list(interfaces)]
+        per_frequency = summed(of_interfaces)
+        chosen = slice(None) if frequencies is None else self.number(frequencies)
+        return self.of_information(per_frequency[:, chosen].sum(axis=1))
+
+    def some(self, step: int) -> Slopes:
+        """Of every so many places only."""
+        return replace(self, places=self.places[::step], by=self.by[::step])
+
+    def number(self, frequencies: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Where these frequencies stand."""
+        return np.searchsorted(self.frequency, frequencies)
+
+    def of_information(self, information: NDArray[np.float64]) -> Bounds:
+        """information: without priors, shape (place, unknown, unknown)."""
+        covariance = covariances(information + np.diag(self.prior), len(WANTED))
+        spread = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+        x, y = (np.where(spread[:, k] < self.room[k], spread[:, k], np.inf) for k in (0, 1))
+        told = np.isfinite(x) & np.isfinite(y)
+        both = np.where(told, spread[:, 0] * spread[:, 1], 1.0)
+        correlation = np.where(told, covariance[:, 0, 1] / both, 0.0)
+        return Bounds(self.places, x, y, spread[:, 2], np.clip(correlation, -1.0, 1.0), self.room)
+
+
+def chosen_touch(scene: Scene, size: float | None = None, factor: float | None = None) -> TouchSize:
+    """A touch as large as a pixel, or a square of `size` in m; of the scene's factor or another.
+
+    Raises InputError where it does not fit the skin or does not change it.
+    """
+    skin, pixels = scene.skin, scene.pixels
+    width, height = skin.length / pixels.columns, skin.width / pixels.rows
+    if size is not None:
+        if not 0 < size <= min(skin.length, skin.width):
+            raise InputError(
+                f"--size must be > 0 and <= {1e3 * min(skin.length, skin.width):g} mm, "
+                f"got {1e3 * size:g}"
+            )
+        width = height = size
+    factor = scene.press.capacitance_factor if factor is None else factor
+    if not (np.isfinite(factor) and factor > 0 and factor != 1):
+        raise InputError(f"--factor must be finite, > 0 and not 1, got {factor:g}")
+    return TouchSize(width, height, factor - 1)
+
+
+def places_on(scene: Scene, touch: TouchSize, cells: int, most: int | None = None) -> list[Place]:
+    """Middles of touches that lie on the skin whole: those of cells, or where a side leaves none,
+    the skin's own middle; at most `most` along each side."""
+    skin, pixels = scene.skin, scene.pixels
+    x = _along(skin.length, cells * pixels.columns, touch.width, most)
+    y = _along(skin.width, cells * pixels.rows, touch.height, most)
+    return [(each, other) for other in y for each in x]
+
+
+def position_slopes(
+    fields: Fields,
+    places: Sequence[Place],
+    touch: TouchSize,
+    frequency: NDArray[np.float64],
+    *,
+    against_rest: int = 0,
+    unknown_skin: bool = False,
+    track: Track = silent,
+) -> Slopes:
+    """Derivatives at every place; frequency in Hz, ascending.
+
+    against_rest: how many sweeps of the skin at rest the sweep is compared with, 0 for none.
+    unknown_skin: whether the skin is among what is unknown. Raises InputError for a meter without
+    noise.
+    """
+    scene = fields.scene
+    model = error_model(scene, len(frequency), against_rest)
+    errors, prior = session_errors(model)
+    skin = SkinUnknowns(fields, frequency, model) if unknown_skin else None
+    grid = Cells.of(scene.skin.length, scene.skin.width, fields.grid)
+    found = []
+    for place in track(places, "places"):
+        changes = grid.raised(place, touch)
+        factors = 1 + touch.rise * changes["strength"]
+        answer = fields.respond(factors, changes | (skin.maps(factors) if skin else {}), frequency)
+        own = in_noise(answer.Z, [answer.by[name] for name in WANTED], model)
+        found.append(np.concatenate([own, errors, *([skin.slopes(answer)] if skin else [])], -1))
+    prior = np.concatenate([np.zeros(len(WANTED)), prior, *([skin.prior] if skin else [])])
+    room = scene.skin.length - touch.width, scene.skin.width - touch.height
+    return Slopes(np.array(places), np.stack(found), prior, frequency, room)
+
+
+class SkinUnknowns:
+    """The skin's parameters and the foam of every pixel as unknowns with priors."""
+
+    def __init__(self, fields: Fields, frequency: NDArray[np.float64], model: ErrorModel) -> None:
+        scene = fields.scene
+        self._model, self._pixels = model, pixel_maps(scene, fields.cells)
+        rest = np.ones(fields.grid)
+        self._rest = fields.respond(rest, self.maps(rest), frequency)
+        self.deviations = deviations(scene, self._rest.by)
+        if spread := scene.dataset.session.foam_spread:
+            self.deviations |= dict.fromkeys(self._pixels, spread)
+        self.prior = np.array([1 / each**2 for each in self.deviations.values()])
+
+    def maps(self, factors: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+        """How c changes with the foam of each pixel."""
+        return {name: pixel * factors for name, pixel in self._pixels.items()}
+
+    def slopes(self, answer: Answer) -> NDArray[np.float64]:
+        """Of a press, less those of the skin at rest where that is what it is compared with."""
+        found = self._in_noise(answer)
+        return found - self._in_noise(self._rest) if self._model.against_rest else found
+
+    def _in_noise(self, answer: Answer) -> NDArray[np.float64]:
+        return in_noise(answer.Z, [answer.by[name] for name in self.deviations], self._model)
+
+
+def _along(length: float, cells: int, size: float, most: int | None) -> list[float]:
+    middles = (np.arange(cells) + 0.5) * length / cells
+    rounding = 1e-9 * length
+    fitting = middles[(middles >= size / 2 - rounding) & (middles <= length - size / 2 + rounding)]
+    if not fitting.size:
+        return [length / 2]
+    if most is not None and fitting.size > most:
+        fitting = fitting[np.unique(np.linspace(0, fitting.size - 1, most).round().astype(int))]
+    return fitting.tolist()

@@ -1,0 +1,80 @@
+"""The bounds as numbers: a line for each place as CSV, a summary as JSON and on the terminal."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import json
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.limits.survey import Variant
+from simulator.sweeps import whole_file
+
+NOT_TOLD = "not told"
+HEADER = (
+    "comparison",
+    "variant",
+    "x_mm",
+    "y_mm",
+    "deviation_x_mm",
+    "deviation_y_mm",
+    "deviation_strength",
+)
+
+
+def told(value: float, unit: float = 1.0, digits: int = 4) -> float | str:
+    """A number in other units, or that it is not told."""
+    return float(f"{unit * value:.{digits}g}") if math.isfinite(value) else NOT_TOLD
+
+
+def write_places(variants: Sequence[Variant], path: Path) -> None:
+    """Every place of every variant as a line of a CSV."""
+    with whole_file(path) as unfinished, unfinished.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(HEADER)
+        for variant in variants:
+            own = variant.bounds
+            for (x, y), dx, dy, strength in zip(
+                own.places, own.x, own.y, own.strength, strict=True
+            ):
+                row = told(x, 1e3), told(y, 1e3), told(dx, 1e3), told(dy, 1e3), told(strength)
+                writer.writerow([variant.comparison, variant.name, *row])
+
+
+def write_distances(apart: NDArray[np.float64], names: Sequence[str], path: Path) -> None:
+    """How far each two pixels' sweeps lie apart as a CSV, a line for each pair."""
+    with whole_file(path) as unfinished, unfinished.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["pixel", "other", "distance_errors"])
+        for i, j in itertools.combinations(range(len(names)), 2):
+            writer.writerow([names[i], names[j], told(apart[i, j])])
+
+
+def summary(variant: Variant) -> dict[str, Any]:
+    """One variant in a few numbers; medians are over the sheet."""
+    own = variant.bounds
+    return {
+        "comparison": variant.comparison,
+        "variant": variant.name,
+        "frequencies_Hz": variant.frequency.tolist(),
+        "median_deviation_x_mm": told(float(np.median(own.x)), 1e3),
+        "median_deviation_y_mm": told(float(np.median(own.y)), 1e3),
+        "median_deviation_strength": told(float(np.median(own.strength))),
+        "largest_deviation_x_mm": told(float(own.x.max()), 1e3),
+        "largest_deviation_y_mm": told(float(own.y.max()), 1e3),
+        "places_where_x_is_told": float(np.isfinite(own.x).mean()),
+        "places_where_y_is_told": float(np.isfinite(own.y).mean()),
+        "median_error_mm": told(own.median_error(), 1e3),
+    }
+
+
+def write_summary(content: Mapping[str, Any], path: Path) -> None:
+    """The numbers as JSON."""
+    with whole_file(path) as unfinished:
+        unfinished.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n")

@@ -1,0 +1,78 @@
+"""Sets of frequencies that others would choose, and the band to choose from."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.analytic import interrogation_frequency
+from simulator.scene import Scene
+from simulator.sweeps import InputError
+
+EQUATION_6, LOGARITHMIC, OPTIMAL = "Eq. 6", "log spacing", "optimal"
+DIGITS = 6
+"""A meter is told its frequencies in so many."""
+
+
+def equation_6(scene: Scene, n: int) -> NDArray[np.float64]:
+    """f_i = 0.0382 / (R C x_i²) in Hz, ascending, x_i = i l / n from the fed edge for i = 1 .. n.
+
+    R C of loop and foam for each length along the skin is sheet resistance times capacitance per
+    area. Source: paper Eq 6.
+    """
+    skin = scene.skin
+    sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
+    fed = scene.contact(scene.interfaces[0].high[0]).edge
+    length = skin.length if fed in ("left", "right") else skin.width
+    ends = length * np.arange(n, 0, -1) / n
+    return rounded(interrogation_frequency(ends, sheets, skin.foam.rest_capacitance_per_area))
+
+
+def logarithmic(band: tuple[float, float], n: int) -> NDArray[np.float64]:
+    """n frequencies in Hz evenly spaced on a logarithmic scale over a band; its middle for one."""
+    low, high = band
+    return rounded(np.geomspace(low, high, n) if n > 1 else np.array([math.sqrt(low * high)]))
+
+
+def within(frequencies: NDArray[np.float64], band: tuple[float, float]) -> NDArray[np.float64]:
+    """The same, those outside a band moved to its ends."""
+    return np.clip(frequencies, *band)
+
+
+def compared(scene: Scene, n: int, band: tuple[float, float]) -> dict[str, NDArray[np.float64]]:
+    """n frequencies in Hz by Eq. 6 and evenly spaced, held within a band."""
+    found = {EQUATION_6: equation_6(scene, n), LOGARITHMIC: logarithmic(band, n)}
+    return {name: within(frequencies, band) for name, frequencies in found.items()}
+
+
+def own_band(scene: Scene) -> tuple[float, float]:
+    """From the lowest to the highest frequency of a scene, Hz."""
+    return float(scene.frequencies[0]), float(scene.frequencies[-1])
+
+
+def parse_band(text: str | None, scene: Scene) -> tuple[float, float]:
+    """The band written LOW:HIGH in Hz, the scene's own for None. Raises InputError."""
+    if text is None:
+        low, high = own_band(scene)
+    else:
+        low, high = _two_numbers(text)
+    if not (0 < low < high < math.inf):
+        raise InputError(
+            f"--band must be LOW:HIGH in Hz with 0 < LOW < HIGH, got {text or f'{low:g}:{high:g}'}"
+        )
+    return low, high
+
+
+def rounded(frequencies: NDArray[np.float64]) -> NDArray[np.float64]:
+    """To the digits that a meter is told."""
+    return np.array([float(f"{f:.{DIGITS}g}") for f in frequencies])
+
+
+def _two_numbers(text: str) -> tuple[float, float]:
+    try:
+        low, high = map(float, text.split(":"))
+    except ValueError:
+        raise InputError(f"--band must be LOW:HIGH in Hz, got {text}") from None
+    return low, high

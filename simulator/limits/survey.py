@@ -1,0 +1,131 @@
+"""What the bound on position depends on: frequencies, interfaces, sheet resistance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.limits.criteria import position_criterion
+from simulator.limits.design import GRID
+from simulator.limits.exchange import best_choice
+from simulator.limits.fields import Fields
+from simulator.limits.position import Bounds, Slopes, TouchSize, places_on, position_slopes
+from simulator.limits.sets import OPTIMAL, compared, logarithmic, own_band, within
+from simulator.progress import Track, silent
+from simulator.scene import Scene, Sheet
+from simulator.sweeps import InputError
+
+FREQUENCIES, INTERFACES, SHEETS = "frequencies", "interfaces", "sheets"
+DESIGN_PLACES = 64
+"""About so many that frequencies are chosen at."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One of several ways that are compared: of which comparison, its name, and its bounds."""
+
+    comparison: str
+    name: str
+    bounds: Bounds
+    frequency: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Question:
+    """A touch, how many sweeps at rest a sweep is compared with, whether the skin is unknown."""
+
+    touch: TouchSize
+    against_rest: int = 0
+    unknown_skin: bool = False
+
+
+def survey(
+    scene: Scene,
+    question: Question,
+    sheet_resistances: Sequence[float] = (),
+    n: int | None = None,
+    track: Track = silent,
+) -> list[Variant]:
+    """The scene's frequencies beside n by Eq. 6, evenly spaced and optimal ones; every interface
+    alone; every sheet resistance in ohm/sq. n: by default as many as pixels from the fed edge on.
+    """
+    n = n or _pixels_from_edge(scene)
+    slopes = _slopes(scene, question, _candidates(scene, n), track)
+    own = scene.frequencies
+    everything = Variant(FREQUENCIES, f"the scene's {len(own)}", slopes.bounds(own), own)
+    sets = _sets(scene, slopes, n)
+    variants = [everything, *(_variant(FREQUENCIES, k, slopes, f) for k, f in sets.items())]
+    if len(scene.interfaces) > 1:
+        for number, interface in enumerate(scene.interfaces):
+            alone = slopes.bounds(own, [number])
+            variants.append(Variant(INTERFACES, interface.name, alone, own))
+        variants.append(Variant(INTERFACES, "all together", everything.bounds, own))
+    for resistance in sheet_resistances:
+        of_sheets = _slopes(with_sheets(scene, resistance), question, own, track).bounds()
+        variants.append(Variant(SHEETS, f"{1e-3 * resistance:g} kohm/sq", of_sheets, own))
+    return variants
+
+
+def with_sheets(scene: Scene, sheet_resistance: float) -> Scene:
+    """The same scene with both sheets of another sheet resistance in ohm/sq. Raises InputError."""
+    if not (np.isfinite(sheet_resistance) and sheet_resistance > 0):
+        raise InputError(
+            f"--sheet-resistance must be finite and > 0 ohm/sq, got {sheet_resistance:g}"
+        )
+    sheet = Sheet(sheet_resistance=sheet_resistance)
+    skin = scene.skin.model_copy(update={"top": sheet, "bottom": sheet})
+    return scene.model_copy(update={"skin": skin})
+
+
+def with_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
+    """The same scene measured through some of its interfaces; all for none. Raises InputError."""
+    known = [interface.name for interface in scene.interfaces]
+    for name in names:
+        if name not in known:
+            raise InputError(f"--interface must be one of {', '.join(known)}, got {name!r}")
+    if not names:
+        return scene
+    chosen = tuple(each for each in scene.interfaces if each.name in names)
+    return scene.model_copy(update={"interfaces": chosen})
+
+
+def _slopes(
+    scene: Scene, question: Question, frequency: NDArray[np.float64], track: Track
+) -> Slopes:
+    fields = Fields(scene, float(frequency[-1]))
+    return position_slopes(
+        fields,
+        places_on(scene, question.touch, fields.cells),
+        question.touch,
+        frequency,
+        against_rest=question.against_rest,
+        unknown_skin=question.unknown_skin,
+        track=track,
+    )
+
+
+def _pixels_from_edge(scene: Scene) -> int:
+    fed = scene.contact(scene.interfaces[0].high[0]).edge
+    return scene.pixels.columns if fed in ("left", "right") else scene.pixels.rows
+
+
+def _candidates(scene: Scene, n: int) -> NDArray[np.float64]:
+    band = own_band(scene)
+    fine = within(logarithmic(band, GRID), band)
+    return np.unique(np.concatenate([scene.frequencies, fine, *compared(scene, n, band).values()]))
+
+
+def _sets(scene: Scene, slopes: Slopes, n: int) -> dict[str, NDArray[np.float64]]:
+    named = compared(scene, n, own_band(scene))
+    step = max(1, len(slopes.places) // DESIGN_PLACES)
+    criterion = position_criterion(slopes.some(step))
+    starts = [slopes.number(f) for f in named.values() if len(np.unique(f)) == n]
+    best = best_choice(criterion.score, len(slopes.frequency), n, starts)
+    return {f"{n}, {name}": f for name, f in (named | {OPTIMAL: slopes.frequency[best]}).items()}
+
+
+def _variant(comparison: str, name: str, slopes: Slopes, frequency: NDArray[np.float64]) -> Variant:
+    return Variant(comparison, name, slopes.bounds(frequency), frequency)

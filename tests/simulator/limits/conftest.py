@@ -1,0 +1,31 @@
+"""Small scenes with a meter's noise."""
+
+import pytest
+
+from simulator.scene import Readout, Scene
+
+NOISE = {"magnitude_noise": 1e-3, "phase_noise": 2e-3}
+ACCURACY = {"magnitude_accuracy": 3e-3, "phase_accuracy": 4e-3}
+
+
+@pytest.fixture(scope="session")
+def noisy(make_scene):
+    """A function that builds a scene with a readout and a spread of presses.
+
+    accuracy: whether the meter errs alike in all readings of a session, too.
+    """
+
+    def build(
+        *, readout=NOISE, accuracy=False, spread=0.1, factor=2.0, unpressed=False, **more
+    ) -> Scene:
+        scene = make_scene(factor=factor, **more)
+        pressing = scene.press.model_copy(update={"factor_spread": spread})
+        experiment = scene.experiment.model_copy(update={"unpressed": unpressed})
+        changed = {
+            "readout": Readout(**readout, **(ACCURACY if accuracy else {})),
+            "press": pressing,
+            "experiment": experiment,
+        }
+        return scene.model_copy(update=changed)
+
+    return build

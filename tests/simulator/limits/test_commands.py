@@ -1,0 +1,103 @@
+"""`rcskin limits` and `rcskin frequencies` as their user meets them."""
+
+import csv
+import json
+
+import pytest
+from matplotlib.image import imread
+
+from simulator.scene_file import load_scene, scene_text
+
+QUICK = ("--draws", "50", "-n", "2")
+
+
+@pytest.fixture
+def scene_file(tmp_path, noisy):
+    def write(**more):
+        scene = noisy(length=0.1, width=0.1, rows=2, columns=2, **more)
+        path = tmp_path / "scene.toml"
+        path.write_text(scene_text(scene))
+        return path
+
+    return write
+
+
+def test_maps_tables_and_a_summary_are_written(run, tmp_path, scene_file):
+    names = ["frequencies.png", "limits.csv", "limits.json", "pixels.csv", "pixels.png"]
+    folder = tmp_path / "new" / "folder"
+    code, out, err = run(
+        *("limits", scene_file(), "--sheet-resistance", "1e4", *QUICK), *("-o", folder)
+    )
+    assert (code, err) == (0, "")
+    assert "columns right: at most" in out and "not told" in out and "nan" not in out
+    assert sorted(path.name for path in folder.iterdir()) == [*names, "sheets.png"]
+    for name in ("limits.csv", "limits.json", "pixels.csv"):
+        assert "nan" not in (folder / name).read_text().lower()
+    rows = list(csv.DictReader((folder / "limits.csv").read_text().splitlines()))
+    assert {row["comparison"] for row in rows} == {"frequencies", "sheets"}
+    assert all(float(row["deviation_x_mm"]) > 0 for row in rows if row["x_mm"] == "25.0")
+    summary = json.loads((folder / "limits.json").read_text())
+    assert summary["accuracy"]["pixel"]["best_possible"] == pytest.approx(0.5, abs=1e-3)
+    assert imread(folder / "frequencies.png")[..., :3].std() > 0.05
+
+
+def test_the_most_pixels_for_an_accuracy_are_printed(run):
+    code, out, err = run("limits", "strip-1x3", "--accuracy", "0.99", "--draws", "100")
+    assert (code, err) == (0, "")
+    column, pixel = out.splitlines()
+    assert column.startswith("column: at most 1x") and pixel.startswith("pixel: at most 1x")
+
+
+def test_frequencies_come_one_a_line_in_a_pipe(run, scene_file):
+    path = scene_file()
+    code, out, err = run("frequencies", path, "-n", "3", "--grid", "12")
+    assert code == 0
+    chosen = [float(line) for line in out.splitlines()]
+    band = load_scene(path).frequencies
+    assert len(set(chosen)) == 3 and chosen == sorted(chosen)
+    assert band[0] <= chosen[0] and chosen[-1] <= band[-1]
+    assert "Eq. 6" in err and "log spacing" in err
+    narrow = run("frequencies", path, "-n", "2", "--grid", "9", "--band", "2e3:3e3")[1]
+    assert all(2e3 <= float(line) <= 3e3 for line in narrow.splitlines())
+
+
+def test_columns_and_pixels_are_criteria_too(run, scene_file):
+    for criterion in ("column", "pixel"):
+        code, out, _ = run(
+            *("frequencies", scene_file(), "-n", "2", "--grid", "9"), "--criterion", criterion
+        )
+        assert code == 0 and len(out.splitlines()) == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("limits", "strip-1x3", "--size", "99"), "--size must be"),
+        (("limits", "strip-1x3", "--factor", "1"), "--factor must be"),
+        (("limits", "strip-1x3", "--interface", "up"), "--interface must be one of left"),
+        (("limits", "strip-1x3", "--sheet-resistance", "1e3,x"), "--sheet-resistance must be"),
+        (("limits", "strip-1x3", "--sheet-resistance", "-1"), "--sheet-resistance must be"),
+        (("limits", "strip-1x3", "--accuracy", "1.5"), "--accuracy must be"),
+        (("limits", "strip-1x3", "--draws", "1"), "--draws must be"),
+        (("limits", "strip-1x3", "--against-rest", "-1"), "--against-rest must be"),
+        (("frequencies", "strip-1x3", "-n", "0"), "-n must be"),
+        (("frequencies", "strip-1x3", "-n", "2", "--criterion", "x"), "--criterion must be"),
+        (("frequencies", "strip-1x3", "-n", "2", "--band", "9:1"), "--band must be"),
+        (("frequencies", "strip-1x3", "-n", "2", "--grid", "1"), "--grid must be"),
+    ],
+)
+def test_bad_input_is_one_line_and_code_2(run, tmp_path, monkeypatch, arguments, told):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(*arguments)
+    assert (code, out) == (2, "")
+    assert len(err.splitlines()) == 1 and told in err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("command", [("limits",), ("frequencies", "-n", "2")])
+def test_a_meter_without_noise_is_refused(run, tmp_path, monkeypatch, scene_file, command):
+    monkeypatch.chdir(tmp_path)
+    name, *options = command
+    code, out, err = run(name, scene_file(readout={}), *options)
+    assert (code, out) == (2, "")
+    assert "readout.magnitude_noise" in err and len(err.splitlines()) == 1

@@ -1,0 +1,114 @@
+"""Exact sensitivities against differences of the solver and of the exact line."""
+
+import numpy as np
+import pytest
+
+from simulator.fidelity import Solver
+from simulator.limits.fields import Fields
+from simulator.limits.touch import Cells, TouchSize, covered
+from simulator.line import Line
+from simulator.parameters import scene_with
+from simulator.press import Press, Rectangle
+from simulator.scene_file import load_scene
+
+STEP = 1e-3
+
+
+def answered(fields, place, touch, frequency):
+    grid = Cells.of(fields.scene.skin.length, fields.scene.skin.width, fields.grid)
+    changes = grid.raised(place, touch)
+    return fields.respond(1 + touch.rise * changes["strength"], changes, frequency)
+
+
+def differences(impedance, place, touch, step=STEP):
+    """dZ by x, y and rise, of impedance(x, y, rise)."""
+    x, y = place
+    return {
+        "x": (impedance(x + step, y, touch.rise) - impedance(x - step, y, touch.rise)) / (2 * step),
+        "y": (impedance(x, y + step, touch.rise) - impedance(x, y - step, touch.rise)) / (2 * step),
+        "strength": (impedance(x, y, touch.rise + 0.01) - impedance(x, y, touch.rise - 0.01))
+        / 0.02,
+    }
+
+
+def assert_close(found, expected, rtol):
+    assert np.abs(found - expected).max() < rtol * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("name", ["sheet-5x5", "sheet-5x5-two-interfaces"])
+def test_derivatives_are_those_of_a_touch_that_moves_and_grows(name):
+    scene = load_scene(name)
+    scene = scene.model_copy(
+        update={"sweep": scene.sweep.model_copy(update={"frequencies": (1e3, 2e4, 2e5)})}
+    )
+    solver, touch, place = Solver(scene, 1e-4), TouchSize(0.024, 0.024, 1.0), (0.045, 0.033)
+
+    def impedance(x, y, rise):
+        press = Press((Rectangle(x, y, touch.width, touch.height, 1 + rise),))
+        return solver.solve(press).Z
+
+    found = answered(Fields(scene, 2e5), place, touch, scene.frequencies)
+    np.testing.assert_allclose(found.Z, impedance(*place, touch.rise), rtol=2e-3)
+    expected = differences(impedance, place, touch)
+    assert_close(found.by["x"], expected["x"], 0.02)
+    assert_close(found.by["y"], expected["y"], 0.02)
+    assert_close(found.by["strength"], expected["strength"], 2e-3)
+
+
+def test_an_edge_that_moves_on_a_strip_is_that_of_the_exact_line(noisy):
+    scene = noisy(length=0.1, width=0.02, columns=5, frequencies=(1e2, 1e3, 1e4))
+    line, touch, place = Line(scene), TouchSize(0.02, 0.02, 1.0), (0.0425, 0.01)
+
+    def impedance(x, y, rise):
+        return line.impedance(Press((Rectangle(x, 0.01, 0.02, 0.02, 1 + rise),)), scene.frequencies)
+
+    found = answered(Fields(scene, 1e4), place, touch, scene.frequencies)
+    expected = differences(impedance, place, touch)
+    assert_close(found.by["x"], expected["x"], 5e-3)
+    assert_close(found.by["strength"], expected["strength"], 1e-3)
+    assert not found.by["y"].any()
+
+
+def test_derivatives_by_the_skin_are_differences_of_skins(noisy):
+    contacts = {
+        "top-left": {"resistance": 50.0},
+        "bottom-left": {"resistance": 90.0},
+        "top-bottom": {"span": (0.3, 1.0)},
+        "bottom-bottom": {"span": (0.3, 1.0)},
+    }
+    scene = noisy(contacts=contacts, loss_tangent=0.05, rows=2, columns=2)
+    frequency, step = scene.frequencies, 1e-4
+    press = np.where(np.arange(64).reshape(8, 8) % 7 < 2, 2.0, 1.0)
+    found = Fields(scene, 1e5).respond(press, {}, frequency)
+    for name, unit in (
+        ("sheet_resistance", 1),
+        ("sheet_mismatch", 1),
+        ("capacitance", 1),
+        ("contact_resistance", 1),
+        ("loss_tangent", 1),
+        ("lead_resistance", 1e3),
+        ("stray_capacitance", 1e-12),
+    ):
+        own = {"loss_tangent": 0.05}.get(name, 0.0)
+        two = [own + 2 * step * unit, own]
+        high, low = (
+            Fields(scene_with(scene, {name: value}), 1e5).respond(press, {}, frequency).Z
+            for value in two
+        )
+        between = Fields(scene_with(scene, {name: own + step * unit}), 1e5)
+        slope = between.respond(press, {}, frequency).by[name]
+        assert_close(slope, (high - low) / (2 * step * unit), 1e-3)
+        assert found.by[name].shape == found.Z.shape
+
+
+def test_cells_are_covered_as_far_as_the_touch_moves():
+    lines, step = np.linspace(0, 1, 11), 1e-6
+    for middle, size in ((0.52, 0.3), (0.5, 0.25), (0.2, 0.4), (0.85, 0.3), (0.5, 1.0)):
+        fraction, slope = covered(lines, middle, size)
+        assert fraction.sum() * 0.1 == pytest.approx(size)
+        further, _ = covered(lines, middle + step, size)
+        before, _ = covered(lines, middle - step, size)
+        inside = (middle - size / 2 > step) & (middle + size / 2 < 1 - step)
+        if inside:
+            np.testing.assert_allclose(slope, (further - before) / (2 * step), atol=1e-6)
+    assert not covered(lines, 0.5, 1.0)[1].any()
