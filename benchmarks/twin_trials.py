@@ -17,7 +17,8 @@ from simulator.scene import Scene
 from simulator.twin import Hand
 
 ONE, TWO = "sheet-5x5", "sheet-5x5-two-interfaces"
-RESTS = 10
+BETWEEN_RESTS = 5
+"""Presses, after which the skin is read at rest."""
 SINGLE, DOUBLE = (0.1, 0.9, 0.0), (0.05, 0.15, 0.8)
 Order = Callable[[Scene, np.random.Generator], list[str]]
 
@@ -56,7 +57,7 @@ class Trial:
     def recording(self, random: np.random.Generator) -> list[str]:
         """Presses with the skin at rest at both ends and in between."""
         presses = self.order(self.believed, random)
-        parts = np.array_split(np.array(presses, dtype=object), RESTS - 1)
+        parts = [presses[k : k + BETWEEN_RESTS] for k in range(0, len(presses), BETWEEN_RESTS)]
         return ["none", *itertools.chain.from_iterable([*part, "none"] for part in parts)]
 
     def score(self, model: Model, sweeps: xr.Dataset) -> float:
@@ -109,7 +110,7 @@ def _columns(pixels: int, goal: float) -> Trial:
         every_pixel(4),
         ("ksvm-ovo", "model-based"),
         goal,
-        training=6000,
+        training=20_000,
     )
 
 

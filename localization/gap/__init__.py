@@ -1,0 +1,1 @@
+"""How far simulation is from what it stands for: distances, accuracies, causes, in one report."""

@@ -1,0 +1,105 @@
+"""How far apart two samples of features are: maximum mean discrepancy and energy distance.
+
+Sources: A. Gretton, K. M. Borgwardt, M. J. Rasch, B. Schölkopf, A. Smola, "A kernel two-sample
+test", J. Mach. Learn. Res. 13 (2012) 723-773; G. J. Székely, M. L. Rizzo, "Energy statistics", J.
+Stat. Plan. Inference 143 (2013) 1249-1272.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
+
+PERMUTATIONS = 499
+FEWEST = 2
+MOST = 500
+"""Sweeps of a sample that are used; of more, so many are drawn."""
+
+
+@dataclass(frozen=True)
+class Discrepancy:
+    """Of two samples of sizes first and second.
+
+    mmd2: squared maximum mean discrepancy, unbiased, so below 0 at times; of features of unit
+    spread. p: chance of one as large if both were of one distribution. energy: energy distance.
+    coefficient: energy distance over the mean distance between the samples, from 0 to 1.
+    """
+
+    first: int
+    second: int
+    mmd2: float
+    p: float
+    energy: float
+    coefficient: float
+
+
+def discrepancy(
+    X: NDArray[np.float64], Y: NDArray[np.float64], random: np.random.Generator
+) -> Discrepancy | None:
+    """Of samples of the same features, shapes (n, feature) and (m, feature).
+
+    None where either has fewer than FEWEST. random: draws permutations, and MOST of more sweeps.
+    """
+    if min(len(X), len(Y)) < FEWEST:
+        return None
+    X, Y = _at_most(X, random), _at_most(Y, random)
+    both = np.concatenate([X, Y])
+    distances = cdist(both, both).astype(np.float64)
+    K = kernel(distances)
+    energy, coefficient = energy_distance(distances, len(X))
+    return Discrepancy(
+        first=len(X),
+        second=len(Y),
+        mmd2=unbiased_mmd2(K, len(X)),
+        p=permutation_p(K, len(X), random),
+        energy=energy,
+        coefficient=coefficient,
+    )
+
+
+def kernel(distances: NDArray[np.float64]) -> NDArray[np.float64]:
+    """exp(-d²/(2 w²)), w the median of all distances between different sweeps; shape as given."""
+    apart = distances[np.triu_indices(len(distances), 1)]
+    width = float(np.median(apart)) or float(apart.max()) or 1.0
+    return np.exp(-((distances / width) ** 2) / 2)
+
+
+def unbiased_mmd2(K: NDArray[np.float64], n: int) -> float:
+    """Gretton et al. (2012), Eq. 3, of a kernel matrix whose first n rows are the first sample."""
+    first = np.arange(len(K)) < n
+    return float(_mmd2(K, first[:, None])[0])
+
+
+def permutation_p(K: NDArray[np.float64], n: int, random: np.random.Generator) -> float:
+    """Share of PERMUTATIONS, and of the samples as they are, with an MMD² at least as large."""
+    first = np.arange(len(K)) < n
+    shuffled = random.permuted(np.tile(first[:, None], (1, PERMUTATIONS)), axis=0)
+    rounding = 1e-12
+    as_large = _mmd2(K, shuffled) >= unbiased_mmd2(K, n) - rounding
+    return float((1 + as_large.sum()) / (1 + PERMUTATIONS))
+
+
+def energy_distance(distances: NDArray[np.float64], n: int) -> tuple[float, float]:
+    """2 E|X - Y| - E|X - X'| - E|Y - Y'|, and that over 2 E|X - Y|; the first n rows are X."""
+    between = 2 * distances[:n, n:].mean()
+    within = distances[:n, :n].mean() + distances[n:, n:].mean()
+    energy = max(0.0, float(between - within))
+    return energy, energy / float(between) if between > 0 else 0.0
+
+
+def _mmd2(K: NDArray[np.float64], first: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """For each column of `first`, which of the rows of K are the first sample's."""
+    one, two = first.astype(float), (~first).astype(float)
+    off_diagonal = K - np.diag(np.diag(K))
+    n, m = one.sum(axis=0), two.sum(axis=0)
+    from_one, from_two = off_diagonal @ one, off_diagonal @ two
+    within = (one * from_one).sum(axis=0) / (n * (n - 1))
+    beyond = (two * from_two).sum(axis=0) / (m * (m - 1))
+    return within + beyond - 2 * (one * from_two).sum(axis=0) / (n * m)
+
+
+def _at_most(X: NDArray[np.float64], random: np.random.Generator) -> NDArray[np.float64]:
+    return X if len(X) <= MOST else X[random.choice(len(X), MOST, replace=False)]

@@ -1,0 +1,45 @@
+"""What the sweeps that simulation is held against are: a measurement, a twin, or neither."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from simulator.sweeps import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+VIRTUAL_SERIAL = "000000000"
+"""Serial number that the virtual meter answers with: what it records is a twin's."""
+
+
+@dataclass(frozen=True)
+class Noun:
+    """How the report calls the other side: `the measurement`, `measured sweeps`."""
+
+    name: str
+    adjective: str
+
+
+MEASUREMENT = Noun("measurement", "measured")
+TWIN = Noun("twin", "twin")
+SECOND = Noun("second simulation", "second simulated")
+
+
+def noun_of(sweeps: xr.Dataset) -> Noun:
+    """From the attributes: `twin`, the virtual meter, a simulation's tolerance, or none of them."""
+    attributes = sweeps.attrs
+    if "twin" in attributes or VIRTUAL_SERIAL in str(attributes.get("meter", "")).split(","):
+        return TWIN
+    simulated = "rtol" in attributes and attributes.get("model") != "measured"
+    return SECOND if simulated else MEASUREMENT
+
+
+def check_simulated(sweeps: xr.Dataset, path: object) -> None:
+    """Raises InputError where sweeps given as simulated say that they are not."""
+    if sweeps.attrs.get("model") == "measured" or "twin" in sweeps.attrs:
+        called = noun_of(sweeps).adjective
+        raise InputError(
+            f"{path}: holds {called} sweeps; the simulated sweeps are to be named first"
+        )

@@ -1,0 +1,130 @@
+"""Both sides made comparable: the same frequencies, interfaces and presses, and what it took."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from localization.gap.given import Simulation
+from localization.gap.noun import Noun, noun_of
+from localization.gap.thinning import thinned
+from simulator.sweeps import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+SAME_FREQUENCY = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Simulated sweeps and those they are held against, of the same interfaces and frequencies.
+
+    scene: TOML text of the simulated skin, empty where unknown. noise_free: whether the simulated
+    sweeps are without the meter's errors. notes: what a reader must know of how they were made
+    comparable.
+    """
+
+    simulated: xr.Dataset
+    other: xr.Dataset
+    noun: Noun
+    scene: str
+    noise_free: bool
+    notes: Sequence[str] = field(default_factory=tuple)
+
+
+def paired(
+    simulated: xr.Dataset, other: xr.Dataset, simulation: Simulation, scene: str, seed: int
+) -> Pair:
+    """Both sides, reduced to what they share.
+
+    scene: TOML text, empty for that of the simulated sweeps. seed: of what is kept of many sweeps.
+    Raises InputError where they share no interface or pressed pixel, or have other frequencies and
+    the scene is unknown.
+    """
+    notes: list[str] = []
+    scene = scene or str(simulated.attrs.get("scene", ""))
+    noun, noise_free = noun_of(other), "readout" not in simulated.attrs and _exact(simulated)
+    simulated, other = (
+        _single(simulated, "simulated", notes),
+        _single(other, noun.adjective, notes),
+    )
+    simulated = _fewer(simulated, notes, seed)
+    simulated, other = _on_common_interfaces(simulated, other, notes)
+    if not _same_frequencies(simulated, other):
+        simulated = _at_frequencies_of(other, simulated, simulation, scene, notes)
+        noise_free = True
+    _check_common_press(simulated, other)
+    simulated = simulated.assign_attrs(scene=scene)
+    return Pair(simulated, other, noun, scene, noise_free, notes)
+
+
+def pixel_of(sweeps: xr.Dataset) -> NDArray[np.int64]:
+    """A number for each pixel, the same in all sweeps, 0 at rest; shape (sweep,)."""
+    row, column = sweeps["row"].values, sweeps["column"].values
+    return np.where(row > 0, row * 10_000 + column, 0)
+
+
+def _exact(sweeps: xr.Dataset) -> bool:
+    """Whether they come with numerical errors, as sweeps do that no meter has read."""
+    return "Rs_error" in sweeps
+
+
+def _single(sweeps: xr.Dataset, called: str, notes: list[str]) -> xr.Dataset:
+    """Those of a single pixel, or of the skin at rest."""
+    alone = (sweeps["row"].values >= 0) & (sweeps["column"].values >= 0)
+    if not alone.any():
+        raise InputError(f"none of the {called} sweeps is of a single pixel or of the skin at rest")
+    if not alone.all():
+        notes.append(f"{np.sum(~alone)} {called} sweeps of no single pixel are left out.")
+    return sweeps.isel(sweep=alone)
+
+
+def _fewer(sweeps: xr.Dataset, notes: list[str], seed: int) -> xr.Dataset:
+    kept = thinned(sweeps, np.random.default_rng(seed))
+    if kept.sizes["sweep"] < sweeps.sizes["sweep"]:
+        numbers = f"{kept.sizes['sweep']} of {sweeps.sizes['sweep']}"
+        notes.append(f"{numbers} simulated sweeps are used, drawn at random.")
+    return kept
+
+
+def _on_common_interfaces(
+    simulated: xr.Dataset, other: xr.Dataset, notes: list[str]
+) -> tuple[xr.Dataset, xr.Dataset]:
+    names, others = ([str(n) for n in part["interface"].values] for part in (simulated, other))
+    common = [name for name in names if name in others]
+    if not common:
+        raise InputError(f"no interface in common: {', '.join(names)} and {', '.join(others)}")
+    left_out = sorted({*names, *others} - {*common})
+    if left_out:
+        notes.append(f"Interfaces that only one side has are left out: {', '.join(left_out)}.")
+    return simulated.sel(interface=common), other.sel(interface=common)
+
+
+def _same_frequencies(simulated: xr.Dataset, other: xr.Dataset) -> bool:
+    f, g = simulated["frequency"].values, other["frequency"].values
+    return f.size == g.size and np.allclose(f, g, rtol=SAME_FREQUENCY, atol=0)
+
+
+def _at_frequencies_of(
+    other: xr.Dataset, simulated: xr.Dataset, simulation: Simulation, scene: str, notes: list[str]
+) -> xr.Dataset:
+    f, g = (part["frequency"].values for part in (simulated, other))
+    if not scene:
+        raise InputError(
+            f"the simulated sweeps have {f.size} frequencies of {f[0]:.6g} to {f[-1]:.6g} Hz, the "
+            f"others {g.size} of {g[0]:.6g} to {g[-1]:.6g} Hz; name the --scene to simulate anew"
+        )
+    notes.append("The presses were simulated anew, at the other side's frequencies.")
+    anew = simulation.resimulated(simulated, scene, g)
+    return anew.sel(interface=simulated["interface"].values)
+
+
+def _check_common_press(simulated: xr.Dataset, other: xr.Dataset) -> None:
+    common = set(pixel_of(simulated)) & set(pixel_of(other)) - {0}
+    if not common:
+        raise InputError("no pixel is pressed in both files")

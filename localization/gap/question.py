@@ -1,0 +1,33 @@
+"""What is asked of a pair of sweeps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from simulator.sweeps import InputError
+
+CLASSES = ("column", "row", "pixel")
+"""Targets that are classes, which alone can be confused."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """target: one of CLASSES. draws: of the sweeps added to training. touches: that calibrate."""
+
+    target: str
+    estimator: str
+    seed: int = 0
+    draws: int = 5
+    touches: int = 5
+
+    def __post_init__(self) -> None:
+        """Raises InputError where a value is out of range."""
+        if self.target not in CLASSES:
+            raise InputError(f"`target` must be one of {', '.join(CLASSES)}, got {self.target!r}")
+        for name, value, least in (
+            ("draws", self.draws, 1),
+            ("seed", self.seed, 0),
+            ("calibration-touches", self.touches, 0),
+        ):
+            if value < least:
+                raise InputError(f"`{name}` must be >= {least}, got {value}")

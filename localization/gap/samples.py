@@ -1,0 +1,54 @@
+"""Both sides as a classifier takes them: features, classes, pixels and sessions of each sweep."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from localization.gap.pair import pixel_of
+from localization.samples import Problem
+from localization.samples import samples_of as learnable
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+FEATURE_SETS = {"absolute": ("Rs", "Cp"), "relative": ("dlnZ", "dphase")}
+"""The paper's, and those relative to the skin at rest in the same session."""
+TOLD = {"absolute": "Rs and Cp", "relative": "ln|Z| and phase less those at rest"}
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """X: features, shape (sweep, feature). y: class, pixel: its number; both of shape (sweep,)."""
+
+    problem: Problem
+    X: NDArray[np.float64]
+    y: NDArray
+    pixel: NDArray[np.int64]
+
+    def chosen(self, which: NDArray) -> Samples:
+        """Those of an index or a mask."""
+        return Samples(self.problem, self.X[which], self.y[which], self.pixel[which])
+
+    def joined(self, more: Samples) -> Samples:
+        """These and more of the same features."""
+        return Samples(
+            self.problem,
+            np.concatenate([self.X, more.X]),
+            np.concatenate([self.y, more.y]),
+            np.concatenate([self.pixel, more.pixel]),
+        )
+
+
+def samples_of(
+    sweeps: xr.Dataset, feature_set: str, target: str, rest: xr.Dataset | None = None
+) -> Samples:
+    """Raises InputError as the features and the labels do.
+
+    rest: sweeps of the skin at rest that others are told against, those among `sweeps` without.
+    """
+    found = learnable(sweeps, target, FEATURE_SETS[feature_set], rest=rest)
+    return Samples(found.problem, found.X, found.y, pixel_of(sweeps))

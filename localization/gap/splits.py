@@ -1,0 +1,93 @@
+"""Which sweeps calibrate, which are added to training and which are tested: never the same."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.sweeps import InputError
+
+
+class Split(NamedTuple):
+    """Indices of sweeps added to training, and of those tested."""
+
+    added: NDArray[np.intp]
+    tested: NDArray[np.intp]
+
+
+def reserved_for_calibration(
+    row: NDArray[np.int64], column: NDArray[np.int64], touches: int, session: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Half of each session's unpressed sweeps, and one of each of `touches` pixels far apart.
+
+    Of an odd number of unpressed sweeps the larger half. Shape (sweep,), as the arguments.
+    Raises InputError where `touches` is below 0.
+    """
+    if touches < 0:
+        raise InputError(f"`calibration-touches` must be >= 0, got {touches}")
+    reserved = np.zeros(row.size, dtype=bool)
+    for each in np.unique(session):
+        rest = np.flatnonzero((row == 0) & (session == each))
+        reserved[rest[: (rest.size + 1) // 2]] = True
+    pressed = np.unique(np.stack([row, column], axis=1)[row > 0], axis=0)
+    for i, j in _far_apart(pressed, touches):
+        reserved[np.flatnonzero((row == i) & (column == j))[0]] = True
+    return reserved
+
+
+def touch_splits(
+    pixel: NDArray[np.int64], reserved: NDArray[np.bool_], k: int, draws: int, seed: int
+) -> list[Split] | None:
+    """`draws` ways to add k sweeps of every pixel to training and to test the others.
+
+    Reserved sweeps are never tested, and are the first of the k. For k = 0 there is one way. Pixels
+    that are reserved whole are neither added nor tested. None where a pixel has not sweeps enough,
+    or all are reserved.
+    """
+    groups = _groups(pixel, reserved)
+    if not groups or any(each.size - max(k, kept.sum()) < 1 for each, kept in groups):
+        return None
+    random = np.random.default_rng([seed, k])
+    return [_split(groups, k, random) for _ in range(draws if k else 1)]
+
+
+def largest_k(pixel: NDArray[np.int64], reserved: NDArray[np.bool_]) -> int:
+    """How many of every pixel can be added so that one is left to test."""
+    return min((each.size - 1 for each, _ in _groups(pixel, reserved)), default=0)
+
+
+def _groups(
+    pixel: NDArray[np.int64], reserved: NDArray[np.bool_]
+) -> list[tuple[NDArray[np.intp], NDArray[np.bool_]]]:
+    """Sweeps of each pixel that is not reserved whole, and which of them are reserved."""
+    groups = [np.flatnonzero(pixel == each) for each in np.unique(pixel)]
+    return [(each, reserved[each]) for each in groups if not reserved[each].all()]
+
+
+def _split(
+    groups: Sequence[tuple[NDArray[np.intp], NDArray[np.bool_]]],
+    k: int,
+    random: np.random.Generator,
+) -> Split:
+    added, tested = [], []
+    for each, kept in groups:
+        order = np.concatenate([each[kept], random.permutation(each[~kept])])
+        added.append(order[:k])
+        tested.append(order[max(k, kept.sum()) :])
+    return Split(np.sort(np.concatenate(added)), np.sort(np.concatenate(tested)))
+
+
+def _far_apart(places: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """So many of the places, each as far as can be from those before it; the first is the first."""
+    if not len(places) or not count:
+        return places[:0]
+    chosen = [0]
+    distance = np.full(len(places), np.inf)
+    while len(chosen) < min(count, len(places)):
+        last = np.linalg.norm(places - places[chosen[-1]], axis=1)
+        distance = np.minimum(distance, last)
+        chosen.append(int(distance.argmax()))
+    return places[chosen]

@@ -1,0 +1,81 @@
+"""The simulated sweeps before calibration and after, free of noise and as the meter shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from localization.gap.given import Estimate, Simulation
+from localization.gap.pair import Pair, pixel_of
+from simulator.sweeps import InputError, ToleranceError
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+BEFORE, AFTER = "before", "after"
+
+
+class Version(NamedTuple):
+    """exact: free of noise where such are known. read: as the scene's meter shows them."""
+
+    exact: xr.Dataset
+    read: xr.Dataset
+
+
+class Versions(NamedTuple):
+    """by_stage: BEFORE and, where it could be done, AFTER. notes: what was done or could not be."""
+
+    by_stage: dict[str, Version]
+    estimates: Sequence[Estimate]
+    notes: list[str]
+
+
+def versions_of(
+    pair: Pair, simulation: Simulation, reserved: NDArray[np.bool_], seed: int
+) -> Versions:
+    """reserved: the other side's sweeps to calibrate on, shape (sweep,). seed: of the meter."""
+    before, told = _before(pair, simulation, seed)
+    why_not = _hindrance(pair, reserved)
+    if why_not:
+        return Versions({BEFORE: before}, (), [*told, why_not])
+    try:
+        found = simulation.recalibrated(pair.simulated, pair.other.isel(sweep=reserved))
+    except (InputError, ToleranceError) as error:
+        return Versions({BEFORE: before}, (), [*told, f"No calibration: {error}."])
+    after = Version(found.sweeps, simulation.read(found.sweeps, pair.scene, seed))
+    notes = [*told, _calibration_told(pair, reserved)]
+    return Versions({BEFORE: before, AFTER: after}, found.estimates, notes)
+
+
+def _before(pair: Pair, simulation: Simulation, seed: int) -> tuple[Version, list[str]]:
+    given = pair.simulated
+    if not pair.noise_free:
+        return Version(given, given), []
+    if not pair.scene:
+        told = "The simulated sweeps are free of noise, and no scene tells the meter's."
+        return Version(given, given), [told]
+    told = "The simulated sweeps were free of noise: to train, the scene's meter has read them."
+    return Version(given, simulation.read(given, pair.scene, seed)), [told]
+
+
+def _hindrance(pair: Pair, reserved: NDArray[np.bool_]) -> str:
+    """Why there is no calibration, empty where there is."""
+    if not pair.scene:
+        return "No calibration and no causes: the scene is unknown; --scene names it."
+    return "" if reserved.any() else "No calibration: no sweeps are left for it."
+
+
+def _calibration_told(pair: Pair, reserved: NDArray[np.bool_]) -> str:
+    pixel, skins = pixel_of(pair.other)[reserved], np.unique(pair.simulated["session"].values).size
+    told = (
+        f"Calibrated on {np.sum(pixel == 0)} unpressed and {np.sum(pixel > 0)} pressed "
+        f"{pair.noun.adjective} sweeps, which are never tested"
+    )
+    return (
+        f"{told}; the presses of {skins} sessions are then of one skin."
+        if skins > 1
+        else f"{told}."
+    )

@@ -1,0 +1,107 @@
+"""`rcskin gap` as its user meets it, on skins of the simulator."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+
+import rcskin
+from simulator.experiment import planned_presses
+from simulator.fidelity import Solver
+from simulator.parameters import scene_with
+from simulator.readout import read_out
+from simulator.scene_file import load_scene, scene_text
+from simulator.simulate import simulate
+from simulator.sweeps import read, write
+
+ENTRIES = {"about", "accuracy", "calibration", "causes", "compared", "discrepancy", "distance",
+           "features", "frequency_Hz", "interfaces", "meter_error", "notes", "question",
+           "software"}  # fmt: skip
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Runs `rcskin gap ARGUMENTS`; gives the exit code, standard output and standard error."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["rcskin", "gap", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            rcskin.main()
+        return ended.value.code, *capsys.readouterr()
+
+    return run
+
+
+def recorded(scene, seed, factor=1.0):
+    """The scene's experiment with sheets of a factor on their resistance, read by its meter."""
+    skin = scene_with(scene, {"sheet_resistance": np.log(factor)})
+    presses = planned_presses(scene, np.random.default_rng(seed))
+    exact = simulate(Solver(skin), presses)
+    return read_out(exact, scene.readout, np.random.default_rng(seed + 1))
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Sweeps simulated of the strip of three pixels, and a twin's of 20 % more resistance."""
+    folder, scene = tmp_path_factory.mktemp("sweeps"), load_scene("strip-1x3")
+    told = {"scene": scene_text(scene), "model": "measured", "twin": "20 % more resistance"}
+    twin = recorded(scene, 5, factor=1.2).drop_attrs().assign_attrs(told)
+    paths = folder / "simulated.nc", folder / "twin.nc"
+    for sweeps, path in zip((recorded(scene, 1), twin), paths, strict=True):
+        write(sweeps, path)
+    return paths
+
+
+def test_a_sheet_resistance_is_named_and_calibration_brings_accuracy_up(run, files, tmp_path):
+    code, out, err = run(*files, "-o", tmp_path / "gap", "--draws", 2)
+    assert (code, err) == (0, "")
+    assert "Sheet resistance explains most of the gap" in out
+    assert f"see {tmp_path / 'gap' / 'gap.html'}" in out
+    assert {path.name for path in (tmp_path / "gap").iterdir()} == {"gap.html", "gap.json"}
+    found = json.loads((tmp_path / "gap" / "gap.json").read_text())
+    assert set(found) == ENTRIES
+    before, after = (found["accuracy"]["transfer"][name] for name in ("before", "after"))
+    assert after["absolute"]["0"]["mean"] > before["absolute"]["0"]["mean"] + 0.2
+    sheet = next(each for each in found["calibration"] if each["unit"] == "ohm/sq")
+    assert sheet["low"] / sheet["start"] < 1.2 < sheet["high"] / sheet["start"]
+    assert sheet["value"] == pytest.approx(1.2 * sheet["start"], rel=0.03)
+
+
+def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
+    run, files, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("localization.gap.report.charts_of", lambda *given: [])
+    bare = tmp_path / "bare.nc"
+    exact = simulate(Solver(load_scene("strip-1x3")), load_scene("strip-1x3").every_press())
+    write(exact.isel(frequency=slice(None, None, 2)).assign_attrs(scene=""), bare)
+    code, out, _ = run(bare, files[1], "-o", tmp_path, "--scene", "strip-1x3", "--draws", 1)
+    assert code == 0
+    assert "simulated anew" in out and "free of noise" in out and "after calibration" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("absent.nc", 1), "absent.nc: no such file"),
+        ((1, 0), "twin.nc: holds twin sweeps; the simulated sweeps are to be named first"),
+        ((0, 1, "--target", "position"), "`target` must be one of column, row, pixel"),
+        ((0, 1, "--estimator", "oracle"), "'oracle'"),
+        ((0, 1, "--scene", "no-such-scene"), "no-such-scene: no such file"),
+        ((0, 1, "--draws", "0"), "`draws` must be >= 1, got 0"),
+    ],
+)
+def test_bad_input_is_one_line_and_leaves_nothing(run, files, tmp_path, arguments, message):
+    paths = [files[each] if isinstance(each, int) else each for each in arguments]
+    code, out, err = run(*paths, "-o", tmp_path / "gap")
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1 and message in err
+    assert not (tmp_path / "gap").exists() or not [*(tmp_path / "gap").iterdir()]
+
+
+def test_sides_of_other_interfaces_are_refused(run, files, tmp_path):
+    other = tmp_path / "other.nc"
+    write(read(files[1]).assign_coords(interface=["elsewhere"]), other)
+    code, _, err = run(files[0], other, "-o", tmp_path / "gap")
+    assert code == 2
+    assert err == "rcskin: no interface in common: left and elsewhere\n"

@@ -1,0 +1,146 @@
+"""The report: every chart, every documented number, one noun; both files or neither."""
+
+import json
+import math
+import re
+
+import pytest
+
+from localization.gap import report
+from localization.gap.charts import charts_of
+from localization.gap.numbers import KEYS, numbers
+from localization.gap.telling import cause_told, rows_of
+from simulator.sweeps import InputError
+
+CHARTS = {
+    "distance-pressed",
+    "distance-rest",
+    "accuracy",
+    "confusion-absolute",
+    "confusion-relative",
+    "distribution",
+    "causes",
+}
+
+
+@pytest.fixture(scope="module")
+def written(findings, style, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("gap")
+    report.write_report(folder, findings, style)
+    return folder
+
+
+def leaves(node):
+    if isinstance(node, dict | list):
+        for each in node.values() if isinstance(node, dict) else node:
+            yield from leaves(each)
+    else:
+        yield node
+
+
+def keys(node):
+    if isinstance(node, dict):
+        for name, each in node.items():
+            yield name
+            yield from keys(each)
+    elif isinstance(node, list):
+        for each in node:
+            yield from keys(each)
+
+
+def test_the_page_holds_every_chart_and_nothing_from_elsewhere(written):
+    page = (written / "gap.html").read_text()
+    assert set(re.findall(r'<figure id="([^"]+)"', page)) == CHARTS
+    assert page.count("data:image/png;base64,iVBOR") == len(CHARTS)
+    assert not re.search(r'(src|href)="(?!data:)', page)
+    assert {path.name for path in written.iterdir()} == {"gap.html", "gap.json"}
+
+
+def test_a_twin_is_never_called_anything_else(written):
+    for name in ("gap.html", "gap.json"):
+        text = re.sub(r"base64,[^\"]+", "", (written / name).read_text())
+        assert "twin" in text
+        assert "measure" not in text.lower()
+
+
+def test_a_measurement_is_called_one(pair_of_sweeps, make_findings):
+    simulated, other = pair_of_sweeps
+    measured = other.drop_attrs().assign_attrs(model="measured", scene=other.attrs["scene"])
+    found = make_findings(simulated, measured)
+    assert numbers(found)["compared"]["other"]["noun"] == "measurement"
+    assert rows_of(found)[-1].trained == "measured, cross-validated by sweep"
+
+
+def test_every_number_is_finite_and_every_table_complete(written, findings):
+    found = json.loads((written / "gap.json").read_text())
+    assert all(math.isfinite(each) for each in leaves(found) if isinstance(each, float))
+    assert set(found["distance"]) == set(found["discrepancy"]) == {"before", "after"}
+    shape = len(found["interfaces"]), len(found["frequency_Hz"])
+    for stage in found["distance"].values():
+        for quantity, unit in (("Rs", "ohm"), ("Cp", "F")):
+            for press in ("pressed", "rest"):
+                tables = dict(stage[press][quantity])
+                assert tables.pop("unit") == unit
+                assert set(tables) == {
+                    "simulated", "mean", "rms", "separation", "percent", "meter_error",
+                    "in_meter_errors", "in_separations",
+                }  # fmt: skip
+                assert all((len(t), len(t[0])) == shape for t in tables.values())
+    for stage in found["accuracy"]["transfer"].values():
+        assert {name: set(each) for name, each in stage.items()} == {
+            "absolute": {"0", "1", "2", "5"},
+            "relative": {"0", "1", "2", "5"},
+        }
+    assert set(found["discrepancy"]["after"]["relative"]) == {"all", "0", "1", "2", "3"}
+
+
+def test_every_key_is_documented(findings):
+    found = dict(numbers(findings))
+    documented = {name for told in KEYS for name in re.split(r", |\.", told)}
+    assert set(found) - {"about", "software"} <= documented
+    words = set(re.findall(r"\w+", " ".join([*KEYS, *KEYS.values()])))
+    data = {"absolute", "relative", "before", "after", "0", "1", "2", "3", "5", "software"}
+    del found["about"]
+    assert set(keys(found)) <= words | data
+
+
+def test_counts_add_up_to_what_was_tested(findings):
+    found = numbers(findings)["accuracy"]["transfer"]["before"]["absolute"]
+    for k, each in found.items():
+        assert sum(map(sum, each["confusion"]["counts"])) == each["tested"]
+        assert each["draws"] == (1 if k == "0" else 2)
+
+
+def test_the_cause_is_told_in_one_sentence(findings):
+    told = cause_told(findings)
+    assert re.fullmatch(
+        r"Resistance explains most of the gap: fitted alone, it removes \d+ % of the misfit; "
+        r"next is capacitance with \d+ %\.",
+        told,
+    )
+
+
+def test_classes_without_neighbours_are_no_unit(make_skin_sweeps, make_findings, style, tmp_path):
+    strips = [make_skin_sweeps(4, seed=seed) for seed in (0, 1)]
+    strips = [strip.isel(sweep=strip["row"].values < 2) for strip in strips]
+    found = make_findings(*strips, target="row")
+    tables = numbers(found)["distance"]["before"]["pressed"]["Rs"]
+    assert tables["in_separations"] == [[None] * 8]
+    charts_of(found, style)[0].draw(tmp_path / "distance.png")
+    assert (tmp_path / "distance.png").stat().st_size
+
+
+def test_a_chart_that_fails_leaves_nothing_behind(findings, style, tmp_path, monkeypatch):
+    def fails(*arguments):
+        raise RuntimeError
+
+    monkeypatch.setattr("localization.gap.charts.draw_accuracies", fails)
+    with pytest.raises(RuntimeError):
+        report.write_report(tmp_path, findings, style)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be made"):
+        report.made_folder(tmp_path / "file" / "folder")
