@@ -8,15 +8,23 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hardware.cli import meter_app
+from hardware.cli_live import live_command
 from hardware.errors import MeterError
 from hardware.given import SceneData, Simulation
+from localization.cli import add_commands
+from localization.gap import given as gap
+from localization.gap.command import gap_command
 from simulator.cli import app, run
+from simulator.progress import on_terminal
 from simulator.study.command import study_command
 
 if TYPE_CHECKING:
     import xarray as xr
+    from numpy.typing import NDArray
 
+    from hardware.live_answer import Localizer as LiveLocalizer
     from hardware.virtual.skin import Readout, Skin
+    from localization.estimators import Estimator
 
 __all__ = ["app", "main"]
 
@@ -37,7 +45,6 @@ def reproduce(
     from localization.plot import draw_confusion
     from simulator.paper.localizer import Localizer
     from simulator.paper.reproduce import reproduce as reproduce_paper
-    from simulator.progress import on_terminal
 
     localizer = Localizer(
         cross_validate=cross_validate,
@@ -96,7 +103,115 @@ def _readout(data: SceneData, seed: int) -> Readout:
     return lambda Z, conditions: errors.read(Z, conditions.range)
 
 
+def _live_localizer(path: Path) -> LiveLocalizer:
+    from hardware.live_model import ModelLocalizer
+    from localization.features import needs_rest
+    from localization.model_file import load
+    from simulator.scene_file import parse_scene
+
+    model = load(path)
+    scene = parse_scene(model.scene, str(path))
+    size = 1e3 * scene.skin.length, 1e3 * scene.skin.width
+    shape = scene.pixels.rows, scene.pixels.columns
+    return ModelLocalizer(model, *shape, size, needs_rest(model.quantities))
+
+
+def _model_based() -> list[Estimator]:
+    from localization.model_based import model_based
+    from simulator.templates import templates
+
+    return [model_based(templates)]
+
+
+add_commands(app, _model_based)
+app.command("live")(live_command(_live_localizer))
 app.add_typer(meter_app(Simulation(_scene_data, _skin, _readout)), name="meter")
+
+
+def _gap_scene(name: str) -> str:
+    from simulator.scene_file import load_scene, scene_text
+
+    return scene_text(load_scene(name))
+
+
+def _reading_error(text: str) -> gap.ReadingError | None:
+    from math import hypot
+
+    from simulator.scene_file import parse_scene
+
+    meter = parse_scene(text, "scene").readout
+    magnitude = hypot(meter.magnitude_accuracy, meter.magnitude_noise)
+    phase = hypot(meter.phase_accuracy, meter.phase_noise)
+    return gap.ReadingError(magnitude, phase) if magnitude > 0 and phase > 0 else None
+
+
+def _resimulated(sweeps: xr.Dataset, text: str, frequency: NDArray) -> xr.Dataset:
+    import numpy as np
+
+    from simulator.fidelity import Solver
+    from simulator.press import parse_press
+    from simulator.scene import Sweep
+    from simulator.scene_file import parse_scene
+    from simulator.simulate import simulate
+
+    asked = Sweep(frequencies=tuple(map(float, frequency)))
+    scene = parse_scene(text, "scene").model_copy(update={"sweep": asked})
+    presses, which = np.unique(sweeps["press"].values.astype(str), return_inverse=True)
+    factor = scene.press.capacitance_factor
+    found = simulate(Solver(scene), [parse_press(str(press), factor) for press in presses])
+    again = found.isel(sweep=which).sel(interface=sweeps["interface"].values)
+    return again.assign_coords(session=("sweep", sweeps["session"].values))
+
+
+def _read(sweeps: xr.Dataset, text: str, seed: int) -> xr.Dataset:
+    import numpy as np
+
+    from simulator.readout import read_out
+    from simulator.scene_file import parse_scene
+    from simulator.sweeps import concatenate
+
+    meter, random = parse_scene(text, "scene").readout, np.random.default_rng(seed)
+    session = sweeps["session"].values
+    order = np.argsort(np.argsort(session, kind="stable"))
+    parts = [
+        read_out(sweeps.isel(sweep=session == each), meter, random, int(each))
+        for each in np.unique(session)
+    ]
+    return concatenate(parts).isel(sweep=order)
+
+
+def _recalibrated(simulated: xr.Dataset, measured: xr.Dataset) -> gap.Recalibrated:
+    from simulator.calibration import calibrate
+    from simulator.scene_file import parse_scene, scene_text
+
+    found = calibrate(parse_scene(simulated.attrs["scene"], "scene"), measured)
+    frequency = simulated["frequency"].values
+    again = _resimulated(simulated, scene_text(found.scene), frequency)
+    estimates = [
+        gap.Estimate(each.name, each.unit, each.start, each.value, each.low, each.high)
+        for each in found.quantities
+    ]
+    return gap.Recalibrated(again, estimates)
+
+
+def _explained(text: str, measured: xr.Dataset) -> list[gap.Cause]:
+    from simulator.calibration import gap_by_parameter
+    from simulator.scene_file import parse_scene
+
+    found = gap_by_parameter(parse_scene(text, "scene"), measured)
+    return [gap.Cause(each.name, max(0.0, each.removed)) for each in found]
+
+
+def _style() -> gap.Style:
+    from simulator.plot import COLOURS, chart, frequency_axis
+
+    return gap.Style(chart, frequency_axis, COLOURS)
+
+
+_simulation = gap.Simulation(
+    _gap_scene, _reading_error, _resimulated, _read, _recalibrated, _explained
+)
+app.command("gap")(gap_command(_simulation, _style, on_terminal, _model_based))
 
 
 def main() -> None:

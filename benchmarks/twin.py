@@ -28,6 +28,7 @@ from twin_scenes import built
 from twin_trials import TRIALS, Trial, quantile
 
 from localization.estimators import Registry, estimators
+from localization.given import read_some
 from localization.model import Model, train
 from localization.model_based import model_based
 from simulator.calibration import Options, calibrate
@@ -37,7 +38,6 @@ from simulator.distribution import Lognormal, Normal
 from simulator.reduced import Reduced
 from simulator.reduced_file import load, save
 from simulator.scene import Scene
-from simulator.sweeps import open_zarr
 from simulator.templates import templates
 from simulator.twin import Twin
 
@@ -76,7 +76,7 @@ def simulated(scene: Scene, count: int) -> xr.Dataset:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "training.zarr"
         generate(Plan(scene, count, SEED, RTOL), path, training=Training(reduced, save, load))
-        return open_zarr(path).load()
+        return read_some(path, count)
 
 
 def localized(trial: Trial, sweeps: xr.Dataset, registry: Registry) -> dict[str, Model]:

@@ -19,7 +19,7 @@ from simulator.twin import Hand
 ONE, TWO = "sheet-5x5", "sheet-5x5-two-interfaces"
 BETWEEN_RESTS = 5
 """Presses, after which the skin is read at rest."""
-SINGLE, DOUBLE = (0.1, 0.9, 0.0), (0.05, 0.15, 0.8)
+SINGLE, DOUBLE = (0.15, 0.85, 0.0), (0.15, 0.15, 0.7)
 Order = Callable[[Scene, np.random.Generator], list[str]]
 
 
@@ -139,7 +139,7 @@ TRIALS = (
     ),
     Trial(
         "position of a touch, two interfaces",
-        believed(TWO, 5, (0.05, 0.95, 0.0), anywhere=True),
+        believed(TWO, 5, SINGLE, anywhere=True),
         "position",
         anywhere(60),
         ("gaussian-process", "model-based"),

@@ -1,9 +1,11 @@
 """Named classifiers: features brought to one scale, then a multi-class kernel SVM."""
 
+from sklearn.neighbors import KNeighborsClassifier
 from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC
 
+from localization.components import Components
 from localization.ecoc import ECOCClassifier
 from simulator.sweeps import InputError
 
@@ -37,5 +39,24 @@ def pipeline(name: str = REFERENCE, *, features: int, C: float = 100.0) -> Pipel
     if name not in CLASSIFIERS:
         raise InputError(f"`classifier` must be one of {', '.join(CLASSIFIERS)}, got {name!r}")
     svc = SVC(kernel="rbf", C=C).set_params(gamma=KERNEL_WIDTH / features)
-    classifier = ECOCClassifier(svc, CODING_OF[name]) if name in CODING_OF else svc
+    classifier = (
+        ECOCClassifier(svc, CODING_OF[name])
+        if name in CODING_OF
+        else svc.set_params(break_ties=True)
+    )
     return Pipeline([("scale", StandardScaler()), ("classify", classifier)])
+
+
+def components_svm() -> Pipeline:
+    """An untrained pipeline: components in the proportions of the features, then `SVC`.
+
+    For quantities that err alike, such as dlnZ and dphase.
+    """
+    svc = SVC(kernel="rbf", C=1e4, break_ties=True).set_params(gamma=0.1)
+    return Pipeline([("components", Components()), ("classify", svc)])
+
+
+def nearest(count: int = 15) -> Pipeline:
+    """An untrained pipeline: the classes of the nearest sweeps, weighed by nearness; a baseline."""
+    vote = KNeighborsClassifier(count, weights="distance", algorithm="brute")
+    return Pipeline([("components", Components()), ("classify", vote)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -61,7 +62,7 @@ class Confusion:
 def compare(targets: NDArray, outputs: NDArray) -> Confusion:
     """Count labels as of `features.labels`, at least one, against those answered, shapes (sweep,).
 
-    Classes are ordered by number, pixels by row and then column.
+    Classes are ordered by number, pixels by row and then column, pairs by their first pixel.
     """
     classes = _in_order([*targets.tolist(), *outputs.tolist()])
     return Confusion(tuple(classes), confusion_matrix(targets, outputs, labels=classes))
@@ -82,4 +83,8 @@ def write_csv(confusion: Confusion, path: str | Path) -> None:
 
 
 def _in_order(labels: Iterable[int | str]) -> list[int | str]:
-    return sorted(set(labels), key=lambda label: [int(part) for part in str(label).split(",")])
+    return sorted(set(labels), key=_numbers)
+
+
+def _numbers(label: int | str) -> list[int]:
+    return [int(part) for part in re.split("[,+]", str(label))]

@@ -3,21 +3,147 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from sklearn.model_selection import StratifiedGroupKFold, StratifiedKFold
 
+from localization.answers import Answers
 from localization.classifiers import REFERENCE, pipeline
 from localization.confusion import Confusion, compare
+from localization.estimators import Estimator
 from localization.features import DEFAULT_QUANTITIES, features, labels
-from simulator.sweeps import InputError
+from localization.folds import folds_of, splits_of, told
+from localization.learned import Classifier, Regressor
+from localization.learning import learn_classes, learn_positions
+from localization.samples import Samples
+from localization.temperature import calibration_error
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-GROUPINGS = ("press", "session")
+__all__ = ["ClassScore", "PositionScore", "cross_validate", "folds_of", "nested"]
+
+
+@dataclass(frozen=True, eq=False)
+class ClassScore:
+    """What a classifier told of sweeps it was not trained on.
+
+    truth, told: labels, shape (sweep,); told also where the answer was CANNOT_TELL.
+    """
+
+    truth: NDArray
+    told: NDArray
+    answers: Answers
+
+    @property
+    def right(self) -> NDArray[np.bool_]:
+        """Whether the most probable class was the true one, shape (sweep,)."""
+        return self.truth == self.told
+
+    @property
+    def confusion(self) -> Confusion:
+        """Counts of truth against the most probable class."""
+        return compare(self.truth, self.told)
+
+    def figures(self) -> dict[str, float]:
+        """Accuracy, fraction answered, accuracy of these, and expected calibration error."""
+        answered = self.answers.told
+        return {
+            "accuracy": float(self.right.mean()),
+            "answered": float(answered.mean()),
+            "accuracy of answers": float(self.right[answered].mean()) if answered.any() else 1.0,
+            "calibration error": calibration_error(self.answers.probability, self.right),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class PositionScore:
+    """What a regressor told of sweeps it was not trained on: mm, mm and factor, (sweep, 3) each."""
+
+    truth: NDArray[np.float64]
+    told: NDArray[np.float64]
+    deviation: NDArray[np.float64]
+
+    @property
+    def distance(self) -> NDArray[np.float64]:
+        """Between touch and answer, mm, shape (sweep,)."""
+        return np.linalg.norm((self.told - self.truth)[:, :2], axis=1)
+
+    def figures(self) -> dict[str, float]:
+        """Errors in mm and of the factor, and how often they lie within stated deviations."""
+        away = np.abs(self.told - self.truth)
+        return {
+            "median error, mm": float(np.median(self.distance)),
+            "90 % error, mm": float(np.quantile(self.distance, 0.9)),
+            "median error of factor": float(np.median(away[:, 2])),
+            "within 1 deviation": float((away <= self.deviation)[:, :2].mean()),
+            "within 2 deviations": float((away <= 2 * self.deviation)[:, :2].mean()),
+        }
+
+
+Score = ClassScore | PositionScore
+
+
+def score(learned: Classifier | Regressor, samples: Samples) -> Score:
+    """What it tells of samples against what they are."""
+    if isinstance(learned, Regressor):
+        return PositionScore(samples.y, *learned.positions(samples.X))
+    answers = learned.answers(samples.X)
+    return ClassScore(samples.y, learned.pipeline.predict(samples.X), answers)
+
+
+@dataclass(frozen=True, eq=False)
+class Nested:
+    """Scores of outer folds, whose sweeps nothing was trained, tuned or calibrated on.
+
+    validation: how they were held out, as text.
+    """
+
+    folds: tuple[Score, ...]
+    validation: str
+
+    @property
+    def whole(self) -> Score:
+        """Of all sweeps, each told by the fold that did not train on it."""
+        return _joined(self.folds)
+
+    def figures(self) -> dict[str, tuple[float, float]]:
+        """Mean over folds and their standard deviation."""
+        each = [fold.figures() for fold in self.folds]
+        return {
+            name: (float(np.mean(values)), float(np.std(values, ddof=1)))
+            for name in each[0]
+            for values in [[figures[name] for figures in each]]
+        }
+
+
+def nested(
+    samples: Samples,
+    estimator: Estimator,
+    *,
+    certain: float | None = None,
+    tune: bool = False,
+    folds: int = 5,
+    seed: int = 0,
+) -> Nested:
+    """Train, tune and calibrate on all folds but one and score on that one, in turn.
+
+    Sessions are held out as a whole where there are enough, without and within.
+    Raises InputError as `splits_of` and `learn_classes`.
+    """
+    splits = splits_of(samples.strata, samples.sessions, folds, seed)
+    scores = []
+    for train, test in splits:
+        some = samples.part(train)
+        learned = (
+            learn_positions(some, estimator, tune=tune)
+            if samples.problem.continuous
+            else learn_classes(some, estimator, certain=certain, tune=tune)
+        )
+        scores.append(score(learned, samples.part(test)))
+    return Nested(tuple(scores), told(splits, samples.sessions))
 
 
 def cross_validate(
@@ -43,64 +169,15 @@ def cross_validate(
     return compare(y, output)
 
 
-def folds_of(
-    sweeps: xr.Dataset, y: NDArray, *, folds: int, grouping: str | None, seed: int
-) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
-    """Indices (train, test) of each fold, with classes in like shares in every fold.
-
-    y: labels, shape (sweep,). seed: of the shuffle.
-    grouping: None lets repetitions of one press stand on both sides. With "press" all repetitions
-        of a pixel are left out together, so that a column must be recognised from pixels never
-        seen in training; the unpressed sweeps are left out one by one. With "session" a mounting
-        of the skin is left out as a whole.
-    Raises InputError for another grouping, and where folds cannot be made so that every class is in
-    every training.
-    """
-    groups = _groups(sweeps, grouping)
-    _check_number(folds, y, groups)
-    kind = StratifiedKFold if grouping is None else StratifiedGroupKFold
-    splitter = kind(n_splits=folds, shuffle=True, random_state=seed)
-    splits = list(splitter.split(np.zeros(y.size), y, groups))
-    for train, _ in splits:
-        unseen = np.setdiff1d(y, y[train])
-        if unseen.size:
-            raise InputError(
-                f"grouping by {grouping} leaves a training without class {unseen[0]}: "
-                f"it needs more than one {grouping}"
-            )
-    return splits
+def _joined(folds: Sequence[Score]) -> Score:
+    first = folds[0]
+    if isinstance(first, PositionScore):
+        fields = ("truth", "told", "deviation")
+        return PositionScore(*(_column(folds, name) for name in fields))
+    answers = [fold.answers for fold in folds if isinstance(fold, ClassScore)]
+    joined = Answers(*(_column(answers, name) for name in ("labels", "probability", "novel")))
+    return ClassScore(_column(folds, "truth"), _column(folds, "told"), joined)
 
 
-def _groups(sweeps: xr.Dataset, grouping: str | None) -> NDArray[np.int64] | None:
-    """Sweeps of the same number must share a fold; shape (sweep,), None where all are free."""
-    if grouping is None:
-        return None
-    if grouping == "session":
-        return sweeps["session"].values
-    if grouping == "press":
-        return _pixel_numbers(sweeps["row"].values, sweeps["column"].values)
-    raise InputError(f"`grouping` must be none, {' or '.join(GROUPINGS)}, got {grouping!r}")
-
-
-def _pixel_numbers(row: NDArray[np.int64], column: NDArray[np.int64]) -> NDArray[np.int64]:
-    """A number per pressed pixel, and one of its own per unpressed sweep; shape (sweep,)."""
-    pixels, number = np.unique(np.stack([row, column]), axis=1, return_inverse=True)
-    unpressed = np.flatnonzero(row == 0)
-    number[unpressed] = pixels.shape[1] + np.arange(unpressed.size)
-    return number
-
-
-def _check_number(folds: int, y: NDArray, groups: NDArray[np.int64] | None) -> None:
-    classes, sizes = np.unique(y, return_counts=True)
-    if classes.size < 2:
-        raise InputError(f"need sweeps of at least 2 classes, got {classes.size}")
-    least = sizes.argmin()
-    if not 2 <= folds <= sizes[least]:
-        raise InputError(
-            f"`folds` must be from 2 to the {sizes[least]} sweeps of class {classes[least]}, "
-            f"got {folds}"
-        )
-    if groups is not None and folds > np.unique(groups).size:
-        raise InputError(
-            f"`folds` must be at most the number of groups, {np.unique(groups).size}, got {folds}"
-        )
+def _column(parts: Sequence[object], name: str) -> NDArray:
+    return np.concatenate([getattr(part, name) for part in parts])

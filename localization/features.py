@@ -1,4 +1,4 @@
-"""From sweeps to what a classifier takes: a matrix of features and a label per sweep."""
+"""From sweeps to what a localizer takes: a matrix of features."""
 
 from __future__ import annotations
 
@@ -7,60 +7,84 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from simulator.sweeps import InputError
+from localization.rest import log_at_rest
+from localization.targets import labels
+from simulator.sweeps import InputError, impedance
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-QUANTITIES = ("Rs", "X", "Cp")
+__all__ = ["feature_names", "features", "labels"]
+
+READ = ("Rs", "X", "Cp")
+"""As they stand in the sweeps, in SI units."""
+ABSOLUTE = ("lnZ", "phase")
+"""ln |Z / ohm|, and the phase of Z in rad."""
+AGAINST_REST = ("dlnZ", "dphase")
+"""The same, less those of the skin at rest in the same session: what the meter's errors of the
+session, and most of what differs between skins, drop out of."""
+SKIN = "skin"
+"""Of the skin at rest the means of ln |Z / ohm| and of the phase over all frequencies, two numbers
+an interface: they tell which skin it is, by its resistance and capacitance."""
+QUANTITIES = (*READ, *ABSOLUTE, *AGAINST_REST, SKIN)
 DEFAULT_QUANTITIES = ("Rs", "Cp")
-TARGETS = ("column", "row", "pixel")
+"""The paper's."""
 
 
 def features(
-    sweeps: xr.Dataset, quantities: Sequence[str] = DEFAULT_QUANTITIES
+    sweeps: xr.Dataset,
+    quantities: Sequence[str] = DEFAULT_QUANTITIES,
+    *,
+    interfaces: Sequence[str] | None = None,
+    rest: xr.Dataset | None = None,
 ) -> NDArray[np.float64]:
-    """The chosen quantities of each sweep side by side, in SI units, shape (sweep, feature).
+    """The chosen quantities of each sweep side by side, shape (sweep, feature).
 
     The order is that of `feature_names`: quantity by quantity as asked, within it interface by
-    interface, within it by ascending frequency.
-    Raises InputError for a quantity that is not one of QUANTITIES, none at all, or one asked twice.
+    interface, within it by ascending frequency (SKIN: ln |Z|, then phase). interfaces: those looked
+    at, in that order; all without. rest: sweeps of the skin at rest, if they are not among `sweeps`
+    (see `log_at_rest`).
+    Raises InputError for a quantity that is not one of QUANTITIES, none at all, or one asked twice;
+    an interface that the sweeps lack; a session without the skin at rest where that is needed.
     """
-    blocks = [
-        sweeps[name].transpose("sweep", "interface", "frequency").values
-        for name in checked_quantities(quantities)
-    ]
-    return np.stack(blocks, axis=1).reshape(sweeps.sizes["sweep"], -1)
+    asked = checked_quantities(quantities)
+    seen = seen_from(sweeps, interfaces)
+    derived = _logarithms(seen, asked, None if rest is None else seen_from(rest, interfaces))
+    blocks = [derived[name] if name in derived else _read(seen, name) for name in asked]
+    return np.concatenate([block.reshape(len(block), -1) for block in blocks], axis=1)
 
 
-def feature_names(sweeps: xr.Dataset, quantities: Sequence[str] = DEFAULT_QUANTITIES) -> list[str]:
+def feature_names(
+    sweeps: xr.Dataset,
+    quantities: Sequence[str] = DEFAULT_QUANTITIES,
+    *,
+    interfaces: Sequence[str] | None = None,
+) -> list[str]:
     """What each column of `features` is, such as "Rs left 1000 Hz"."""
+    seen = seen_from(sweeps, interfaces)
     return [
-        f"{quantity} {interface} {frequency:.12g} Hz"
+        f"{quantity} {interface} {number}"
         for quantity in checked_quantities(quantities)
-        for interface in sweeps["interface"].values
-        for frequency in sweeps["frequency"].values
+        for interface in seen["interface"].values
+        for number in _numbers(seen, quantity)
     ]
 
 
-def labels(sweeps: xr.Dataset, target: str = "column") -> NDArray[np.int64] | NDArray[np.str_]:
-    """Where each sweep was pressed, shape (sweep,).
+def seen_from(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> xr.Dataset:
+    """The sweeps at these interfaces only, in that order; all without.
 
-    target: "column" and "row" give its number, 0 where nothing was pressed; "pixel" gives
-    "ROW,COLUMN" as in the notation of presses, "0,0" where nothing was pressed.
-    Raises InputError for another target, or a sweep whose press is no single pixel.
+    Raises InputError naming an interface that the sweeps lack, or that is asked twice.
     """
-    if target not in TARGETS:
-        raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
-    row, column = sweeps["row"].values, sweeps["column"].values
-    elsewhere = np.flatnonzero((row < 0) | (column < 0))
-    if elsewhere.size:
-        press = sweeps["press"].values[elsewhere[0]]
-        raise InputError(f"sweep {elsewhere[0]}: its press {press!r} is no single pixel")
-    if target == "pixel":
-        return np.array([f"{i},{j}" for i, j in zip(row, column, strict=True)])
-    return column if target == "column" else row
+    if interfaces is None:
+        return sweeps
+    there = [str(name) for name in sweeps["interface"].values]
+    for name in interfaces:
+        if name not in there:
+            raise InputError(f"the sweeps have no interface {name!r}, only {', '.join(there)}")
+    if not interfaces or len(set(interfaces)) < len(interfaces):
+        raise InputError(f"`interfaces` must name each once, at least one, got {list(interfaces)}")
+    return sweeps.isel(interface=[there.index(name) for name in interfaces])
 
 
 def checked_quantities(quantities: Sequence[str]) -> tuple[str, ...]:
@@ -71,3 +95,36 @@ def checked_quantities(quantities: Sequence[str]) -> tuple[str, ...]:
     if not quantities or len(set(quantities)) < len(quantities):
         raise InputError(f"`quantities` must name each once, at least one, got {list(quantities)}")
     return tuple(quantities)
+
+
+def needs_rest(quantities: Sequence[str]) -> bool:
+    """Whether any of them takes the skin at rest."""
+    return any(name in (*AGAINST_REST, SKIN) for name in quantities)
+
+
+def _numbers(sweeps: xr.Dataset, quantity: str) -> list[str]:
+    """What the columns of one quantity at one interface are."""
+    if quantity == SKIN:
+        return list(ABSOLUTE)
+    return [f"{frequency:.12g} Hz" for frequency in sweeps["frequency"].values]
+
+
+def _read(sweeps: xr.Dataset, name: str) -> NDArray[np.float64]:
+    values = sweeps[name].transpose("sweep", "interface", "frequency").values
+    return values.astype(np.float64, copy=False)
+
+
+def _logarithms(
+    sweeps: xr.Dataset, asked: Sequence[str], rest: xr.Dataset | None
+) -> dict[str, NDArray[np.float64]]:
+    """Those of ABSOLUTE, AGAINST_REST and SKIN that are needed, (sweep, interface, number) each."""
+    if all(name in READ for name in asked):
+        return {}
+    absolute = np.log(impedance(sweeps).astype(complex))
+    found = {"lnZ": np.real(absolute), "phase": np.imag(absolute)}
+    if needs_rest(asked):
+        at_rest = log_at_rest(sweeps, rest)
+        change, mean = absolute - at_rest, at_rest.mean(axis=-1)
+        found |= {"dlnZ": np.real(change), "dphase": np.imag(change)}
+        found[SKIN] = np.stack([np.real(mean), np.imag(mean)], axis=-1)
+    return found

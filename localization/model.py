@@ -1,4 +1,4 @@
-"""A trained localizer: which pixel, row or column a sweep was pressed at."""
+"""A trained localizer: what a sweep was pressed by, or that this cannot be told."""
 
 from __future__ import annotations
 
@@ -10,8 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from sklearn.pipeline import Pipeline
 
-from localization.classifiers import REFERENCE, pipeline
-from localization.features import DEFAULT_QUANTITIES, checked_quantities, features, labels
+from localization.answers import CANNOT_TELL, NOTHING_PRESSED, Answers
+from localization.estimators import Registry, chosen
+from localization.features import DEFAULT_QUANTITIES, features
+from localization.folds import splits_of, told
+from localization.learned import Classifier, Regressor
+from localization.learning import learn_classes, learn_positions
+from localization.samples import Problem, Samples, samples_of
+from localization.targets import labels
 from simulator.sweeps import InputError
 
 if TYPE_CHECKING:
@@ -21,34 +27,135 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Model:
-    """A fitted pipeline and what it was fitted to, so that only like sweeps are asked of it."""
+    """A trained localizer and what it was trained on, so that only like sweeps are asked of it."""
 
-    pipeline: Pipeline
-    target: str
-    """What it tells: "column", "row" or "pixel"."""
-    quantities: tuple[str, ...]
-    interfaces: tuple[str, ...]
-    frequencies: tuple[float, ...]
-    """Hz, ascending."""
-    scene: str
-    """TOML text of the skin it was trained for; empty where unknown."""
+    learned: Classifier | Regressor
+    estimator: str
+    """Its name."""
+    problem: Problem
+    certain: float | None
+    """The rate at which its answers are to be right; None where it always answers."""
+    validation: str
+    """How sweeps were held out to find probabilities and deviations."""
     version: str
     """Of rcskin, when it was trained."""
+    trained_on: int
+    """Sweeps."""
+    left_out: int
+    """Sweeps whose press has no such target."""
+    gate: Model | None = None
+    """Of positions: tells how many touches there are; None where the training showed only one."""
 
-    def predict(self, sweeps: xr.Dataset) -> NDArray[np.int64] | NDArray[np.str_]:
-        """Where each sweep was pressed, labels as of `labels`, shape (sweep,).
+    @property
+    def pipeline(self) -> Pipeline:
+        """The fitted pipeline."""
+        return self.learned.pipeline
 
-        Raises InputError where the sweeps have other interfaces or frequencies than in training.
+    @property
+    def target(self) -> str:
+        """What it tells, one of TARGETS."""
+        return self.problem.target
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What it looks at, as of `features`."""
+        return self.problem.quantities
+
+    @property
+    def interfaces(self) -> tuple[str, ...]:
+        """Those it looks at, in that order."""
+        return self.problem.interfaces
+
+    @property
+    def frequencies(self) -> tuple[float, ...]:
+        """Hz, ascending."""
+        return self.problem.frequencies
+
+    @property
+    def scene(self) -> str:
+        """TOML text of the skin it was trained for; empty where unknown."""
+        return self.problem.scene
+
+    @property
+    def classes(self) -> tuple[int | str, ...]:
+        """Of a classifier, what it can answer; of positions none."""
+        return tuple(self.learned.classes.tolist()) if isinstance(self.learned, Classifier) else ()
+
+    @property
+    def knows_rest(self) -> bool:
+        """Whether it can answer that nothing is pressed: it was shown the skin at rest."""
+        known = self.gate.classes if self.gate else self.classes
+        return any(str(label) in NOTHING_PRESSED for label in known)
+
+    def features(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> NDArray[np.float64]:
+        """What it looks at, shape (sweep, feature). Raises InputError as `predict`."""
+        self._check_like_training(sweeps)
+        return features(sweeps, self.quantities, interfaces=self.interfaces, rest=rest)
+
+    def samples(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Samples:
+        """What it looks at and what it should tell, of the sweeps with such a target.
+
+        Raises InputError as `predict`, and as `samples_of`.
         """
         self._check_like_training(sweeps)
-        return self.pipeline.predict(features(sweeps, self.quantities))
+        return samples_of(
+            sweeps, self.target, self.quantities, interfaces=self.interfaces, rest=rest
+        )
+
+    def predict(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> NDArray:
+        """The best class of each sweep, shape (sweep,), or positions, shape (sweep, 3).
+
+        rest: sweeps of the skin at rest, where the model needs them and they are not among
+        `sweeps`. Raises InputError where the sweeps have other frequencies than in training, lack
+        an interface of it, or a session lacks the skin at rest.
+        """
+        return self.pipeline.predict(self.features(sweeps, rest))
+
+    def probabilities(
+        self, sweeps: xr.Dataset, rest: xr.Dataset | None = None
+    ) -> tuple[NDArray, NDArray[np.float64]]:
+        """Classes, shape (K,), and their calibrated probabilities, shape (sweep, K).
+
+        Raises InputError as `predict`, and for a model of positions.
+        """
+        if isinstance(self.learned, Regressor):
+            raise InputError("a model of positions tells deviations, not probabilities")
+        return self.learned.classes, self.learned.probabilities(self.features(sweeps, rest))
+
+    def positions(
+        self, sweeps: xr.Dataset, rest: xr.Dataset | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Centre in mm and strength of a touch, and their standard deviations, (sweep, 3) each.
+
+        They are told of every sweep: whether there is one touch to place, `answers` tells.
+        Raises InputError as `predict`, and for a model of classes.
+        """
+        if isinstance(self.learned, Classifier):
+            raise InputError(f"a model of `target` {self.target} tells no positions")
+        return self.learned.positions(self.features(sweeps, rest))
+
+    def answers(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Answers:
+        """The class or CANNOT_TELL of each sweep, and its probability.
+
+        A model of positions answers "0" touches, "1" where there is one to place, or CANNOT_TELL.
+        Raises InputError as `predict`.
+        """
+        if isinstance(self.learned, Classifier):
+            return self.learned.answers(self.features(sweeps, rest))
+        novel = self.learned.guard.predict(self.features(sweeps, rest)) < 0
+        if self.gate is None:
+            return Answers(np.where(novel, CANNOT_TELL, "1"), np.ones(novel.size), novel)
+        counted = self.gate.answers(sweeps, rest)
+        unplaced = (novel & (counted.labels == "1")) | (counted.labels == "2")
+        labels = np.where(unplaced, CANNOT_TELL, counted.labels)
+        return Answers(labels, counted.probability, counted.novel | unplaced)
 
     def _check_like_training(self, sweeps: xr.Dataset) -> None:
-        interfaces = tuple(sweeps["interface"].values)
-        if interfaces != self.interfaces:
+        given_names = [str(name) for name in sweeps["interface"].values]
+        if not set(self.interfaces) <= set(given_names):
             raise InputError(
                 f"the model was trained on interfaces {', '.join(self.interfaces)}, "
-                f"the sweeps have {', '.join(interfaces)}"
+                f"the sweeps have {', '.join(given_names)}"
             )
         trained, given = np.array(self.frequencies), sweeps["frequency"].values
         if given.size != trained.size:
@@ -66,25 +173,55 @@ class Model:
 def train(
     sweeps: xr.Dataset,
     target: str = "column",
-    classifier: str = REFERENCE,
+    estimator: str | None = None,
     *,
     quantities: Sequence[str] = DEFAULT_QUANTITIES,
+    interfaces: Sequence[str] | None = None,
+    rest: xr.Dataset | None = None,
+    certain: float | None = None,
+    tune: bool = False,
+    registry: Registry | None = None,
 ) -> Model:
-    """A model that tells where sweeps like these were pressed.
+    """A model that tells of sweeps like these what `target` asks for.
 
-    target, quantities: as of `features` and `labels`. classifier: a name in CLASSIFIERS.
-    Raises InputError where the sweeps cannot be labelled or are all of one class.
+    Sweeps whose press has no such target are left out. target, quantities, interfaces, rest: as of
+    `samples_of`. estimator: a name in `registry`, or that of DEFAULT_OF. certain: the rate at which
+    answers are to be right on held-out sweeps; without it every sweep that is no novelty is
+    answered. tune: choose the estimator's parameters by cross-validation.
+    Raises InputError where these cannot be had, or the sweeps are of one class.
     """
-    y = labels(sweeps, target)
-    if np.unique(y).size < 2:
-        raise InputError(f"need sweeps of at least 2 classes, got {np.unique(y).size}")
-    X = features(sweeps, quantities)
+    made = chosen(estimator, target, registry)
+    samples = samples_of(sweeps, target, quantities, interfaces=interfaces, rest=rest)
+    if samples.problem.continuous:
+        gate = _gate(sweeps, samples, rest, certain)
+        learned = learn_positions(samples, made, tune=tune)
+    else:
+        gate, learned = None, learn_classes(samples, made, certain=certain, tune=tune)
+    held_out = told(splits_of(samples.strata, samples.sessions), samples.sessions)
     return Model(
-        pipeline=pipeline(classifier, features=X.shape[1]).fit(X, y),
-        target=target,
-        quantities=checked_quantities(quantities),
-        interfaces=tuple(str(name) for name in sweeps["interface"].values),
-        frequencies=tuple(float(f) for f in sweeps["frequency"].values),
-        scene=str(sweeps.attrs.get("scene", "")),
+        learned=learned,
+        estimator=made.name,
+        problem=samples.problem,
+        certain=certain,
+        validation=held_out,
         version=version("rcskin"),
+        trained_on=min(len(samples.X), made.most),
+        left_out=samples.left_out,
+        gate=gate,
+    )
+
+
+def _gate(
+    sweeps: xr.Dataset, samples: Samples, rest: xr.Dataset | None, certain: float | None
+) -> Model | None:
+    """Of the same quantities and interfaces; None where there is but one number of touches."""
+    if np.unique(labels(sweeps, "touches")).size < 2:
+        return None
+    return train(
+        sweeps,
+        "touches",
+        quantities=samples.problem.quantities,
+        interfaces=samples.problem.interfaces,
+        rest=rest,
+        certain=certain,
     )

@@ -6,28 +6,43 @@ from pathlib import Path
 from typing import Any
 
 import skops.io
-from sklearn.pipeline import Pipeline
-from sklearn.preprocessing import StandardScaler
-from sklearn.svm import SVC
 
+from localization.components import Components
 from localization.ecoc import ECOCClassifier
+from localization.inversion import ModelBased
+from localization.inversion_position import ModelBasedPosition
 from localization.model import Model
+from localization.model_fields import EarlierLayoutError, fields_of, model_of
+from localization.novelty import NoveltyGuard
+from localization.spread import Spread
 from simulator.sweeps import InputError, checked_output, whole_file
 
 ENDING = ".skops"
-TRUSTED = [f"{ECOCClassifier.__module__}.{ECOCClassifier.__qualname__}"]
+TRUSTED = [
+    *(
+        f"{kind.__module__}.{kind.__qualname__}"
+        for kind in (
+            Components,
+            ECOCClassifier,
+            ModelBased,
+            ModelBasedPosition,
+            NoveltyGuard,
+            Spread,
+        )
+    ),
+    *(
+        f"sklearn.{name}"
+        for name in (
+            "gaussian_process._gpr.GaussianProcessRegressor",
+            "gaussian_process.kernels.ConstantKernel",
+            "gaussian_process.kernels.Product",
+            "gaussian_process.kernels.RBF",
+            "gaussian_process.kernels.Sum",
+            "gaussian_process.kernels.WhiteKernel",
+        )
+    ),
+]
 """Types that may be built from a file, besides those of scikit-learn that skops vouches for."""
-FIELDS = {
-    "pipeline": Pipeline,
-    "target": str,
-    "quantities": tuple,
-    "interfaces": tuple,
-    "frequencies": tuple,
-    "scene": str,
-    "version": str,
-}
-STEPS = (StandardScaler, ECOCClassifier, SVC)
-"""What the pipeline may be made of."""
 
 
 def save(path: str | Path, model: Model) -> None:
@@ -36,14 +51,14 @@ def save(path: str | Path, model: Model) -> None:
     Raises InputError where `path` does not end in .skops or its folder does not exist.
     """
     with whole_file(checked_output(path, (ENDING,))) as unfinished:
-        skops.io.dump({name: getattr(model, name) for name in FIELDS}, unfinished)
+        skops.io.dump(fields_of(model), unfinished)
 
 
 def load(path: str | Path) -> Model:
     """A model written by `save`. Nothing in the file is built before all its types are known.
 
     Raises InputError naming the file where it is absent, not of skops, holds a type not in TRUSTED
-    (named too), or holds something other than a model.
+    (named too), holds something other than a model, or one of an earlier layout.
     """
     path = Path(path)
     try:
@@ -51,9 +66,12 @@ def load(path: str | Path) -> Model:
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
     fields = _trusted_content(path, data)
-    if not _is_model(fields):
-        raise InputError(f"{path}: holds no model of rcskin")
-    return Model(**fields)
+    try:
+        return model_of(fields)
+    except EarlierLayoutError as error:
+        raise InputError(f"{path}: {error}") from error
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(f"{path}: holds no model of rcskin") from error
 
 
 def _trusted_content(path: Path, data: bytes) -> Any:
@@ -66,12 +84,3 @@ def _trusted_content(path: Path, data: bytes) -> Any:
     if untrusted:
         raise InputError(f"{path}: holds the untrusted type {untrusted[0]}; not loaded")
     return content
-
-
-def _is_model(fields: Any) -> bool:
-    return (
-        isinstance(fields, dict)
-        and fields.keys() == FIELDS.keys()
-        and all(isinstance(fields[name], kind) for name, kind in FIELDS.items())
-        and all(isinstance(step, STEPS) for _, step in fields["pipeline"].steps)
-    )

@@ -9,7 +9,10 @@ from typing import Annotated
 
 import typer
 
+from simulator.calibration_command import calibrate
 from simulator.data_commands import check, dataset, export, import_sweeps
+from simulator.limits.command import limits
+from simulator.limits.frequencies_command import frequencies
 
 BAD_INPUT, FAILURE, INTERRUPTED = 2, 1, 130
 
@@ -91,6 +94,9 @@ app.command("import")(import_sweeps)
 app.command()(check)
 app.command()(dataset)
 app.command()(export)
+app.command()(calibrate)
+app.command()(limits)
+app.command()(frequencies)
 
 
 def run(failures: tuple[type[Exception], ...] = ()) -> None:
@@ -119,6 +125,8 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
         if "RCSKIN_DEBUG" in os.environ:
             raise
         _end(f"{error} ({type(error).__name__}; RCSKIN_DEBUG=1 shows where)", FAILURE)
+    if code == INTERRUPTED:  # typer takes Ctrl-C for an answer
+        _end("interrupted", INTERRUPTED)
     sys.exit(code or 0)
 
 

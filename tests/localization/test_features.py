@@ -48,5 +48,7 @@ def test_a_press_of_no_single_pixel_has_no_label(strip):
 
 
 def test_an_unknown_target_is_refused_with_those_there_are(strip):
-    with pytest.raises(InputError, match="must be one of column, row, pixel, got 'depth'"):
+    with pytest.raises(
+        InputError, match="must be one of column, row, pixel, touches, pair, got 'depth'"
+    ):
         labels(strip, "depth")

@@ -11,7 +11,8 @@ from sklearn.preprocessing import MinMaxScaler
 from localization.classifiers import CLASSIFIERS
 from localization.features import features
 from localization.model import train
-from localization.model_file import FIELDS, load, save
+from localization.model_fields import fields_of
+from localization.model_file import load, save
 from simulator.sweeps import InputError
 
 
@@ -39,7 +40,11 @@ def test_a_model_read_back_is_the_same_model(sheet, tmp_path, classifier, target
     np.testing.assert_array_equal(
         again.pipeline.decision_function(X), model.pipeline.decision_function(X)
     )
-    assert replace(again, pipeline=model.pipeline) == model
+    assert replace(again, learned=model.learned) == model
+    assert (again.learned.sharpness, again.learned.threshold) == (
+        model.learned.sharpness,
+        model.learned.threshold,
+    )
 
 
 def test_a_file_tampered_to_build_another_type_is_refused(model, tmp_path):
@@ -56,15 +61,17 @@ def test_a_file_tampered_to_build_another_type_is_refused(model, tmp_path):
 
 
 def test_a_file_of_a_foreign_type_is_refused(model, tmp_path):
-    skops.io.dump({"pipeline": replace(model, pipeline=Pipeline([]))}, tmp_path / "a.skops")
-    with pytest.raises(InputError, match=r"a\.skops: .*untrusted type localization\.model\.Model"):
+    skops.io.dump({"pipeline": model}, tmp_path / "a.skops")
+    with pytest.raises(
+        InputError, match=r"a\.skops: .*untrusted type localization\.learned\.Classifier"
+    ):
         load(tmp_path / "a.skops")
 
 
 def test_a_file_of_harmless_types_that_is_no_model_is_refused(model, tmp_path):
-    fields = {name: getattr(model, name) for name in FIELDS}
+    fields = fields_of(model)
     other = Pipeline([("scale", MinMaxScaler())])
-    for content in ([1, 2], {"pipeline": 3}, {**fields, "scene": 4}, {**fields, "pipeline": other}):
+    for content in ([1, 2], {"pipeline": 3}, {**fields, "guard": 4}, {**fields, "pipeline": other}):
         skops.io.dump(content, tmp_path / "a.skops")
         with pytest.raises(InputError, match=r"a\.skops: holds no model of rcskin"):
             load(tmp_path / "a.skops")
@@ -109,6 +116,6 @@ def test_a_save_that_fails_leaves_the_old_file_as_it_was(model, tmp_path):
     save(path, model)
     before = path.read_bytes()
     with pytest.raises(Exception, match="generator"):
-        save(path, replace(model, scene=(letter for letter in "unsaveable")))
+        save(path, replace(model, version=(letter for letter in "unsaveable")))
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]

@@ -1,0 +1,61 @@
+"""How a localizer is trained: pipeline, then probabilities and deviations on held-out sweeps."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from localization.answers import threshold_of
+from localization.estimators import Estimator
+from localization.folds import Splits, by_session, splits_of
+from localization.held_out import held_out_decisions, held_out_positions
+from localization.learned import Classifier, Regressor
+from localization.novelty import NoveltyGuard
+from localization.samples import Samples
+from localization.spread import Spread
+from localization.temperature import probabilities, sharpness_of
+from localization.tuning import trainer
+from simulator.sweeps import InputError
+
+
+def learn_classes(
+    samples: Samples, estimator: Estimator, *, certain: float | None = None, tune: bool = False
+) -> Classifier:
+    """A classifier whose sharpness and threshold were found on sweeps held out.
+
+    certain: the rate at which answers are to be right; None answers always.
+    Raises InputError where the samples are of one class, or as `splits_of`, `threshold_of`.
+    """
+    if np.unique(samples.y).size < 2:
+        raise InputError(f"need sweeps of at least 2 classes, got {np.unique(samples.y).size}")
+    splits = splits_of(samples.strata, samples.sessions)
+    train = trainer(estimator, samples, tune=tune)
+    pipeline = train(samples)
+    held_out = held_out_decisions(train, samples, splits, pipeline.classes_)
+    index = np.searchsorted(pipeline.classes_, samples.y)
+    sharpness = sharpness_of(held_out, index)
+    threshold = 0.0
+    if certain is not None:
+        probability = probabilities(held_out, sharpness)
+        right = probability.argmax(axis=1) == index
+        threshold = threshold_of(probability.max(axis=1), right, certain)
+    return Classifier(pipeline, sharpness, threshold, _guard(samples))
+
+
+def learn_positions(samples: Samples, estimator: Estimator, *, tune: bool = False) -> Regressor:
+    """A regressor whose deviations were found on sweeps held out. Raises as `splits_of`."""
+    splits: Splits = splits_of(None, samples.sessions)
+    train = trainer(estimator, samples, tune=tune)
+    told, deviation = held_out_positions(train, samples, splits)
+    residual = told - samples.y
+    factor, spread = np.ones(told.shape[1]), None
+    if deviation is None:
+        spread = Spread().fit(told, residual)
+    else:
+        z = np.divide(residual, deviation, out=np.zeros(told.shape), where=deviation > 0)
+        factor = np.sqrt(np.square(z).mean(axis=0))
+    return Regressor(train(samples), factor, spread, _guard(samples))
+
+
+def _guard(samples: Samples) -> NoveltyGuard:
+    groups = samples.sessions if by_session(samples.sessions) else None
+    return NoveltyGuard().fit(samples.X, groups=groups)

@@ -1,0 +1,89 @@
+"""Whether a sweep is unlike all that a localizer was trained on."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from sklearn.base import BaseEstimator
+from sklearn.metrics import pairwise_distances_argmin_min
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+LEAST_VARIANCE = 1e-10
+"""Of the largest: directions along which the training varies less count as varying so much."""
+
+PARTS = 5
+"""Into which training is cut to see how far from the rest each part lies."""
+
+
+class NoveltyGuard(BaseEstimator):
+    """Distance to the nearest sweep of the training, in features whitened by all of the training.
+
+    Parameters
+    ----------
+    most: sweeps of the training that are kept.
+    reach: how many times the largest distance of a training sweep, held out with its group, from
+        the others is no novelty yet.
+
+    Attributes
+    ----------
+    mean_: shape (feature,). whitening_: shape (feature, feature). kept_: shape (kept, feature),
+    whitened. limit_: the largest distance that is no novelty.
+    """
+
+    def __init__(self, most=1000, reach=1.3):
+        self.most = most
+        self.reach = reach
+
+    def fit(self, X, y=None, *, groups: ArrayLike | None = None):
+        """Learn what sweeps look like, and how far new ones of that kind lie from those known.
+
+        X: shape (n, feature). groups: of sweeps that resemble each other, as those of a session
+        do, shape (n,); without it each is its own. Returns self.
+        """
+        X = np.asarray(validate_data(self, X, ensure_min_samples=2, dtype=np.float64))
+        own = np.arange(len(X)) if groups is None else np.asarray(groups)
+        unseen = [self._learn(X[~part]).away(X[part]).max() for part in _parts(own)]
+        self._learn(X)
+        self.limit_ = self.reach * float(max(unseen)) or 1.0
+        return self
+
+    def distances(self, X) -> NDArray[np.float64]:
+        """To the nearest sweep that is kept, over the limit: above 1 is novel. Shape (n,)."""
+        check_is_fitted(self)
+        X = np.asarray(validate_data(self, X, reset=False, dtype=np.float64))
+        return self.away(X) / self.limit_
+
+    def predict(self, X):
+        """1 for a sweep like those of the training, -1 for a novelty; shape (n,)."""
+        return np.where(self.distances(X) > 1, -1, 1)
+
+    def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+        """To the nearest sweep that is kept, in whitened features, shape (n,)."""
+        return pairwise_distances_argmin_min(self._whitened(X), self.kept_)[1]
+
+    def _learn(self, X: NDArray[np.float64]) -> NoveltyGuard:
+        kept = np.unique(np.linspace(0, len(X) - 1, min(self.most, len(X))).astype(int))
+        self.mean_ = X.mean(axis=0)
+        self.whitening_ = _whitening(X - self.mean_)
+        self.kept_ = self._whitened(X[kept])
+        return self
+
+    def _whitened(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+        return (X - self.mean_) @ self.whitening_
+
+
+def _whitening(centred: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Turns features of any units so that each varies by 1, and on its own."""
+    scale = centred.std(axis=0)
+    scale[scale == 0] = 1.0
+    variance, turn = np.linalg.eigh(np.cov(centred / scale, rowvar=False).reshape(2 * scale.shape))
+    floor = max(LEAST_VARIANCE * variance.max(), np.finfo(float).tiny)
+    return turn / np.sqrt(np.maximum(variance, floor)) / scale[:, None]
+
+
+def _parts(groups: NDArray) -> list[NDArray[np.bool_]]:
+    """Sweeps in at most PARTS parts of whole groups, as masks; each its own where all are one."""
+    names = np.unique(groups)
+    if names.size < 2:
+        return _parts(np.arange(groups.size))
+    return [np.isin(groups, some) for some in np.array_split(names, min(PARTS, names.size))]

@@ -1,0 +1,48 @@
+"""Options that several of the localizer's commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+MOST_SWEEPS = 20_000
+PAPER = "Rs,Cp"
+SWEEPS = "Sweeps: FILE.nc, FILE.zarr or FILE.csv."
+MOST = "Take the first so many sweeps, of whole sessions."
+REST = "Sweeps of the skin at rest, where SWEEPS has none and the model is to be told them."
+
+Target = Annotated[
+    str,
+    typer.Option(
+        help="column, row, pixel, touches (how many), pair (none to two pixels) or "
+        "position (mm, and strength)."
+    ),
+]
+Name = Annotated[
+    str | None,
+    typer.Option("--estimator", help="By name; another name tells those there are."),
+]
+Quantities = Annotated[
+    str,
+    typer.Option(
+        "--features",
+        help="Of Rs, X, Cp, lnZ, phase and, against the skin at rest in the same session, dlnZ "
+        "and dphase; joined by ','.",
+    ),
+]
+Interfaces = Annotated[
+    list[str] | None,
+    typer.Option("--interface", help="One to look at; may be repeated. Without it all."),
+]
+Certain = Annotated[
+    float | None,
+    typer.Option(
+        help="Answer only where answers are right at this rate on held-out sweeps, such as 0.95; "
+        "else 'cannot tell'."
+    ),
+]
+Tune = Annotated[bool, typer.Option("--tune", help="Choose parameters by cross-validation.")]
+Most = Annotated[int, typer.Option(help=MOST)]
+Rest = Annotated[Path | None, typer.Option(help=REST)]

@@ -1,0 +1,124 @@
+"""`rcskin train`, `evaluate` and `localize` as their user meets them."""
+
+import sys
+
+import numpy as np
+import pytest
+import skops.io
+
+import rcskin
+from simulator.sweeps import concatenate, write
+
+SCENE = "[skin]\nlength = 0.03\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 3\n"
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Runs `rcskin` with arguments; returns exit code, output and errors."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["rcskin", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            rcskin.main()
+        return end.value.code, *capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def files(make_sweeps, tmp_path_factory):
+    """Sweeps of three mountings, of another one, and of this one at other frequencies."""
+    folder = tmp_path_factory.mktemp("files")
+    known = concatenate([make_sweeps(session=k, seed=k) for k in range(3)])
+    write(known.assign_attrs(scene=SCENE), folder / "known.nc")
+    write(make_sweeps(session=5, seed=5).assign_attrs(scene=SCENE), folder / "unseen.nc")
+    write(make_sweeps(frequency=np.array([1e3, 1e4])), folder / "other.nc")
+    write(known.isel(sweep=known["column"].values > 0), folder / "pressed.nc")
+    skops.io.dump(
+        dict.fromkeys(("pipeline", "target", "quantities", "interfaces"), 1), folder / "a.skops"
+    )
+    return folder
+
+
+def test_a_model_is_trained_evaluated_and_asked(run, files, tmp_path):
+    model = tmp_path / "m.skops"
+    code, out, err = run("train", files / "known.nc", "--features", "dlnZ,dphase", "-o", model)
+    assert (code, err) == (0, "")
+    assert "column by ksvm-ovo from dlnZ, dphase at left" in out
+    assert "whole sessions held out" in out
+    code, out, err = run("evaluate", model, files / "unseen.nc", "-o", tmp_path / "found")
+    assert (code, err) == (0, "")
+    assert "accuracy: 1\n" in out
+    assert {path.name for path in (tmp_path / "found").iterdir()} == {
+        "figures.csv",
+        "confusion.csv",
+        "confusion.png",
+    }
+    code, out, err = run("localize", model, files / "unseen.nc")
+    assert (code, err) == (0, "")
+    header, first, second, *_ = out.splitlines()
+    assert header == "sweep,press,answer,probability"
+    assert first.startswith("0,none,0,") and second.startswith('1,"1,1:2.0",1,')
+
+
+def test_positions_are_trained_and_written(run, files, tmp_path):
+    model = tmp_path / "m.skops"
+    asked = ("--target", "position", "--estimator", "kernel-ridge", "--features", "dlnZ,dphase")
+    assert run("train", files / "known.nc", *asked, "-o", model)[0] == 0
+    assert run("localize", model, files / "unseen.nc", "-o", tmp_path / "out.csv")[0] == 0
+    lines = (tmp_path / "out.csv").read_text().splitlines()
+    assert lines[0].endswith("x_mm,y_mm,factor,x_mm_deviation,y_mm_deviation,factor_deviation")
+    assert lines[1].startswith("0,none,0,") and lines[1].endswith(",,,,,,")
+    x = float(lines[2].split(",")[5])
+    assert abs(x - 5) < 3
+    code, out, _ = run("evaluate", model, files / "unseen.nc", "-o", tmp_path / "found")
+    assert code == 0 and "median error, mm" in out and "within 1 deviation" in out
+    assert (tmp_path / "found" / "positions.png").exists()
+
+
+def test_without_a_model_scores_are_of_outer_folds(run, files):
+    code, out, err = run(
+        "evaluate", files / "known.nc", "--estimator", "svc", "--tune", "--folds", 3
+    )
+    assert (code, err) == (0, "")
+    assert "3 folds, whole sessions held out" in out
+    assert "accuracy: " in out and "±" in out
+
+
+def test_a_model_never_shown_rest_says_so(run, files, tmp_path):
+    code, out, _ = run("train", files / "pressed.nc", "-o", tmp_path / "m.skops")
+    assert code == 0 and "cannot tell that nothing is pressed" in out
+
+
+def test_only_so_many_sweeps_are_taken_and_whole_sessions_of_them(run, files, tmp_path):
+    code, out, _ = run("train", files / "known.nc", "--most", 50, "-o", tmp_path / "m.skops")
+    assert code == 0 and "; 48 sweeps" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["train", "known.nc", "-o", "m.pkl"], "must end in .skops"),
+        (["train", "known.nc", "--target", "depth", "-o", "m.skops"], "`target` must be one of"),
+        (["train", "known.nc", "--features", "Z", "-o", "m.skops"], "`quantities` must be of"),
+        (["train", "known.nc", "--interface", "up", "-o", "m.skops"], "no interface 'up'"),
+        (["train", "pressed.nc", "--features", "dlnZ", "-o", "m.skops"], "no sweep of the skin at"),
+        (["train", "known.nc", "--most", "0", "-o", "m.skops"], "--most must be >= 1"),
+        (["train", "known.nc", "--certain", "2", "-o", "m.skops"], "`certain` must be between"),
+        (["evaluate", "a.skops", "known.nc"], "holds no model of rcskin"),
+        (["localize", "none.skops", "known.nc"], "cannot be read"),
+        (["localize", "good.skops", "other.nc"], "trained on 20 frequencies, the sweeps have 2"),
+        (["evaluate", "known.nc", "--folds", "1"], "--folds must be >= 2"),
+        (
+            ["train", "known.nc", "--estimator", "model-based", "-o", "m.skops"],
+            "takes the features dlnZ,dphase",
+        ),
+    ],
+)
+def test_bad_input_is_one_line_and_code_2(run, files, monkeypatch, arguments, told):
+    monkeypatch.chdir(files)
+    if "good.skops" in arguments:
+        run("train", "known.nc", "-o", "good.skops")
+    code, _, err = run(*arguments)
+    assert code == 2
+    assert told in err and err.count("\n") == 1 and err.startswith("rcskin: ")
