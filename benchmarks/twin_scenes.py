@@ -14,6 +14,8 @@ from simulator.scene_file import load_scene
 SWEEPS_PER_SESSION = 60
 STRENGTH = Normal(mean=2.0, deviation=0.15)
 """Of presses by pixels, in training: a hand that doubles the capacitance, more or less."""
+OFFSET = 0.1
+"""Of a hand, over the side of a pixel."""
 PLACED_STRENGTH = Uniform(low=1.6, high=2.4)
 PLACED_SIZE = Fixed(value=0.024)
 """Of touches anywhere, m: squares of this side."""
@@ -40,11 +42,13 @@ def believed(base: str, pixels: int, touches: tuple[float, ...], anywhere: bool 
 
     touches: chances of 0, 1, 2 touches.
     """
-    press = DrawnPress(touches=touches, factor=PLACED_STRENGTH if anywhere else STRENGTH)
-    if anywhere:
-        press = press.model_copy(
-            update={"place": "anywhere", "shape": ("rectangle",), "size": PLACED_SIZE}
-        )
+    kind = (
+        {"place": "anywhere", "shape": ("rectangle",), "size": PLACED_SIZE}
+        if anywhere
+        else {"offset": OFFSET, "cells_per_pixel": CELLS_PER_PIXEL}
+    )
+    strength = PLACED_STRENGTH if anywhere else STRENGTH
+    press = DrawnPress(touches=touches, factor=strength, **kind)
     session = SKINS.model_copy(update=EVEN)
     return load_scene(base).model_copy(
         update={

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-NEAREST, FEWEST = 4, 3
+NEAREST, FEWEST = 8, 3
 """Sweeps at rest that tell of a moment of a session, and how few of them tell a trend."""
 
 

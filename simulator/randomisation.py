@@ -38,16 +38,18 @@ def _chances(values: tuple[float, ...]) -> tuple[float, ...]:
 class DrawnPress(Table):
     """A press: how many touches, where, how large and how strong.
 
-    touches: chances of 0, 1, 2 touches. place: whole pixels, or anywhere on the skin. factor:
-    capacitance over that at rest. The rest counts only anywhere: shape and size [m] (sides of a
-    rectangle, diameter of a disc); cells_per_pixel: along each side, a touch raises each cell by
-    the part of it that it covers.
+    touches: chances of 0, 1, 2 touches. place: whole pixels, or anywhere on the skin. offset: how
+    far the hand presses beside a pixel, along each side, a standard deviation over that side; the
+    press is told as that of the pixel. factor: capacitance over that at rest. shape and size [m]
+    (sides of a rectangle, diameter of a disc) count only anywhere. cells_per_pixel: along each
+    side, where touches are no whole pixels; each cell rises by the part of it that is covered.
     """
 
     touches: Annotated[
         tuple[Number, ...], Field(min_length=1, max_length=3), AfterValidator(_chances)
     ] = (0.1, 0.7, 0.2)
     place: Literal["pixel", "anywhere"] = "pixel"
+    offset: Annotated[Number, Field(ge=0, le=0.5)] = 0.0
     shape: Annotated[tuple[Shape, ...], Field(min_length=1)] = ("rectangle", "disc")
     size: Length = Uniform(low=0.01, high=0.02)
     cells_per_pixel: Annotated[Whole, Field(ge=1, le=20)] = 4
@@ -56,7 +58,7 @@ class DrawnPress(Table):
     @property
     def cells(self) -> int:
         """Cells along each side of a pixel."""
-        return self.cells_per_pixel if self.place == "anywhere" else 1
+        return self.cells_per_pixel if self.place == "anywhere" or self.offset > 0 else 1
 
     @property
     def most_touches(self) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import astuple
 
 import numpy as np
@@ -33,13 +33,12 @@ def presses_anywhere(
         Press(tuple(sorted(_touches(scene, count, each, strengths), key=_order)))
         for count, each, strengths in zip(touches, chances.transpose(1, 2, 0), factor, strict=True)
     ]
-    maps = [grid_map(scene, press, *grid).ravel() for press in presses]
-    cells = [np.flatnonzero(each != 1) for each in maps]
+    cells, rises, starts = laid_on_cells(scene, presses, grid)
     centres = np.array([_centres(press) for press in presses])
     return Presses(
-        cells=np.concatenate(cells),
-        rises=np.concatenate([each[where] - 1 for each, where in zip(maps, cells, strict=True)]),
-        starts=np.concatenate([[0], np.cumsum([where.size for where in cells])]),
+        cells=cells,
+        rises=rises,
+        starts=starts,
         text=[str(press) for press in presses],
         row=np.where(touches == 0, 0, -1),
         column=np.where(touches == 0, 0, -1),
@@ -48,6 +47,17 @@ def presses_anywhere(
         y=centres[..., 1],
         factor=centres[..., 2],
     )
+
+
+def laid_on_cells(
+    scene: Scene, presses: Sequence[Press], grid: tuple[int, int]
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
+    """Cells, rises and starts of presses, see `SkinModel.sweeps`."""
+    maps = [grid_map(scene, press, *grid).ravel() for press in presses]
+    cells = [np.flatnonzero(each != 1) for each in maps]
+    rises = [each[where] - 1 for each, where in zip(maps, cells, strict=True)]
+    starts = np.concatenate([[0], np.cumsum([where.size for where in cells])])
+    return np.concatenate(cells), np.concatenate(rises), starts
 
 
 def _touches(

@@ -13,7 +13,7 @@ from simulator.scene import Scene
 from simulator.scene_file import parse_scene, scene_text
 from simulator.sweeps import InputError
 
-LAYOUT = 1
+LAYOUT = 2
 """To be raised whenever the same plan would give other bytes."""
 MOST_VALUES = 2**22
 """Readings of one quantity in a session."""

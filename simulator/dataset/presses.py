@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.randomisation import DrawnPress
+from simulator.distribution import truncated_normal
+from simulator.randomisation import CUT, DrawnPress
 from simulator.scene import Scene
 from simulator.sweeps import UNPRESSED
 
@@ -76,8 +77,9 @@ def _on_pixels(
     there = np.arange(MOST_TOUCHES) < touches[:, None]
     factor = np.where(there, factor, 1.0)
     row, column = np.divmod(pixel, columns)
+    x, y = np.where(there, _centres(scene, row, column), 0.0)
     inside = cells_of_pixels(scene, grid)
-    return Presses(
+    presses = Presses(
         cells=inside[pixel[there]].ravel(),
         rises=np.repeat(factor[there] - 1, inside.shape[1]),
         starts=np.concatenate([[0], np.cumsum(touches * inside.shape[1])]),
@@ -85,10 +87,24 @@ def _on_pixels(
         row=single_label(touches, row[:, 0] + 1),
         column=single_label(touches, column[:, 0] + 1),
         touches=touches,
-        x=np.where(there, (column + 0.5) * scene.skin.length / columns, 0.0),
-        y=np.where(there, (row + 0.5) * scene.skin.width / rows, 0.0),
+        x=x,
+        y=y,
         factor=factor,
     )
+    if scene.dataset.press.offset == 0:
+        return presses
+    from simulator.dataset.beside import pressed_beside
+
+    return pressed_beside(scene, presses, truncated_normal(chances[2:], CUT), grid)
+
+
+def _centres(
+    scene: Scene, row: NDArray[np.int64], column: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """x and y in m of pixels counted from 0, shape (2, ...)."""
+    skin, pixels = scene.skin, scene.pixels
+    x = (column + 0.5) * skin.length / pixels.columns
+    return np.stack([x, (row + 0.5) * skin.width / pixels.rows])
 
 
 def _distinct_pixels(
