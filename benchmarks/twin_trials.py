@@ -142,9 +142,9 @@ TRIALS = (
         believed(TWO, 5, SINGLE, anywhere=True),
         "position",
         anywhere(60),
-        ("gaussian-process", "model-based"),
+        ("kernel-ridge", "gaussian-process", "model-based"),
         4.0,
-        training=6000,
+        training=12_000,
         hand=Hand(offset=0.02, size=0.02),
     ),
 )

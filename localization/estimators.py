@@ -98,7 +98,7 @@ def _regressors() -> list[Estimator]:
     where = ("position",)
     return [
         Estimator("gaussian-process", where, lambda _: gaussian_process(), most=400),
-        Estimator("kernel-ridge", where, lambda _: kernel_ridge(), RIDGE_GRID, 2000),
+        Estimator("kernel-ridge", where, lambda _: kernel_ridge(), RIDGE_GRID, 6000),
         Estimator("knn-position", where, lambda _: neighbours()),
     ]
 
