@@ -135,49 +135,22 @@ def _gap_scene(name: str) -> str:
 
 
 def _reading_error(text: str) -> gap.ReadingError | None:
-    from math import hypot
+    from simulator.resimulation import reading_error
 
-    from simulator.scene_file import parse_scene
-
-    meter = parse_scene(text, "scene").readout
-    magnitude = hypot(meter.magnitude_accuracy, meter.magnitude_noise)
-    phase = hypot(meter.phase_accuracy, meter.phase_noise)
-    return gap.ReadingError(magnitude, phase) if magnitude > 0 and phase > 0 else None
+    found = reading_error(text)
+    return gap.ReadingError(*found) if found else None
 
 
 def _resimulated(sweeps: xr.Dataset, text: str, frequency: NDArray) -> xr.Dataset:
-    import numpy as np
+    from simulator.resimulation import resimulated
 
-    from simulator.fidelity import Solver
-    from simulator.press import parse_press
-    from simulator.scene import Sweep
-    from simulator.scene_file import parse_scene
-    from simulator.simulate import simulate
-
-    asked = Sweep(frequencies=tuple(map(float, frequency)))
-    scene = parse_scene(text, "scene").model_copy(update={"sweep": asked})
-    presses, which = np.unique(sweeps["press"].values.astype(str), return_inverse=True)
-    factor = scene.press.capacitance_factor
-    found = simulate(Solver(scene), [parse_press(str(press), factor) for press in presses])
-    again = found.isel(sweep=which).sel(interface=sweeps["interface"].values)
-    return again.assign_coords(session=("sweep", sweeps["session"].values))
+    return resimulated(sweeps, text, frequency)
 
 
-def _read(sweeps: xr.Dataset, text: str, seed: int) -> xr.Dataset:
-    import numpy as np
+def _read_by_meter(sweeps: xr.Dataset, text: str, seed: int) -> xr.Dataset:
+    from simulator.resimulation import read_by_meter
 
-    from simulator.readout import read_out
-    from simulator.scene_file import parse_scene
-    from simulator.sweeps import concatenate
-
-    meter, random = parse_scene(text, "scene").readout, np.random.default_rng(seed)
-    session = sweeps["session"].values
-    order = np.argsort(np.argsort(session, kind="stable"))
-    parts = [
-        read_out(sweeps.isel(sweep=session == each), meter, random, int(each))
-        for each in np.unique(session)
-    ]
-    return concatenate(parts).isel(sweep=order)
+    return read_by_meter(sweeps, text, seed)
 
 
 def _recalibrated(simulated: xr.Dataset, measured: xr.Dataset) -> gap.Recalibrated:
@@ -209,7 +182,7 @@ def _style() -> gap.Style:
 
 
 _simulation = gap.Simulation(
-    _gap_scene, _reading_error, _resimulated, _read, _recalibrated, _explained
+    _gap_scene, _reading_error, _resimulated, _read_by_meter, _recalibrated, _explained
 )
 app.command("gap")(gap_command(_simulation, _style, on_terminal, _model_based))
 

@@ -42,6 +42,7 @@ from simulator.templates import templates
 from simulator.twin import Twin
 
 SKINS, SEED = 20, 2026
+ANSWERS = RESULTS / "twin_skins.csv"
 RTOL = 1e-3
 """Of the simulated sweeps: a third of the meter's noise."""
 LEARNED, INVERTED = ("dlnZ", "dphase", "skin"), ("dlnZ", "dphase")
@@ -188,15 +189,22 @@ def experiment(trials: Sequence[Trial], skins: int, processes: int) -> pd.DataFr
 def main() -> None:
     parser = argparse.ArgumentParser(description="Twin experiment.")
     parser.add_argument("--skins", type=int, default=SKINS)
-    parser.add_argument("--only", help="Trials whose name holds this; nothing is written.")
+    parser.add_argument("--only", help="Trials whose name holds this; the others stay as they are.")
     parser.add_argument("--processes", type=int, default=2)
     asked = parser.parse_args()
     trials = [trial for trial in TRIALS if not asked.only or asked.only in trial.name]
-    table = experiment(trials, asked.skins, asked.processes)
-    if not asked.only:
-        publish("twin", "Twin experiment: localizers trained on simulation alone", summary(table))
-        table.to_csv(RESULTS / "twin_skins.csv", index=False, lineterminator="\n")
-        draw(table, RESULTS / "twin.png")
+    table = with_others(experiment(trials, asked.skins, asked.processes))
+    publish("twin", "Twin experiment: localizers trained on simulation alone", summary(table))
+    table.to_csv(ANSWERS, index=False, lineterminator="\n")
+    draw(table, RESULTS / "twin.png")
+
+
+def with_others(table: pd.DataFrame) -> pd.DataFrame:
+    """With the answers of trials that were asked before and not now, in the order of TRIALS."""
+    known = pd.read_csv(ANSWERS) if ANSWERS.exists() else table.head(0)
+    whole = pd.concat([table, known[~known["trial"].isin(table["trial"])]])
+    order = {trial.name: place for place, trial in enumerate(TRIALS)}
+    return whole.sort_values("trial", key=lambda names: names.map(order), kind="stable")
 
 
 if __name__ == "__main__":

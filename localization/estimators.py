@@ -83,10 +83,7 @@ def chosen(name: str | None, target: str, registry: Registry | None = None) -> E
 
 
 def _classifiers() -> list[Estimator]:
-    svms = [
-        Estimator(name, _few_classes(), _svm(name), _svm_grid(name), most=10_000)
-        for name in CLASSIFIERS
-    ]
+    svms = [Estimator(name, _few_classes(), _svm(name), _svm_grid(name)) for name in CLASSIFIERS]
     others = [
         ("ksvm-components", CLASSES, lambda _: components_svm(), SVM_GRID, 20_000),
         ("knn", CLASSES, lambda _: nearest(), {"classify__n_neighbors": [5, 15, 45]}, 20_000),

@@ -40,7 +40,7 @@ def certificate(
         current = space.currents(u, system.sheets, system.films)
         residual = current + s * (mass @ u)[: space.inner]
         power = sum((part * space.solve(part)).sum(axis=0) for part in _parts(residual))
-        bounds.append(_relative(Y, np.sqrt(2) * power / least))
+        bounds.append(relative_bound(Y, np.sqrt(2) * power / least))
     return np.stack(bounds, axis=1)
 
 
@@ -62,7 +62,7 @@ def _parts(residual: NDArray[np.complex128]) -> tuple[NDArray[np.float64], NDArr
     return np.ascontiguousarray(residual.real), np.ascontiguousarray(residual.imag)
 
 
-def _relative(Y: NDArray[np.complex128], error: NDArray[np.float64]) -> NDArray[np.float64]:
+def relative_bound(Y: NDArray[np.complex128], error: NDArray[np.float64]) -> NDArray[np.float64]:
     """Of Rs and Cp, shape (2, s), from a bound on |Y| - inf where that says nothing."""
     size = np.abs(Y)
     Z_error = np.divide(

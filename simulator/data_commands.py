@@ -152,8 +152,8 @@ def dataset(
 ) -> None:
     """Make a data set of randomised skins and presses, as the meter would show them.
 
-    What is drawn, and how, stands in the scene's tables [dataset.press] and
-    [dataset.session]; the meter's errors in [readout]. Killed at any point, the
+    What is drawn, and how, stands in the scene's tables `dataset.press` and
+    `dataset.session`; the meter's errors in `readout`. Killed at any point, the
     same command goes on. The bytes depend on the scene, SWEEPS, SEED, RTOL and
     the version only, and sweep k on neither SWEEPS nor who computes it.
     """

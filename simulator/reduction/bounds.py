@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.certificate import _relative, least_conductance
+from simulator.certificate import least_conductance, relative_bound
 from simulator.family import Family
 from simulator.lanczos import potentials
 from simulator.reduced import Reduced, ReducedSkin
@@ -45,7 +45,7 @@ def _on_skin(
     turned = np.hstack([s.real * real - s.imag * imag, s.real * imag + s.imag * real])
     residual = current + turned
     power = (residual * family.space.solve(residual)).sum(axis=0).reshape(2, *Y.shape).sum(axis=0)
-    bound = _relative(Y, np.sqrt(2) * power / least_conductance(skin))
+    bound = relative_bound(Y, np.sqrt(2) * power / least_conductance(skin))
     return bound.max(axis=0).reshape(len(cases), -1).max(axis=1)
 
 
