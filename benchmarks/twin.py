@@ -11,8 +11,8 @@ Run: python benchmarks/twin.py [--skins N] [--only NAME] [--processes N]
 from __future__ import annotations
 
 import argparse
+import math
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -53,10 +53,11 @@ CALIBRATED_TO, CALIBRATED_TRAINING = 0.03, 4000
 
 @dataclass(frozen=True)
 class Prepared:
-    """A trial with the twins' family of skins, and the localizers trained on simulation."""
+    """A trial with the twins' family of skins, that which the localizers believe in, and these."""
 
     trial: Trial
     family: Reduced
+    believed: Reduced
     models: dict[str, Model]
 
 
@@ -67,16 +68,17 @@ def localizers() -> Registry:
 
 def prepared(trial: Trial, registry: Registry) -> Prepared:
     """Everything that is the same for all skins."""
-    family = reduced(built(trial.believed), RTOL)
-    sweeps = simulated(trial.believed, trial.training)
-    return Prepared(trial, family, localized(trial, sweeps, registry))
+    family, believed = reduced(built(trial.believed), RTOL), reduced(trial.believed, RTOL)
+    sweeps = simulated(trial.believed, believed, trial.training)
+    return Prepared(trial, family, believed, localized(trial, sweeps, registry))
 
 
-def simulated(scene: Scene, count: int) -> xr.Dataset:
-    """Sweeps of the scene's data set."""
+def simulated(scene: Scene, believed: Reduced, count: int) -> xr.Dataset:
+    """Sweeps of the scene's data set, by a family that was trained for it before."""
+    training = Training(lambda *_: believed, save, load)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "training.zarr"
-        generate(Plan(scene, count, SEED, RTOL), path, training=Training(reduced, save, load))
+        generate(Plan(scene, count, SEED, RTOL), path, training=training)
         return read_some(path, count)
 
 
@@ -102,7 +104,7 @@ def scores(ready: Prepared, number: int) -> list[dict[str, Any]]:
     sweeps = recorded(twin, presses, [each.name for each in trial.believed.interfaces])
     rows = [_row(trial, number, name, model, sweeps) for name, model in ready.models.items()]
     if trial.touches:
-        rows += _after_calibration(trial, number, sweeps)
+        rows += _after_calibration(ready, number, sweeps)
     return rows
 
 
@@ -120,26 +122,29 @@ def _row(
     }
 
 
-def _after_calibration(trial: Trial, number: int, sweeps: xr.Dataset) -> list[dict[str, Any]]:
+def _after_calibration(ready: Prepared, number: int, sweeps: xr.Dataset) -> list[dict[str, Any]]:
     """The touches that calibrate are not asked about again."""
+    trial = ready.trial
     touched = np.flatnonzero(sweeps["press"].values != "none")
     known = touched[:: touched.size // trial.touches][: trial.touches]
     rest = np.flatnonzero(sweeps["press"].values == "none")
     found = calibrate(trial.believed, sweeps.isel(sweep=np.union1d(rest, known)), Options())
-    registry = localizers()
-    models = localized(trial, simulated(_narrowed(found.scene), CALIBRATED_TRAINING), registry)
+    around = _narrowed(trial.believed, found.values)
+    examples = simulated(around, ready.believed, CALIBRATED_TRAINING)
+    models = localized(trial, examples, localizers())
     asked = sweeps.isel(sweep=np.setdiff1d(np.arange(sweeps.sizes["sweep"]), known))
     return [
         _row(trial, number, name, model, asked, trial.touches) for name, model in models.items()
     ]
 
 
-def _narrowed(scene: Scene) -> Scene:
-    """Training around a skin that is known, more or less."""
+def _narrowed(scene: Scene, values: dict[str, float]) -> Scene:
+    """Training around a skin of which the parameters are known, more or less."""
+    R, c = (math.exp(values[name]) for name in ("sheet_resistance", "capacitance"))
     session = scene.dataset.session.model_copy(
         update={
-            "sheet_resistance": Lognormal(median=1.0, spread=CALIBRATED_TO),
-            "capacitance": Normal(mean=1.0, deviation=CALIBRATED_TO),
+            "sheet_resistance": Lognormal(median=R, spread=CALIBRATED_TO),
+            "capacitance": Normal(mean=c, deviation=CALIBRATED_TO * c),
         }
     )
     return scene.model_copy(
@@ -170,20 +175,15 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
                 "reached": "yes" if reached else "no",
             }
         )
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows).round(3)
 
 
-def experiment(trials: Sequence[Trial], skins: int, processes: int) -> pd.DataFrame:
+def experiment(trial: Trial, skins: int, processes: int) -> pd.DataFrame:
     """A row for each answer of each localizer on each skin."""
-    rows: list[dict[str, Any]] = []
-    for trial in trials:
-        ready = prepared(trial, localizers())
-        work = (delayed(scores)(ready, number) for number in range(skins))
-        for found in Parallel(n_jobs=processes, return_as="generator")(work):
-            rows += found
-        told = summary(pd.DataFrame(rows)).tail(len(trial.estimators) * (2 if trial.touches else 1))
-        print(told.to_string(index=False), flush=True)
-    return pd.DataFrame(rows)
+    ready = prepared(trial, localizers())
+    work = (delayed(scores)(ready, number) for number in range(skins))
+    answers = Parallel(n_jobs=processes, return_as="generator")(work)
+    return pd.DataFrame([row for found in answers for row in found])
 
 
 def main() -> None:
@@ -192,8 +192,13 @@ def main() -> None:
     parser.add_argument("--only", help="Trials whose name holds this; the others stay as they are.")
     parser.add_argument("--processes", type=int, default=2)
     asked = parser.parse_args()
-    trials = [trial for trial in TRIALS if not asked.only or asked.only in trial.name]
-    table = with_others(experiment(trials, asked.skins, asked.processes))
+    for trial in TRIALS:
+        if not asked.only or asked.only in trial.name:
+            told(with_others(experiment(trial, asked.skins, asked.processes)))
+
+
+def told(table: pd.DataFrame) -> None:
+    """Write all answers, their distributions, and the picture."""
     publish("twin", "Twin experiment: localizers trained on simulation alone", summary(table))
     table.to_csv(ANSWERS, index=False, lineterminator="\n")
     draw(table, RESULTS / "twin.png")
