@@ -23,6 +23,7 @@ def draw(table: pd.DataFrame, path: Path) -> None:
     _panel(left, shares.assign(score=100 * shares["score"], goal=100 * shares["goal"]))
     _panel(right, distances)
     left.set_ylabel("Right answers (%)")
+    left.set_title("dot: a twin, green: calibrated; bar: median; dashed: goal", loc="left", size=8)
     right.set_ylabel("Median distance (mm)")
     right.set_ylim(bottom=0)
     figure.suptitle("Twin experiment: trained on simulation, asked about skins never seen", size=11)
