@@ -43,7 +43,7 @@ def limits(
     ] = 0,
     unknown_skin: Annotated[
         bool,
-        typer.Option("--unknown-skin", help="Skins differ as [dataset.session] of the scene says."),
+        typer.Option("--unknown-skin", help="Skins differ as `dataset.session` of the scene says."),
     ] = False,
     accuracy: Annotated[
         float | None,
