@@ -54,6 +54,15 @@ class Circuit:
         """How many fields are solved for."""
         return len(self.conductance)
 
+    @property
+    def contacts(self) -> list[Contact]:
+        """All foils, of one terminal after the other."""
+        return [contact for terminal in self.terminals for contact in terminal.contacts]
+
+    def field_alone(self, field: int) -> NDArray[np.float64]:
+        """What picks one field of all, shape (field, field)."""
+        return np.diag(np.eye(self.fields)[field])
+
 
 def two_fields(scene: Scene) -> Circuit:
     """The circuit of both sheets' potentials: always right."""

@@ -37,13 +37,13 @@ class Galerkin:
         self.circuit = circuit
         self.terminal_field = np.array([terminal.field for terminal in circuit.terminals])
         terminals = len(self.terminal_field)
-        inner = np.flatnonzero(system.degree <= order)
+        inner = np.flatnonzero(system.unknowns.degree <= order)
         self.inner = len(inner)
-        rows = np.concatenate([inner, system.inner + np.arange(terminals)])
+        rows = np.concatenate([inner, system.unknowns.inner + np.arange(terminals)])
         self._system, self._rows = system, rows
         self._whole, self._entries = (
             system.pattern.within(rows)
-            if len(inner) < system.inner
+            if len(inner) < system.unknowns.inner
             else (system.pattern, slice(None))
         )
         self._block, self._block_entries = self._whole.within(np.arange(self.inner))
@@ -103,7 +103,7 @@ class Galerkin:
     def currents(self, u: NDArray, sheets: csc_matrix, films: Films) -> NDArray:
         """K u in A, of inner unknowns. u: V, shape (inner + terminals, k)."""
         U = u[self.inner :]
-        V = u - self._system.at_foils[self._rows] @ U
+        V = u - self._system.unknowns.at_foils[self._rows] @ U
         in_films = self.restricted(films.stiffness) @ V + films.current[self._rows] @ U
         return (self.restricted(sheets) @ u + in_films)[: self.inner]
 
@@ -115,7 +115,7 @@ class Galerkin:
         """W'KW in W of films of contact resistance alone."""
         U = W[self.inner :]
         current = films.current[self._rows] @ U
-        V = W - self._system.at_foils[self._rows] @ U
+        V = W - self._system.unknowns.at_foils[self._rows] @ U
         beside = V.T @ current
         in_films = V.T @ (self.restricted(films.stiffness) @ V)
         return in_films + beside + beside.T + U.T @ (films.conductance @ U)
@@ -153,7 +153,7 @@ class Galerkin:
         inner = np.zeros((self.inner, terminals))
         conductance = np.zeros((terminals, terminals))
         if others.size:
-            at_foils, films = system.at_foils[self._rows][:, others], system.films
+            at_foils, films = system.unknowns.at_foils[self._rows][:, others], system.films
             current = self.restricted(system.sheets) @ at_foils
             current += films.current[self._rows][:, others]
             deviation = -self._factor.solve(current[: self.inner])
@@ -163,7 +163,7 @@ class Galerkin:
                 + films.conductance[np.ix_(others, others)]
                 + current[: self.inner].T @ deviation
             )
-        one = system.one[self._rows[: self.inner]]
+        one = system.unknowns.one[self._rows[: self.inner]]
         inner[:, first_of_field] = one
         for field, first in enumerate(first_of_field if others.size else []):
             rest = others[self.terminal_field[others] == field]

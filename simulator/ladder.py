@@ -31,7 +31,7 @@ class Ladder:
 
     def __init__(self, scene: Scene, circuit: Circuit) -> None:
         self.scene = scene
-        contacts = [contact for terminal in circuit.terminals for contact in terminal.contacts]
+        contacts = circuit.contacts
         self.singular = bool(singular_ends(contacts, scene.skin))
         self.levels = SINGULAR if self.singular else SMOOTH
 

@@ -28,7 +28,7 @@ class Line:
         circuit = one_field(scene)
         if circuit is None:
             raise InputError(f"{scene.name} is no line: its sheets are not fed in pairs of foils")
-        contacts = [contact for terminal in circuit.terminals for contact in terminal.contacts]
+        contacts = circuit.contacts
         if len(contacts) != 1 or contacts[0].span != (0.0, 1.0):
             raise InputError(f"{scene.name} is no line: it is not fed along one whole edge alone")
         self.scene, self._contact = scene, contacts[0]

@@ -1,9 +1,10 @@
-"""Element matrices of coefficients that vary within cells of any shape.
+"""Element matrices of coefficients that vary within cells of any shape, on quads and triangles.
 
 An integral over a cell is a sum over the points of a rule. The products of basis functions at a
 point are the same in every cell; what differs is the coefficient there, the cell's area and its
 slant. So they are reference matrices like any others, one a point for c u v and three a point for
-grad u . grad v / R, and the kernel that adds up weighted reference matrices adds them up too.
+grad u . S grad v, and the kernel that adds up weighted reference matrices adds them up too. What is
+the same at all points of each cell is integrated once: one matrix, and three.
 """
 
 from __future__ import annotations
@@ -13,8 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from skfem import Element, MeshQuad
+from skfem import Element, MeshQuad, MeshTri
 from skfem.assembly import Basis
+from skfem.quadrature import get_quadrature
+from skfem.refdom import RefQuad, RefTri
 
 from simulator.rings import Cells
 
@@ -27,7 +30,7 @@ Terms = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 @dataclass(frozen=True)
 class Rule:
-    """Points of the unit square and an element's basis functions there.
+    """Points of the unit square or triangle and an element's basis functions there.
 
     points: (a, b), shape (2, point). weights: shape (point,). values: shape (function, point).
     slopes: d/da and d/db, shape (2, function, point).
@@ -43,7 +46,8 @@ class Rule:
 class Surface:
     """Where the points of a rule lie in each cell, and how x runs with a and b there.
 
-    x: m. along: dx/da in m. across: dx/db in m. All of shape (2, cell, point).
+    x: m. along: dx/da in m. across: dx/db in m. All of shape (2, cell, point). On a surface in
+    space x holds the first two coordinates, along and across are in a frame of the cell's own.
     """
 
     x: NDArray[np.float64]
@@ -61,18 +65,34 @@ def gauss_rule(element: Element, degree: int) -> Rule:
     """The product rule that is exact for polynomials of that degree in a and in b."""
     nodes, weights = np.polynomial.legendre.leggauss(degree // 2 + 1)
     points = np.stack([each.ravel() for each in np.meshgrid((nodes + 1) / 2, (nodes + 1) / 2)])
-    areas = np.outer(weights, weights).ravel() / 4
-    functions = [each for each, *_ in Basis(MeshQuad(), element, quadrature=(points, areas)).basis]
+    return rule_at(element, points, np.outer(weights, weights).ravel() / 4)
+
+
+def triangle_rule(element: Element, degree: int) -> Rule:
+    """A rule that is exact for polynomials of that total degree."""
+    return rule_at(element, *get_quadrature(RefTri, degree))
+
+
+def rule_at(element: Element, points: NDArray[np.float64], weights: NDArray[np.float64]) -> Rule:
+    """The element's functions at these points of its reference cell, shape (2, point)."""
+    basis = Basis(_reference_mesh(element), element, quadrature=(points, weights)).basis
+    functions = [each for each, *_ in basis]
     return Rule(
         points,
-        areas,
+        weights,
         np.stack([np.asarray(each)[0] for each in functions]),
         np.stack([np.asarray(each.grad)[:, 0] for each in functions], axis=1),
     )
 
 
+def _reference_mesh(element: Element) -> MeshQuad | MeshTri:
+    if element.refdom is RefQuad:
+        return MeshQuad()
+    return MeshTri(np.eye(3)[1:], np.arange(3)[:, None])
+
+
 def surface(cells: Cells, rule: Rule) -> Surface:
-    """Of straight-edged cells: x = x0 + a along + b across + a b twist."""
+    """Of straight-edged quadrilaterals: x = x0 + a along + b across + a b twist."""
     a, b = rule.points
     vectors = (cells.p[:, cells.t[0]], cells.along, cells.across, cells.twist)
     origin, along, across, twist = (each[:, :, None] for each in vectors)
@@ -88,7 +108,12 @@ def mass_terms(
 
     In blocks of a few points, of which none takes more than BLOCK numbers.
     """
-    weights = rule.weights * surface.area * c
+    density = surface.area * c
+    if _even(density):
+        whole = np.einsum("ip,jp,p->ij", rule.values, rule.values, rule.weights)
+        yield density[:, :1], _between_fields(fields, whole[None])
+        return
+    weights = rule.weights * density
     for some in _blocks(rule, fields):
         v = rule.values[:, some]
         yield weights[:, some], _between_fields(fields, np.einsum("ip,jp->pij", v, v))
@@ -100,19 +125,44 @@ def stiffness_terms(
     conductance: NDArray[np.float64],
     fields: NDArray[np.float64] = ONE_FIELD,
 ) -> Iterator[Terms]:
-    """Of the form grad u . grad v / R. conductance: 1/R in S, shape (cell, point).
+    """Of the form grad u . S grad v. conductance: S in S, a scalar of shape (cell, point) or a
+    tensor by its xx, yy and xy of shape (3, cell, point).
 
-    With J = [along, across] the weights are |J| J^-1 J^-T, of da da, db db and da db + db da.
+    With J = [along, across] the weights are |J| J^-1 S J^-T, of da da, db db and da db + db da.
     """
-    along, across = surface.along, surface.across
-    density = rule.weights * conductance / surface.area
-    metric = np.stack([(across**2).sum(0), (along**2).sum(0), -(along * across).sum(0)])
-    weights = density * metric
+    density = _pulled_back(surface, conductance)
+    a, b = rule.slopes
+    if _even(density):
+        pairs = ((a, a), (b, b), (a, b))
+        aa, bb, ab = (np.einsum("ip,jp,p->ij", u, v, rule.weights) for u, v in pairs)
+        yield density[..., 0].T, _between_fields(fields, np.stack([aa, bb, ab + ab.T]))
+        return
+    weights = rule.weights * density
     for some in _blocks(rule, fields):
         a, b = rule.slopes[:, :, some]
         aa, bb, ab = (np.einsum("ip,jp->pij", u, v) for u, v in ((a, a), (b, b), (a, b)))
         matrices = np.concatenate([aa, bb, ab + ab.transpose(0, 2, 1)])
         yield np.hstack([*weights[..., some]]), _between_fields(fields, matrices)
+
+
+def _pulled_back(surface: Surface, conductance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """|J| J^-1 S J^-T by its components along a a, b b and a b, shape (3, cell, point)."""
+    along, across = surface.along, surface.across
+    if conductance.ndim == along.ndim - 1:
+        metric = np.stack([(across**2).sum(0), (along**2).sum(0), -(along * across).sum(0)])
+        return conductance / surface.area * metric
+    xx, yy, xy = conductance
+    to_a, to_b = np.stack([across[1], -across[0]]), np.stack([-along[1], along[0]])
+
+    def form(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+        return xx * u[0] * v[0] + yy * u[1] * v[1] + xy * (u[0] * v[1] + u[1] * v[0])
+
+    return np.stack([form(to_a, to_a), form(to_b, to_b), form(to_a, to_b)]) / surface.area
+
+
+def _even(density: NDArray[np.float64]) -> bool:
+    """Whether a density is the same at all points of each cell."""
+    return bool((density == density[..., :1]).all())
 
 
 def load(rule: Rule, surface: Surface, f: NDArray) -> NDArray:

@@ -25,7 +25,7 @@ from simulator.quadrature import gauss_rule, stiffness_terms, surface
 from simulator.scene import Contact, Scene
 from simulator.sheet import swept
 from simulator.sweeps import InputError
-from simulator.system import Films, System, build_system, conducting
+from simulator.system import Films, PixelSystem, build_system, conducting
 from simulator.variation import Variation, mode_values
 
 KRYLOV_SHARE = 1e-2
@@ -79,7 +79,7 @@ class Family:
         here = np.s_[:, : len(frequency)]
         return Z[here], float((off + change[here]).max())
 
-    def varied(self, variation: Variation) -> System:
+    def varied(self, variation: Variation) -> PixelSystem:
         """The system of one skin."""
         weights = weights_of(variation, self.scene, self.circuit)
         sheets, films = np.split(weights, [len(self.sheet_terms)])
@@ -127,7 +127,7 @@ class Family:
         return _resistive(self.circuit)
 
     def _mode_term(self, conductance: NDArray[np.float64], mode: int) -> csc_matrix:
-        cells = pixel_mesh(self.scene, self._contacts, self.resolution).cells
+        cells = pixel_mesh(self.scene, self.circuit.contacts, self.resolution).cells
         order = self.resolution.order
         more = EXTRA_ORDER if cells.twist.any() else MODE_DEGREE
         rule = gauss_rule(quadrilateral(order), 2 * order + more)
@@ -137,10 +137,6 @@ class Family:
         for terms in stiffness_terms(rule, points, wave, np.diag(conductance)):
             fill(values, self.system.slots, *terms)
         return self.system.pattern.matrix(values)
-
-    @property
-    def _contacts(self) -> list[Contact]:
-        return [contact for terminal in self.circuit.terminals for contact in terminal.contacts]
 
     def _films_with_half(self, contact: Contact) -> Films:
         """The films where one contact resistance is half of what it is."""
@@ -189,5 +185,4 @@ def _conductances(
 
 
 def _resistive(circuit: Circuit) -> list[Contact]:
-    contacts = [contact for terminal in circuit.terminals for contact in terminal.contacts]
-    return [contact for contact in contacts if not contact.ideal]
+    return [contact for contact in circuit.contacts if not contact.ideal]

@@ -13,7 +13,7 @@ from scipy.sparse import csc_matrix
 from simulator.assembly import fill
 from simulator.pattern import DROPPED
 from simulator.scene import Scene
-from simulator.system import System
+from simulator.system import PixelSystem
 
 ROUNDING = 1e-14
 
@@ -21,7 +21,7 @@ ROUNDING = 1e-14
 class PixelMasses:
     """M of each pixel at rest, in the pattern of a system and among the unknowns of a space."""
 
-    def __init__(self, system: System, order: int, scene: Scene) -> None:
+    def __init__(self, system: PixelSystem, order: int, scene: Scene) -> None:
         """order: of the space, see `Galerkin`."""
         self._system, self._order = system, order
         pixels, c = scene.pixels, scene.skin.foam.rest_capacitance_per_area
@@ -52,8 +52,8 @@ class PixelMasses:
     @cached_property
     def _pixels(self) -> list[_Pixel]:
         system, values = self._system, self._values
-        terminals = system.pattern.size - system.inner
-        kept = np.append(system.degree <= self._order, np.ones(terminals, dtype=bool))
+        terminals = system.pattern.size - system.unknowns.inner
+        kept = np.append(system.unknowns.degree <= self._order, np.ones(terminals, dtype=bool))
         number = np.where(kept, np.cumsum(kept) - 1, DROPPED)
         rows = number[system.pattern.indices]
         columns = number[np.repeat(np.arange(system.pattern.size), np.diff(system.pattern.indptr))]
@@ -106,7 +106,7 @@ def _root(M: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _parts(
-    system: System, capacitance: float, pixels: int
+    system: PixelSystem, capacitance: float, pixels: int
 ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
     """Slots of each pixel in the system's pattern, and values of M there. capacitance: F/m²."""
     cells = len(system.element_pixel)

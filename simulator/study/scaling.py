@@ -70,7 +70,7 @@ def law_between(scene: Scene, other: Scene) -> Scaling | None:
 def _resistances(circuit: Circuit) -> tuple[float, ...]:
     """Of each field, then of each contact; how many there are tells the number of fields."""
     sheets = (1 / conductance for conductance in circuit.conductance)
-    films = (contact.resistance for terminal in circuit.terminals for contact in terminal.contacts)
+    films = (contact.resistance for contact in circuit.contacts)
     return (*sheets, *films)
 
 

@@ -56,7 +56,7 @@ def test_matrices_are_those_of_scikit_fem(make_scene, order):
     foils = [contact for terminal in circuit.terminals for contact in terminal.contacts]
     pixels, c = pixel_mesh(scene, foils, resolution), np.linspace(1, 3, 6).reshape(2, 3)
     basis = Basis(pixels.mesh, quadrilateral(order), intorder=2 * order + 40)
-    assert system.inner == basis.N
+    assert system.unknowns.inner == basis.N
 
     M = weighted_product.assemble(basis, c=c.ravel()[pixels.pixel][:, None])
     K = circuit.conductance[0] * laplacian.assemble(basis)
@@ -76,6 +76,6 @@ def test_a_volt_between_the_sheets_charges_the_whole_capacitance(random, data, o
     circuit, skin = two_fields(scene), scene.skin
     system = build_system(scene, circuit, Resolution(order))
     c = capacitance_map(scene, data.draw(random.presses(scene)))
-    volt = np.append(system.one[:, 0], [terminal.field == 0 for terminal in circuit.terminals])
+    volt = np.append(system.unknowns.one[:, 0], [terminal.field == 0 for terminal in circuit.terminals])
     charge = volt @ (system.mass(c) @ volt)
     assert charge == pytest.approx(c.mean() * skin.length * skin.width, rel=1e-12)
