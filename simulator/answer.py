@@ -64,7 +64,7 @@ class Answer:
             return self
         Z, omega = leads.seen_through(self.Z, self.frequency), 2 * np.pi * self.frequency
         off = SAFETY * np.maximum(self.Rs_error, omega * self.Cp_error * np.abs(self.Z) ** 2)
-        off /= np.abs(1 + 1j * omega * leads.stray_capacitance * self.Z) ** 2
+        off /= np.abs(1 + 1j * omega * leads.unguarded * self.Z) ** 2
         return replace(self, Z=Z, Rs_error=off, Cp_error=off / (omega * np.abs(Z) ** 2))
 
     def told(self) -> list[str]:

@@ -65,6 +65,7 @@ def calibrate(
         table,
         write_report,
     )
+    from simulator.electrical import plain_scene
     from simulator.scene_file import load_scene
     from simulator.sweeps import read
 
@@ -77,7 +78,7 @@ def calibrate(
         not fixed_strength,
         checked_kind(prior),
     )
-    start, sweeps = load_scene(scene), read(measured)
+    start, sweeps = plain_scene(load_scene(scene), "a calibration"), read(measured)
     with telling() as tell:
         calibration = calibrated(start, sweeps, options, tell=tell)
     names = write_report(calibration, measured.name, folder)

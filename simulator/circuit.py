@@ -55,6 +55,11 @@ class Circuit:
         return len(self.conductance)
 
     @property
+    def told(self) -> str:
+        """How many fields, in words."""
+        return "one field" if self.fields == 1 else "two fields"
+
+    @property
     def contacts(self) -> list[Contact]:
         """All foils, of one terminal after the other."""
         return [contact for terminal in self.terminals for contact in terminal.contacts]

@@ -159,12 +159,13 @@ def dataset(
     """
     from simulator.dataset import Plan, generate
     from simulator.dataset.bar import on_terminal
+    from simulator.electrical import plain_scene
     from simulator.scene_file import load_scene
     from simulator.sweeps import InputError, open_zarr
 
     if workers is not None and workers < 1:
         raise InputError(f"--workers must be >= 1, got {workers}")
-    plan = Plan(load_scene(scene), sweeps, seed, rtol)
+    plan = Plan(plain_scene(load_scene(scene), "a data set"), sweeps, seed, rtol)
     with on_terminal(plan.scene.name, sweeps) as advance:
         generate(plan, output, processes=workers or _cores(), scheduler=scheduler, advance=advance)
     told = open_zarr(output).attrs

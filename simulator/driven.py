@@ -98,13 +98,34 @@ def shifted(
 
     mass: M in F. power: v'Kv in W of potentials v. The driven potentials are those of s = sigma.
     """
+    inverse = _inverse(driven, mass, A, shift)
+    potential = driven.potential - shift * inverse(mass @ driven.potential)
+    start = mass @ potential
+    capacitance = float(potential @ start)
+    admittance = power(potential) + shift * capacitance
+    return Pencil(start, mass.dot, inverse, admittance, capacitance, shift)
+
+
+def potentials(driven: Driven, mass: csc_matrix, A: SuperLU, s: complex) -> NDArray:
+    """V of all unknowns for 1 V between high and low, shape (unknown,).
+
+    A: factors of the inner block of K + s M. s: rad/s, real or complex. mass: M in F.
+    """
+    charge = (mass @ driven.potential).astype(type(s))
+    return driven.potential - s * _inverse(driven, mass, A, s)(charge)
+
+
+def _inverse(
+    driven: Driven, mass: csc_matrix, A: SuperLU, s: complex
+) -> Callable[[NDArray], NDArray]:
+    """y to (K + s M)^-1 y, the floating terminals among the unknowns, the driven ones at 0 V."""
     inner, floating = A.shape[0], driven.floating
-    charge = shift * np.asarray(mass @ floating)
+    charge = s * np.asarray(mass @ floating)
     coupling = charge[:inner]
     followed = A.solve(coupling) if coupling.size else coupling
     own = driven.floating_conductance + floating.T @ charge - coupling.T @ followed
 
-    def inverse(y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def inverse(y: NDArray) -> NDArray:
         v = np.zeros_like(y)
         v[:inner] = A.solve(y[:inner])
         if floating.size:
@@ -113,8 +134,4 @@ def shifted(
             v += floating @ U
         return v
 
-    potential = driven.potential - shift * inverse(mass @ driven.potential)
-    start = mass @ potential
-    capacitance = float(potential @ start)
-    admittance = power(potential) + shift * capacitance
-    return Pencil(start, mass.dot, inverse, admittance, capacitance, shift)
+    return inverse

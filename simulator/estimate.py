@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +12,10 @@ LOST_SUSCEPTANCE = 1e-9
 ROUNDINGS = 1000
 SAFETY = 4.0
 WINDOW = 2**0.5
+KRYLOV_SHARE = 1e-2
+"""Of the tolerance: what the real solves of a sweep may leave."""
+Swept = tuple[NDArray[np.complex128], NDArray[np.float64]]
+"""Z in ohm and what the solves leave of relative error, both of shape (interface, frequency)."""
 
 
 def relative_difference(
@@ -51,3 +57,20 @@ def estimated_error(difference: NDArray[np.float64]) -> NDArray[np.float64]:
     """
     at_three = difference.reshape(*difference.shape[:-1], 3, -1)
     return SAFETY * np.sqrt(at_three[..., 0, :] * at_three.max(axis=-2))
+
+
+def checked(
+    sweep: Callable[[NDArray[np.float64], float], list[Swept]],
+    frequency: NDArray[np.float64],
+    rtol: float,
+) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    """Z in ohm, shape (interface, frequency), and its relative errors, shape (2, ...).
+
+    sweep: from frequencies in Hz and a tolerance of the solves to Z and to a finer one. frequency:
+    Hz. rtol: the tolerance asked of Rs and Cp.
+    """
+    around = frequencies_around(frequency)
+    (Z, change), (finer, _) = sweep(around, KRYLOV_SHARE * rtol)
+    off = estimated_error(relative_difference(Z, finer, 2 * np.pi * around))
+    here = np.s_[:, : len(frequency)]
+    return Z[here], off + change[here] + ROUNDING

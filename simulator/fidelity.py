@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from simulator.answer import Answer, Progress, Rung
 from simulator.circuit import Circuit, one_field, two_fields
+from simulator.electrical import electrical, electrical_press, require_plain
 from simulator.estimate import (
     ROUNDING,
     SAFETY,
-    estimated_error,
-    frequencies_around,
+    checked,
     relative_difference,
 )
 from simulator.ladder import Ladder
@@ -30,6 +30,7 @@ from simulator.line import Line
 from simulator.lumped import Lumped, least_left_out
 from simulator.mesh import Resolution
 from simulator.press import Press, Touch
+from simulator.press import require_plain as require_plain_press
 from simulator.reduced import KRYLOV_SHARE as REDUCED_KRYLOV
 from simulator.reduced import ReducedSkin, touched_cells
 from simulator.reduction import pixel_touches, reduce
@@ -37,10 +38,10 @@ from simulator.scene import Scene
 from simulator.separable import Separable
 from simulator.sheet import Sheet
 from simulator.sweeps import InputError, ToleranceError
+from simulator.varied.meshes import meshes
 
 ModelName = Literal["auto", "lumped", "line", "sheet", "reduced"]
 DEFAULT_RTOL = 1e-4
-KRYLOV_SHARE = 1e-2
 GAIN = 0.1
 SEPARABLE_SHARE = 0.3
 """Of the tolerance: the certificate is several times the error."""
@@ -50,7 +51,6 @@ LUMPED = "one R and one C"
 TRAINED = (0.5, 3.0)
 """Factors of capacitance that a reduced model is trained on."""
 ASKED = {"auto": ["line", "lumped", "sheet"], "reduced": ["reduced", "sheet"]}
-FIELDS = {1: "one field", 2: "two fields"}
 
 
 def checked_model(name: str) -> ModelName:
@@ -69,6 +69,7 @@ class Solver:
         if not (np.isfinite(rtol) and rtol > 0):
             raise InputError(f"`rtol` must be finite and > 0, got {rtol}")
         self.scene, self.rtol = scene, rtol
+        self._even = electrical(scene)
         self.model: ModelName = model
         self._sheets: dict[Resolution, Sheet] = {}
 
@@ -101,8 +102,14 @@ class Solver:
             "lumped": self._lumped,
             "sheet": self._elements,
             "reduced": self._reduced,
+            "varied": self._varied,
         }
         asked = ASKED.get(self.model, [self.model])
+        even_press = electrical_press(self.scene, press)
+        if even_press is None:
+            asked = [self._checked_varied(press)]
+        else:
+            press = even_press
         progress = Progress(len(self.scene.interfaces), self.scene.frequencies, self.rtol)
         for name in asked:
             try:
@@ -120,6 +127,18 @@ class Solver:
         lines = [f"press {press}, asked {self.rtol:g}", *answer.told()]
         return "\n  ".join(lines)
 
+    def _checked_varied(self, press: Press) -> str:
+        """The rung of what is not plain; raises InputError where another model is asked for."""
+        if self.model not in ("auto", "sheet"):
+            require_plain(self._even, f"the model {self.model!r}")
+            require_plain_press(press)
+        return "varied"
+
+    def _varied(self, press: Press, progress: Progress) -> None:
+        finer = meshes(self.scene, press, self.rtol)
+        while not progress.done:
+            progress.offer(finer.finer(progress.frequency).rung(progress.frequency, self.rtol))
+
     def _line(self, press: Press, progress: Progress) -> None:
         if isinstance(self._exact_line, str):
             raise InputError(self._exact_line)
@@ -130,7 +149,7 @@ class Solver:
     def _exact_line(self) -> Line | str:
         """The line that the scene is, or why it is none."""
         try:
-            return Line(self.scene)
+            return Line(self._even)
         except InputError as no_line:
             return str(no_line)
 
@@ -153,7 +172,7 @@ class Solver:
         Where even the short line that leaves out least loses too much, the skin is not solved.
         """
         frequency = self.scene.frequencies
-        least = least_left_out(self.scene)
+        least = least_left_out(self._even)
         if least > self.rtol:
             return least
         sheet = self._sheet(self._ladder.resolution(self._first_level, Press(), frequency[-1]))
@@ -173,25 +192,24 @@ class Solver:
 
     def _element_rung(self, level: int, press: Press, frequency: NDArray[np.float64]) -> Rung:
         sheet = self._sheet(self._ladder.resolution(level, press, frequency[-1]))
-        around = frequencies_around(frequency)
-        tolerance = KRYLOV_SHARE * self.rtol
-        (Z, change), (finer, _) = sheet.sweep(press, around, tolerance, sheet.nested, sheet.space)
-        off = estimated_error(relative_difference(Z, finer, 2 * np.pi * around))
-        here = np.s_[:, : len(frequency)]
+        Z, error = checked(
+            lambda f, rtol: sheet.sweep(press, f, rtol, sheet.nested, sheet.space),
+            frequency,
+            self.rtol,
+        )
         answered = replace(sheet.resolution, order=sheet.resolution.order - 1)
-        told = f"2-D elements, {FIELDS[self._circuit.fields]}, {answered}"
-        error = off + change[here] + ROUNDING
-        return Rung(told, sheet.nested.inner, Z[here], error)
+        told = f"2-D elements, {self._circuit.told}, {answered}"
+        return Rung(told, sheet.nested.inner, Z, error)
 
     def _reduced(self, press: Press, progress: Progress) -> None:
         if not all(isinstance(touch, Touch) for touch in press.touches):
             return self._separable(press, progress)
         _check_trained(press)
         skin = self._reduced_skin
-        cells, rises = touched_cells(self.scene, press)
+        cells, rises = touched_cells(self._even, press)
         Z = skin.sweeps(cells, rises, np.array([0, len(cells)]))[0]
         at_most = skin.certificate(cells, rises) + REDUCED_KRYLOV * self.rtol
-        told = f"reduced to {skin.reduced.size} vectors, {FIELDS[skin.reduced.circuit.fields]}"
+        told = f"reduced to {skin.reduced.size} vectors, {skin.reduced.circuit.told}"
         return progress.offer(Rung(told, skin.reduced.size, Z, at_most + skin.reduced.mesh_error))
 
     def _separable(self, press: Press, progress: Progress) -> None:
@@ -201,27 +219,27 @@ class Solver:
 
     @cached_property
     def _reduced_skin(self) -> ReducedSkin:
-        return reduce(self.scene, self.rtol, pixel_touches(self.scene, TRAINED)).skin(None)
+        return reduce(self._even, self.rtol, pixel_touches(self._even, TRAINED)).skin(None)
 
     @cached_property
     def _separable_model(self) -> Separable:
-        return Separable(self.scene, SEPARABLE_SHARE * self.rtol)
+        return Separable(self._even, SEPARABLE_SHARE * self.rtol)
 
     def _sheet(self, resolution: Resolution) -> Sheet:
         """Discretised at a resolution; the oldest are forgotten, for they are large."""
         if resolution not in self._sheets:
             if len(self._sheets) == SHEETS_KEPT:
                 del self._sheets[next(iter(self._sheets))]
-            self._sheets[resolution] = Sheet(self.scene, self._circuit, resolution)
+            self._sheets[resolution] = Sheet(self._even, self._circuit, resolution)
         return self._sheets[resolution]
 
     @cached_property
     def _circuit(self) -> Circuit:
-        return one_field(self.scene) or two_fields(self.scene)
+        return one_field(self._even) or two_fields(self._even)
 
     @cached_property
     def _ladder(self) -> Ladder:
-        return Ladder(self.scene, self._circuit)
+        return Ladder(self._even, self._circuit)
 
 
 def _check_trained(press: Press) -> None:

@@ -15,7 +15,14 @@ from numpy.typing import NDArray
 
 from simulator.cover import disc_fraction, shared
 from simulator.grid import NO_LINES, SAME_EDGE, SAME_LINE, Lines, distinct
-from simulator.press import AnyTouch, Box, Disc, Press, Touch
+from simulator.press import (
+    AnyTouch,
+    Box,
+    Disc,
+    Press,
+    Touch,
+    require_plain,
+)
 from simulator.scene import Scene
 from simulator.sweeps import InputError
 
@@ -42,6 +49,7 @@ def capacitance_map(scene: Scene, press: Press) -> NDArray[np.float64]:
 
     Raises InputError where a touch is not whole pixels; `grid_map` then gives the pixels' means.
     """
+    require_plain(press)
     c = np.full(
         (scene.pixels.rows, scene.pixels.columns), scene.skin.foam.rest_capacitance_per_area
     )
@@ -102,7 +110,8 @@ def pixel_lines(scene: Scene, axis: int) -> NDArray[np.float64]:
 
 
 def patch(scene: Scene, touch: AnyTouch) -> Patch:
-    """The cells that a touch is."""
+    """The cells that a touch is. Raises InputError where it is not plain."""
+    require_plain(Press((touch,)))
     box = touched_box(scene, touch)
     if not isinstance(touch, Disc):
         return Patch(np.array(box[:2]), np.array(box[2:]), np.ones((1, 1)), touch.factor)
@@ -112,7 +121,11 @@ def patch(scene: Scene, touch: AnyTouch) -> Patch:
 
 
 def touched_box(scene: Scene, touch: AnyTouch) -> Box:
-    """The least rectangle around a touch; its sides are pixels' lines where they are the same."""
+    """The least rectangle around a touch; its sides are pixels' lines where they are the same.
+
+    Raises InputError where that is not the touch, nor a disc's.
+    """
+    require_plain(Press((touch,)))
     x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
     if isinstance(touch, Touch):
         row, column = touch.row, touch.column

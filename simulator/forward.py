@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.circuit import one_field
+from simulator.electrical import require_plain
 from simulator.family import weights_of
 from simulator.frequency import REFERENCE, laplace_variable
 from simulator.leads import Leads
@@ -54,8 +55,10 @@ class Forward:
     def __init__(self, scene: Scene, cells_per_pixel: int = 1, rtol: float = 1e-4) -> None:
         """rtol: largest relative error of Rs and Cp at the skin, for factors within REACH.
 
-        cells_per_pixel: along each side; touches that are no pixels are laid on cells.
+        cells_per_pixel: along each side; touches that are no pixels are laid on cells. Raises
+        InputError for a scene that is not plain.
         """
+        require_plain(scene, "a reduced model")
         self.scene, self.rtol, self.cells_per_pixel = scene, rtol, cells_per_pixel
         pixels = scene.pixels
         divided = Pixels(

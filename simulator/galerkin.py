@@ -18,7 +18,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
 from simulator.circuit import Circuit, Drive
-from simulator.driven import Driven, driven_by, shifted, unshifted
+from simulator.driven import Driven, driven_by, potentials, shifted, unshifted
 from simulator.lanczos import Pencil
 from simulator.network import Network
 from simulator.sweeps import ToleranceError
@@ -99,6 +99,17 @@ class Galerkin:
         if shift == 0:
             return unshifted(driven, mass, self._factor)
         return shifted(driven, mass, self._shifted(shift, mass), shift, self._power)
+
+    def potentials(self, mass: csc_matrix, drive: Drive, s: complex) -> NDArray:
+        """V of 1 V between high and low at s in rad/s, real or complex.
+
+        Of all unknowns of the system, 0 where this space has none. mass: M in F.
+        """
+        mass = self.restricted(mass)
+        u = potentials(self.driven(drive), mass, self._shifted(s, mass), s)
+        whole = np.zeros(self._system.pattern.size, dtype=u.dtype)
+        whole[self._rows] = u
+        return whole
 
     def currents(self, u: NDArray, sheets: csc_matrix, films: Films) -> NDArray:
         """K u in A, of inner unknowns. u: V, shape (inner + terminals, k)."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.circuit import one_field
+from simulator.electrical import require_plain
 from simulator.foam import lines, pixel_lines, tile_map
 from simulator.frequency import laplace_variable
 from simulator.press import Press
@@ -25,6 +26,7 @@ class Line:
 
     def __init__(self, scene: Scene) -> None:
         """Raises InputError, saying why, where the scene is no line."""
+        require_plain(scene, "the line")
         circuit = one_field(scene)
         if circuit is None:
             raise InputError(f"{scene.name} is no line: its sheets are not fed in pairs of foils")

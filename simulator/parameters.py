@@ -39,7 +39,7 @@ def own_values(scene: Scene) -> dict[str, float]:
         foam.phase_exponent,
         leads.resistance,
         leads.inductance,
-        leads.stray_capacitance,
+        leads.unguarded,
     )
     return dict.fromkeys(FACTORS, 0.0) | dict(zip(VALUES, values, strict=True))
 

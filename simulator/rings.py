@@ -33,6 +33,11 @@ class Cells:
     across: NDArray[np.float64]
     twist: NDArray[np.float64]
 
+    def some(self, which: NDArray[np.int64] | slice) -> Cells:
+        """Some of the cells, on the same points."""
+        shapes = (self.t, self.along, self.across, self.twist)
+        return Cells(self.p, *(each[:, which] for each in shapes))
+
 
 def rectangles(x: NDArray[np.float64], y: NDArray[np.float64]) -> Cells:
     """The cells between lines, row after row. x, y: ascending, in m."""

@@ -9,7 +9,8 @@ import tomli_w
 from pydantic import ValidationError
 
 from simulator.grid import SAME_LINE
-from simulator.press import Disc, Press, Rectangle, Touch
+from simulator.map_file import with_grids
+from simulator.press import Disc, Polygon, Press, Rectangle, Touch, place_of
 from simulator.scene import Scene
 from simulator.sweeps import InputError
 from simulator.validation import one_line
@@ -43,19 +44,25 @@ def load_scene(name_or_path: str | Path) -> Scene:
 def read_scene(path: Path) -> Scene:
     """The scene in a TOML file; raises InputError as `load_scene` does."""
     try:
-        return parse_scene(path.read_text(encoding="utf-8"), source=str(path))
+        return parse_scene(path.read_text(encoding="utf-8"), str(path), path.parent)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be read: {error}") from error
 
 
-def parse_scene(text: str, source: str) -> Scene:
-    """The scene written in TOML; `source` names it in errors. Raises InputError."""
+def parse_scene(text: str, source: str, folder: Path = Path()) -> Scene:
+    """The scene written in TOML; `source` names it in errors. Raises InputError.
+
+    folder: what the paths of maps and of a mesh are relative to; the maps are read.
+    """
     try:
-        return Scene.model_validate(tomllib.loads(text))
+        tables = with_grids(tomllib.loads(text), folder)
+        return Scene.model_validate(tables, context={"folder": folder})
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{source}: not valid TOML: {error}") from error
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from error
     except ValidationError as error:
         raise InputError(f"{source}: {one_line(error)}") from error
 
@@ -67,11 +74,11 @@ def scene_text(scene: Scene) -> str:
 
 def check_press(press: Press, scene: Scene) -> Press:
     """The same press, if it lies on the scene's skin; raises InputError."""
-    for touch in press.touches:
-        if isinstance(touch, Touch):
-            _check_pixel(touch, press, scene)
+    for place in map(place_of, press.touches):
+        if isinstance(place, Touch):
+            _check_pixel(place, press, scene)
         else:
-            _check_place(touch, press, scene)
+            _check_place(place, press, scene)
     return press
 
 
@@ -86,7 +93,7 @@ def _check_pixel(touch: Touch, press: Press, scene: Scene) -> None:
             )
 
 
-def _check_place(touch: Rectangle | Disc, press: Press, scene: Scene) -> None:
+def _check_place(touch: Rectangle | Disc | Polygon, press: Press, scene: Scene) -> None:
     box, skin = touch.box, scene.skin
     for axis, length, low, high in (
         ("x", skin.length, box.left, box.right),

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.circuit import Circuit, one_field
+from simulator.electrical import require_plain
 from simulator.estimate import relative_difference
 from simulator.frequency import laplace_variable
 from simulator.press import Press
@@ -158,6 +159,7 @@ class Separable:
 
 def _separable_circuit(scene: Scene) -> Circuit:
     """The circuit of one field with all foils driven. Raises InputError, saying why it is none."""
+    require_plain(scene, "a separable model")
     circuit, name = one_field(scene), f"{scene.name} is not separable"
     if circuit is None:
         raise InputError(f"{name}: its sheets are not fed in pairs of foils")

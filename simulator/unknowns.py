@@ -108,6 +108,15 @@ def numbered(
     )
 
 
+def on_cells(unknowns: Unknowns, trial: Trial, u: NDArray) -> NDArray:
+    """Coefficients of each field in each cell, shape (field, function, cell).
+
+    u: of the unknowns, shape (inner + terminals,).
+    """
+    held = np.append(u, 0.0)
+    return held[unknowns.number][:, trial.dofs.element_dofs]
+
+
 def _degree(dofs: Dofs) -> NDArray[np.int64]:
     degree = np.ones(dofs.N, dtype=np.int64)
     along_edge = np.asarray(dofs.facet_dofs)

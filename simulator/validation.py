@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, Strict, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, Strict, ValidationError
 
 Number = Annotated[float, Strict()]
 """A number as TOML has it: neither text nor true or false."""
@@ -46,6 +46,28 @@ def single_line(text: str) -> str:
 def whole_within_rounding(fraction: float) -> float:
     """0 or 1 for a fraction that misses them by no more than rounding does, such as 10 x 0.1."""
     return float(round(fraction)) if abs(fraction - round(fraction)) < 1e-9 else fraction
+
+
+def by_kind(*kinds: type[BaseModel], elsewhere: str = "") -> BeforeValidator:
+    """Takes a table for the one of `kinds` that its key `kind` names.
+
+    elsewhere: a further kind that there is, but not here; only told of.
+    """
+    known = {each.model_fields["kind"].default: each for each in kinds}
+    names = ", ".join([*known, elsewhere] if elsewhere else known)
+
+    def validate(given: object) -> object:
+        if isinstance(given, kinds):
+            return given
+        named = given.get("kind") if isinstance(given, dict) else given
+        if not (isinstance(given, dict) and isinstance(named, str) and named in known):
+            raise ValueError(f"must be a table whose kind is one of {names}, got {named!r}")
+        try:
+            return known[named].model_validate(given)
+        except ValidationError as error:
+            raise ValueError(one_line(error)) from error
+
+    return BeforeValidator(validate)
 
 
 def one_line(error: ValidationError) -> str:

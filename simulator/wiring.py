@@ -5,7 +5,13 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
+
+from simulator.contour import check_edge, section
+from simulator.mesh_file import foil_lines, read_surface
 
 if TYPE_CHECKING:
     from simulator.scene import Contact, Scene, Skin
@@ -16,6 +22,9 @@ LEAST_GAP = 5e-6
 
 def touch(first: Contact, second: Contact, skin: Skin) -> bool:
     """Whether two foils of one electrode meet end to end: on one edge, or at a corner."""
+    if skin.mesh is not None:
+        a, b = _lines(first, skin), _lines(second, skin)
+        return first.electrode == second.electrode and len(np.intersect1d(a, b)) > 0
     return any(touch_at(end, first, second, skin) for end in first.ends(skin))
 
 
@@ -45,10 +54,13 @@ def check_wiring(scene: Scene) -> None:
     """Raise ValueError for names that repeat or do not exist, foils that overlap, and shorts."""
     _check_distinct("contact", [contact.name for contact in scene.contacts])
     _check_distinct("interface", [interface.name for interface in scene.interfaces])
+    if scene.skin.mesh is not None and not Path(scene.skin.mesh).exists():
+        return  # told where the mesh is needed; sweeps are read without it
+    _check_edges(scene.contacts, scene.skin)
     for first, second in itertools.combinations(scene.contacts, 2):
-        if _overlap(first, second):
+        if _overlap(first, second, scene.skin):
             raise ValueError(f"contacts {first.name!r} and {second.name!r} overlap")
-        if _nearly_touch(first, second, scene.skin):
+        if scene.skin.mesh is None and _nearly_touch(first, second, scene.skin):
             raise ValueError(
                 f"contacts {first.name!r} and {second.name!r} must touch, or end at least "
                 f"{LEAST_GAP:g} of the skin's longer side apart"
@@ -85,9 +97,32 @@ def _nearly_touch(first: Contact, second: Contact, skin: Skin) -> bool:
     )
 
 
-def _overlap(first: Contact, second: Contact) -> bool:
-    return (
-        (first.electrode, first.edge) == (second.electrode, second.edge)
-        and first.span[0] < second.span[1]
-        and second.span[0] < first.span[1]
-    )
+def _overlap(first: Contact, second: Contact, skin: Skin) -> bool:
+    if first.electrode != second.electrode:
+        return False
+    if skin.mesh is not None:
+        both = np.concatenate([_lines(first, skin), _lines(second, skin)], axis=1)
+        return np.unique(both, axis=1).shape[1] < both.shape[1]
+    a, b = section(first, skin), section(second, skin)
+    rounding = 1e-9 * max(skin.length, skin.width)
+    return a.curve == b.curve and min(a.stop, b.stop) - max(a.start, b.start) > rounding
+
+
+def _check_edges(contacts: Sequence[Contact], skin: Skin) -> None:
+    for number, contact in enumerate(contacts):
+        if skin.mesh is None:
+            allowed = check_edge(contact.edge, skin)
+            if allowed is not None:
+                raise ValueError(f"`contact[{number + 1}].edge` {allowed}, got {contact.edge!r}")
+        elif contact.span != (0, 1):
+            raise ValueError(
+                f"`contact[{number + 1}].span` must be [0, 1] on a mesh, got {contact.span}"
+            )
+        else:
+            _lines(contact, skin)
+
+
+def _lines(contact: Contact, skin: Skin) -> np.ndarray:
+    """The facets under a foil on a mesh, shape (2, facet)."""
+    assert skin.mesh is not None
+    return foil_lines(read_surface(skin.mesh), contact.edge, skin.mesh)

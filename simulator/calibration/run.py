@@ -22,6 +22,7 @@ from simulator.calibration.noise import Noise, noise_of, with_noise
 from simulator.calibration.prior import Kind, priors
 from simulator.calibration.problem import Asked
 from simulator.calibration.starts import capacitance_off
+from simulator.electrical import require_plain
 from simulator.parameters import own_values, scene_with
 from simulator.scene import Scene
 
@@ -105,6 +106,7 @@ def calibrate(
     training is the slow part. tell: is told what takes long.
     Raises InputError where sweeps and scene do not fit, ToleranceError where no model holds.
     """
+    require_plain(scene, "a calibration")
     job = _Job(measured(scene, sweeps, options.band, options.session), options, model, tell)
     fit, given_up, noise = job.done()
     told = information(fit)

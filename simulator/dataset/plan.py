@@ -9,6 +9,7 @@ from functools import cached_property
 from hashlib import sha256
 from importlib.metadata import version
 
+from simulator.electrical import require_plain
 from simulator.scene import Scene
 from simulator.scene_file import parse_scene, scene_text
 from simulator.sweeps import InputError
@@ -35,7 +36,11 @@ class Plan:
     block_values: int = 2**17
 
     def __post_init__(self) -> None:
-        """Raises InputError where a number is out of range or a press does not fit the scene."""
+        """Raises InputError where a number is out of range or a press does not fit the scene.
+
+        Also where the scene is not plain.
+        """
+        require_plain(self.scene, "a data set")
         if self.sweeps < 1:
             raise InputError(f"`sweeps` must be >= 1, got {self.sweeps}")
         if not 0 <= self.seed <= MOST_SEED:

@@ -48,6 +48,7 @@ def drawn_skin(
         resistance=scene.leads.resistance + float(drawn.lead_resistance.at(lead)),
         inductance=scene.leads.inductance,
         stray_capacitance=scene.leads.stray_capacitance + float(drawn.stray_capacitance.at(stray)),
+        guard=scene.leads.guard,
     )
     return DrawnSkin(variation, leads)
 

@@ -16,7 +16,7 @@ from scipy.sparse import csc_matrix
 
 from simulator.assembly import EXTRA_ORDER, fill, quadrilateral
 from simulator.circuit import Circuit
-from simulator.estimate import estimated_error, frequencies_around, relative_difference
+from simulator.estimate import Swept, checked
 from simulator.family.pixels import PixelMasses
 from simulator.frequency import laplace_variable
 from simulator.galerkin import Galerkin
@@ -28,7 +28,6 @@ from simulator.sweeps import InputError
 from simulator.system import Films, PixelSystem, build_system, conducting
 from simulator.variation import Variation, mode_values
 
-KRYLOV_SHARE = 1e-2
 MODE_DEGREE = 6
 """Of the polynomial that half a cosine over the skin is in one of its cells."""
 
@@ -62,22 +61,16 @@ class Family:
         """
         loss = (variation or self.scene.skin.foam).loss
         frequency = self.scene.frequencies
-        around = frequencies_around(frequency)
         system = self.system if variation is None else self.varied(variation)
         spaces = self.skin(variation), Galerkin(system, self.circuit, self.order + 1)
-        (Z, change), (finer, _) = (
-            swept(
-                space,
-                self.mass(factors),
-                self.circuit.drives,
-                laplace_variable(around, loss),
-                KRYLOV_SHARE * rtol,
-            )
-            for space in spaces
-        )
-        off = estimated_error(relative_difference(Z, finer, 2 * np.pi * around))
-        here = np.s_[:, : len(frequency)]
-        return Z[here], float((off + change[here]).max())
+        mass, drives = self.mass(factors), self.circuit.drives
+
+        def sweep(around: NDArray[np.float64], tolerance: float) -> list[Swept]:
+            s = laplace_variable(around, loss)
+            return [swept(space, mass, drives, s, tolerance) for space in spaces]
+
+        Z, error = checked(sweep, frequency, rtol)
+        return Z, float(error.max())
 
     def varied(self, variation: Variation) -> PixelSystem:
         """The system of one skin."""

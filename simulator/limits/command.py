@@ -61,12 +61,14 @@ def limits(
 
     With --accuracy: the largest number of pixels for it, by target.
     """
+    from simulator.electrical import plain_scene
     from simulator.limits.position import chosen_touch
     from simulator.limits.survey import Question, with_interfaces, with_sheets
     from simulator.progress import on_terminal
     from simulator.scene_file import load_scene
 
-    loaded = with_interfaces(load_scene(scene), interface or [])
+    plain = plain_scene(load_scene(scene), "a limit")
+    loaded = with_interfaces(plain, interface or [])
     check_numbers(draws=draws, against_rest=against_rest, seed=seed, n=n)
     touch = chosen_touch(loaded, None if size is None else 1e-3 * size, factor)
     question = Question(touch, against_rest, unknown_skin)

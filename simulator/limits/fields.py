@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from simulator.circuit import Drive, one_field, two_fields
+from simulator.electrical import require_plain
 from simulator.family import Family
 from simulator.frequency import REFERENCE, laplace_variable
 from simulator.ladder import Ladder
@@ -50,6 +51,7 @@ class Fields:
         divided = scene.model_copy(
             update={"pixels": Pixels(rows=self.grid[0], columns=self.grid[1])}
         )
+        require_plain(scene, "a limit")
         self._circuit = one_field(divided) or two_fields(divided)
         ladder = Ladder(divided, self._circuit)
         resolution = ladder.resolution(ladder.first(RTOL), Press(), highest)
@@ -153,7 +155,7 @@ class Fields:
     ) -> Answer:
         """From admittance at the skin to impedance behind the leads."""
         leads, omega = self.scene.leads, 2j * np.pi * frequency
-        seen = -((Z / (1 + omega * leads.stray_capacitance * Z)) ** 2)
+        seen = -((Z / (1 + omega * leads.unguarded * Z)) ** 2)
         found = {name: seen * slope for name, slope in by.items()}
         found |= {"lead_resistance": np.ones_like(Z), "stray_capacitance": omega * seen}
         return Answer(leads.seen_through(Z, frequency).astype(np.complex128), found)

@@ -52,6 +52,7 @@ def frequencies(
     from rich.console import Console
 
     from simulator.limits.criteria import checked_criterion
+    from simulator.electrical import plain_scene
     from simulator.limits.design import check_design, design
     from simulator.limits.position import chosen_touch
     from simulator.limits.sets import parse_band
@@ -59,7 +60,8 @@ def frequencies(
     from simulator.progress import on_terminal
     from simulator.scene_file import load_scene
 
-    loaded = with_interfaces(load_scene(scene), interface or [])
+    plain = plain_scene(load_scene(scene), "a limit")
+    loaded = with_interfaces(plain, interface or [])
     check_numbers(against_rest=against_rest)
     check_design(n, grid, repeats)
     with on_terminal() as track:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.circuit import Circuit, Drive, one_field, two_fields
+from simulator.electrical import require_plain
 from simulator.estimate import relative_difference
 from simulator.family import Family
 from simulator.frequency import laplace_variable
@@ -69,8 +70,10 @@ def reduce(
 
     draw: of what the model is trained on, by default one or two touched pixels. modes: of each
     sheet's conductance, see `variation.WAVES`. alike: whether both sheets vary in the same way, so
-    that one field may serve. Raises ToleranceError where mesh or basis do not get there.
+    that one field may serve. Raises InputError for a scene that is not plain, ToleranceError where
+    mesh or basis do not get there.
     """
+    require_plain(scene, "a reduced model")
     draw = draw or pixel_touches(scene)
     circuit = (one_field(scene) if alike else None) or two_fields(scene)
     random = np.random.default_rng(seed)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from simulator.electrical import plain_scene
 from simulator.progress import Track
 from simulator.scene import Scene
 from simulator.scene_file import scene_text
@@ -41,7 +42,8 @@ def scenes_of(table: Mapping[str, Any], axes: Sequence[Axis], trial: Trial) -> l
     """The scene at every point, the last axis varying fastest; raises InputError for a bad one."""
     scenes = []
     for values in itertools.product(*(axis.values for axis in axes)):
-        scene = with_values(table, dict(zip((axis.key for axis in axes), values, strict=True)))
+        given = dict(zip((axis.key for axis in axes), values, strict=True))
+        scene = plain_scene(with_values(table, given), "a study")
         trial.check(scene)
         scenes.append(scene)
     return scenes

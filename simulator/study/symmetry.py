@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from simulator.scene import Contact, Edge, Scene
+from simulator.scene import Contact, Scene
 
 Pixel = tuple[int, int]
 """(row, column), counted from 1; (0, 0) is the skin at rest."""
 AT_REST: Pixel = (0, 0)
-ACROSS_ROWS: dict[Edge, Edge] = {"bottom": "top", "top": "bottom", "left": "left", "right": "right"}
-ACROSS_COLUMNS: dict[Edge, Edge] = {
+ACROSS_ROWS: dict[str, str] = {"bottom": "top", "top": "bottom", "left": "left", "right": "right"}
+ACROSS_COLUMNS: dict[str, str] = {
     "left": "right",
     "right": "left",
     "bottom": "bottom",
@@ -41,7 +41,7 @@ def representative(scene: Scene) -> Callable[[Pixel], Pixel]:
     return of
 
 
-def _unchanged(scene: Scene, mirrored: dict[Edge, Edge]) -> bool:
+def _unchanged(scene: Scene, mirrored: dict[str, str]) -> bool:
     """Whether every foil has a mirror image, and every interface connects the images alike."""
     names = {_described(contact): contact.name for contact in scene.contacts}
     images = {
@@ -54,7 +54,7 @@ def _unchanged(scene: Scene, mirrored: dict[Edge, Edge]) -> bool:
     )
 
 
-def _image(contact: Contact, mirrored: dict[Edge, Edge]) -> Contact:
+def _image(contact: Contact, mirrored: dict[str, str]) -> Contact:
     runs_across = mirrored[contact.edge] == contact.edge
     low, high = contact.span
     span = (1 - high, 1 - low) if runs_across else contact.span

@@ -76,6 +76,8 @@ def test_a_volt_between_the_sheets_charges_the_whole_capacitance(random, data, o
     circuit, skin = two_fields(scene), scene.skin
     system = build_system(scene, circuit, Resolution(order))
     c = capacitance_map(scene, data.draw(random.presses(scene)))
-    volt = np.append(system.unknowns.one[:, 0], [terminal.field == 0 for terminal in circuit.terminals])
+    volt = np.append(
+        system.unknowns.one[:, 0], [terminal.field == 0 for terminal in circuit.terminals]
+    )
     charge = volt @ (system.mass(c) @ volt)
     assert charge == pytest.approx(c.mean() * skin.length * skin.width, rel=1e-12)

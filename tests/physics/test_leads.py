@@ -6,6 +6,7 @@ import pytest
 from simulator.estimate import relative_difference
 from simulator.fidelity import Solver
 from simulator.leads import Leads
+from simulator.parameters import leads_of, own_values, scene_with
 from simulator.press import Press, parse_press
 
 LEADS = Leads(resistance=300.0, inductance=2e-3, stray_capacitance=6e-12)
@@ -52,3 +53,22 @@ def test_ideal_leads_change_no_bit(make_scene):
     plain, led = Solver(scene).solve(press), Solver(behind(scene, Leads())).solve(press)
     np.testing.assert_array_equal(plain.Z, led.Z)
     np.testing.assert_array_equal(plain.Rs_error, led.Rs_error)
+
+
+@pytest.mark.parametrize("guard", [0.0, 0.4, 1.0])
+def test_a_guard_keeps_its_part_of_the_stray_capacitance_from_the_meter(make_scene, guard):
+    """Wherever leads enter: solved as they stand, and as parameters of a reduced model."""
+    scene = make_scene(rows=1, columns=2, frequencies=FREQUENCIES)
+    guarded = behind(scene, LEADS.model_copy(update={"guard": guard}))
+    left = LEADS.model_copy(update={"stray_capacitance": (1 - guard) * LEADS.stray_capacitance})
+    press = parse_press("1,2", 2.0)
+    one, other = (Solver(each).solve(press) for each in (guarded, behind(scene, left)))
+    np.testing.assert_allclose(one.Z, other.Z, rtol=1e-14)
+    np.testing.assert_allclose(one.Cp_error, other.Cp_error, rtol=1e-9)
+    assert leads_of(own_values(guarded)).unguarded == pytest.approx(left.stray_capacitance)
+    assert scene_with(guarded, {}).leads.unguarded == pytest.approx(left.stray_capacitance)
+
+
+def test_a_perfect_guard_alone_leaves_ideal_leads():
+    assert Leads(stray_capacitance=1e-12, guard=1.0).ideal
+    assert not Leads(stray_capacitance=1e-12, guard=0.9).ideal

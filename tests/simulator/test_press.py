@@ -22,7 +22,7 @@ presses = st.builds(
 
 @given(press=presses)
 def test_a_press_is_read_back_as_it_was_written(press):
-    assert parse_press(str(press), default_factor=2.0) == press
+    assert parse_press(str(press), default=2.0) == press
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ def test_a_press_is_read_back_as_it_was_written(press):
     ],
 )
 def test_syntax(text, expected):
-    press = parse_press(text, default_factor=1.5)
+    press = parse_press(text, default=1.5)
     assert [(t.row, t.column, t.factor) for t in press.touches] == expected
 
 
@@ -54,7 +54,7 @@ def test_syntax(text, expected):
     ],
 )
 def test_syntax_of_places(text, expected):
-    assert parse_press(text, default_factor=1.5).touches == expected
+    assert parse_press(text, default=1.5).touches == expected
 
 
 @pytest.mark.parametrize(
@@ -89,7 +89,7 @@ def test_syntax_of_places(text, expected):
 )
 def test_bad_syntax_is_told(text, told):
     with pytest.raises(InputError) as error:
-        parse_press(text, default_factor=2.0)
+        parse_press(text, default=2.0)
     assert str(error.value).startswith(f"press {text!r}: ")
     assert told in str(error.value)
 

@@ -1,0 +1,138 @@
+"""gmsh, asked for the triangles of a plane drawing: silent, on one thread, the same each time."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.domain.spacing import spacings
+from simulator.sweeps import InputError
+
+EXTENT = 1024.0
+"""Of a drawing as gmsh sees it, at most: its tolerances are absolute."""
+GROWTH = 1.0
+"""Rise of the length of edges with the distance from where they are short."""
+STEPS = 2
+"""Lengths of edges told apart within a factor of 2."""
+OPTIONS = {
+    "General.Terminal": 0,
+    "General.Verbosity": 0,
+    "General.NumThreads": 1,
+    "Mesh.Algorithm": 6,
+    "Mesh.LcIntegrationPrecision": 1e-3,
+    "Mesh.RandomSeed": 1,
+    "Mesh.MeshSizeFromPoints": 0,
+    "Mesh.MeshSizeExtendFromBoundary": 0,
+    "Mesh.MeshSizeMin": 0,
+}
+
+Points = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+
+class Meshed(NamedTuple):
+    """Points in m, shape (2, point); triangles, shape (3, triangle), and the edges along pieces of
+    the drawing, shape (2, line), by numbers of points; the piece of each line, shape (line,)."""
+
+    p: Points
+    t: Numbers
+    lines: Numbers
+    piece: Numbers
+
+
+def meshed(points: Points, pieces: Numbers, curve: Numbers, size: float) -> Meshed:
+    """Triangles with edges of at most about `size` [m] that conform to every piece of a drawing.
+
+    points: m, shape (point, 2). pieces: numbers of their ends, shape (piece, 2), in order along
+    each closed curve that bounds the drawing. curve: that which a piece is part of, 0 around it and
+    1, 2, ... around holes, -1 inside, shape (piece,).
+    """
+    scale = 2.0 ** np.floor(np.log2(EXTENT / np.ptp(points, axis=0).max()))
+    with _gmsh() as gmsh:
+        _draw(gmsh, points * scale, pieces, curve)
+        _set_sizes(gmsh, points * scale, pieces, size * scale)
+        gmsh.model.mesh.generate(2)
+        return _read(gmsh, len(pieces), scale)
+
+
+@contextlib.contextmanager
+def _gmsh() -> Iterator[Any]:
+    try:
+        import gmsh
+    except (ImportError, OSError) as error:
+        raise InputError(
+            f"skins with an outline are meshed by gmsh, whose library cannot be loaded: {error}"
+        ) from error
+    started = not gmsh.isInitialized()
+    if started:
+        gmsh.initialize([], readConfigFiles=False, interruptible=False)
+    before = {name: gmsh.option.getNumber(name) for name in OPTIONS}
+    try:
+        for name, value in OPTIONS.items():
+            gmsh.option.setNumber(name, value)
+        gmsh.model.add("skin")
+        yield gmsh
+    finally:
+        if started:
+            gmsh.finalize()
+        else:
+            gmsh.model.remove()
+            for name, value in before.items():
+                gmsh.option.setNumber(name, value)
+
+
+def _draw(gmsh: Any, points: Points, pieces: Numbers, curve: Numbers) -> None:
+    """Piece number i becomes gmsh's curve i + 1."""
+    geo = gmsh.model.geo
+    for number in np.unique(pieces).tolist():
+        geo.addPoint(*points[number].tolist(), 0.0, 0.0, number + 1)
+    for number, (start, stop) in enumerate(pieces.tolist()):
+        geo.addLine(start + 1, stop + 1, number + 1)
+    count = int(curve.max()) + 1
+    for number in range(count):
+        geo.addCurveLoop((np.flatnonzero(curve == number) + 1).tolist(), number + 1)
+    geo.addPlaneSurface(list(range(1, count + 1)), 1)
+    geo.synchronize()
+    gmsh.model.mesh.embed(1, (np.flatnonzero(curve < 0) + 1).tolist(), 2, 1)
+
+
+def _set_sizes(gmsh: Any, points: Points, pieces: Numbers, size: float) -> None:
+    """By steps: edges of size / 2^(k / STEPS) where that or less is asked for, longer elsewhere."""
+    places, sizes = spacings(points, pieces)
+    step = np.floor(STEPS * np.log2(size / np.minimum(sizes, size))).astype(int)
+    field = gmsh.model.mesh.field
+    thresholds = []
+    for k in np.unique(step[step > 0]).tolist():
+        there = [gmsh.model.geo.addPoint(*at, 0.0) for at in places[step == k].tolist()]
+        near, short = field.add("Distance"), size / 2 ** (k / STEPS)
+        field.setNumbers(near, "PointsList", there)
+        rise = {"SizeMin": short, "DistMin": short, "DistMax": short + (size - short) / GROWTH}
+        thresholds.append(field.add("Threshold"))
+        for name, value in {"InField": near, "SizeMax": size, **rise}.items():
+            field.setNumber(thresholds[-1], name, value)
+    gmsh.model.geo.synchronize()
+    least = field.add("Min")
+    field.setNumbers(least, "FieldsList", thresholds)
+    field.setAsBackgroundMesh(least)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+
+
+def _read(gmsh: Any, count: int, scale: float) -> Meshed:
+    tags, positions, _ = gmsh.model.mesh.getNodes()
+    t = gmsh.model.mesh.getElementsByType(2)[1].astype(np.int64).reshape(-1, 3).T
+    of_piece = [
+        gmsh.model.mesh.getElementsByType(1, number + 1)[1].astype(np.int64).reshape(-1, 2).T
+        for number in range(count)
+    ]
+    used = np.unique(t)
+    number = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
+    number[used] = np.arange(len(used))
+    at = np.empty((2, number.size))
+    at[:, tags.astype(np.int64)] = positions.reshape(-1, 3).T[:2] / scale
+    lines = np.concatenate(of_piece, axis=1)
+    piece = np.repeat(np.arange(count), [part.shape[1] for part in of_piece])
+    return Meshed(at[:, used], number[t], number[lines], piece)

@@ -1,0 +1,36 @@
+"""Edges and facets of triangles by numbers of points, and what becomes of them when cut."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Numbers = NDArray[np.int64]
+
+
+def edges_of(t: Numbers) -> tuple[Numbers, Numbers]:
+    """The edges of triangles by numbers of points, ascending, shape (2, edge); and which three each
+    has, from its corner 0 to 1, 1 to 2 and 2 to 0, shape (3, triangle)."""
+    pairs = np.sort([t[[0, 1]], t[[1, 2]], t[[2, 0]]], axis=1)
+    low, high = pairs[:, 0].ravel(), pairs[:, 1].ravel()
+    base = int(t.max()) + 1
+    keys, number = np.unique(low * base + high, return_inverse=True)
+    return np.stack([keys // base, keys % base]), number.reshape(3, -1)
+
+
+def edge_numbers(lines: Numbers, edges: Numbers) -> Numbers:
+    """The number among `edges` of each line, -1 for lines that are none, shape (line,)."""
+    base = int(max(edges.max(), lines.max(initial=0))) + 1
+    keys, asked = edges[0] * base + edges[1], lines[0] * base + lines[1]
+    number = np.minimum(np.searchsorted(keys, asked), len(keys) - 1)
+    return np.where(keys[number] == asked, number, -1)
+
+
+def halves(lines: Numbers, edges: Numbers, new: Numbers) -> Numbers:
+    """Lines along edges, those in two that have a new point on them; ascending in each column.
+
+    new: points on `edges`, -1 where there is none, each numbered after all that were there.
+    """
+    point = new[edge_numbers(lines, edges)]
+    cut, whole, point = lines[:, point >= 0], lines[:, point < 0], point[point >= 0]
+    return np.concatenate([whole, np.stack([cut[0], point]), np.stack([cut[1], point])], axis=1)

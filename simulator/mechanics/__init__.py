@@ -1,0 +1,74 @@
+"""From depth or force of a press to the foam's strain and the factor on its capacitance.
+
+Electrode skins of tension T lie on foam of thickness d as on an elastic foundation (a Winkler
+foundation with a Pasternak layer): div(T grad w) = p(w/d). Rigid flat applicators hold them at
+their depth; beside these the deflection falls off over the length sqrt(T d / E).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.domain.region import corners
+from simulator.foam_properties import Mechanics
+from simulator.mechanics.limit import check_depths, check_reached
+from simulator.mechanics.pressed import Pressed
+from simulator.mechanics.stamps import stamped
+from simulator.press import Press
+from simulator.scene import Scene
+from simulator.sweeps import InputError
+
+__all__ = ["Pressed", "pressed"]
+
+
+def pressed(scene: Scene, press: Press, rtol: float) -> Pressed:
+    """What the touches of given depth or force do, the factor within `rtol` relatively, anywhere.
+
+    Raises InputError where the scene has no mechanics of the foam, or cannot give way so far, and
+    ToleranceError where `rtol` is out of reach.
+    """
+    touches = press.indented
+    if not touches:
+        return Pressed(None, 1.0, _flat, (), (), 0.0, (), press)
+    mechanics, thickness = _foam(scene, press)
+    check_depths(press, mechanics, thickness)
+    kinks = tuple(_closed(corners(scene, touch.place)) for touch in touches)
+    if not mechanics.tension:
+        return stamped(scene, press, mechanics, thickness, kinks)
+    return _spread(scene, press, mechanics, thickness, kinks, rtol)
+
+
+def _spread(
+    scene: Scene,
+    press: Press,
+    mechanics: Mechanics,
+    thickness: float,
+    kinks: tuple[NDArray[np.float64], ...],
+    rtol: float,
+) -> Pressed:
+    from simulator.mechanics.adaptive import solved
+    from simulator.mechanics.ground import ground
+
+    at_first = ground(scene, [touch.place for touch in press.indented])
+    found = solved(press, at_first, mechanics, thickness, rtol)
+    depth, force = tuple(found.rest.depth.tolist()), tuple(found.rest.force.tolist())
+    check_reached(press, depth, mechanics, thickness)
+    return Pressed(mechanics, thickness, found.surface, depth, force, found.error, kinks, None)
+
+
+def _flat(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.zeros(x.shape[1:])
+
+
+def _closed(polygon: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.vstack([polygon, polygon[:1]])
+
+
+def _foam(scene: Scene, press: Press) -> tuple[Mechanics, float]:
+    foam = scene.skin.foam
+    if foam.mechanics is None or foam.thickness is None:
+        raise InputError(
+            f"press {press}: depth and force need the table skin.foam.mechanics in {scene.name}"
+        )
+    return foam.mechanics, foam.thickness

@@ -1,0 +1,126 @@
+"""The deflection under a press to a tolerance: triangles refined until two meshes agree."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.foam_properties import Mechanics
+from simulator.mechanics.contact import above, deepest, held_by
+from simulator.mechanics.equilibrium import Pushed, Rest, at_rest
+from simulator.mechanics.ground import Ground
+from simulator.mechanics.membrane import ELEMENT, Membrane
+from simulator.mechanics.surface import Surface
+from simulator.mechanics.tail import tails
+from simulator.press import Depth, Press
+from simulator.sweeps import InputError
+from simulator.sweeps.errors import ToleranceError
+
+SAFETY = 4.0
+"""Error of the factor over what the highest order alone holds of it, at most."""
+SHRINKS = 2 ** (-2 / 3)
+"""The error at the corner of a square, where w grows like r^(2/3), as its triangles are halved."""
+MOST_AT_ONCE = 8
+MOST_TRIANGLES = 200_000
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A deflection, where and how what holds it pushes, and the relative error of the factor."""
+
+    surface: Surface
+    rest: Rest
+    error: float
+
+
+@dataclass(frozen=True)
+class _Level:
+    ground: Ground
+    membrane: Membrane
+    held: NDArray[np.int64]
+    rest: Rest
+
+    @property
+    def surface(self) -> Surface:
+        """Its deflection anywhere."""
+        return Surface(ELEMENT, self.ground.mesh.p, self.membrane.nodes, self.rest.w)
+
+
+def solved(
+    press: Press, ground: Ground, mechanics: Mechanics, thickness: float, rtol: float
+) -> Solved:
+    """The deflection by a press's applicators, within `rtol` of the factor anywhere.
+
+    Raises InputError where one of given force meets another, ToleranceError where `rtol` is out of
+    reach.
+    """
+    pushed = _pushed(press)
+    _check_apart(press, ground, pushed)
+    return _Pressing(mechanics, thickness, pushed).solved(ground, rtol)
+
+
+@dataclass(frozen=True)
+class _Pressing:
+    """Applicators pushed into foam with these mechanics and thickness [m]."""
+
+    mechanics: Mechanics
+    thickness: float
+    pushed: Pushed
+
+    def solved(self, ground: Ground, rtol: float) -> Solved:
+        """Refined until the factor is within `rtol`."""
+        level = self._level(ground)
+        while True:
+            found = SAFETY * self._relative(level)
+            if not (found > rtol).any():
+                return Solved(level.surface, level.rest, float(found.max()))
+            ground = level.ground.refined(found > rtol)
+            worst = found[level.ground.cornered].max(initial=0.0)
+            for _ in range(_times(worst / rtol)):
+                ground = ground.refined(ground.cornered)
+            level = self._level(ground, level.surface)
+
+    def _level(self, ground: Ground, start: Surface | None = None) -> _Level:
+        if ground.mesh.nelements > MOST_TRIANGLES:
+            raise ToleranceError(f"the press needs more than {MOST_TRIANGLES} triangles")
+        tension = self.mechanics.tension
+        membrane = Membrane(ground.mesh, tension, self.thickness, self.mechanics.elastic)
+        under = above(membrane.nodes, len(membrane.places.T), ground.covered)
+        held = held_by(membrane, tension, deepest(under, self.pushed), self.pushed)
+        first = np.zeros(len(held)) if start is None else start(membrane.places)
+        return _Level(ground, membrane, held, at_rest(membrane, held, self.pushed, first))
+
+    def _relative(self, level: _Level) -> NDArray[np.float64]:
+        """Tails as relative changes of the factor, shape (triangle,)."""
+        found = tails(level.membrane, level.rest.w)
+        strain = level.rest.w[level.membrane.nodes].max(axis=0) / self.thickness
+        return found / self.thickness * self.mechanics.gain(strain)
+
+
+def _times(excess: float) -> int:
+    """How often more to halve triangles at corners that exceed the target by so much."""
+    if excess <= 1:
+        return 0
+    return min(MOST_AT_ONCE, math.ceil(math.log(excess) / -math.log(SHRINKS)) - 1)
+
+
+def _pushed(press: Press) -> Pushed:
+    by = [touch.by for touch in press.indented]
+    depth = [each.value if isinstance(each, Depth) else np.nan for each in by]
+    force = [np.nan if isinstance(each, Depth) else each.value for each in by]
+    return Pushed(np.array(depth), np.array(force))
+
+
+def _check_apart(press: Press, ground: Ground, pushed: Pushed) -> None:
+    t = ground.domain.t
+    under = above(t, int(t.max()) + 1, ground.covered)
+    for each in pushed.by_force:
+        others = np.delete(under, each, axis=0)
+        if (under[each] & others).any():
+            raise InputError(
+                f"press {press}: touches of a given force must lie apart from the others; "
+                "join those that meet in one poly with the sum of their forces"
+            )

@@ -1,0 +1,80 @@
+"""Triangles of the skin that conform to applicators, and which of these lie on each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+from skfem import MeshTri
+
+from simulator.domain import Domain, domain, refined
+from simulator.domain.region import corners
+from simulator.press import Disc, Place, Press, Touch
+from simulator.scene import Scene
+from simulator.sweeps import InputError
+
+COARSEST = 8
+"""Triangles along the longer side of the skin, before any are refined."""
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The skin under applicators.
+
+    pixel: (applicator,) number of the pixel that it is, -1 where it is one of the domain's touches,
+    in order. sharp: (2, corner) corners of applicators, m.
+    """
+
+    domain: Domain
+    pixel: NDArray[np.int64]
+    sharp: NDArray[np.float64]
+
+    @cached_property
+    def mesh(self) -> MeshTri:
+        """As scikit-fem takes it."""
+        return MeshTri(np.ascontiguousarray(self.domain.p), np.ascontiguousarray(self.domain.t))
+
+    @cached_property
+    def covered(self) -> NDArray[np.bool_]:
+        """(applicator, triangle)."""
+        found = self.pixel[:, None] == self.domain.pixel
+        found[self.pixel < 0] = self.domain.covered
+        return found
+
+    @cached_property
+    def cornered(self) -> NDArray[np.bool_]:
+        """(triangle,): those with a corner of an applicator for a point."""
+        if not self.sharp.size:
+            return np.zeros(self.domain.t.shape[1], bool)
+        points = KDTree(self.domain.p.T).query(self.sharp.T)[1]
+        return np.isin(self.domain.t, points).any(axis=0)
+
+    def refined(self, marked: NDArray[np.bool_]) -> Ground:
+        """The same with the marked triangles halved each way."""
+        return replace(self, domain=refined(self.domain, np.flatnonzero(marked)))
+
+
+def ground(scene: Scene, places: Sequence[Place]) -> Ground:
+    """The skin of a scene under applicators of the shapes of `places`.
+
+    Raises InputError where it is no plane.
+    """
+    size = max(scene.skin.length, scene.skin.width) / COARSEST
+    apart = Press(tuple(place for place in places if not isinstance(place, Touch)))
+    found = domain(scene, apart, size)
+    if len(found.p) > 2:
+        raise InputError(
+            f"skin.mesh {scene.skin.mesh}: must lie in a plane for depth and force of a press"
+        )
+    columns = scene.pixels.columns
+    pixel = [(p.row - 1) * columns + p.column - 1 if isinstance(p, Touch) else -1 for p in places]
+    return Ground(found, np.array(pixel), _sharp(scene, places))
+
+
+def _sharp(scene: Scene, places: Sequence[Place]) -> NDArray[np.float64]:
+    angular = [corners(scene, place) for place in places if not isinstance(place, Disc)]
+    return np.concatenate([np.zeros((0, 2)), *angular]).T

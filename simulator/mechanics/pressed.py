@@ -1,0 +1,46 @@
+"""What depth or force of a press does to the skin: deflection, strain, and factor on c."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.foam_properties import Mechanics
+from simulator.press import Press
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """The skin under the touches of a press that have a depth or a force.
+
+    What touches of a given factor add is not in it: they multiply it. thickness: of the foam, m.
+    w: deflection in m at flat positions (2, ...) in m. depth [m], force [N]: of each applicator, in
+    order. error: bound on the relative error of `factor` anywhere. kinks: closed polylines (point,
+    2) in m, the edges of applicators, across which `factor` has a kink, or jumps where `sharp` says
+    so. sharp: where nothing is spread, the same press with factors instead, else None.
+    """
+
+    mechanics: Mechanics | None
+    thickness: float
+    w: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    depth: tuple[float, ...]
+    force: tuple[float, ...]
+    error: float
+    kinks: tuple[NDArray[np.float64], ...]
+    sharp: Press | None
+
+    def deflection(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of the upper electrode towards the lower at flat positions x (2, ...) in m; m, (...)."""
+        return np.clip(self.w(x), 0.0, max(self.depth, default=0.0))
+
+    def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Compressive strain of the foam at flat positions x (2, ...) in m, shape (...)."""
+        return self.deflection(x) / self.thickness
+
+    def factor(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Capacitance over that at rest at flat positions x (2, ...) in m, shape (...)."""
+        strain = self.strain(x)
+        return np.ones_like(strain) if self.mechanics is None else self.mechanics.factor(strain)

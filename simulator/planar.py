@@ -1,0 +1,83 @@
+"""Plane geometry of polygons and segments, in m; points are rows (x, y)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Points = NDArray[np.float64]
+
+
+def regular(x: float, y: float, radius: float, sides: int) -> Points:
+    """The regular polygon of the same area as a disc around (x, y), shape (sides, 2).
+
+    Anticlockwise; the first corner lies at y. Its circumference exceeds the circle's by
+    (pi / sides)² / 6.
+    """
+    angle = 2 * np.pi * np.arange(sides) / sides
+    corner = radius * np.sqrt(2 * np.pi / sides / np.sin(2 * np.pi / sides))
+    return np.stack([x + corner * np.cos(angle), y + corner * np.sin(angle)], axis=1)
+
+
+def area(polygon: Points) -> float:
+    """Area of a simple polygon, m²; negative where it runs clockwise."""
+    x, y = (polygon - polygon[0]).T
+    return float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum() / 2)
+
+
+def sides(polygon: Points) -> Points:
+    """The sides of a closed polygon, in order, shape (side, end, 2)."""
+    return np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1)
+
+
+def inside(polygon: Points, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether positions x, shape (2, ...), lie within a simple polygon, shape (...)."""
+    crossed = np.zeros(np.shape(x)[1:], dtype=bool)
+    for (x0, y0), (x1, y1) in sides(polygon):
+        if y0 != y1:
+            beside = (y0 > x[1]) != (y1 > x[1])
+            crossed ^= beside & (x[0] < x0 + (x[1] - y0) * ((x1 - x0) / (y1 - y0)))
+    return crossed
+
+
+def cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Component across the plane of the product of vectors, last axis (x, y)."""
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def along(points: Points, segments: Points) -> NDArray[np.float64]:
+    """Where on each segment each point's nearest lies, 0..1, shape (point, segment)."""
+    start, run = segments[:, 0], segments[:, 1] - segments[:, 0]
+    offset = points[:, None] - start
+    return np.clip((offset * run).sum(axis=-1) / (run**2).sum(axis=-1), 0, 1)
+
+
+def distance(points: Points, segments: Points) -> NDArray[np.float64]:
+    """From each point to each segment, m, shape (point, segment)."""
+    start, run = segments[:, 0], segments[:, 1] - segments[:, 0]
+    nearest = start + along(points, segments)[..., None] * run
+    return np.linalg.norm(points[:, None] - nearest, axis=-1)
+
+
+def crossings(first: Points, second: Points) -> NDArray[np.float64]:
+    """Where on each of `first` each of `second` crosses it, 0..1; NaN where none does.
+
+    Shape (first, second). Parallel segments do not cross.
+    """
+    run, other = (segments[:, 1] - segments[:, 0] for segments in (first, second))
+    offset = second[None, :, 0] - first[:, None, 0]
+    across = cross(run[:, None], other[None])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = cross(offset, other[None]) / across
+        u = cross(offset, run[:, None]) / across
+    meet = (across != 0) & (t >= 0) & (t <= 1) & (u >= 0) & (u <= 1)
+    return np.where(meet, t, np.nan)
+
+
+def gap(first: ArrayLike, second: ArrayLike) -> NDArray[np.float64]:
+    """Between segments, m, shape (first, second); 0 where they cross."""
+    a, b = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
+    ends_of_a = [distance(a[:, end], b) for end in (0, 1)]
+    ends_of_b = [distance(b[:, end], a).T for end in (0, 1)]
+    apart = np.min([*ends_of_a, *ends_of_b], axis=0)
+    return np.where(np.isnan(crossings(a, b)), apart, 0.0)

@@ -1,0 +1,62 @@
+"""One press on one mesh, in trial functions of two orders: the answer, and what checks it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.answer import Rung
+from simulator.circuit import Circuit
+from simulator.estimate import Swept, checked
+from simulator.frequency import Loss, laplace_variable
+from simulator.galerkin import Galerkin
+from simulator.sheet import one_blas_thread, swept
+from simulator.unknowns import on_cells
+from simulator.varied.coefficients import Coefficients
+from simulator.varied.elements import Elements
+from simulator.varied.system import PressedSystem
+
+
+@dataclass(frozen=True)
+class Solved:
+    """Trial functions of one order, and the system that their space is taken from."""
+
+    space: Galerkin
+    system: PressedSystem
+    elements: Elements
+
+
+@dataclass(frozen=True)
+class Discretised:
+    """told: the mesh in words. error: relative, of the capacitance where it is pressed."""
+
+    circuit: Circuit
+    loss: Loss
+    coefficients: Coefficients
+    coarse: Solved
+    fine: Solved
+    told: str
+    error: float = 0.0
+
+    def rung(self, frequency: NDArray[np.float64], rtol: float) -> Rung:
+        """The answer at these frequencies in Hz, and its error."""
+
+        def sweep(around: NDArray[np.float64], tolerance: float) -> list[Swept]:
+            s = laplace_variable(around, self.loss)
+            drives = self.circuit.drives
+            with one_blas_thread():
+                return [
+                    swept(each.space, each.system.mass, drives, s, tolerance)
+                    for each in (self.coarse, self.fine)
+                ]
+
+        Z, error = checked(sweep, frequency, rtol)
+        return Rung(self.told, self.coarse.space.inner, Z, error + self.error)
+
+    def coefficients_of(self, solved: Solved, drive: int, s: complex) -> NDArray:
+        """Potentials of 1 V at s in rad/s, real or complex, shape (field, function, cell)."""
+        with one_blas_thread():
+            v = solved.space.potentials(solved.system.mass, self.circuit.drives[drive], s)
+        return on_cells(solved.system.unknowns, solved.elements.trial, v)

@@ -1,0 +1,140 @@
+"""One mesh with trial functions and a rule to integrate with, of quadrilaterals or triangles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem import Element, MeshTri
+
+from simulator.assembly import quadrilateral
+from simulator.domain import Domain
+from simulator.mesh import PixelMesh
+from simulator.quadrature import Rule, Surface, gauss_rule, rule_at, surface, triangle_rule
+from simulator.scene import Contact
+from simulator.unknowns import TRIANGLES, Trial, quadrilateral_trial, triangle_trial
+
+MORE_ON_SQUARES, MORE_ON_TRIANGLES = 6, 4
+"""Degrees of the rules beyond twice the order: for the coefficients."""
+
+
+@dataclass(frozen=True)
+class Elements:
+    """Trial functions on a mesh.
+
+    surface_at: where points of a rule lie, in some of the cells. beside: the cell at each facet
+    and which of its edges that is, shapes (facet,). facets: those under a foil. in_space: of
+    triangles in space their first corners and the two edges from there, m, each of shape (3, cell,
+    1); None in the plane.
+    """
+
+    element: Element
+    order: int
+    trial: Trial
+    rule: Rule
+    surface_at: Callable[[Rule, NDArray[np.int64] | slice], Surface]
+    beside: Callable[[NDArray[np.int64]], tuple[NDArray[np.int64], NDArray[np.int64]]]
+    facets: Callable[[Contact], NDArray[np.int64]]
+    in_space: tuple[NDArray[np.float64], ...] | None = None
+
+    @property
+    def cells(self) -> int:
+        """How many there are."""
+        return self.trial.dofs.element_dofs.shape[1]
+
+    @cached_property
+    def surface(self) -> Surface:
+        """Where the rule's points lie in all cells."""
+        return self.surface_at(self.rule, slice(None))
+
+    def edge_rule(self, edge: int) -> tuple[Rule, NDArray[np.float64]]:
+        """A rule along one edge of the reference cell, and the direction of that edge."""
+        corners = np.asarray(self.element.refdom.p)
+        start, end = (corners[:, k] for k in np.asarray(self.element.refdom.facets)[edge])
+        nodes, weights = np.polynomial.legendre.leggauss(self.order + 1 + MORE_ON_TRIANGLES // 2)
+        points = start[:, None] + (end - start)[:, None] * (nodes + 1) / 2
+        return rule_at(self.element, points, weights / 2), end - start
+
+
+def squares(pixels: PixelMesh, order: int) -> Elements:
+    """Quadrilaterals that conform to pixels."""
+    element = quadrilateral(order)
+
+    def beside(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        return _beside(pixels.mesh.f2t, pixels.mesh.t2f, facets)
+
+    return Elements(
+        element=element,
+        order=order,
+        trial=quadrilateral_trial(pixels.mesh, order),
+        rule=gauss_rule(element, 2 * order + MORE_ON_SQUARES),
+        surface_at=lambda rule, some: surface(pixels.cells.some(some), rule),
+        beside=beside,
+        facets=pixels.facets,
+    )
+
+
+def triangles(domain: Domain, order: int) -> Elements:
+    """Triangles of a domain in the plane or in space, orders 1 to 4."""
+    element = TRIANGLES[order - 1]()
+    mesh = MeshTri(*(np.ascontiguousarray(each) for each in (domain.p[:2], domain.t)), sort_t=False)
+
+    def beside(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        return _beside(mesh.f2t, mesh.t2f, facets)
+
+    return Elements(
+        element=element,
+        order=order,
+        trial=triangle_trial(mesh, order),
+        rule=triangle_rule(element, 2 * order + MORE_ON_TRIANGLES),
+        surface_at=lambda rule, some: flat_triangles(domain.p, domain.t[:, some], rule),
+        beside=beside,
+        facets=lambda contact: numbers_of(mesh, domain.foils[contact.name]),
+        in_space=_edges(domain.p, domain.t) if len(domain.p) == 3 else None,
+    )
+
+
+def flat_triangles(p: NDArray[np.float64], t: NDArray[np.int64], rule: Rule) -> Surface:
+    """Of triangles, x = x0 + a along + b across; in space each has a frame of its own."""
+    origin, along, across = _edges(p, t)
+    a, b = rule.points
+    x = (origin + a * along + b * across)[:2]
+    if len(p) == 3:
+        along, across = _in_their_plane(along, across)
+    every = np.ones_like(a)
+    return Surface(x, along * every, across * every)
+
+
+def _edges(p: NDArray[np.float64], t: NDArray[np.int64]) -> tuple[NDArray[np.float64], ...]:
+    """First corners and the edges from there to the other two, each of shape (dim, cell, 1)."""
+    origin = p[:, t[0]][:, :, None]
+    return origin, *(p[:, t[k]][:, :, None] - origin for k in (1, 2))
+
+
+def numbers_of(mesh: MeshTri, ends: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Numbers of facets given by their two points, ascending, shape (2, facet)."""
+    count = mesh.p.shape[1]
+    keys = np.asarray(mesh.facets, dtype=np.int64)
+    known = keys[0] * count + keys[1]
+    order = np.argsort(known)
+    return order[np.searchsorted(known[order], ends[0] * count + ends[1])]
+
+
+def _beside(
+    f2t: NDArray, t2f: NDArray, facets: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    cell = np.asarray(f2t, dtype=np.int64)[0, facets]
+    return cell, np.argmax(np.asarray(t2f)[:, cell] == facets, axis=0)
+
+
+def _in_their_plane(
+    along: NDArray[np.float64], across: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The same two edges by lengths and angle alone: the first one runs along the frame's first."""
+    length = np.linalg.norm(along, axis=0)
+    shared = (along * across).sum(axis=0) / length
+    height = np.sqrt((across**2).sum(axis=0) - shared**2)
+    return np.stack([length, np.zeros_like(length)]), np.stack([shared, height])

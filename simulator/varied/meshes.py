@@ -1,0 +1,67 @@
+"""Which kind of mesh a press on a skin is solved on, and what mechanics makes of it first."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.circuit import Circuit, one_field, two_fields
+from simulator.electrical import electrical
+from simulator.materials import Materials
+from simulator.press import Press
+from simulator.scene import Scene
+from simulator.sweeps import ToleranceError
+from simulator.varied.discretised import Discretised
+from simulator.varied.squares import Squares
+from simulator.varied.triangles import Triangles
+
+MECHANICS_SHARE = 0.3
+"""Of the tolerance: what the capacitance of a press may be off by."""
+
+
+class Meshes(Protocol):
+    """Discretisations of one press, each finer than the one before."""
+
+    def finer(self, frequency: NDArray[np.float64]) -> Discretised:
+        """The next one, for frequencies in Hz. Raises ToleranceError where there is none."""
+        ...
+
+
+class InTurn:
+    """Quadrilaterals as long as there are finer ones, then triangles."""
+
+    def __init__(self, squares: Squares, triangles: Triangles) -> None:
+        self._kinds: list[Meshes] = [squares, triangles]
+
+    def finer(self, frequency: NDArray[np.float64]) -> Discretised:
+        """As of `Meshes`."""
+        try:
+            return self._kinds[0].finer(frequency)
+        except ToleranceError:
+            if len(self._kinds) == 1:
+                raise
+            del self._kinds[0]
+            return self.finer(frequency)
+
+
+def meshes(scene: Scene, press: Press, rtol: float) -> Meshes:
+    """Those that a scene and a press need: quadrilaterals first wherever they serve."""
+    circuit, rectangular = circuit_of(scene), scene.skin.outline is None and scene.skin.mesh is None
+    if press.indented:
+        from simulator.mechanics import pressed
+
+        found = pressed(scene, press, MECHANICS_SHARE * rtol)
+        return Triangles(scene, circuit, press, rtol, found)
+    triangles = Triangles(scene, circuit, press, rtol)
+    if rectangular and press.plain:
+        return InTurn(Squares(scene, circuit, press, rtol), triangles)
+    return triangles
+
+
+def circuit_of(scene: Scene) -> Circuit:
+    """One field where both sheets and their foils vary alike."""
+    even = electrical(scene)
+    alike = one_field(even) if Materials(scene).alike else None
+    return alike or two_fields(even)

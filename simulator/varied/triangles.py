@@ -1,0 +1,129 @@
+"""Meshes of triangles for any outline, refined where the answer is least certain."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.circuit import Circuit
+from simulator.domain import Domain, domain, refined, sharp_touches
+from simulator.frequency import penetration_depth
+from simulator.galerkin import Galerkin
+from simulator.materials import Materials
+from simulator.press import Press, Touch
+from simulator.scene import Scene
+from simulator.sweeps import ToleranceError
+from simulator.varied.coefficients import Coefficients
+from simulator.varied.discretised import Discretised, Solved
+from simulator.varied.elements import triangles
+from simulator.varied.indicators import indicators, most
+from simulator.varied.system import pressed_system
+
+if TYPE_CHECKING:
+    from simulator.mechanics import Pressed
+
+ORDERS = ((1e-2, 1), (1e-3, 2), (0.0, 3))
+"""From which tolerance on which order of elements answers; one order more checks it."""
+MOST_TRIANGLES = 60_000
+DEPTHS_PER_ORDER = 0.5
+"""Longest edges at foils, of what a polynomial of that order follows at the highest frequency."""
+
+
+class Triangles:
+    """Discretisations of one press, each finer than the one before where it was least certain."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        circuit: Circuit,
+        press: Press,
+        rtol: float,
+        pressed: Pressed | None = None,
+    ) -> None:
+        """pressed: what the touches do that have no factor."""
+        self.scene, self.circuit, self.press = scene, circuit, press.sharp
+        self.pressed = pressed
+        self.materials = Materials(scene)
+        self.order = next(order for least, order in ORDERS if rtol >= least)
+        self._before: Discretised | None = None
+        self._domain: Domain | None = None
+
+    def finer(self, frequency: NDArray[np.float64]) -> Discretised:
+        """The next one, for frequencies in Hz.
+
+        Raises ToleranceError where it would have more than MOST_TRIANGLES.
+        """
+        ends = np.unique(frequency[[0, -1]])
+        if self._before is None or self._domain is None:
+            found = self._first(float(ends[-1]))
+        else:
+            found = refined(self._domain, most(indicators(self._before, ends)))
+        if found.t.shape[1] > MOST_TRIANGLES:
+            raise ToleranceError(f"{found.t.shape[1]} triangles are too many")
+        self._domain = found
+        self._before = self._discretised(found)
+        return self._before
+
+    def _first(self, frequency: float) -> Domain:
+        """The coarsest mesh there is, finer at foils and no coarser than maps vary."""
+        scene, skin = self.scene, self.scene.skin
+        creases = self.pressed.kinks if self.pressed else []
+        pixel = max(side / n for side, n in zip(skin.sides, scene.pixels.shape[::-1], strict=True))
+        size = min(pixel, self.order * self.materials.shortest)
+        found = domain(scene, self.press, size, [*creases, *self._kinks()])
+        sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
+        depth = penetration_depth(
+            frequency, sheets, skin.foam.rest_capacitance_per_area, skin.foam.loss
+        )
+        return _fine_at_foils(found, DEPTHS_PER_ORDER * self.order * depth)
+
+    def _kinks(self) -> list[NDArray[np.float64]]:
+        """The lines at which maps have kinks, m, each of shape (2, 2)."""
+        x, y = self.materials.lines
+        length, width = self.scene.skin.sides
+        across = [np.array([[line, 0.0], [line, width]]) for line in x]
+        return [*across, *(np.array([[0.0, line], [length, line]]) for line in y)]
+
+    def _discretised(self, mesh: Domain) -> Discretised:
+        factors = sharp_factors(self.press, mesh, self.scene.pixels.columns)
+        coefficients = Coefficients(self.materials, factors, self.pressed, self.circuit.fields)
+        coarse, fine = (self._solved(mesh, self.order + more, coefficients) for more in (0, 1))
+        return Discretised(
+            self.circuit,
+            self.scene.skin.foam.loss,
+            coefficients,
+            coarse,
+            fine,
+            f"2-D elements, {self.circuit.told}, {mesh.t.shape[1]} triangles of order {self.order}",
+            self.pressed.error if self.pressed else 0.0,
+        )
+
+    def _solved(self, mesh: Domain, order: int, coefficients: Coefficients) -> Solved:
+        elements = triangles(mesh, order)
+        system = pressed_system(self.circuit, elements, coefficients)
+        return Solved(Galerkin(system, self.circuit, order), system, elements)
+
+
+def sharp_factors(press: Press, mesh: Domain, columns: int) -> NDArray[np.float64]:
+    """c over that at rest in each triangle by touches of a factor, shape (triangle,)."""
+    factors = np.ones(mesh.t.shape[1])
+    for touch in press.touches:
+        if isinstance(touch, Touch):
+            factors[mesh.pixel == (touch.row - 1) * columns + touch.column - 1] *= touch.factor
+    for touch, covered in zip(sharp_touches(press), mesh.covered, strict=True):
+        factors[covered] *= touch.factor
+    return factors
+
+
+def _fine_at_foils(mesh: Domain, longest: float) -> Domain:
+    """With no edge longer than that, m, in triangles that have a point on a foil."""
+    while True:
+        on_foil = np.zeros(mesh.p.shape[1], dtype=bool)
+        for facets in mesh.foils.values():
+            on_foil[facets] = True
+        coarse = np.flatnonzero(on_foil[mesh.t].any(axis=0) & (mesh.lengths > longest))
+        if not coarse.size or mesh.t.shape[1] > MOST_TRIANGLES:
+            return mesh
+        mesh = refined(mesh, coarse)

@@ -1,0 +1,97 @@
+"""From where the skin is looked at, in parallel projection, so that lengths can be read off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pyvista as pv
+
+Real = NDArray[np.float64]
+TILT, TURN = np.radians(26), np.radians(-24)
+"""Of a view from the side: above the horizon's plane, and about the vertical."""
+
+
+@dataclass(frozen=True)
+class Camera:
+    """right, up, towards: unit vectors of the picture and to the eye. low, high: what is in it, m.
+
+    low and high are coordinates (2,) along right and up.
+    """
+
+    right: Real
+    up: Real
+    towards: Real
+    low: Real
+    high: Real
+    above: bool
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        """left, right, bottom, top in mm."""
+        left, bottom, right, top = 1e3 * np.concatenate([self.low, self.high])
+        return left, right, bottom, top
+
+    @property
+    def aspect(self) -> float:
+        """Height over width."""
+        width, height = self.high - self.low
+        return height / width
+
+    def project(self, places: Real) -> Real:
+        """Where places (3, ...) are in the picture, m, (2, ...)."""
+        return np.stack([np.tensordot(axis, places, 1) for axis in (self.right, self.up)])
+
+    def aim(self, plotter: pv.Plotter) -> None:
+        """Point the plotter's camera."""
+        across, height = (self.low + self.high) / 2
+        depth = float(self.towards @ np.array(plotter.bounds).reshape(3, 2).mean(axis=1))
+        focus = across * self.right + height * self.up + depth * self.towards
+        reach = 10 * float(np.max(self.high - self.low))
+        plotter.camera.focal_point = focus
+        plotter.camera.position = focus + reach * self.towards
+        plotter.camera.up = self.up
+        plotter.enable_parallel_projection()
+        plotter.camera.parallel_scale = float(self.high[1] - self.low[1]) / 2
+        plotter.reset_camera_clipping_range()
+
+
+def from_above(places: Real, margin: float) -> Camera:
+    """x to the right, y up. places: (3, n) that must be in the picture, with a margin in m."""
+    return _around(np.eye(3), places, margin, above=True)
+
+
+def from_the_side(places: Real, facing: Real, margin: float) -> Camera:
+    """Along `facing` (3,) but turned and from higher up, y upwards in the picture."""
+    up = np.array([0.0, 1.0, 0.0])
+    front = facing - (facing @ up) * up
+    front = front / np.linalg.norm(front) if np.linalg.norm(front) > 1e-6 else np.eye(3)[2]
+    side = np.cross(up, front)
+    turned = np.cos(TURN) * front + np.sin(TURN) * side
+    towards = np.cos(TILT) * turned + np.sin(TILT) * up
+    return _looking(towards, up, places, margin)
+
+
+def obliquely(places: Real, margin: float) -> Camera:
+    """Down on a skin that lies in the plane z = 0, from its front and right."""
+    up = np.array([0.0, 0.0, 1.0])
+    level = np.array([np.sin(-TURN), -np.cos(TURN), 0.0])
+    towards = np.cos(1.4 * TILT) * level + np.sin(1.4 * TILT) * up
+    return _looking(towards, up, places, margin)
+
+
+def _looking(towards: Real, up: Real, places: Real, margin: float) -> Camera:
+    right = np.cross(up, towards)
+    right /= np.linalg.norm(right)
+    axes = np.stack([right, np.cross(towards, right), towards])
+    return _around(axes, places, margin, above=False)
+
+
+def _around(axes: Real, places: Real, margin: float, above: bool) -> Camera:
+    seen = axes[:2] @ places
+    low, high = seen.min(axis=1) - margin, seen.max(axis=1) + margin
+    return Camera(axes[0], axes[1], axes[2], low, high, above)

@@ -1,0 +1,123 @@
+"""What is drawn on the skin: its foils, its pixels, the places pressed, arrows of current."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from simulator.foam import pixel_lines, touched_box
+from simulator.planar import regular, sides
+from simulator.press import Disc, Polygon, place_of
+from simulator.view.foils import Foil, foils
+
+if TYPE_CHECKING:
+    from simulator.press import AnyTouch, Press
+    from simulator.scene import Interface, Scene
+    from simulator.view.surface import Surface
+
+Real = NDArray[np.float64]
+
+STEPS = 60
+"""Pieces of a line, so that it follows a curved skin."""
+CIRCLE = 120
+ARROWS_ALONG = 16
+"""Arrows along the longer side."""
+FAINTEST = 0.02
+"""Arrows are left out where the current is less, over the largest."""
+
+
+@dataclass(frozen=True)
+class Marks:
+    """Lines (3, n) in space and the foils."""
+
+    foils: tuple[Foil, ...]
+    pixels: tuple[Real, ...]
+    pressed: tuple[Real, ...]
+    rim: tuple[Real, ...]
+
+
+@dataclass(frozen=True)
+class Arrows:
+    """Unit vectors (3, n) along the skin at places (3, n), and how long each is drawn, m."""
+
+    places: Real
+    directions: Real
+    length: float
+
+
+def marks(scene: Scene, press: Press, interface: Interface, skin: Surface) -> Marks:
+    """All that is drawn on the skin besides the field."""
+    grid = [line for flat in pixel_grid(scene) for line in _on_skin(flat, skin)]
+    around = [outline(touch, scene) for touch in press.touches]
+    outlines = [line for flat in around for line in _on_skin(flat, skin)]
+    rim = skin.points[:, skin.rim]
+    return Marks(
+        foils=foils(scene, press, interface, skin),
+        pixels=tuple(grid),
+        pressed=tuple(outlines),
+        rim=tuple(rim.transpose(2, 0, 1)),
+    )
+
+
+def pixel_grid(scene: Scene) -> list[Real]:
+    """The lines between pixels, flat (2, n)."""
+    length, width = scene.skin.length, scene.skin.width
+    upright = [_between((x, 0.0), (x, width)) for x in pixel_lines(scene, 0)[1:-1]]
+    return upright + [_between((0.0, y), (length, y)) for y in pixel_lines(scene, 1)[1:-1]]
+
+
+def outline(touch: AnyTouch, scene: Scene) -> Real:
+    """A closed flat line (2, n) around a touch."""
+    place = place_of(touch)
+    if isinstance(place, Disc):
+        corners = regular(place.x, place.y, place.radius, CIRCLE)
+    elif isinstance(place, Polygon):
+        corners = np.array(place.points)
+    else:
+        left, right, bottom, top = touched_box(scene, place)
+        corners = np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
+    steps = 1 if isinstance(place, Disc) else STEPS
+    return np.hstack([_between(*ends, steps) for ends in sides(corners)])
+
+
+def _between(low: ArrayLike, high: ArrayLike, steps: int = STEPS) -> Real:
+    return np.linspace(low, high, steps + 1).T
+
+
+def _on_skin(flat: Real, skin: Surface) -> list[Real]:
+    """The parts of a flat line that lie on the skin, in space."""
+    middle = skin.x.mean(axis=1, keepdims=True)
+    inside = skin.covers(flat + 1e-6 * (middle - flat))
+    places, _, _ = skin.carry(flat)
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]])))
+    return [places[:, low:high] for low, high in ends.reshape(-1, 2) if high - low > 1]
+
+
+def arrows(skin: Surface, current: Real) -> Arrows:
+    """Arrows along a real current density (2, point), where it is not faint."""
+    spans = np.ptp(skin.x, axis=1)
+    step = spans.max() / ARROWS_ALONG
+    axes = [
+        low + (np.arange(int(span / step)) + 0.5) * span / int(max(span / step, 1))
+        for low, span in zip(skin.x.min(axis=1), spans, strict=True)
+    ]
+    flat = np.stack([axis.ravel() for axis in np.meshgrid(*axes)])
+    flat = flat[:, skin.covers(flat)]
+    strength = _interpolated(skin, flat, current)
+    size = np.hypot(*strength)
+    kept = size > FAINTEST * np.max(np.hypot(*current), initial=0.0)
+    flat, along = flat[:, kept], strength[:, kept] / size[kept]
+    places, normals, _ = skin.carry(flat)
+    ahead, _, _ = skin.carry(flat + 1e-3 * skin.size * along)
+    behind, _, _ = skin.carry(flat - 1e-3 * skin.size * along)
+    directions = (ahead - behind) / np.linalg.norm(ahead - behind, axis=0)
+    return Arrows(places + 2e-3 * skin.size * normals, directions, 0.72 * step)
+
+
+def _interpolated(skin: Surface, flat: Real, values: Real) -> Real:
+    from scipy.interpolate import LinearNDInterpolator
+
+    return LinearNDInterpolator(skin.x.T, values.T)(flat.T).T

@@ -1,0 +1,137 @@
+"""The skin in space by pyvista: field, foils, pixels, pressed places, arrows, foam and mug."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.plot import AT_REST, COLOURS
+from simulator.view.surface import polygons
+from simulator.view.window import off_screen
+
+if TYPE_CHECKING:
+    import pyvista as pv
+
+    from simulator.view.camera import Camera
+    from simulator.view.foils import Foil
+    from simulator.view.marks import Arrows, Marks
+    from simulator.view.shown import Shown
+    from simulator.view.surface import Surface
+
+Real = NDArray[np.float64]
+Image = NDArray[np.uint8]
+
+ROLE_COLOURS = {"high": COLOURS[1], "low": COLOURS[0], "floating": "#5A5A5A"}
+LIFTED = 2e-3
+"""Of the skin's size: how far lines lie above it."""
+BODY, ARROW = "#F2EEE8", "#FFFFFF"
+
+
+@dataclass(frozen=True)
+class Scenery:
+    """Everything in the picture but the field: the marks and what the skin lies on."""
+
+    skin: Surface
+    marks: Marks
+    bodies: tuple[pv.PolyData, ...] = ()
+
+
+def paint(scenery: Scenery, shown: Shown, camera: Camera, pixels: int) -> Image:
+    """The picture (height, width, 3) without any text; `pixels`: along its longer side."""
+    width, height = camera.high - camera.low
+    scale = pixels / max(width, height)
+    with off_screen(round(scale * width), round(scale * height)) as plotter:
+        add_all(plotter, scenery, shown, lit=not camera.above)
+        camera.aim(plotter)
+        image = plotter.screenshot(return_img=True)
+    assert image is not None
+    return np.asarray(image)
+
+
+def add_all(plotter: pv.Plotter, scenery: Scenery, shown: Shown, *, lit: bool) -> None:
+    """Put field and scenery into a plotter. lit: with shades, for shapes in space."""
+    skin, marks = scenery.skin, scenery.marks
+    _add_field(plotter, skin, shown, lit)
+    for body in scenery.bodies:
+        plotter.add_mesh(body, color=BODY, ambient=0.6, diffuse=0.42, smooth_shading=True)
+    for foil in marks.foils:
+        plotter.add_mesh(ribbon(foil), color=ROLE_COLOURS[foil.role], lighting=False)
+    _add_lines(plotter, skin, marks.pixels, "#000000", 1.0, opacity=0.35)
+    _add_lines(plotter, skin, marks.rim, AT_REST, 1.5)
+    _add_lines(plotter, skin, shown.contours, "#FFFFFF", 1.5, opacity=0.8)
+    _add_lines(plotter, skin, marks.pressed, "#FFFFFF", 7.0)
+    _add_lines(plotter, skin, marks.pressed, AT_REST, 3.0)
+    if shown.arrows is not None and shown.arrows.places.size:
+        plotter.add_mesh(arrow_mesh(shown.arrows), color=ARROW, ambient=0.75, diffuse=0.25)
+
+
+def _add_field(plotter: pv.Plotter, skin: Surface, shown: Shown, lit: bool) -> None:
+    mesh = polygons(skin.points, skin.cells)
+    mesh.point_data["shown"] = shown.values
+    mesh.point_data["normals"] = skin.normals.T
+    mesh.point_data.active_normals_name = "normals"
+    plotter.add_mesh(
+        mesh,
+        scalars="shown",
+        cmap=shown.colours,
+        clim=shown.limits,
+        n_colors=256,
+        interpolate_before_map=not shown.cyclic,
+        show_scalar_bar=False,
+        lighting=lit,
+        ambient=0.7,
+        diffuse=0.3,
+    )
+
+
+def ribbon(foil: Foil) -> pv.PolyData:
+    """A foil for pyvista."""
+    corners = foil.quads.reshape(3, -1)
+    cells = np.arange(corners.shape[1]).reshape(4, -1)
+    return polygons(corners, cells)
+
+
+def _add_lines(
+    plotter: pv.Plotter,
+    skin: Surface,
+    lines: Sequence[Real],
+    colour: str,
+    width: float,
+    opacity: float = 1.0,
+) -> None:
+    if not lines:
+        return
+    import pyvista as pv
+
+    points = np.hstack([lifted(line, skin) for line in lines])
+    counts = [line.shape[1] for line in lines]
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    parts = [
+        np.concatenate([[n], np.arange(low, low + n)])
+        for low, n in zip(starts, counts, strict=True)
+    ]
+    mesh = pv.PolyData(np.ascontiguousarray(points.T), lines=np.concatenate(parts))
+    plotter.add_mesh(mesh, color=colour, line_width=width, opacity=opacity, lighting=False)
+
+
+def lifted(line: Real, skin: Surface, times: float = 1.0) -> Real:
+    """A line (3, n) on the skin raised a little above it, to be seen."""
+    nearest = skin.nearest(line)
+    return line + times * LIFTED * skin.size * skin.normals[:, nearest]
+
+
+def arrow_mesh(arrows: Arrows) -> pv.PolyData:
+    """Arrows for pyvista, their middles at their places."""
+    import pyvista as pv
+
+    starts = arrows.places - 0.5 * arrows.length * arrows.directions
+    cloud = pv.PolyData(np.ascontiguousarray(starts.T))
+    cloud.point_data["along"] = arrows.directions.T
+    shape = pv.Arrow(tip_length=0.42, tip_radius=0.17, shaft_radius=0.05, tip_resolution=16)
+    glyphs = cloud.glyph(orient="along", scale=False, factor=arrows.length, geom=shape)
+    assert isinstance(glyphs, pv.PolyData)
+    return glyphs

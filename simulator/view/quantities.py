@@ -1,0 +1,204 @@
+"""What can be shown of the fields, in which unit and colours."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.sweeps import InputError
+
+if TYPE_CHECKING:
+    from simulator.fields import Fields
+
+Real = NDArray[np.float64]
+Scale = Literal["magnitude", "signed", "cyclic"]
+
+COLOUR_MAPS: dict[Scale, str] = {"magnitude": "viridis", "signed": "RdBu_r", "cyclic": "twilight"}
+"""Perceptually uniform, centred on zero, and closed; none needs red told from green."""
+SAME_SHEETS = 1e-3
+"""The sheets' current densities are shown once where they differ by less, over the largest."""
+ALIKE_FRAMES = 10.0
+"""Frames share one scale where their largest values are within so many times of each other."""
+NO_DEFLECTION = 1e-12
+PERCENT_PER_CM2 = 1e2 * 1e-4
+PREFIXES = ("f", "p", "n", "µ", "m", "", "k", "M", "G")
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Something that has a value at every point.
+
+    values: (fields, number of the frequency) -> (point,) in `unit`. sheet: 0 or 1 where arrows of
+    that sheet's current belong to it. everywhere: whether it is the same at all frequencies.
+    prefixed: whether the unit may get a prefix.
+    """
+
+    name: str
+    title: str
+    unit: str
+    scale: Scale
+    values: Callable[[Fields, int], Real]
+    sheet: int | None = None
+    everywhere: bool = False
+    prefixed: bool = False
+
+    def shown_unit(self, highest: float) -> tuple[float, str]:
+        """The factor and the unit in which values of up to `highest` are told."""
+        return prefix(highest, self.unit) if self.prefixed else (1.0, self.unit)
+
+    @property
+    def colours(self) -> str:
+        """The name of its colour map."""
+        return COLOUR_MAPS[self.scale]
+
+
+def prefix(highest: float, unit: str) -> tuple[float, str]:
+    """The factor and the prefixed unit that make `highest` a number from 1 to 1000."""
+    power = math.floor(math.log10(highest) / 3) if highest > 0 else 0
+    power = min(max(power, -5), 3)
+    return 1e3**-power, f"{PREFIXES[power + 5]}{unit}"
+
+
+def difference(fields: Fields, at: int) -> NDArray[np.complex128]:
+    """V_t - V_b at a frequency by number, V, (point,)."""
+    return fields.potential[0, at] - fields.potential[1, at]
+
+
+def current_size(fields: Fields, at: int, sheet: int) -> Real:
+    """Amplitude of a sheet's current density, A/m, (point,)."""
+    return np.sqrt((np.abs(fields.current[sheet, at]) ** 2).sum(axis=0))
+
+
+def _current(sheet: int, title: str) -> Quantity:
+    def values(fields: Fields, at: int) -> Real:
+        return current_size(fields, at, sheet)
+
+    return Quantity("current", title, "A/m", "magnitude", values, sheet, prefixed=True)
+
+
+POTENTIAL = Quantity(
+    "potential",
+    "Potential between the sheets",
+    "V",
+    "magnitude",
+    lambda fields, at: np.abs(difference(fields, at)),
+)
+PHASE = Quantity(
+    "phase",
+    "Phase of the potential between the sheets",
+    "degrees",
+    "cyclic",
+    lambda fields, at: np.degrees(np.angle(difference(fields, at))),
+)
+POWER = Quantity(
+    "power",
+    "Power dissipated in the sheets",
+    "W/m²",
+    "magnitude",
+    lambda fields, at: fields.power[at],
+    prefixed=True,
+)
+SENSITIVITY_RS = Quantity(
+    "sensitivity-Rs",
+    "Change of Rs by doubled capacitance",
+    "% per cm²",
+    "signed",
+    lambda fields, at: PERCENT_PER_CM2 * fields.by_rise_Rs[at],
+)
+SENSITIVITY_CP = Quantity(
+    "sensitivity-Cp",
+    "Change of Cp by doubled capacitance",
+    "% per cm²",
+    "signed",
+    lambda fields, at: PERCENT_PER_CM2 * fields.by_rise_Cp[at],
+)
+CAPACITANCE = Quantity(
+    "capacitance",
+    "Capacitance",
+    "pF/cm²",
+    "magnitude",
+    lambda fields, at: 1e8 * fields.capacitance,
+    everywhere=True,
+)
+DEFORMATION = Quantity(
+    "deformation",
+    "Deflection of the skin",
+    "mm",
+    "magnitude",
+    lambda fields, at: 1e3 * fields.deflection,
+    everywhere=True,
+)
+EITHER_SHEET = _current(0, "Current density in either sheet")
+SHEETS = (_current(0, "Current density, top sheet"), _current(1, "Current density, bottom sheet"))
+
+NAMES = (
+    "potential",
+    "phase",
+    "current",
+    "power",
+    "sensitivity-Rs",
+    "sensitivity-Cp",
+    "capacitance",
+    "deformation",
+)
+
+
+def deformed(fields: Fields) -> bool:
+    """Whether the press is known to deflect the skin."""
+    return bool(np.max(np.abs(fields.deflection), initial=0.0) > NO_DEFLECTION)
+
+
+def chosen(name: str, fields: Fields) -> list[Quantity]:
+    """The quantities of that name: two where the sheets' currents differ; `all` is what there is.
+
+    Raises InputError for deformation where nothing is deformed.
+    """
+    if name == "all":
+        names = [each for each in NAMES if each != "deformation" or deformed(fields)]
+        return [quantity for each in names for quantity in chosen(each, fields)]
+    if name == "deformation" and not deformed(fields):
+        raise InputError(
+            "--what deformation: this press states factors of the capacitance and deforms nothing; "
+            "press by depth or force, such as --press 2,3:2mm"
+        )
+    if name == "current":
+        return [EITHER_SHEET] if _sheets_agree(fields) else list(SHEETS)
+    single = (POTENTIAL, PHASE, POWER, SENSITIVITY_RS, SENSITIVITY_CP, CAPACITANCE, DEFORMATION)
+    return [quantity for quantity in single if quantity.name == name]
+
+
+def _sheets_agree(fields: Fields) -> bool:
+    return all(
+        np.allclose(top, bottom, rtol=0.0, atol=SAME_SHEETS * top.max())
+        for at in range(len(fields.frequency))
+        for top, bottom in [(current_size(fields, at, 0), current_size(fields, at, 1))]
+    )
+
+
+def limits(quantity: Quantity, frames: Sequence[Real]) -> list[tuple[float, float]]:
+    """The ends of the colour scale for each frame of values (point,).
+
+    One scale for all frames where their largest values are alike, else each its own. Magnitudes
+    start at 0 unless the least is more than half of the largest.
+    """
+    if quantity.scale == "cyclic":
+        return [(-180.0, 180.0)] * len(frames)
+    highest = [float(np.abs(values).max()) or 1.0 for values in frames]
+    if max(highest) <= ALIKE_FRAMES * min(highest):
+        highest = [max(highest)] * len(frames)
+    if quantity.scale == "signed":
+        return [(-high, high) for high in highest]
+    lowest = min(float(values.min()) for values in frames)
+    return [(lowest if lowest > 0.5 * high else 0.0, high) for high in highest]
+
+
+def checked_name(name: str) -> str:
+    """The same name, if something of that name can be shown. Raises InputError."""
+    if name not in (*NAMES, "all"):
+        raise InputError(f"--what must be one of {', '.join(NAMES)} or all, got {name!r}")
+    return name

@@ -1,0 +1,161 @@
+"""One quantity at one moment: its values with their scale, and what is told about them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.view.marks import Arrows, arrows
+from simulator.view.quantities import (
+    COLOUR_MAPS,
+    Quantity,
+    difference,
+    limits,
+    prefix,
+)
+
+if TYPE_CHECKING:
+    from simulator.fields import Fields
+    from simulator.view.surface import Surface
+
+Real = NDArray[np.float64]
+CONTOUR_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0)
+"""Degrees between lines of equal phase."""
+MOST_CONTOURS = 9
+
+
+@dataclass(frozen=True)
+class Shown:
+    """values (point,) in `unit`; contours: lines (3, n) on the skin. moment: frequency and Z."""
+
+    title: str
+    moment: str
+    unit: str
+    colours: str
+    cyclic: bool
+    values: Real
+    limits: tuple[float, float]
+    arrows: Arrows | None = None
+    contours: tuple[Real, ...] = ()
+    note: str = ""
+
+
+def at_frequencies(
+    quantity: Quantity, fields: Fields, skin: Surface, numbers: Sequence[int]
+) -> list[Shown]:
+    """The quantity at frequencies by number."""
+    values = [quantity.values(fields, at) for at in numbers]
+    scales = limits(quantity, values)
+    return [
+        _shown(quantity, fields, skin, at, each, scale)
+        for at, each, scale in zip(numbers, values, scales, strict=True)
+    ]
+
+
+def _shown(
+    quantity: Quantity,
+    fields: Fields,
+    skin: Surface,
+    at: int,
+    values: Real,
+    scale: tuple[float, float],
+) -> Shown:
+    factor, unit = quantity.shown_unit(scale[1])
+    shown = Shown(
+        title=quantity.title,
+        moment="" if quantity.everywhere else heading(fields, at),
+        unit=unit,
+        colours=quantity.colours,
+        cyclic=quantity.scale == "cyclic",
+        values=factor * values,
+        limits=(factor * scale[0], factor * scale[1]),
+    )
+    if skin.exaggeration and quantity.everywhere:
+        return replace(shown, note=f"heights drawn {skin.exaggeration:g} times")
+    if quantity.sheet is not None:
+        moment = np.exp(-1j * np.angle(1 / fields.Z[at]))
+        flow = np.real(moment * fields.current[quantity.sheet, at])
+        note = "arrows: direction at the meter's greatest current"
+        return replace(shown, arrows=arrows(skin, flow), note=note)
+    if quantity.scale == "cyclic":
+        lines, step = phase_contours(skin, difference(fields, at))
+        return replace(shown, contours=lines, note=f"a line every {step:g}°")
+    return shown
+
+
+def over_the_phase(
+    quantity: Quantity, fields: Fields, skin: Surface, at: int, count: int
+) -> list[Shown]:
+    """Potential or current at `count` moments of one period."""
+    complex_values = difference(fields, at)
+    if quantity.sheet is not None:
+        complex_values = fields.current[quantity.sheet, at]
+    moments = 2 * np.pi * np.arange(count) / count
+    moving = [np.real(np.exp(1j * moment) * complex_values) for moment in moments]
+    values = moving if quantity.sheet is None else [np.hypot(*flow) for flow in moving]
+    highest = max(float(np.abs(each).max()) for each in values)
+    factor, unit = quantity.shown_unit(highest)
+    signed = quantity.sheet is None
+    return [
+        Shown(
+            title=quantity.title,
+            moment=f"{heading(fields, at)}, {np.degrees(moment):.0f}° after the source's peak",
+            unit=unit,
+            colours=COLOUR_MAPS["signed" if signed else "magnitude"],
+            cyclic=False,
+            values=factor * each,
+            limits=(-factor * highest if signed else 0.0, factor * highest),
+            arrows=None if signed else arrows(skin, flow),
+        )
+        for moment, flow, each in zip(moments, moving, values, strict=True)
+    ]
+
+
+def heading(fields: Fields, at: int) -> str:
+    """The frequency and Z there."""
+    return f"{frequency_text(fields.frequency[at])}, Z = {impedance_text(fields.Z[at])}"
+
+
+def frequency_text(frequency: float) -> str:
+    """Such as 12.5 kHz."""
+    return f"{frequency / 1e3:.4g} kHz"
+
+
+def impedance_text(Z: complex) -> str:
+    """Such as 21.3 - 105j kΩ."""
+    factor, unit = prefix(abs(Z), "Ω")
+    real, imaginary = factor * Z.real, factor * Z.imag
+    sign = "−" if imaginary < 0 else "+"
+    return f"{real:.4g} {sign} {abs(imaginary):.4g}j {unit}"
+
+
+def phase_contours(skin: Surface, V: NDArray[np.complex128]) -> tuple[tuple[Real, ...], float]:
+    """Lines (3, n) of equal phase of V (point,), and the degrees between them.
+
+    Where the phase is a, V exp(-ja) is real and positive: nothing jumps at 180 degrees.
+    """
+    turned = np.degrees(np.angle(V * np.exp(-1j * np.angle(V.mean()))))
+    span = np.ptp(turned)
+    step = next((step for step in CONTOUR_STEPS if span <= MOST_CONTOURS * step), 90.0)
+    lines = [
+        line for level in np.arange(-180, 180, step) for line in _isophase(skin, V, float(level))
+    ]
+    return tuple(lines), step
+
+
+def _isophase(skin: Surface, V: NDArray[np.complex128], level: float) -> list[Real]:
+    from simulator.view.surface import polygons
+
+    turned = V * np.exp(-1j * np.radians(level)) / np.maximum(np.abs(V), np.finfo(float).tiny)
+    mesh = polygons(skin.points, skin.cells)
+    mesh.point_data["real"], mesh.point_data["imaginary"] = turned.real, turned.imag
+    found = mesh.contour([0.0], scalars="imaginary")
+    if not found.n_points:
+        return []
+    ends = found.lines.reshape(-1, 3)[:, 1:]
+    ahead = found.point_data["real"][ends].min(axis=1) > 0
+    return [np.asarray(found.points[pair], dtype=float).T for pair in ends[ahead]]

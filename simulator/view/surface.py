@@ -1,0 +1,161 @@
+"""The skin as it is drawn: a surface in space, flat or wrapped, its deflection exaggerated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pyvista as pv
+    from scipy.spatial import KDTree
+
+    from simulator.fields import Fields
+
+Real = NDArray[np.float64]
+WITHIN = 1e-3
+"""Of the skin's size: beside an edge, where the skin is looked for."""
+SHOWN_DEPTH = 0.08
+"""Of the skin's size: how deep the deepest place is drawn."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Points in space (3, point) and their unit normals, at flat places x (2, point), in m.
+
+    cells: (corner, cell), counter-clockwise seen from where the normals point to.
+    exaggeration: of the deflection.
+    """
+
+    x: Real
+    points: Real
+    normals: Real
+    cells: NDArray[np.int64]
+    exaggeration: float
+
+    @property
+    def size(self) -> float:
+        """The diagonal of the flat skin, m."""
+        return float(np.hypot(*np.ptp(self.x, axis=1)))
+
+    @cached_property
+    def mesh(self) -> pv.PolyData:
+        """The surface for pyvista."""
+        return polygons(self.points, self.cells)
+
+    @cached_property
+    def _flat(self) -> pv.PolyData:
+        flat = polygons(np.vstack([self.x, np.zeros_like(self.x[:1])]), self.cells)
+        flat.point_data["points"] = self.points.T
+        flat.point_data["normals"] = self.normals.T
+        return flat
+
+    def carry(self, x: Real) -> tuple[Real, Real, NDArray[np.bool_]]:
+        """Places (3, n) in space, normals there, and whether flat places x (2, n) are on the skin.
+
+        Where they are not, the nearest point's are given.
+        """
+        from pyvista import PolyData
+
+        probe = PolyData(np.vstack([x, np.zeros_like(x[:1])]).T)
+        found = probe.sample(self._flat, tolerance=1e-9 * self.size, snap_to_closest_point=True)
+        on_skin = found.point_data["vtkValidPointMask"].astype(bool)
+        return (
+            np.asarray(found.point_data["points"]).T,
+            np.asarray(found.point_data["normals"]).T,
+            on_skin,
+        )
+
+    def covers(self, x: Real) -> NDArray[np.bool_]:
+        """Whether flat places (2, n) lie on the skin."""
+        from pyvista import PolyData
+
+        probe = PolyData(np.vstack([x, np.zeros_like(x[:1])]).T)
+        found = probe.sample(self._flat, tolerance=1e-6 * self.size)
+        return found.point_data["vtkValidPointMask"].astype(bool)
+
+    def nearest(self, places: Real) -> NDArray[np.int64]:
+        """The numbers of the points that are nearest to places (3, n) in space."""
+        return self._tree.query(places.T)[1]
+
+    @cached_property
+    def _tree(self) -> KDTree:
+        from scipy.spatial import KDTree
+
+        return KDTree(self.points.T)
+
+    @cached_property
+    def rim(self) -> NDArray[np.int64]:
+        """The edges (2, edge) that only one cell has, in that cell's sense."""
+        edges = np.stack([self.cells, np.roll(self.cells, -1, axis=0)]).reshape(2, -1)
+        _, back, counts = np.unique(
+            np.sort(edges, axis=0), axis=1, return_inverse=True, return_counts=True
+        )
+        return edges[:, counts[back.ravel()] == 1]
+
+    def outward(self, x: Real) -> Real:
+        """Flat unit vectors (2, n) that point off the skin, across a path x (2, n) on its edge."""
+        along = np.gradient(x, axis=1)
+        across = np.stack([along[1], -along[0]]) / np.hypot(*along)
+        within = self.covers(x + WITHIN * self.size * across)
+        return across * (1.0 if within.mean() < 0.5 else -1.0)
+
+
+def polygons(points: Real, cells: NDArray[np.int64]) -> pv.PolyData:
+    """Points (3, point) and cells (corner, cell) for pyvista."""
+    from pyvista import PolyData
+
+    corners = np.full((1, cells.shape[1]), len(cells))
+    return PolyData(np.ascontiguousarray(points.T), faces=np.vstack([corners, cells]).T.ravel())
+
+
+def triangles(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Cells (corner, cell) as triangles (3, n)."""
+    return np.hstack([cells[[0, k, k + 1]] for k in range(1, len(cells) - 1)])
+
+
+def surface(fields: Fields, wrapped: bool = False, exaggeration: float = 0.0) -> Surface:
+    """The skin flat or where it is in space, deflected against its normals."""
+    base = fields.position if wrapped else np.vstack([fields.x, np.zeros_like(fields.x[:1])])
+    cells = _counter_clockwise(fields)
+    normals = _normals(polygons(base, cells))
+    points = base - exaggeration * fields.deflection * normals
+    if exaggeration:
+        normals = _normals(polygons(points, cells))
+    return Surface(fields.x, points, normals, cells, exaggeration)
+
+
+def curved(fields: Fields) -> bool:
+    """Whether the skin lies anywhere but in the plane of its flat places."""
+    flat = np.vstack([fields.x, np.zeros_like(fields.x[:1])])
+    return not np.allclose(fields.position, flat, atol=1e-9 * np.ptp(fields.x), rtol=0.0)
+
+
+def readable_exaggeration(fields: Fields) -> float:
+    """1, 2 or 5 times a power of ten that shows the deepest place, at least 1."""
+    size = np.hypot(*np.ptp(fields.x, axis=1))
+    deepest = np.max(np.abs(fields.deflection), initial=0.0)
+    wanted = SHOWN_DEPTH * size / deepest if deepest > 0 else 1.0
+    power = 10 ** np.floor(np.log10(wanted))
+    return max(1.0, float(max(step for step in (1, 2, 5) if step * power <= wanted) * power))
+
+
+def _counter_clockwise(fields: Fields) -> NDArray[np.int64]:
+    """The cells, those that go clockwise on the flat skin turned over."""
+    x, y = fields.x[:, fields.cells]
+    area = (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)).sum(axis=0)
+    return np.where(area < 0, fields.cells[::-1], fields.cells)
+
+
+def _normals(mesh: pv.PolyData) -> Real:
+    with_normals = mesh.compute_normals(
+        cell_normals=False,
+        point_normals=True,
+        split_vertices=False,
+        consistent_normals=False,
+        auto_orient_normals=False,
+    )
+    return np.asarray(with_normals.point_data["Normals"], dtype=float).T
