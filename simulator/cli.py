@@ -13,6 +13,7 @@ from simulator.calibration_command import calibrate
 from simulator.data_commands import check, dataset, export, import_sweeps
 from simulator.limits.command import limits
 from simulator.limits.frequencies_command import frequencies
+from simulator.view_command import view
 
 BAD_INPUT, FAILURE, INTERRUPTED = 2, 1, 130
 
@@ -53,9 +54,10 @@ def sweep(
     press: Annotated[
         list[str] | None,
         typer.Option(
-            help="ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR] or "
-            "disc(X,Y,RADIUS)[:FACTOR] in m, touches joined by '+', or 'none'; may be repeated. "
-            "Without it: nothing pressed, then every pixel."
+            help="ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR], disc(X,Y,RADIUS)[:FACTOR] "
+            "or poly(X1,Y1,X2,Y2,...)[:FACTOR] in m, a depth (2mm) or a force (5N) in place of "
+            "FACTOR, touches joined by '+', or 'none'; may be repeated. Without it: nothing "
+            "pressed, then every pixel."
         ),
     ] = None,
     rtol: Annotated[float, typer.Option(help="Largest relative error of Rs and of Cp.")] = 1e-4,
@@ -65,6 +67,7 @@ def sweep(
     ] = False,
 ) -> None:
     """Simulate sweeps, noise-free, and write them with their estimated errors."""
+    from simulator.electrical import electrical
     from simulator.fidelity import Solver, checked_model
     from simulator.press import parse_press
     from simulator.progress import on_terminal
@@ -75,12 +78,12 @@ def sweep(
 
     checked_output(output)
     loaded = load_scene(scene)
-    factor = loaded.press.capacitance_factor
-    presses = [parse_press(text, factor) for text in press or []] or loaded.every_press()
+    strength = loaded.press.strength
+    presses = [parse_press(text, strength) for text in press or []] or loaded.every_press()
     for asked in presses:
         check_press(asked, loaded)
     solver = Solver(loaded, rtol, checked_model(model))
-    for warning in warnings(loaded):
+    for warning in warnings(electrical(loaded)):
         typer.echo(f"rcskin: warning: {warning}", err=True)
     with on_terminal() as track:
         answered = [(asked, solver.solve(asked)) for asked in track(presses, loaded.name)]
@@ -97,6 +100,7 @@ app.command()(export)
 app.command()(calibrate)
 app.command()(limits)
 app.command()(frequencies)
+app.command()(view)
 
 
 def run(failures: tuple[type[Exception], ...] = ()) -> None:

@@ -156,7 +156,7 @@ def check_outline(outline: Outline, length: float, width: float) -> None:
     ):
         _check_within(name, curve, length, width)
         if curve.circle is None:
-            _check_simple(name, corners, least)
+            check_simple(name, corners, least)
         elif curve.circle[2] < least:
             raise ValueError(f"{name}.circle must have a radius of at least {least:g} m")
     for name, hole in zip(names[1:], holes, strict=True):
@@ -181,7 +181,7 @@ def _check_within(name: str, curve: Curve, length: float, width: float) -> None:
             )
 
 
-def _check_simple(name: str, corners: NDArray[np.float64], least: float) -> None:
+def check_simple(name: str, corners: NDArray[np.float64], least: float) -> None:
     """No side shorter than `least`, none nearer than that to one that it does not meet."""
     each, count = sides(corners), len(corners)
     short = np.flatnonzero(np.linalg.norm(each[:, 1] - each[:, 0], axis=1) < least)

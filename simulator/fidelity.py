@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cached_property
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +38,10 @@ from simulator.scene import Scene
 from simulator.separable import Separable
 from simulator.sheet import Sheet
 from simulator.sweeps import InputError, ToleranceError
-from simulator.varied.meshes import meshes
+from simulator.varied.meshes import indented, meshes
+
+if TYPE_CHECKING:
+    from simulator.mechanics import Pressed
 
 ModelName = Literal["auto", "lumped", "line", "sheet", "reduced"]
 DEFAULT_RTOL = 1e-4
@@ -97,20 +100,23 @@ class Solver:
 
     def _of_skin(self, press: Press) -> Answer:
         """The answer at the skin's own contacts."""
+        progress = Progress(len(self.scene.interfaces), self.scene.frequencies, self.rtol)
+        sharp, pressed = indented(self.scene, press, self.rtol)
+        even = None if pressed else electrical_press(self.scene, sharp)
+        if even is None:
+            self._varied(sharp, pressed, progress)
+        else:
+            self._plain(even, progress)
+        return progress.answer()
+
+    def _plain(self, press: Press, progress: Progress) -> None:
         rungs = {
             "line": self._line,
             "lumped": self._lumped,
             "sheet": self._elements,
             "reduced": self._reduced,
-            "varied": self._varied,
         }
         asked = ASKED.get(self.model, [self.model])
-        even_press = electrical_press(self.scene, press)
-        if even_press is None:
-            asked = [self._checked_varied(press)]
-        else:
-            press = even_press
-        progress = Progress(len(self.scene.interfaces), self.scene.frequencies, self.rtol)
         for name in asked:
             try:
                 rungs[name](press, progress)
@@ -119,25 +125,26 @@ class Solver:
                     raise
                 progress.reject(f"{name}: {reason}")
             if progress.done:
-                return progress.answer()
+                return
         raise ToleranceError(progress.rejected[-1])
+
+    def _varied(self, press: Press, pressed: Pressed | None, progress: Progress) -> None:
+        """Elements for what is not plain. Raises InputError where another model is asked for."""
+        if self.model not in ("auto", "sheet"):
+            require_plain(self._even, f"the model {self.model!r}")
+            require_plain_press(press)
+        finer = meshes(self.scene, press, pressed, self.rtol)
+        while not progress.done:
+            try:
+                discretised = finer.finer(progress.frequency)
+            except ToleranceError as end:
+                raise ToleranceError(f"{end}: {progress.rejected[-1]}") from end
+            progress.offer(discretised.rung(progress.frequency, self.rtol))
 
     def explain(self, press: Press, answer: Answer) -> str:
         """What answered a press at each frequency, its own estimated error, and what did not."""
         lines = [f"press {press}, asked {self.rtol:g}", *answer.told()]
         return "\n  ".join(lines)
-
-    def _checked_varied(self, press: Press) -> str:
-        """The rung of what is not plain; raises InputError where another model is asked for."""
-        if self.model not in ("auto", "sheet"):
-            require_plain(self._even, f"the model {self.model!r}")
-            require_plain_press(press)
-        return "varied"
-
-    def _varied(self, press: Press, progress: Progress) -> None:
-        finer = meshes(self.scene, press, self.rtol)
-        while not progress.done:
-            progress.offer(finer.finer(progress.frequency).rung(progress.frequency, self.rtol))
 
     def _line(self, press: Press, progress: Progress) -> None:
         if isinstance(self._exact_line, str):

@@ -14,7 +14,7 @@ from simulator.scene import Scene
 from simulator.specimen import checked_interface, interface_names
 from simulator.varied.coefficients import ELECTRODES
 from simulator.varied.discretised import Discretised
-from simulator.varied.meshes import meshes
+from simulator.varied.meshes import indented, meshes
 from simulator.varied.sampling import Sampler
 
 Real = NDArray[np.float64]
@@ -92,7 +92,7 @@ def _resolved(
     scene: Scene, press: Press, frequency: Real, rtol: float
 ) -> tuple[Discretised, Complex]:
     """A mesh that keeps the tolerance at all frequencies, and Z in ohm, (interface, frequency)."""
-    finer = meshes(scene, press, rtol)
+    finer = meshes(scene, *indented(scene, press, rtol), rtol)
     while True:
         discretised = finer.finer(frequency)
         rung = discretised.rung(frequency, rtol)

@@ -19,6 +19,7 @@ from simulator.press import (
     AnyTouch,
     Box,
     Disc,
+    Indentation,
     Press,
     Touch,
     require_plain,
@@ -126,6 +127,7 @@ def touched_box(scene: Scene, touch: AnyTouch) -> Box:
     Raises InputError where that is not the touch, nor a disc's.
     """
     require_plain(Press((touch,)))
+    assert not isinstance(touch, Indentation)
     x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
     if isinstance(touch, Touch):
         row, column = touch.row, touch.column

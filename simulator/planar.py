@@ -40,23 +40,22 @@ def inside(polygon: Points, x: NDArray[np.float64]) -> NDArray[np.bool_]:
     return crossed
 
 
-def cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Component across the plane of the product of vectors, last axis (x, y)."""
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+def nearest(points: Points, segments: Points) -> tuple[Points, Points]:
+    """How far along each segment each point's nearest lies, 0..1, and how far off it is, m.
 
-
-def along(points: Points, segments: Points) -> NDArray[np.float64]:
-    """Where on each segment each point's nearest lies, 0..1, shape (point, segment)."""
-    start, run = segments[:, 0], segments[:, 1] - segments[:, 0]
-    offset = points[:, None] - start
-    return np.clip((offset * run).sum(axis=-1) / (run**2).sum(axis=-1), 0, 1)
+    Both of shape (point, segment).
+    """
+    x, y = (points[:, axis, None] - segments[:, 0, axis] for axis in (0, 1))
+    run_x, run_y = (segments[:, 1] - segments[:, 0]).T
+    along = np.clip((x * run_x + y * run_y) / (run_x**2 + run_y**2), 0, 1)
+    x -= along * run_x
+    y -= along * run_y
+    return along, np.sqrt(x**2 + y**2)
 
 
 def distance(points: Points, segments: Points) -> NDArray[np.float64]:
     """From each point to each segment, m, shape (point, segment)."""
-    start, run = segments[:, 0], segments[:, 1] - segments[:, 0]
-    nearest = start + along(points, segments)[..., None] * run
-    return np.linalg.norm(points[:, None] - nearest, axis=-1)
+    return nearest(points, segments)[1]
 
 
 def crossings(first: Points, second: Points) -> NDArray[np.float64]:
@@ -64,12 +63,12 @@ def crossings(first: Points, second: Points) -> NDArray[np.float64]:
 
     Shape (first, second). Parallel segments do not cross.
     """
-    run, other = (segments[:, 1] - segments[:, 0] for segments in (first, second))
-    offset = second[None, :, 0] - first[:, None, 0]
-    across = cross(run[:, None], other[None])
+    (run_x, run_y), (other_x, other_y) = ((each[:, 1] - each[:, 0]).T for each in (first, second))
+    x, y = (second[:, 0, axis] - first[:, 0, axis, None] for axis in (0, 1))
+    across = np.outer(run_x, other_y) - np.outer(run_y, other_x)
     with np.errstate(divide="ignore", invalid="ignore"):
-        t = cross(offset, other[None]) / across
-        u = cross(offset, run[:, None]) / across
+        t = (x * other_y - y * other_x) / across
+        u = (x * run_y[:, None] - y * run_x[:, None]) / across
     meet = (across != 0) & (t >= 0) & (t <= 1) & (u >= 0) & (u <= 1)
     return np.where(meet, t, np.nan)
 

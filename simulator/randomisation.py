@@ -76,7 +76,7 @@ class Session(Table):
     capacitance over the foam: of each pixel on its own or, where foam_pattern is smooth, of each
     slow wave. loss_tangent: added to the foam's own. contact_resistance: factor on each contact's
     resistance; ideal foils have none. stray_capacitance [F] and lead_resistance [ohm]: added to
-    those of the leads.
+    those of the leads, beyond any guard.
 
     The defaults are assumptions. Geometry of 3 % and contacts of 4 % a session are what simulations
     of electrical impedance tomography that were to be carried to real devices took; the sheets'

@@ -5,9 +5,11 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import tomli_w
 from pydantic import ValidationError
 
+from simulator.contour import check_simple
 from simulator.grid import SAME_LINE
 from simulator.map_file import with_grids
 from simulator.press import Disc, Polygon, Press, Rectangle, Touch, place_of
@@ -79,7 +81,21 @@ def check_press(press: Press, scene: Scene) -> Press:
             _check_pixel(place, press, scene)
         else:
             _check_place(place, press, scene)
+        if isinstance(place, Polygon):
+            _check_polygon(place, press, scene)
+    if press.indented and scene.skin.foam.mechanics is None:
+        raise InputError(
+            f"press {press}: depth and force need the table skin.foam.mechanics in {scene.name}"
+        )
     return press
+
+
+def _check_polygon(touch: Polygon, press: Press, scene: Scene) -> None:
+    least = LEAST_SIZE * max(scene.skin.length, scene.skin.width)
+    try:
+        check_simple("poly", np.array(touch.points), least)
+    except ValueError as error:
+        raise InputError(f"press {press}: {error}") from error
 
 
 def _check_pixel(touch: Touch, press: Press, scene: Scene) -> None:

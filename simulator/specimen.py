@@ -35,7 +35,7 @@ class Specimen:
         return self._impedance(self._parsed(press), frequency)
 
     def _parsed(self, press: str) -> Press:
-        return parse_press(press, self.scene.press.capacitance_factor)
+        return parse_press(press, self.scene.press.strength)
 
     def _new_impedance(self, press: Press, frequency: float) -> complex:
         return complex(self._solver(frequency).solve(press).Z[self._number, 0])

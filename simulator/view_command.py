@@ -110,8 +110,6 @@ def _stage(
     rtol: float,
     every: bool,
 ) -> Stage:
-    import numpy as np
-
     from simulator.fields import fields
     from simulator.press import parse_press
     from simulator.scene_file import check_press, load_scene
@@ -121,7 +119,7 @@ def _stage(
     scene = load_scene(name)
     pressed = check_press(parse_press(press, scene.press.strength), scene)
     chosen = checked_interface(interface, scene)
-    frequencies = np.array(_frequencies(frequency, scene, every))
+    frequencies = _frequencies(frequency, scene, every)
     found = fields(scene, pressed, frequencies, chosen, rtol)
     wiring = next(each for each in scene.interfaces if each.name == chosen)
     return Stage(scene, pressed, wiring, found)

@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 from scipy.special import ive, kve
 from skfem import MeshQuad
-from skfem.assembly import Dofs
 
 from simulator.assembly import element_pairs, fill, quadrilateral
 from simulator.pattern import pattern_of_pairs
 from simulator.quadrature import Rule, Surface, gauss_rule, mass_terms, stiffness_terms, surface
 from simulator.rings import rectangles
-from verification_parts.manufactured import constant
+from simulator.unknowns import quadrilateral_trial
 
 SMOOTHER = 16
 SAME_POINT = 9
@@ -50,8 +49,8 @@ def impedance(curved: Curved, rim: float, order: int, s: NDArray) -> NDArray:
 
     Y = s 1'M1 - s² (M1)' (K + s M)^-1 (M1): the deviation from 1 V.
     """
-    element = quadrilateral(order)
-    dofs = Dofs(curved.mesh, element)
+    trial = quadrilateral_trial(curved.mesh, order)
+    dofs, one = trial.dofs, trial.one
     pattern, slots = pattern_of_pairs(*element_pairs(dofs.element_dofs), size=dofs.N)
     K, M = np.zeros((2, len(pattern.indices)))
     for terms in stiffness_terms(curved.rule, curved.surface, np.ones_like(curved.c)):
@@ -63,7 +62,6 @@ def impedance(curved: Curved, rim: float, order: int, s: NDArray) -> NDArray:
     ends = np.asarray(curved.mesh.facets)[:, facets]
     on_rim = np.isclose(curved.radius[ends], rim).all(axis=0)
     free = np.setdiff1d(np.arange(dofs.N), dofs.get_facet_dofs(facets[on_rim]).flatten())
-    one = constant(dofs, order)
     charge = M @ one
     K, M, late = K[free][:, free], M[free][:, free], charge[free]
     Y = [each * (one @ charge) - each**2 * late @ splu(K + each * M).solve(late + 0j) for each in s]

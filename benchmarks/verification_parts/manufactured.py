@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
-from skfem import LinearForm, MeshQuad
-from skfem.assembly import Dofs, FacetBasis
+from skfem import LinearForm, MeshQuad, MeshTri
+from skfem.assembly import FacetBasis
 
 from simulator.assembly import element_pairs, fill, quadrilateral
 from simulator.pattern import pattern_of_pairs
@@ -24,12 +24,23 @@ from simulator.quadrature import (
     mass_terms,
     stiffness_terms,
     surface,
+    triangle_rule,
 )
 from simulator.rings import Cells, rectangles, ringed
+from simulator.unknowns import TRIANGLES, quadrilateral_trial, triangle_trial
+from simulator.varied.elements import flat_triangles
 from verification_parts.chosen import Problem, capacitance
 
 SMOOTHER = 8
 """How much higher a degree the rule is exact for than products of basis functions need."""
+
+
+@dataclass(frozen=True)
+class Triangles:
+    """Points in m, shape (2, point), and corners, ascending in each column, shape (3, cell)."""
+
+    p: NDArray[np.float64]
+    t: NDArray[np.int64]
 
 
 def squares(n: int) -> Cells:
@@ -56,8 +67,17 @@ def of_points(p: NDArray[np.float64], t: NDArray[np.int64]) -> Cells:
     return Cells(p, t, second - first, fourth - first, third - second - fourth + first)
 
 
-MESHES = {"squares": squares, "with rings": with_rings, "bent": bent}
-ORDERS = (1, 2, 3, 4, 5, 6)
+def halved(n: int) -> Triangles:
+    """The bent cells cut in two, all by the same diagonal."""
+    cells = bent(n)
+    a, b, c, d = cells.t
+    halves = np.hstack([np.stack([a, b, c]), np.stack([a, c, d])])
+    return Triangles(cells.p, np.sort(halves, axis=0))
+
+
+MESHES = {"squares": squares, "with rings": with_rings, "bent": bent, "triangles": halved}
+ORDERS = {"squares": 6, "with rings": 6, "bent": 6, "triangles": 4}
+"""The highest one on each mesh."""
 CELLS = {1: (16, 32), 2: (16, 32), 3: (8, 16), 4: (8, 12), 5: (6, 8), 6: (6, 8)}
 CELLS_FOR_CURRENT = {1: (16, 32), 2: (8, 16), 3: (6, 12), 4: (6, 10), 5: (4, 6), 6: (2, 4)}
 """Fewer, for its error soon meets rounding."""
@@ -78,7 +98,7 @@ class Errors:
     current: float
 
 
-def errors(problem: Problem, cells: Cells, order: int) -> Errors:
+def errors(problem: Problem, cells: Cells | Triangles, order: int) -> Errors:
     """Of elements of that order on these cells."""
     discrete = Discrete(problem, cells, order)
     u, current = discrete.solution()
@@ -108,23 +128,25 @@ def observed_orders(problem: Problem, mesh: str, order: int) -> dict[str, float]
     return slopes
 
 
-def constant(dofs: Dofs, order: int) -> NDArray[np.float64]:
-    """Coefficients of the function 1: nodal up to order 2, hierarchical from order 3."""
-    if order <= 2:
-        return np.ones(dofs.N)
-    return np.isin(np.arange(dofs.N), np.asarray(dofs.nodal_dofs)).astype(np.float64)
-
-
 class Discrete:
     """The equations of a problem on a mesh; coefficients of a field are `field * N` further on."""
 
-    def __init__(self, problem: Problem, cells: Cells, order: int) -> None:
+    def __init__(self, problem: Problem, cells: Cells | Triangles, order: int) -> None:
         self.problem, self.order = problem, order
-        self.element = quadrilateral(order)
-        self.mesh = MeshQuad(cells.p, cells.t)
-        self.dofs = Dofs(self.mesh, self.element)
-        self.rule = gauss_rule(self.element, 2 * order + SMOOTHER)
-        self.surface = surface(cells, self.rule)
+        degree = 2 * order + SMOOTHER
+        if isinstance(cells, Triangles):
+            self.element = TRIANGLES[order - 1]()
+            self.mesh = MeshTri(cells.p, cells.t, sort_t=False)
+            self.rule = triangle_rule(self.element, degree)
+            self.surface = flat_triangles(cells.p, cells.t, self.rule)
+            self.trial = triangle_trial(self.mesh, order)
+        else:
+            self.element = quadrilateral(order)
+            self.mesh = MeshQuad(cells.p, cells.t)
+            self.rule = gauss_rule(self.element, degree)
+            self.surface = surface(cells, self.rule)
+            self.trial = quadrilateral_trial(self.mesh, order)
+        self.dofs = self.trial.dofs
         self.fields = range(len(problem.potentials))
 
     def solution(self) -> tuple[NDArray[np.complex128], complex]:
@@ -132,8 +154,7 @@ class Discrete:
 
         The current is A u - b summed over the foil: the variational form.
         """
-        N, matrix, right = self.dofs.N, self.matrix, self.right
-        one = constant(self.dofs, self.order)
+        N, matrix, right, one = self.dofs.N, self.matrix, self.right, self.trial.one
         u = np.zeros(len(self.fields) * N, dtype=complex)
         foils = [self.under_foil(field) for field in self.fields]
         for field, foil in enumerate(foils):

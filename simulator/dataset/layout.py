@@ -109,7 +109,7 @@ def values(session: Drawn) -> dict[str, NDArray]:
         "films": skin.variation.films,
         "capacitance": skin.variation.capacitance,
         "loss_tangent": skin.variation.loss.tangent,
-        "stray_capacitance": skin.leads.unguarded,
+        "stray_capacitance": skin.leads.stray_capacitance,
         "lead_resistance": skin.leads.resistance,
         "meter_gain": session.meter.gain[:, 0],
         "meter_turn": session.meter.turn[:, 0],

@@ -47,8 +47,7 @@ def drawn_skin(
     leads = Leads(
         resistance=scene.leads.resistance + float(drawn.lead_resistance.at(lead)),
         inductance=scene.leads.inductance,
-        stray_capacitance=scene.leads.stray_capacitance + float(drawn.stray_capacitance.at(stray)),
-        guard=scene.leads.guard,
+        stray_capacitance=scene.leads.unguarded + float(drawn.stray_capacitance.at(stray)),
     )
     return DrawnSkin(variation, leads)
 

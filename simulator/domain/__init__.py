@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from numpy.typing import NDArray
-
 from simulator.domain.drawn import drawn
 from simulator.domain.imported import imported
 from simulator.domain.refinement import refined

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.planar import Points, along, crossings, distance
+from simulator.planar import Points, crossings, nearest
 
 Numbers = NDArray[np.int64]
 NO_MARKS = np.empty((0, 2))
@@ -38,8 +38,8 @@ def arranged(segments: Points, same: float, marks: Points = NO_MARKS) -> Arrange
     first, second = first[upper], second[upper]
     met = start[first] + t[first, second, None] * run[first]
     points = _merged(np.concatenate([segments.reshape(-1, 2), marks, met]), same)
-    on = distance(points, segments) <= same
-    where = along(points, segments)
+    where, off = nearest(points, segments)
+    on = off <= same
     pieces, owner = [], []
     for number in range(len(segments)):
         there = np.flatnonzero(on[:, number])

@@ -2,38 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.domain.region import Numbers, Points
+from simulator.domain.region import Domain, Numbers, Points
 from simulator.domain.triangles import edges_of, halves
 
 
-@dataclass(frozen=True)
-class Cuttable:
-    """Points in m, shape (2 or 3, point); triangles and foils by numbers of points, ascending in
-    each column; and the triangle that each was part of before it was cut, shape (triangle,)."""
-
-    p: Points
-    t: Numbers
-    foils: dict[str, Numbers]
-    origin: Numbers
-
-
-def cut(mesh: Cuttable, segments: Points, same: float) -> Cuttable:
+def cut(mesh: Domain, segments: Points, same: float) -> Domain:
     """The mesh with each segment, seen along z, a union of edges as far as it lies on the mesh.
 
     segments: m, shape (segment, end, 2). Points nearer to a segment than `same` [m] lie on it. The
-    triangles in which a segment ends are cut through.
+    triangles in which a segment ends are cut through. Labels and foils are inherited.
     """
     for segment in segments:
         mesh = _cut_along(mesh, segment, same)
     return mesh
 
 
-def _cut_along(mesh: Cuttable, segment: Points, same: float) -> Cuttable:
+def _cut_along(mesh: Domain, segment: Points, same: float) -> Domain:
     run = segment[1] - segment[0]
     length = np.hypot(*run)
     offset = mesh.p[:2] - segment[0][:, None]
@@ -57,7 +46,8 @@ def _cut_along(mesh: Cuttable, segment: Points, same: float) -> Cuttable:
     p = np.hstack([mesh.p, start + part[split] * (stop - start)])
     t, parent = _split(mesh.t, new[of_triangle])
     foils = {name: halves(lines, edges, new) for name, lines in mesh.foils.items()}
-    return Cuttable(p, np.sort(t, axis=0), foils, mesh.origin[parent])
+    t, covered = np.sort(t, axis=0), mesh.covered[:, parent]
+    return replace(mesh, p=p, t=t, pixel=mesh.pixel[parent], covered=covered, foils=foils)
 
 
 def _entered(at_corners: Points, at_edges: Points, length: float, same: float) -> NDArray[np.bool_]:

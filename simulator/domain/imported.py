@@ -9,7 +9,10 @@ from dataclasses import replace
 import numpy as np
 
 from simulator.domain.arrangement import arranged
-from simulator.domain.cutting import Cuttable, cut
+from simulator.domain.collapsing import collapsed, compressed
+from simulator.domain.cutting import cut
+from simulator.domain.flipping import edges_along, flipped
+from simulator.domain.refinement import refined
 from simulator.domain.region import (
     Domain,
     Numbers,
@@ -20,15 +23,21 @@ from simulator.domain.region import (
 )
 from simulator.domain.snapping import snapped
 from simulator.domain.sound import check
+from simulator.domain.triangles import rim_points
 from simulator.foam import pixel_lines
 from simulator.mesh_file import Surface, foil_lines, read_surface
-from simulator.planar import sides
+from simulator.planar import distance, sides
 from simulator.press import Press
 from simulator.scene import Scene
 from simulator.sweeps import InputError
 
 SAME = 1e-8
 """What is nearer than this times the mesh's extent to a line lies on it."""
+
+MENDED = 3
+"""Times that points are taken out and edges turned, for what one allows the other."""
+COARSEST = 2.0
+"""Longest edges of triangles over the length of what they are cut along."""
 
 
 def imported(scene: Scene, press: Press, creases: Sequence[Points]) -> Domain:
@@ -39,16 +48,44 @@ def imported(scene: Scene, press: Press, creases: Sequence[Points]) -> Domain:
     _check(path, surface)
     foils = {contact.name: foil_lines(surface, contact.edge, path) for contact in scene.contacts}
     pixel = _grouped(path, surface, scene)
-    same = SAME * float(np.ptp(surface.p, axis=1).max())
-    lines = arranged(_segments(scene, press, creases), same)
-    segments = lines.points[lines.pieces]
-    p = surface.p
-    if len(p) == 2:
-        p = snapped(p, surface.t, _between(surface.t, pixel), lines.points, segments)
-    whole = Cuttable(p, surface.t, foils, np.arange(surface.t.shape[1]))
-    mesh = cut(whole, segments, same)
+    uncovered = np.zeros((0, len(pixel)), dtype=bool)
+    whole = Domain(surface.p, surface.t, pixel, uncovered, foils)
+    mesh = _conforming(whole, _segments(scene, press, creases))
     labels = labelled(scene, press, mesh.p, mesh.t, mesh.foils)
-    return labels if scene.pixels.groups is None else replace(labels, pixel=pixel[mesh.origin])
+    return labels if scene.pixels.groups is None else replace(labels, pixel=mesh.pixel)
+
+
+def _conforming(mesh: Domain, segments: Points) -> Domain:
+    """The mesh cut along segments, shape (segment, end, 2); a flat one is kept well shaped."""
+    if not len(segments):
+        return mesh
+    same = SAME * float(np.ptp(mesh.p, axis=1).max())
+    lines = arranged(segments, same)
+    pieces = lines.points[lines.pieces]
+    mesh = _as_fine(mesh, pieces)
+    if len(mesh.p) == 3:
+        return cut(mesh, pieces, same)
+    between = _between(mesh.t, mesh.pixel)
+    mesh = replace(mesh, p=snapped(mesh.p, mesh.t, between, lines.points, pieces))
+    mesh = cut(mesh, pieces, same)
+    fixed = [rim_points(mesh.t), _between(mesh.t, mesh.pixel), _at(mesh.p, lines.points, same)]
+    movable = ~np.isin(np.arange(mesh.p.shape[1]), np.concatenate(fixed))
+    for _ in range(MENDED):
+        mesh = collapsed(mesh, movable, edges_along(mesh.p, mesh.t, pieces, same))
+        mesh = replace(mesh, t=flipped(mesh.p, mesh.t, mesh.pixel, pieces, same))
+    return compressed(mesh)
+
+
+def _as_fine(mesh: Domain, pieces: Points) -> Domain:
+    """Refined until triangles beside a piece are no more than COARSEST times as long as it."""
+    length = np.linalg.norm(pieces[:, 1] - pieces[:, 0], axis=1)
+    while True:
+        middle = mesh.p[:2, mesh.t].mean(axis=1).T
+        wanted = COARSEST * (length + distance(middle, pieces)).min(axis=1)
+        coarse = np.flatnonzero(mesh.lengths > wanted)
+        if not len(coarse):
+            return mesh
+        mesh = refined(mesh, coarse)
 
 
 def _between(t: Numbers, pixel: Numbers) -> Numbers:
@@ -57,6 +94,13 @@ def _between(t: Numbers, pixel: Numbers) -> Numbers:
     np.minimum.at(least, t.ravel(), np.tile(pixel, 3))
     np.maximum.at(most, t.ravel(), np.tile(pixel, 3))
     return np.flatnonzero(least < most)
+
+
+def _at(p: Points, places: Points, same: float) -> Numbers:
+    """The points at places, shape (place, 2)."""
+    from scipy.spatial import KDTree
+
+    return np.flatnonzero(np.asarray(KDTree(places).query(p.T)[0]) <= 2 * same)
 
 
 @functools.lru_cache(maxsize=4)

@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.domain.spacing import spacings
+from simulator.domain.triangles import edge_numbers, edges_of
 from simulator.sweeps import InputError
 
 EXTENT = 1024.0
 """Of a drawing as gmsh sees it, at most: its tolerances are absolute."""
 GROWTH = 1.0
 """Rise of the length of edges with the distance from where they are short."""
+LIBRARIES = "libglu1-mesa, libxrender1, libxcursor1, libxft2 and libxinerama1"
 STEPS = 2
 """Lengths of edges told apart within a factor of 2."""
 OPTIONS = {
@@ -65,7 +67,8 @@ def _gmsh() -> Iterator[Any]:
         import gmsh
     except (ImportError, OSError) as error:
         raise InputError(
-            f"skins with an outline are meshed by gmsh, whose library cannot be loaded: {error}"
+            f"this skin is meshed by gmsh, whose library cannot be loaded: {error} "
+            f"({LIBRARIES} are what it needs on Debian and Ubuntu)"
         ) from error
     started = not gmsh.isInitialized()
     if started:
@@ -135,4 +138,7 @@ def _read(gmsh: Any, count: int, scale: float) -> Meshed:
     at[:, tags.astype(np.int64)] = positions.reshape(-1, 3).T[:2] / scale
     lines = np.concatenate(of_piece, axis=1)
     piece = np.repeat(np.arange(count), [part.shape[1] for part in of_piece])
-    return Meshed(at[:, used], number[t], number[lines], piece)
+    t, lines = number[t], np.sort(number[lines], axis=0)
+    if not t.size or (edge_numbers(lines, edges_of(t)[0]) < 0).any():
+        raise RuntimeError("gmsh made triangles that do not conform to the skin's drawing")
+    return Meshed(at[:, used], t, lines, piece)

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.domain.region import Numbers, Points, areas
-from simulator.domain.triangles import edges_of
-from simulator.planar import along, distance
+from simulator.domain.triangles import rim_points
+from simulator.planar import nearest
 
-REACH = 0.25
+REACH = 0.35
 """How far a point is moved, over the least height of the triangles around it: none turns over."""
 
 
@@ -20,17 +20,17 @@ def snapped(p: Points, t: Numbers, fixed: Numbers, corners: Points, segments: Po
     shape (segment, end, 2); they meet at corners only.
     """
     p, reach = p.copy(), _reach(p, t)
-    edges, of_triangle = edges_of(t)
-    reach[edges[:, np.bincount(of_triangle.ravel()) == 1]] = 0.0
+    reach[rim_points(t)] = 0.0
     reach[fixed] = 0.0
     for number, place in _nearest(p, reach, corners):
         p[:, number], reach[number] = corners[place], 0.0
     free = np.flatnonzero(reach)
-    away = distance(p[:, free].T, segments)
+    along, away = nearest(p[:, free].T, segments)
     segment = away.argmin(axis=1)
-    near = away[np.arange(len(free)), segment] < reach[free]
-    free, segment = free[near], segments[segment[near]]
-    at = along(p[:, free].T, segment).diagonal()[:, None]
+    near = np.flatnonzero(away[np.arange(len(free)), segment] < reach[free])
+    free, segment = free[near], segment[near]
+    at = along[near, segment][:, None]
+    segment = segments[segment]
     p[:, free] = ((1 - at) * segment[:, 0] + at * segment[:, 1]).T
     return p
 

@@ -45,6 +45,7 @@ def _to_others(
 ) -> NDArray[np.float64]:
     """From places on pieces to the nearest piece that theirs does not meet, m."""
     apart = distance(middle, ends)
-    own = pieces[whole]
-    meets = (own[:, None, :, None] == pieces[None, :, None, :]).any(axis=(2, 3))
-    return np.where(meets, np.inf, apart).min(axis=1)
+    for end in pieces[whole].T:
+        for other in pieces.T:
+            apart[end[:, None] == other] = np.inf
+    return apart.min(axis=1)

@@ -18,6 +18,12 @@ def edges_of(t: Numbers) -> tuple[Numbers, Numbers]:
     return np.stack([keys // base, keys % base]), number.reshape(3, -1)
 
 
+def rim_points(t: Numbers) -> Numbers:
+    """The points at edges of just one triangle."""
+    edges, of_triangle = edges_of(t)
+    return np.unique(edges[:, np.bincount(of_triangle.ravel()) == 1])
+
+
 def edge_numbers(lines: Numbers, edges: Numbers) -> Numbers:
     """The number among `edges` of each line, -1 for lines that are none, shape (line,)."""
     base = int(max(edges.max(), lines.max(initial=0))) + 1

@@ -51,8 +51,8 @@ def frequencies(
     """
     from rich.console import Console
 
-    from simulator.limits.criteria import checked_criterion
     from simulator.electrical import plain_scene
+    from simulator.limits.criteria import checked_criterion
     from simulator.limits.design import check_design, design
     from simulator.limits.position import chosen_touch
     from simulator.limits.sets import parse_band

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from simulator.domain.region import corners
 from simulator.foam_properties import Mechanics
-from simulator.mechanics.limit import check_depths, check_reached
+from simulator.mechanics.limit import check_depths
 from simulator.mechanics.pressed import Pressed
 from simulator.mechanics.stamps import stamped
 from simulator.press import Press
 from simulator.scene import Scene
-from simulator.sweeps import InputError
+from simulator.scene_file import check_press
 
 __all__ = ["Pressed", "pressed"]
 
@@ -25,13 +25,16 @@ __all__ = ["Pressed", "pressed"]
 def pressed(scene: Scene, press: Press, rtol: float) -> Pressed:
     """What the touches of given depth or force do, the factor within `rtol` relatively, anywhere.
 
-    Raises InputError where the scene has no mechanics of the foam, or cannot give way so far, and
-    ToleranceError where `rtol` is out of reach.
+    Raises InputError as `check_press`, where the foam cannot give way so far, where touches of a
+    given force meet others, and where a touch lies beside the skin; ToleranceError where `rtol` is
+    out of reach.
     """
     touches = press.indented
     if not touches:
         return Pressed(None, 1.0, _flat, (), (), 0.0, (), press)
-    mechanics, thickness = _foam(scene, press)
+    check_press(press, scene)
+    mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
+    assert mechanics is not None and thickness is not None
     check_depths(press, mechanics, thickness)
     kinks = tuple(_closed(corners(scene, touch.place)) for touch in touches)
     if not mechanics.tension:
@@ -53,7 +56,6 @@ def _spread(
     at_first = ground(scene, [touch.place for touch in press.indented])
     found = solved(press, at_first, mechanics, thickness, rtol)
     depth, force = tuple(found.rest.depth.tolist()), tuple(found.rest.force.tolist())
-    check_reached(press, depth, mechanics, thickness)
     return Pressed(mechanics, thickness, found.surface, depth, force, found.error, kinks, None)
 
 
@@ -63,12 +65,3 @@ def _flat(x: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _closed(polygon: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.vstack([polygon, polygon[:1]])
-
-
-def _foam(scene: Scene, press: Press) -> tuple[Mechanics, float]:
-    foam = scene.skin.foam
-    if foam.mechanics is None or foam.thickness is None:
-        raise InputError(
-            f"press {press}: depth and force need the table skin.foam.mechanics in {scene.name}"
-        )
-    return foam.mechanics, foam.thickness

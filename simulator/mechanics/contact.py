@@ -16,6 +16,7 @@ from simulator.mechanics.membrane import Membrane, Net
 from simulator.sweeps.errors import ToleranceError
 
 MOST_CHANGES = 200
+CLOSE = 1e-6
 SAME = 1e-12
 """Of the foam's thickness, deflections that are one."""
 
@@ -38,12 +39,20 @@ def deepest(under: NDArray[np.bool_], pushed: Pushed) -> NDArray[np.int64]:
 
 
 def held_by(
-    membrane: Membrane, tension: float, most: NDArray[np.int64], pushed: Pushed
+    membrane: Membrane,
+    tension: float,
+    most: NDArray[np.int64],
+    pushed: Pushed,
+    start: NDArray[np.float64],
 ) -> NDArray[np.int64]:
-    """(node,): the applicator that holds each node, of those that `most` says could, or -1."""
+    """(node,): the applicator that holds each node, of those that `most` says could, or -1.
+
+    start: deflections near those searched for, m.
+    """
     if len(pushed.depth) < 2:
         return most
-    net, held, w = Net(membrane, tension), most, np.zeros(len(most))
+    net, w = Net(membrane, tension), start
+    held = np.where(start > _depths(start, most, pushed)[most] + CLOSE * net.thickness, -1, most)
     for _ in range(MOST_CHANGES):
         rest = at_rest(net, held, pushed, w)
         w, reaction = rest.w, net.residual(rest.w)
@@ -54,3 +63,10 @@ def held_by(
             return held
         held = changed
     raise ToleranceError("the press did not come to rest: its touches neither hold nor let go")
+
+
+def _depths(
+    start: NDArray[np.float64], most: NDArray[np.int64], pushed: Pushed
+) -> NDArray[np.float64]:
+    least = [start[most == each].min(initial=np.inf) for each in range(len(pushed.depth))]
+    return np.where(np.isnan(pushed.depth), least, pushed.depth)

@@ -61,10 +61,9 @@ def at_rest(
     of given force holds move as one, and what holds them adds up to that force.
     """
     turn, fixed = _freedoms(held, pushed)
-    work = np.zeros(turn.shape[1])
-    count = len(pushed.by_force)
-    work[len(work) - count :] = pushed.force[pushed.by_force]
-    q = _first(turn, start, held, pushed)
+    q = _first(start, held, pushed)
+    work, count = np.zeros_like(q), len(pushed.by_force)
+    work[len(q) - count :] = pushed.force[pushed.by_force]
     for _ in range(MOST_STEPS):
         w = turn @ q + fixed
         reaction = body.residual(w)
@@ -92,7 +91,7 @@ def _freedoms(held: NDArray[np.int64], pushed: Pushed) -> tuple[csr_matrix, NDAr
 
 
 def _first(
-    turn: csr_matrix, start: NDArray[np.float64], held: NDArray[np.int64], pushed: Pushed
+    start: NDArray[np.float64], held: NDArray[np.int64], pushed: Pushed
 ) -> NDArray[np.float64]:
     depths = [start[held == each].max(initial=0.0) for each in pushed.by_force]
     return np.concatenate([start[held < 0], depths])
@@ -128,5 +127,5 @@ def _rest(
 ) -> Rest:
     depth = pushed.depth.copy()
     depth[pushed.by_force] = found
-    force = np.bincount(held + 1, weights=reaction, minlength=len(depth) + 1)[1:]
-    return Rest(w, depth, force)
+    force = [reaction[held == each].sum() for each in range(len(depth))]
+    return Rest(w, depth, np.array(force))

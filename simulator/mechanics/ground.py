@@ -41,9 +41,21 @@ class Ground:
     @cached_property
     def covered(self) -> NDArray[np.bool_]:
         """(applicator, triangle)."""
-        found = self.pixel[:, None] == self.domain.pixel
+        found = np.equal.outer(self.pixel, self.domain.pixel)
         found[self.pixel < 0] = self.domain.covered
         return found
+
+    @property
+    def edges(self) -> float:
+        """Length around all that applicators cover, m."""
+        facets = self.mesh.facets[:, np.diff(self._sides_covered, axis=0)[0]]
+        return float(np.linalg.norm(np.diff(self.mesh.p[:, facets], axis=1), axis=0).sum())
+
+    @property
+    def _sides_covered(self) -> NDArray[np.bool_]:
+        """(2, facet): whether an applicator lies on each side; beyond the skin as within."""
+        under, beside = self.covered.any(axis=0), self.mesh.f2t
+        return under[np.where(beside < 0, beside[:1], beside)]
 
     @cached_property
     def cornered(self) -> NDArray[np.bool_]:
@@ -51,7 +63,7 @@ class Ground:
         if not self.sharp.size:
             return np.zeros(self.domain.t.shape[1], bool)
         points = KDTree(self.domain.p.T).query(self.sharp.T)[1]
-        return np.isin(self.domain.t, points).any(axis=0)
+        return np.any(np.isin(self.domain.t, points), axis=0)
 
     def refined(self, marked: NDArray[np.bool_]) -> Ground:
         """The same with the marked triangles halved each way."""
@@ -61,7 +73,7 @@ class Ground:
 def ground(scene: Scene, places: Sequence[Place]) -> Ground:
     """The skin of a scene under applicators of the shapes of `places`.
 
-    Raises InputError where it is no plane.
+    Raises InputError where it is no plane, or a place lies beside it.
     """
     size = max(scene.skin.length, scene.skin.width) / COARSEST
     apart = Press(tuple(place for place in places if not isinstance(place, Touch)))
@@ -72,7 +84,11 @@ def ground(scene: Scene, places: Sequence[Place]) -> Ground:
         )
     columns = scene.pixels.columns
     pixel = [(p.row - 1) * columns + p.column - 1 if isinstance(p, Touch) else -1 for p in places]
-    return Ground(found, np.array(pixel), _sharp(scene, places))
+    laid = Ground(found, np.array(pixel), _sharp(scene, places))
+    for place, covered in zip(places, laid.covered, strict=True):
+        if not covered.any():
+            raise InputError(f"press {place.where}: must touch the skin of {scene.name}")
+    return laid
 
 
 def _sharp(scene: Scene, places: Sequence[Place]) -> NDArray[np.float64]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from simulator.foam_properties import Mechanics
 from simulator.press import Depth, Press
 from simulator.sweeps import InputError
@@ -17,7 +19,7 @@ def check_depths(press: Press, mechanics: Mechanics, thickness: float) -> None:
 
 
 def check_reached(
-    press: Press, depth: tuple[float, ...], mechanics: Mechanics, thickness: float
+    press: Press, depth: Iterable[float], mechanics: Mechanics, thickness: float
 ) -> None:
     """Raises InputError where a given force would take a deeper press than that."""
     for touch, reached in zip(press.indented, depth, strict=True):

@@ -7,6 +7,7 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import root_scalar
 
 from simulator.elastic_foam import Elastic
 from simulator.foam_properties import Mechanics
@@ -73,7 +74,9 @@ def strain_at(pressure: float, elastic: Elastic) -> float:
     def excess(strain: float) -> float:
         return float(elastic.stress(np.array(strain))) - pressure
 
-    return float(brentq(excess, 0.0, top, xtol=ROUNDING)) if excess(top) >= 0 else math.inf
+    if excess(top) < 0:
+        return math.inf
+    return float(root_scalar(excess, bracket=(0.0, top), xtol=ROUNDING).root)
 
 
 def meet(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from simulator.sweeps import ToleranceError
 from simulator.varied.discretised import Discretised
 from simulator.varied.squares import Squares
 from simulator.varied.triangles import Triangles
+
+if TYPE_CHECKING:
+    from simulator.mechanics import Pressed
 
 MECHANICS_SHARE = 0.3
 """Of the tolerance: what the capacitance of a press may be off by."""
@@ -46,16 +49,27 @@ class InTurn:
             return self.finer(frequency)
 
 
-def meshes(scene: Scene, press: Press, rtol: float) -> Meshes:
-    """Those that a scene and a press need: quadrilaterals first wherever they serve."""
-    circuit, rectangular = circuit_of(scene), scene.skin.outline is None and scene.skin.mesh is None
-    if press.indented:
-        from simulator.mechanics import pressed
+def indented(scene: Scene, press: Press, rtol: float) -> tuple[Press, Pressed | None]:
+    """Touches of a factor, and what mechanics makes of the others: factors too, if it can.
 
-        found = pressed(scene, press, MECHANICS_SHARE * rtol)
-        return Triangles(scene, circuit, press, rtol, found)
-    triangles = Triangles(scene, circuit, press, rtol)
-    if rectangular and press.plain:
+    rtol: the tolerance asked of Rs and Cp.
+    """
+    if not press.indented:
+        return press, None
+    from simulator.mechanics import pressed
+
+    found = pressed(scene, press, MECHANICS_SHARE * rtol)
+    return (press.sharp, found) if found.sharp is None else (found.sharp, None)
+
+
+def meshes(scene: Scene, press: Press, pressed: Pressed | None, rtol: float) -> Meshes:
+    """Those that a scene and a press need: quadrilaterals first wherever they serve.
+
+    press, pressed: as of `indented`.
+    """
+    circuit, rectangular = circuit_of(scene), scene.skin.outline is None and scene.skin.mesh is None
+    triangles = Triangles(scene, circuit, press, rtol, pressed)
+    if rectangular and press.plain and pressed is None:
         return InTurn(Squares(scene, circuit, press, rtol), triangles)
     return triangles
 

@@ -68,12 +68,12 @@ class Squares:
 
     def _varied(self, resolution: Resolution) -> Resolution:
         """With lines where maps have kinks, and cells that follow the shortest of them."""
-        skin, pixels = self.scene.skin, self.scene.pixels
-        widest = max(skin.length / pixels.columns, skin.width / pixels.rows)
-        needed = CELLS_TO_A_LENGTH * widest / self.materials.shortest / resolution.order
         kinks = self.materials.lines
         lines = (self._with(0, resolution.lines, kinks), self._with(1, resolution.lines, kinks))
-        return replace(resolution, cells=max(resolution.cells, math.ceil(needed)), lines=lines)
+        finer = replace(resolution, lines=lines)
+        widest = max(np.diff(tile_lines(self.scene, axis, finer)).max() for axis in (0, 1))
+        needed = CELLS_TO_A_LENGTH * widest / self.materials.shortest / resolution.order
+        return replace(finer, cells=max(resolution.cells, math.ceil(needed)))
 
     def _with(self, axis: int, lines: Lines, kinks: Lines) -> tuple[float, ...]:
         """Lines across an axis and those kinks that are apart from them and from pixels' lines."""

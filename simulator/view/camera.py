@@ -55,9 +55,9 @@ class Camera:
         plotter.camera.focal_point = focus
         plotter.camera.position = focus + reach * self.towards
         plotter.camera.up = self.up
-        plotter.enable_parallel_projection()
+        plotter.camera.parallel_projection = True
         plotter.camera.parallel_scale = float(self.high[1] - self.low[1]) / 2
-        plotter.reset_camera_clipping_range()
+        plotter.renderer.reset_camera_clipping_range()
 
 
 def from_above(places: Real, margin: float) -> Camera:

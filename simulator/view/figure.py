@@ -112,7 +112,8 @@ def _millimetres(axes: Axes, panel: Panel) -> None:
         low, high = values.min(), values.max()
         ticks = MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
         rounding = 1e-6 * (high - low)
-        axis.set_ticks([t for t in ticks if low - rounding <= t <= high + rounding])
+        kept = [float(t) for t in ticks if low - rounding <= t <= high + rounding]
+        axis.set_ticks(kept)
     axes.set_xlabel("x (mm)")
     axes.set_ylabel("y (mm)")
 
@@ -126,9 +127,13 @@ def _scale_bar(axes: Axes, camera: Camera) -> None:
 
 
 def _name_foils(axes: Axes, panel: Panel, size: float) -> None:
+    from matplotlib.patheffects import withStroke
+
     for foil in panel.scenery.marks.foils:
+        x, y = 1e3 * _name_place(foil, panel.camera)
         axes.text(
-            *(1e3 * _name_place(foil, panel.camera)),
+            x,
+            y,
             f"{foil.name} ({foil.role})",
             color=ROLE_COLOURS[foil.role],
             fontsize=size,
@@ -136,20 +141,29 @@ def _name_foils(axes: Axes, panel: Panel, size: float) -> None:
             va="center",
             rotation=_along(foil, panel.camera),
             rotation_mode="anchor",
+            path_effects=[withStroke(linewidth=2.5, foreground="white")],
         )
 
 
 def _name_place(foil: Foil, camera: Camera) -> NDArray:
-    """Off the skin, or where that is along the line of sight, off the middle of the picture."""
+    """Off the skin, away from the picture's middle where off is along the line of sight.
+
+    In the middle of a foil that is closed.
+    """
+    if foil.closed:
+        return camera.project(foil.quads.reshape(3, -1).mean(axis=1))
     middle, out = camera.project(foil.middle), camera.project(foil.out)
     gap = np.linalg.norm(foil.out)
     if np.linalg.norm(out) < HIDDEN * gap:
-        out = np.array([np.sign(middle[0] - camera.low[0] - camera.high[0] + middle[0]) or 1.0, 0])
+        right = 2 * middle[0] > camera.low[0] + camera.high[0]
+        out = np.array([1.0 if right else -1.0, 0.0])
     return middle + gap * out / np.linalg.norm(out)
 
 
 def _along(foil: Foil, camera: Camera) -> float:
     """The angle of the foil's line in the picture, readable: from -90 to 90 degrees."""
+    if foil.closed:
+        return 0.0
     x, y = camera.project(foil.along)
     angle = float(np.degrees(np.arctan2(y, x)))
     return (angle + 90 - 1e-9) % 180 - 90 + 1e-9
@@ -160,9 +174,11 @@ def _colour_bar(axes: Axes, shown: Shown) -> None:
     from matplotlib.colors import Normalize
 
     mappable = ScalarMappable(Normalize(*shown.limits), shown.colours)
-    bar = axes.figure.colorbar(mappable, cax=axes.inset_axes((1.02, 0.0, 0.035, 1.0)))
+    bar = axes.figure.colorbar(
+        mappable, cax=axes.inset_axes((1.02, 0.0, 0.035, 1.0)), extend=shown.beyond
+    )
     bar.set_label(shown.unit)
     bar.ax.grid(False)
     bar.outline.set_visible(False)
     if shown.cyclic:
-        bar.set_ticks(np.arange(-180, 181, 60))
+        bar.set_ticks([float(angle) for angle in range(-180, 181, 60)])

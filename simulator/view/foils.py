@@ -50,6 +50,11 @@ class Foil:
         return self.middle + self.out
 
     @property
+    def closed(self) -> bool:
+        """Whether it goes all around, and is named in its middle."""
+        return bool(np.linalg.norm(self.along) < np.linalg.norm(self.out) / 2)
+
+    @property
     def along(self) -> Real:
         """From its first to its last end, (3,)."""
         return self.quads[:, 1, -1] - self.quads[:, 0, 0]

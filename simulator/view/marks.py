@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from simulator.foam import pixel_lines, touched_box
 from simulator.planar import regular, sides
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from simulator.view.surface import Surface
 
 Real = NDArray[np.float64]
+Point = Real | tuple[float, float]
 
 STEPS = 60
 """Pieces of a line, so that it follows a curved skin."""
@@ -80,11 +81,11 @@ def outline(touch: AnyTouch, scene: Scene) -> Real:
         left, right, bottom, top = touched_box(scene, place)
         corners = np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
     steps = 1 if isinstance(place, Disc) else STEPS
-    return np.hstack([_between(*ends, steps) for ends in sides(corners)])
+    return np.hstack([_between(low, high, steps) for low, high in sides(corners)])
 
 
-def _between(low: ArrayLike, high: ArrayLike, steps: int = STEPS) -> Real:
-    return np.linspace(low, high, steps + 1).T
+def _between(low: Point, high: Point, steps: int = STEPS) -> Real:
+    return np.linspace(np.asarray(low), np.asarray(high), steps + 1).T
 
 
 def _on_skin(flat: Real, skin: Surface) -> list[Real]:
@@ -96,8 +97,8 @@ def _on_skin(flat: Real, skin: Surface) -> list[Real]:
     return [places[:, low:high] for low, high in ends.reshape(-1, 2) if high - low > 1]
 
 
-def arrows(skin: Surface, current: Real) -> Arrows:
-    """Arrows along a real current density (2, point), where it is not faint."""
+def arrows(skin: Surface, current: Real, highest: float) -> Arrows:
+    """Arrows along a real current density (2, point), where it is not faint beside the highest."""
     spans = np.ptp(skin.x, axis=1)
     step = spans.max() / ARROWS_ALONG
     axes = [
@@ -106,18 +107,12 @@ def arrows(skin: Surface, current: Real) -> Arrows:
     ]
     flat = np.stack([axis.ravel() for axis in np.meshgrid(*axes)])
     flat = flat[:, skin.covers(flat)]
-    strength = _interpolated(skin, flat, current)
+    strength = skin.at(flat, current)
     size = np.hypot(*strength)
-    kept = size > FAINTEST * np.max(np.hypot(*current), initial=0.0)
+    kept = size > FAINTEST * highest
     flat, along = flat[:, kept], strength[:, kept] / size[kept]
     places, normals, _ = skin.carry(flat)
     ahead, _, _ = skin.carry(flat + 1e-3 * skin.size * along)
     behind, _, _ = skin.carry(flat - 1e-3 * skin.size * along)
     directions = (ahead - behind) / np.linalg.norm(ahead - behind, axis=0)
     return Arrows(places + 2e-3 * skin.size * normals, directions, 0.72 * step)
-
-
-def _interpolated(skin: Surface, flat: Real, values: Real) -> Real:
-    from scipy.interpolate import LinearNDInterpolator
-
-    return LinearNDInterpolator(skin.x.T, values.T)(flat.T).T

@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from importlib.util import find_spec
 from pathlib import Path
 
+import numpy as np
+
 from simulator.sweeps import InputError, whole_file
 from simulator.view.painting import Image
 
@@ -30,8 +32,19 @@ def write_movie(path: Path, frames: Iterable[Image]) -> None:
 def _write_gif(path: Path, frames: Iterable[Image]) -> None:
     import PIL.Image
 
-    first, *others = (PIL.Image.fromarray(frame).quantize(256, dither=0) for frame in frames)
-    first.save(path, save_all=True, append_images=others, duration=1000 // FPS, loop=0, disposal=1)
+    drawn = list(frames)
+    colours = np.unique(np.concatenate([_colours(frame) for frame in drawn]), axis=0)
+    palette = PIL.Image.fromarray(colours[None]).quantize(256)
+    first, *others = (
+        PIL.Image.fromarray(frame).quantize(palette=palette, dither=PIL.Image.Dither.NONE)
+        for frame in drawn
+    )
+    first.save(path, save_all=True, append_images=others, duration=1000 // FPS, loop=0)
+
+
+def _colours(frame: Image) -> Image:
+    """Every colour of a frame once, (colour, 3), so that a bar's count as much as a field's."""
+    return np.unique(frame.reshape(-1, 3), axis=0)
 
 
 def _write_mp4(path: Path, frames: Iterable[Image]) -> None:

@@ -134,10 +134,9 @@ def show(stage: Stage, what: str) -> None:
     plotter = window(title(stage), len(panels))
     for number, panel in enumerate(panels):
         plotter.subplot(0, number)
-        add_all(plotter, panel.scenery, panel.shown, lit=not panel.camera.above)
+        add_all(plotter, panel.scenery, panel.shown, lit=not panel.camera.above, bar=True)
         shown = panel.shown
         told = "\n".join(filter(None, (shown.title, shown.moment, shown.note)))
         plotter.add_text(told.replace("Ω", "ohm"), font_size=9, color="black")
-        plotter.add_scalar_bar(title=shown.unit, color="black", fmt="%.3g")
         panel.camera.aim(plotter)
     plotter.show()

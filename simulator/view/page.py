@@ -44,7 +44,7 @@ def write_page(path: Path, panels: Sequence[Panel], title: str) -> None:
     if len(panels) > 1:
         figure.update_layout(sliders=[_slider(panels, owners)])
     with whole_file(path) as unfinished:
-        figure.write_html(unfinished, include_plotlyjs=True, div_id="skin", default_height="96vh")
+        figure.write_html(unfinished, include_plotlyjs=True, div_id="skin", default_height="92vh")
 
 
 def _layout(panels: Sequence[Panel], title: str) -> dict[str, Any]:
@@ -96,10 +96,10 @@ def _slider(panels: Sequence[Panel], owners: Sequence[int]) -> dict[str, Any]:
     return {"steps": steps, "currentvalue": {"visible": False}, "ticklen": 4}
 
 
-def _traces(panel: Panel) -> list[go.Mesh3d | go.Scatter3d]:
+def _traces(panel: Panel) -> list[Any]:
     scenery, shown = panel.scenery, panel.shown
     skin, marks = scenery.skin, scenery.marks
-    traces = [_field(skin, shown), *(_surface(body, BODY) for body in scenery.bodies)]
+    traces: list[Any] = [_field(skin, shown), *(_surface(body, BODY) for body in scenery.bodies)]
     for foil in marks.foils:
         surface = _surface(ribbon(foil), ROLE_COLOURS[foil.role])
         surface.update(name=f"{foil.name} ({foil.role})", hoverinfo="name")

@@ -52,10 +52,15 @@ def paint(scenery: Scenery, shown: Shown, camera: Camera, pixels: int) -> Image:
     return np.asarray(image)
 
 
-def add_all(plotter: pv.Plotter, scenery: Scenery, shown: Shown, *, lit: bool) -> None:
-    """Put field and scenery into a plotter. lit: with shades, for shapes in space."""
+def add_all(
+    plotter: pv.Plotter, scenery: Scenery, shown: Shown, *, lit: bool, bar: bool = False
+) -> None:
+    """Put field and scenery into a plotter.
+
+    lit: with shades, for shapes in space. bar: with a colour bar of pyvista's.
+    """
     skin, marks = scenery.skin, scenery.marks
-    _add_field(plotter, skin, shown, lit)
+    _add_field(plotter, skin, shown, lit, bar)
     for body in scenery.bodies:
         plotter.add_mesh(body, color=BODY, ambient=0.6, diffuse=0.42, smooth_shading=True)
     for foil in marks.foils:
@@ -69,7 +74,7 @@ def add_all(plotter: pv.Plotter, scenery: Scenery, shown: Shown, *, lit: bool) -
         plotter.add_mesh(arrow_mesh(shown.arrows), color=ARROW, ambient=0.75, diffuse=0.25)
 
 
-def _add_field(plotter: pv.Plotter, skin: Surface, shown: Shown, lit: bool) -> None:
+def _add_field(plotter: pv.Plotter, skin: Surface, shown: Shown, lit: bool, bar: bool) -> None:
     mesh = polygons(skin.points, skin.cells)
     mesh.point_data["shown"] = shown.values
     mesh.point_data["normals"] = skin.normals.T
@@ -81,7 +86,8 @@ def _add_field(plotter: pv.Plotter, skin: Surface, shown: Shown, lit: bool) -> N
         clim=shown.limits,
         n_colors=256,
         interpolate_before_map=not shown.cyclic,
-        show_scalar_bar=False,
+        show_scalar_bar=bar,
+        scalar_bar_args={"title": f"{shown.title} ({shown.unit})", "fmt": "%.3g"} if bar else None,
         lighting=lit,
         ambient=0.7,
         diffuse=0.3,

@@ -24,6 +24,10 @@ SAME_SHEETS = 1e-3
 """The sheets' current densities are shown once where they differ by less, over the largest."""
 ALIKE_FRAMES = 10.0
 """Frames share one scale where their largest values are within so many times of each other."""
+PEAKS, FAR_LESS = 0.01, 1.5
+"""Of the area, and how far above the rest values have to be there for the scale to end below."""
+FEW_DEGREES = 120.0
+"""Phases that span no more need no closed map."""
 NO_DEFLECTION = 1e-12
 PERCENT_PER_CM2 = 1e2 * 1e-4
 PREFIXES = ("f", "p", "n", "µ", "m", "", "k", "M", "G")
@@ -52,9 +56,9 @@ class Quantity:
         return prefix(highest, self.unit) if self.prefixed else (1.0, self.unit)
 
     @property
-    def colours(self) -> str:
-        """The name of its colour map."""
-        return COLOUR_MAPS[self.scale]
+    def open_scale(self) -> Scale:
+        """Its scale where nothing goes around."""
+        return "magnitude" if self.scale == "cyclic" else self.scale
 
 
 def prefix(highest: float, unit: str) -> tuple[float, str]:
@@ -173,28 +177,53 @@ def chosen(name: str, fields: Fields) -> list[Quantity]:
 
 
 def _sheets_agree(fields: Fields) -> bool:
+    weight = point_areas(fields)
     return all(
-        np.allclose(top, bottom, rtol=0.0, atol=SAME_SHEETS * top.max())
+        weight @ np.abs(top - bottom) <= SAME_SHEETS * (weight @ top)
         for at in range(len(fields.frequency))
         for top, bottom in [(current_size(fields, at, 0), current_size(fields, at, 1))]
     )
 
 
-def limits(quantity: Quantity, frames: Sequence[Real]) -> list[tuple[float, float]]:
+def point_areas(fields: Fields) -> Real:
+    """The flat area that each point stands for, m², (point,)."""
+    x, y = fields.x[:, fields.cells]
+    area = np.abs((x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)).sum(axis=0)) / 2
+    share = np.broadcast_to(area / len(fields.cells), fields.cells.shape)
+    total = np.bincount(fields.cells.ravel(), share.ravel(), fields.x.shape[1])
+    return total.astype(float)
+
+
+def scales(quantity: Quantity, frames: Sequence[Real], weight: Real) -> list[tuple[float, float]]:
     """The ends of the colour scale for each frame of values (point,).
 
-    One scale for all frames where their largest values are alike, else each its own. Magnitudes
-    start at 0 unless the least is more than half of the largest.
+    weight: the area of each point; the largest values of the smallest areas, at the ends of foils,
+    are left out. One scale for all frames where their largest values are alike, else each its own.
+    Magnitudes start at 0 unless the least is more than half of the largest.
     """
     if quantity.scale == "cyclic":
-        return [(-180.0, 180.0)] * len(frames)
-    highest = [float(np.abs(values).max()) or 1.0 for values in frames]
+        return [_angles(frames)] * len(frames)
+    highest = [_highest(np.abs(values), weight) or 1.0 for values in frames]
     if max(highest) <= ALIKE_FRAMES * min(highest):
         highest = [max(highest)] * len(frames)
     if quantity.scale == "signed":
         return [(-high, high) for high in highest]
     lowest = min(float(values.min()) for values in frames)
-    return [(lowest if lowest > 0.5 * high else 0.0, high) for high in highest]
+    return [(lowest if 0.5 * high < lowest < high else 0.0, high) for high in highest]
+
+
+def _highest(sizes: Real, weight: Real) -> float:
+    """The largest, or what all but PEAKS of the area stays below where that is far less."""
+    order = np.argsort(sizes)
+    covered = np.cumsum(weight[order])
+    usual = float(sizes[order[np.searchsorted(covered, (1 - PEAKS) * covered[-1])]])
+    return float(sizes.max()) if sizes.max() <= FAR_LESS * usual else usual
+
+
+def _angles(frames: Sequence[Real]) -> tuple[float, float]:
+    lowest = min(float(values.min()) for values in frames)
+    highest = max(float(values.max()) for values in frames)
+    return (lowest, highest) if 0 < highest - lowest <= FEW_DEGREES else (-180.0, 180.0)
 
 
 def checked_name(name: str) -> str:

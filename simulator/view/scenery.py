@@ -147,4 +147,5 @@ def _ball(skin: Surface, radius: float) -> pv.PolyData:
 def _centre(skin: Surface, outwards: Real, radius: float) -> Real:
     """The place a radius behind every point, or before it where normals point inwards."""
     either = [skin.points + sign * radius * outwards for sign in (-1, 1)]
-    return min(either, key=lambda places: np.ptp(places, axis=1)[[0, 2]].sum()).mean(axis=1)
+    nearest = min(either, key=lambda places: places.std(axis=1).sum())
+    return np.median(nearest, axis=1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,9 @@ from simulator.view.quantities import (
     COLOUR_MAPS,
     Quantity,
     difference,
-    limits,
+    point_areas,
     prefix,
+    scales,
 )
 
 if TYPE_CHECKING:
@@ -43,16 +44,27 @@ class Shown:
     contours: tuple[Real, ...] = ()
     note: str = ""
 
+    @property
+    def beyond(self) -> Literal["neither", "min", "max", "both"]:
+        """At which end of the scale values lie beyond it."""
+        low, high = self.limits
+        rounding = 1e-9 * (high - low)
+        below = bool(self.values.min() < low - rounding)
+        above = bool(self.values.max() > high + rounding)
+        if below and above:
+            return "both"
+        return "min" if below else "max" if above else "neither"
+
 
 def at_frequencies(
     quantity: Quantity, fields: Fields, skin: Surface, numbers: Sequence[int]
 ) -> list[Shown]:
     """The quantity at frequencies by number."""
     values = [quantity.values(fields, at) for at in numbers]
-    scales = limits(quantity, values)
+    ends = scales(quantity, values, point_areas(fields))
     return [
         _shown(quantity, fields, skin, at, each, scale)
-        for at, each, scale in zip(numbers, values, scales, strict=True)
+        for at, each, scale in zip(numbers, values, ends, strict=True)
     ]
 
 
@@ -65,12 +77,13 @@ def _shown(
     scale: tuple[float, float],
 ) -> Shown:
     factor, unit = quantity.shown_unit(scale[1])
+    closed = quantity.scale == "cyclic" and scale[1] - scale[0] == 360
     shown = Shown(
         title=quantity.title,
         moment="" if quantity.everywhere else heading(fields, at),
         unit=unit,
-        colours=quantity.colours,
-        cyclic=quantity.scale == "cyclic",
+        colours=COLOUR_MAPS["cyclic" if closed else quantity.open_scale],
+        cyclic=closed,
         values=factor * values,
         limits=(factor * scale[0], factor * scale[1]),
     )
@@ -80,7 +93,7 @@ def _shown(
         moment = np.exp(-1j * np.angle(1 / fields.Z[at]))
         flow = np.real(moment * fields.current[quantity.sheet, at])
         note = "arrows: direction at the meter's greatest current"
-        return replace(shown, arrows=arrows(skin, flow), note=note)
+        return replace(shown, arrows=arrows(skin, flow, scale[1]), note=note)
     if quantity.scale == "cyclic":
         lines, step = phase_contours(skin, difference(fields, at))
         return replace(shown, contours=lines, note=f"a line every {step:g}°")
@@ -97,7 +110,7 @@ def over_the_phase(
     moments = 2 * np.pi * np.arange(count) / count
     moving = [np.real(np.exp(1j * moment) * complex_values) for moment in moments]
     values = moving if quantity.sheet is None else [np.hypot(*flow) for flow in moving]
-    highest = max(float(np.abs(each).max()) for each in values)
+    highest = max(end for _, end in scales(quantity, values, point_areas(fields)))
     factor, unit = quantity.shown_unit(highest)
     signed = quantity.sheet is None
     return [
@@ -109,7 +122,7 @@ def over_the_phase(
             cyclic=False,
             values=factor * each,
             limits=(-factor * highest if signed else 0.0, factor * highest),
-            arrows=None if signed else arrows(skin, flow),
+            arrows=None if signed else arrows(skin, flow, highest),
         )
         for moment, flow, each in zip(moments, moving, values, strict=True)
     ]

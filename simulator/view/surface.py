@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from simulator.fields import Fields
 
 Real = NDArray[np.float64]
+SAME_PLACE = 1.234e-7
+"""Of the skin's extent."""
 WITHIN = 1e-3
 """Of the skin's size: beside an edge, where the skin is looked for."""
 SHOWN_DEPTH = 0.08
@@ -26,14 +29,16 @@ SHOWN_DEPTH = 0.08
 class Surface:
     """Points in space (3, point) and their unit normals, at flat places x (2, point), in m.
 
-    cells: (corner, cell), counter-clockwise seen from where the normals point to.
-    exaggeration: of the deflection.
+    cells: (corner, cell), counter-clockwise seen from where the normals point to. same: for each
+    point the number of the first one at its place, for cells need not share points. exaggeration:
+    of the deflection.
     """
 
     x: Real
     points: Real
     normals: Real
     cells: NDArray[np.int64]
+    same: NDArray[np.int64]
     exaggeration: float
 
     @property
@@ -69,6 +74,16 @@ class Surface:
             on_skin,
         )
 
+    def at(self, x: Real, values: Real) -> Real:
+        """Values (k, point) at flat places (2, n) on the skin, (k, n)."""
+        from pyvista import PolyData
+
+        flat = self._flat.copy(deep=False)
+        flat.point_data["values"] = values.T
+        probe = PolyData(np.vstack([x, np.zeros_like(x[:1])]).T)
+        found = probe.sample(flat, tolerance=1e-6 * self.size)
+        return np.asarray(found.point_data["values"]).T
+
     def covers(self, x: Real) -> NDArray[np.bool_]:
         """Whether flat places (2, n) lie on the skin."""
         from pyvista import PolyData
@@ -79,7 +94,7 @@ class Surface:
 
     def nearest(self, places: Real) -> NDArray[np.int64]:
         """The numbers of the points that are nearest to places (3, n) in space."""
-        return self._tree.query(places.T)[1]
+        return np.asarray(self._tree.query(places.T)[1])
 
     @cached_property
     def _tree(self) -> KDTree:
@@ -90,7 +105,8 @@ class Surface:
     @cached_property
     def rim(self) -> NDArray[np.int64]:
         """The edges (2, edge) that only one cell has, in that cell's sense."""
-        edges = np.stack([self.cells, np.roll(self.cells, -1, axis=0)]).reshape(2, -1)
+        corners = self.same[self.cells]
+        edges = np.stack([corners, np.roll(corners, -1, axis=0)]).reshape(2, -1)
         _, back, counts = np.unique(
             np.sort(edges, axis=0), axis=1, return_inverse=True, return_counts=True
         )
@@ -99,7 +115,7 @@ class Surface:
     def outward(self, x: Real) -> Real:
         """Flat unit vectors (2, n) that point off the skin, across a path x (2, n) on its edge."""
         along = np.gradient(x, axis=1)
-        across = np.stack([along[1], -along[0]]) / np.hypot(*along)
+        across = np.stack([along[1], -along[0]]) / np.linalg.norm(along, axis=0)
         within = self.covers(x + WITHIN * self.size * across)
         return across * (1.0 if within.mean() < 0.5 else -1.0)
 
@@ -121,11 +137,19 @@ def surface(fields: Fields, wrapped: bool = False, exaggeration: float = 0.0) ->
     """The skin flat or where it is in space, deflected against its normals."""
     base = fields.position if wrapped else np.vstack([fields.x, np.zeros_like(fields.x[:1])])
     cells = _counter_clockwise(fields)
-    normals = _normals(polygons(base, cells))
+    same = _first_at_place(np.vstack([fields.x, base]))
+    normals = _normals(polygons(base, same[cells]))[:, same]
     points = base - exaggeration * fields.deflection * normals
     if exaggeration:
-        normals = _normals(polygons(points, cells))
-    return Surface(fields.x, points, normals, cells, exaggeration)
+        normals = _normals(polygons(points, same[cells]))[:, same]
+    return Surface(fields.x, points, normals, cells, same, exaggeration)
+
+
+def _first_at_place(places: Real) -> NDArray[np.int64]:
+    """For each of places (k, point) the number of the first that is the same to within rounding."""
+    grid = np.round(places / (SAME_PLACE * np.ptp(places[:2])))
+    _, first, back = np.unique(grid, axis=1, return_index=True, return_inverse=True)
+    return first[back.ravel()]
 
 
 def curved(fields: Fields) -> bool:
@@ -138,9 +162,9 @@ def readable_exaggeration(fields: Fields) -> float:
     """1, 2 or 5 times a power of ten that shows the deepest place, at least 1."""
     size = np.hypot(*np.ptp(fields.x, axis=1))
     deepest = np.max(np.abs(fields.deflection), initial=0.0)
-    wanted = SHOWN_DEPTH * size / deepest if deepest > 0 else 1.0
-    power = 10 ** np.floor(np.log10(wanted))
-    return max(1.0, float(max(step for step in (1, 2, 5) if step * power <= wanted) * power))
+    wanted = float(SHOWN_DEPTH * size / deepest) if deepest > 0 else 1.0
+    power = 10.0 ** math.floor(math.log10(wanted))
+    return max(1.0, max(step * power for step in (1, 2, 5) if step * power <= wanted))
 
 
 def _counter_clockwise(fields: Fields) -> NDArray[np.int64]:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import pyvista as pv
+    from pyvista.plotting.themes import Theme
 
-DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
 WINDOW_CLASS = "VTK_DEFAULT_OPENGL_WINDOW"
 WITHOUT_SCREEN = {
     "libEGL.so.1": "vtkEGLRenderWindow",
@@ -22,21 +22,50 @@ WITHOUT_SCREEN = {
 
 def has_display() -> bool:
     """Whether a window can be opened."""
-    return not sys.platform.startswith("linux") or any(os.environ.get(name) for name in DISPLAYS)
+    if not sys.platform.startswith("linux"):
+        return True
+    return bool(os.environ.get("DISPLAY")) and _x_server_answers()
+
+
+def _x_server_answers() -> bool:
+    from ctypes import CDLL, c_char_p, c_void_p
+
+    try:
+        x11 = CDLL("libX11.so.6")
+    except OSError:
+        return False
+    x11.XOpenDisplay.restype, x11.XOpenDisplay.argtypes = c_void_p, [c_char_p]
+    display = x11.XOpenDisplay(None)
+    if display:
+        x11.XCloseDisplay.argtypes = [c_void_p]
+        x11.XCloseDisplay(display)
+    return bool(display)
 
 
 @contextmanager
 def off_screen(width: int, height: int) -> Iterator[pv.Plotter]:
     """A plotter of that size in pixels that needs no display."""
-    if not has_display() and WINDOW_CLASS not in os.environ:
-        os.environ[WINDOW_CLASS] = _class_without_screen()
     import pyvista as pv
 
-    plotter = pv.Plotter(off_screen=True, window_size=[width, height], theme=_theme())
+    with _window_class_without_screen():
+        plotter = pv.Plotter(off_screen=True, window_size=[width, height], theme=_theme())
+        try:
+            yield plotter
+        finally:
+            plotter.close()
+
+
+@contextmanager
+def _window_class_without_screen() -> Iterator[None]:
+    """Left to VTK where there is no X, or where a class is chosen already."""
+    if not sys.platform.startswith("linux") or WINDOW_CLASS in os.environ:
+        yield
+        return
+    os.environ[WINDOW_CLASS] = _class_without_screen()
     try:
-        yield plotter
+        yield
     finally:
-        plotter.close()
+        del os.environ[WINDOW_CLASS]
 
 
 def _class_without_screen() -> str:
@@ -47,8 +76,7 @@ def _class_without_screen() -> str:
             CDLL(library)
             return window_class
     raise RuntimeError(
-        "pictures without a display need the library libEGL or libOSMesa "
-        "(Debian: apt-get install libegl1)"
+        "pictures need the library libEGL or libOSMesa (Debian: apt-get install libegl1)"
     )
 
 
@@ -59,9 +87,9 @@ def window(title: str, count: int) -> pv.Plotter:
     return pv.Plotter(title=title, shape=(1, count), window_size=[900, 800], theme=_theme())
 
 
-def _theme() -> pv.plotting.themes.Theme:
-    import pyvista as pv
+def _theme() -> Theme:
+    from pyvista.plotting.themes import DocumentTheme
 
-    theme = pv.plotting.themes.DocumentTheme()
+    theme = DocumentTheme()
     theme.multi_samples = 8
     return theme

@@ -12,6 +12,7 @@ from simulator.circuit import two_fields
 from simulator.foam import tile_map
 from simulator.frequency import laplace_variable
 from simulator.mesh import pixel_mesh, tile_lines
+from simulator.scene import Scene
 
 
 @pytest.fixture(scope="session")
@@ -124,3 +125,44 @@ class PlainSkin:
 def plain_skin():
     """The class of a skin solved in the plainest way, from a scene and a resolution."""
     return PlainSkin
+
+
+@pytest.fixture(scope="session")
+def varied(make_scene):
+    """A function of further keys of a skin by dotted path, and of what `make_scene` takes.
+
+    Contacts are named ELECTRODE-EDGE with an optional -SUFFIX, on any outline.
+    """
+
+    def varied(skin, contacts=None, interfaces=None, **keywords):
+        tables = make_scene(**keywords).model_dump(by_alias=True, exclude_none=True)
+        for path, value in skin.items():
+            *parents, last = path.split(".")
+            table = tables["skin"]
+            for part in parents:
+                table = table.setdefault(part, {})
+            table[last] = value
+        if contacts:
+            names = list(contacts)
+            tables["contact"] = [
+                dict(zip(("electrode", "edge"), name.split("-"), strict=False), name=name) | more
+                for name, more in contacts.items()
+            ]
+            pairs = interfaces or {"meter": (names[:1], names[1:2])}
+            tables["interface"] = [
+                {"name": name, "high": high, "low": low} for name, (high, low) in pairs.items()
+            ]
+        return Scene.model_validate(tables)
+
+    return varied
+
+
+@pytest.fixture(scope="session")
+def off():
+    """A function of Z and the true one: relative errors of Rs and Cp, shape (2, ...)."""
+
+    def off(Z, truth):
+        Y, true_Y = 1 / Z, 1 / truth
+        return np.abs([Z.real / truth.real - 1, Y.imag / true_Y.imag - 1])
+
+    return off

@@ -7,7 +7,7 @@ from simulator.electrical import electrical, electrical_press
 from simulator.fidelity import Solver
 from simulator.materials import Materials
 from simulator.materials.embedding import metric, position
-from simulator.press import Press, Touch
+from simulator.press import Polygon, Press, Rectangle, Touch
 from simulator.scene import Scene
 
 X = np.random.default_rng(3).uniform(0, 1, (2, 200)) * np.array([0.10, 0.08])[:, None]
@@ -49,22 +49,26 @@ def test_bending_to_a_mug_changes_no_bit_of_the_problem(make_scene):
     np.testing.assert_array_equal(*Z)
 
 
-def test_a_strip_pulled_by_a_fifth_follows_its_line(make_scene):
+@pytest.mark.parametrize("film", [0.0, 50.0])
+def test_a_strip_pulled_by_a_fifth_follows_its_line(make_scene, film):
     """By hand: a strip of 100 x 20 mm becomes 120 mm long and 20 / sqrt(1.2) mm wide.
 
     The rubber of its electrodes keeps its volume: with J = 1.2 / sqrt(1.2) = sqrt(1.2) they are J
     times thinner, R' = R sqrt(1.2), so the loop's resistance (R_t + R_b) L / W grows by sqrt(1.2) x
     1.2 sqrt(1.2) = 1.44. The foam, of Poisson ratio 0.3, thins by J^(0.3 / 0.7) = 1.2^(3 / 14), and
-    the area grows by 1.2^(1 / 2): C grows by 1.2^(5 / 7).
+    the area grows by 1.2^(1 / 2): C grows by 1.2^(5 / 7). Contacts, of so many ohm m for the line
+    of contact as it is, have a line that is sqrt(1.2) times shorter.
     """
-    strip = make_scene(length=0.1, width=0.02, frequencies=FREQUENCIES)
+    contacts = {"top-left": {"resistance": film}, "bottom-left": {"resistance": 0.6 * film}}
+    strip = make_scene(contacts, length=0.1, width=0.02, frequencies=FREQUENCIES)
     scene = skin_with(strip, stretch={"x": 1.2, "foam_poisson_ratio": 0.3})
     R = (50e3 + 30e3) * 0.1 / 0.02 * 1.44
     C = 5e-9 * 0.1 * 0.02 * 1.2 ** (5 / 7)
     q = np.sqrt(2j * np.pi * scene.frequencies * R * C)
+    expected = R / np.tanh(q) / q + 1.6 * film / 0.02 * 1.2**0.5
     folded = electrical(scene)
     Z = Solver(folded).solve(Press()).Z[0]
-    np.testing.assert_allclose(Z, R / np.tanh(q) / q, rtol=1e-11)
+    np.testing.assert_allclose(Z, expected, rtol=1e-11)
     by_elements = Solver(folded, 1e-6, model="sheet").solve(Press()).Z[0]
     np.testing.assert_allclose(by_elements, Z, rtol=2e-6)
 
@@ -95,3 +99,30 @@ def test_turned_fibres_stretch_as_their_directions_do(make_scene):
     scene = skin_with(make_scene(), top=tables, stretch=pulled)
     S = Materials(scene).conductance("top", X)[:, 0]
     np.testing.assert_allclose(S[:2] * 50e3, [2 / 1.2**2, 0.5], rtol=1e-13)
+
+
+CROSSED = {"top-left": {"resistance": 20.0}, "bottom-bottom": {"span": (0.2, 0.7)}}
+UNEVENLY = {"x": 1.2, "y": 0.9}
+
+
+def test_elements_with_a_metric_find_what_the_stretched_rectangle_has(make_scene):
+    """A map that varies by nothing keeps the stretch from being folded in."""
+    scene = make_scene(CROSSED, rows=2, columns=2)
+    press = Press((Touch(1, 2, 2.0), Rectangle(0.03, 0.03, 0.02, 0.03, 1.5)))
+    folded = Solver(skin_with(scene, stretch=UNEVENLY), 1e-4).solve(press)
+    nothing = {"kind": "gradient", "x": 1e-14}
+    top = {"sheet_resistance": 50e3, "map": nothing}
+    by_metric = Solver(skin_with(scene, stretch=UNEVENLY, top=top), 1e-4).solve(press)
+    assert folded.model != by_metric.model
+    np.testing.assert_allclose(by_metric.Z, folded.Z, rtol=2e-4)
+
+
+def test_a_place_pressed_moves_with_the_stretched_skin(make_scene):
+    """What has no plain scene is solved at rest with a metric: a polygon, and where it has gone."""
+    scene = skin_with(make_scene(CROSSED), stretch=UNEVENLY)
+    corners = np.array([[0.02, 0.02], [0.07, 0.03], [0.04, 0.06]])
+    at_rest = Polygon(tuple(map(tuple, corners.tolist())), 2.5)
+    moved = Polygon(tuple(map(tuple, (corners * [1.2, 0.9]).tolist())), 2.5)
+    one = Solver(scene, 1e-4).solve(Press((at_rest,))).Z
+    other = Solver(electrical(scene), 1e-4).solve(Press((moved,))).Z
+    np.testing.assert_allclose(one, other, rtol=2e-4)

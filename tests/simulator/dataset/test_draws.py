@@ -44,7 +44,7 @@ def test_presses_on_pixels_are_what_their_texts_say():
     presses = drawn_presses(SCENE, stream(1, 0, PRESSES), 300, GRID)
     rest = SCENE.skin.foam.rest_capacitance_per_area
     for k, (text, cells) in enumerate(zip(presses.text, maps(presses, GRID), strict=True)):
-        press = parse_press(text, default_factor=np.nan)
+        press = parse_press(text, default=np.nan)
         assert str(press) == text
         assert (presses.row[k], presses.column[k]) == press.pixel
         assert presses.touches[k] == len(press.touches)
@@ -89,7 +89,7 @@ def test_touches_anywhere_lie_on_the_skin_and_cover_what_the_foam_says():
     kinds = " ".join(presses.text)
     assert "rect(" in kinds and "disc(" in kinds
     for text, cells in zip(presses.text, maps(presses, (12, 12)), strict=True):
-        press = parse_press(text, default_factor=np.nan)
+        press = parse_press(text, default=np.nan)
         assert str(press) == text
         np.testing.assert_allclose(cells, grid_map(scene, press, 12, 12), rtol=1e-13)
         for touch in press.touches:

@@ -3,6 +3,10 @@
 import pytest
 
 from simulator.scene_file import BUILTIN
+from simulator.study.axis import Axis
+from simulator.study.keys import find_key, scene_table
+from simulator.study.point import Trial
+from simulator.study.run import scenes_of
 
 
 @pytest.fixture
@@ -98,3 +102,14 @@ def test_what_needs_a_plain_scene_refuses_others(
         "rectangle\n"
     )
     assert not list(tmp_path.glob("out*"))
+
+
+def test_a_study_may_stretch_a_skin(scene_file):
+    """Its points are the plain scenes that the stretched ones are."""
+    table = scene_table(str(scene_file("[skin.stretch]", "x = 1.0", "y = 1.0")))
+    axis = Axis(find_key("skin.stretch.x", table), (1.0, 1.25))
+    rest, pulled = scenes_of(table, [axis], Trial())
+    assert (rest.plain, pulled.plain) == (True, True)
+    assert rest.skin.sides == (0.12, 0.12)
+    assert pulled.skin.sides == (0.15, 0.12)
+    assert pulled.skin.top.sheet_resistance == pytest.approx(1.25 * 50e3)

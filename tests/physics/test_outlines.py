@@ -1,0 +1,286 @@
+"""Skins of any outline: discs, annuli, polygons and holes against formulas and other programs."""
+
+import numpy as np
+import pytest
+from scipy.sparse import block_array, coo_array
+from scipy.sparse.linalg import spsolve
+from scipy.special import ive, kve
+from skfem import Basis, BilinearForm, ElementTriP2, MeshTri
+
+from simulator.fidelity import Solver
+from simulator.press import Press, parse_press
+from simulator.varied.meshes import circuit_of
+from simulator.varied.triangles import Triangles
+
+R, C = 1e5, 5e-9
+"""ohm/sq of both sheets together, F/m²."""
+SHEETS = {"top": 0.6 * R, "bottom": 0.4 * R, "c": C}
+SIDE = {"length": 0.12, "width": 0.12}
+RADIUS, INNER = 0.06, 0.02
+CIRCLE = [0.06, 0.06, RADIUS]
+L_SHAPE = [[0, 0], [0.12, 0], [0.12, 0.06], [0.06, 0.06], [0.06, 0.12], [0, 0.12]]
+SQUARE = [[0, 0], [0.12, 0], [0.12, 0.12], [0, 0.12]]
+
+
+def both(edge, **more):
+    """The same foil on both sheets; films in proportion to the sheets' resistances."""
+    film = more.pop("resistance", 0.0)
+    return {
+        f"top-{edge}": {**more, "resistance": 0.6 * film},
+        f"bottom-{edge}": {**more, "resistance": 0.4 * film},
+    }
+
+
+def solved(scene, rtol, press=None):
+    return Solver(scene, rtol).solve(press or Press())
+
+
+POLYGON = 1e-5
+"""What a circle as a polygon of the same area may change: its circumference is 6.3e-6 longer."""
+
+
+def assert_kept(answer, Z, rtol, off):
+    """Rs and Cp are as near to those of Z as was asked, and as was told."""
+    estimated, true = np.stack(answer.relative_errors), off(answer.Z, Z)
+    assert estimated.max() <= rtol * (1 + 1e-9)
+    assert true.max() <= rtol
+    assert (true <= estimated + POLYGON).all()
+
+
+def disc(s):
+    """R/(2 pi k a) I0(ka)/I1(ka), k² = s c R."""
+    ka = np.sqrt(s * C * R) * RADIUS
+    return R / (2 * np.pi * ka) * ive(0, ka) / ive(1, ka)
+
+
+def annulus(s, fed, other):
+    """Fed at one rim, no current through the other; I and K without their exponentials."""
+    x, y = (np.sqrt(s * C * R) * r for r in (fed, other))
+    I0x, I1x, I1y = (ive(n, z) * np.exp(-1j * z.imag) for n, z in ((0, x), (1, x), (1, y)))
+    K0x, K1x, K1y = kve(0, x), kve(1, x), kve(1, y)
+    in_, out = (np.exp(2 * (x - y)), 1.0) if fed < other else (1.0, np.exp(2 * (y - x)))
+    outward = 1 if fed < other else -1
+    Z = (I0x * K1y * in_ + K0x * I1y * out) / (I1y * K1x * out - I1x * K1y * in_)
+    return outward * R / (2 * np.pi * x) * Z
+
+
+def frequencies(low, high, points):
+    """Hz, of u = omega R C a²."""
+    u = np.geomspace(low, high, points)
+    return u / (2 * np.pi * R * C * RADIUS**2)
+
+
+@pytest.mark.parametrize(("rtol", "highest"), [(1e-2, 1e4), (1e-3, 1e4), (1e-4, 1e3), (1e-5, 1e2)])
+def test_disc(varied, off, rtol, highest):
+    f = frequencies(1e-6, highest, 6)
+    scene = varied({"outline.circle": CIRCLE}, both("outline"), frequencies=f, **SHEETS, **SIDE)
+    assert_kept(solved(scene, rtol), disc(2j * np.pi * f), rtol, off)
+
+
+@pytest.mark.parametrize(("rtol", "highest"), [(1e-2, 1e4), (1e-3, 1e3), (1e-4, 1e2), (1e-5, 1e1)])
+@pytest.mark.parametrize(
+    ("edge", "fed", "other"), [("outline", RADIUS, INNER), ("hole1", INNER, RADIUS)]
+)
+def test_annulus(varied, off, edge, fed, other, rtol, highest):
+    f = frequencies(1e-6, highest, 6)
+    skin = {"outline": {"circle": CIRCLE, "holes": [{"circle": [0.06, 0.06, INNER]}]}}
+    scene = varied(skin, both(edge), frequencies=f, **SHEETS, **SIDE)
+    assert_kept(solved(scene, rtol), annulus(2j * np.pi * f, fed, other), rtol, off)
+
+
+def test_Rs_of_a_disc_at_low_frequency(varied):
+    f = frequencies(1e-6, 1e-5, 2)
+    scene = varied({"outline.circle": CIRCLE}, both("outline"), frequencies=f, **SHEETS, **SIDE)
+    np.testing.assert_allclose(solved(scene, 1e-5).Z.real, R / (8 * np.pi), rtol=1e-6)
+
+
+@pytest.mark.parametrize(("edge", "fed", "other"), [("outline", 0.06, 0.02), ("hole1", 0.02, 0.06)])
+def test_contact_resistance_of_a_whole_rim_is_in_series(varied, off, edge, fed, other):
+    """Z + r_c / (2 pi r), r_c that of both foils."""
+    f, r_c = frequencies(1e-2, 1e2, 3), 400.0
+    skin = {"outline": {"circle": CIRCLE, "holes": [{"circle": [0.06, 0.06, INNER]}]}}
+    scene = varied(skin, both(edge, resistance=r_c), frequencies=f, **SHEETS, **SIDE)
+    Z = annulus(2j * np.pi * f, fed, other) + r_c / (2 * np.pi * fed)
+    assert_kept(solved(scene, 1e-4), Z, 1e-4, off)
+
+
+@pytest.mark.parametrize("span", [(0.0, 1.0), (0.25, 0.75)])
+def test_a_rectangle_turned_by_30_degrees_is_the_same_rectangle(varied, make_scene, off, span):
+    """The straight one is solved by the plain code, a line where the foil is a whole edge."""
+    f, along, across = [1e2, 1e4, 1e6], 0.08, 0.05
+    turn = np.array([[3**0.5, -1], [1, 3**0.5]]) / 2
+    corners = np.array([[0, 0], [along, 0], [along, across], [0, across]]) @ turn.T + [0.03, 0.01]
+    foils = both("outline.4", span=span)
+    turned = varied({"outline.points": corners.tolist()}, foils, frequencies=f, **SHEETS, **SIDE)
+    foils = {f"{sheet}-left": {"span": span} for sheet in ("top", "bottom")}
+    straight = make_scene(foils, length=along, width=across, frequencies=f, **SHEETS)
+    assert_kept(solved(turned, 1e-4), solved(straight, 1e-6).Z, 1e-4, off)
+
+
+@BilinearForm
+def conducted(u, v, _):
+    return u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1]
+
+
+@BilinearForm
+def stored(u, v, w):
+    return w.c * u * v
+
+
+def quadratic(lines, kept, foils, s, factor, near):
+    """Y in S of a skin of squares between lines, by scikit-fem alone.
+
+    kept: whether a place belongs to the skin. foils: by name, "top", "bottom" and those that float
+    on the top sheet, whether a place of the rim is under one. factor: c over C at places. near:
+    corners towards which triangles are refined.
+    """
+    mesh = MeshTri.init_tensor(*lines)
+    mesh = mesh.remove_elements(np.flatnonzero(~kept(mesh.p[:, mesh.t].mean(axis=1))))
+    for _ in range(14):
+        corners = np.isin(mesh.t, [np.hypot(*(mesh.p.T - at).T).argmin() for at in near])
+        mesh = mesh.refined(np.flatnonzero(corners.any(axis=0)))
+    mesh = mesh.refined(1)
+    basis = Basis(mesh, ElementTriP2())
+    N, middle = basis.N, mesh.p[:, mesh.t].mean(axis=1)
+    K = conducted.assemble(basis)
+    M = stored.assemble(basis, c=C * factor(middle)[:, None] * np.ones((1, basis.X.shape[1])))
+    A = block_array([[K / 6e4 + s * M, -s * M], [-s * M, K / 4e4 + s * M]]).tocsr()
+    number = np.arange(2 * N)
+    terminals = {}
+    for name, where in foils.items():
+        facets = mesh.facets_satisfying(where, boundaries_only=True)
+        under = basis.get_dofs(facets).flatten() + (N if name == "bottom" else 0)
+        number[under] = terminals[name] = under[0]
+    held, number = np.unique(number, return_inverse=True)
+    tie = coo_array((np.ones(2 * N), (np.arange(2 * N), number))).tocsr()
+    A = (tie.T @ A @ tie).tocsr()
+    top, bottom = (np.searchsorted(held, terminals[name]) for name in ("top", "bottom"))
+    free = np.setdiff1d(np.arange(len(held)), [top, bottom])
+    u = np.zeros(len(held), dtype=complex)
+    u[top] = 1.0
+    u[free] = spsolve(A[free][:, free].tocsc(), -A[free][:, [top]].toarray().ravel())
+    return (A @ u)[top]
+
+
+EVEN = np.linspace(0, 0.12, 13)
+LEFT = {name: lambda x: x[0] < 1e-9 for name in ("top", "bottom")}
+SLIT = [[0, 0], [0.12, 0], [0.12, 0.12], [0, 0.12], [0, 0.061], [0.06, 0.061], [0.06, 0.059]]
+SLIT += [[0, 0.059]]
+HOLE = [[0.04, 0.04], [0.08, 0.04], [0.08, 0.08], [0.04, 0.08]]
+CASES = {
+    "an L": (
+        {"points": L_SHAPE},
+        both("outline.6"),
+        (EVEN, EVEN),
+        lambda x: (x[0] < 0.06) | (x[1] < 0.06),
+        LEFT,
+        [(0.06, 0.06)],
+    ),
+    "an L with a floating foil": (
+        {"points": L_SHAPE},
+        {"top-outline.6": {}, "bottom-outline.1": {}, "top-outline.2": {}},
+        (EVEN, EVEN),
+        lambda x: (x[0] < 0.06) | (x[1] < 0.06),
+        {
+            "top": lambda x: x[0] < 1e-9,
+            "bottom": lambda x: x[1] < 1e-9,
+            "floating": lambda x: x[0] > 0.12 - 1e-9,
+        },
+        [(0.06, 0.06)],
+    ),
+    "a hole": (
+        {"points": SQUARE, "holes": [{"points": HOLE}]},
+        both("outline.4", span=(0.0, 0.5)),
+        (EVEN, EVEN),
+        lambda x: np.abs(x - 0.06).max(axis=0) > 0.02,
+        {name: lambda x: (x[0] < 1e-9) & (x[1] > 0.06) for name in ("top", "bottom")},
+        [*HOLE, (0, 0.06)],
+    ),
+    "fed around a hole": (
+        {"points": SQUARE, "holes": [{"points": HOLE}]},
+        {"top-hole1": {}, "bottom-outline.3": {}},
+        (EVEN, EVEN),
+        lambda x: np.abs(x - 0.06).max(axis=0) > 0.02,
+        {
+            "top": lambda x: np.abs(x - 0.06).max(axis=0) < 0.03,
+            "bottom": lambda x: x[1] > 0.12 - 1e-9,
+        },
+        HOLE,
+    ),
+    "a slit": (
+        {"points": SLIT},
+        both("outline.4"),
+        (EVEN, np.sort([*EVEN[EVEN != EVEN[6]], 0.059, 0.061])),
+        lambda x: (x[0] > 0.06) | (abs(x[1] - 0.06) > 0.001),
+        {name: lambda x: (x[0] < 1e-9) & (x[1] > 0.0609) for name in ("top", "bottom")},
+        [(0.06, 0.059), (0.06, 0.061)],
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_corners_and_holes_against_scikit_fem(varied, off, case):
+    """Pixel (1, 2) of 3 x 3 is pressed to twice its capacitance."""
+    outline, foils, lines, kept, under, near = CASES[case]
+    f = np.array([2e3, 2e5])
+    scene = varied({"outline": outline}, foils, frequencies=f, rows=3, columns=3, **SHEETS, **SIDE)
+
+    def factor(x):
+        return np.where((abs(x[0] - 0.06) < 0.02) & (x[1] < 0.04), 2.0, 1.0)
+
+    Y = np.array([quadratic(lines, kept, under, 2j * np.pi * each, factor, near) for each in f])
+    assert_kept(solved(scene, 1e-3, parse_press("1,2:2", 2.0)), 1 / Y, 1e-3, off)
+    assert_kept(solved(scene, 1e-4, parse_press("1,2:2", 2.0)), 1 / Y, 1e-4, off)
+
+
+def test_an_L_is_the_same_seen_in_its_mirror(varied, off):
+    skin = {"outline.points": L_SHAPE}
+    more = {"frequencies": [1e3, 1e5], "rows": 3, "columns": 3, **SHEETS, **SIDE}
+    up = varied(skin, {"top-outline.6": {}, "bottom-outline.1": {}}, **more)
+    along = varied(skin, {"top-outline.1": {}, "bottom-outline.6": {}}, **more)
+    Z, mirrored = (
+        solved(scene, 1e-4, parse_press(f"{press}:3", 2.0)).Z
+        for scene, press in ((up, "1,2"), (along, "2,1"))
+    )
+    assert off(Z, mirrored).max() < 2e-4
+
+
+def test_terminals_of_any_outline_are_reciprocal(varied):
+    skin = {"outline.points": L_SHAPE, "top.anisotropy": {"ratio": 5.0, "angle": 0.4}}
+    foils = {"top-outline.6": {}, "bottom-outline.1": {}, "top-outline.2": {"resistance": 9.0}}
+    scene = varied(skin, foils, **SHEETS, **SIDE)
+    found = Triangles(scene, circuit_of(scene), Press(), 1e-2).finer(scene.frequencies)
+    s = 2j * np.pi * scene.frequencies
+    network = found.coarse.space.network(found.coarse.system.mass, s)
+    Y = network.conductance + network.dynamic
+    np.testing.assert_allclose(Y, Y.transpose(0, 2, 1), rtol=0, atol=1e-13 * abs(Y).max())
+
+
+HARD = {
+    "outline": {"points": L_SHAPE, "holes": [{"circle": [0.03, 0.03, 0.012]}]},
+    "top.anisotropy": {"ratio": 6.0, "angle": 1.0},
+    "top.map": {"kind": "gradient", "x": 0.8, "y": 0.5},
+    "bottom.piezoresistance": 2.0,
+}
+
+
+def test_any_outline_is_passive(varied):
+    """Rs and Cp fall with frequency and the phase stays within -90 and 0 degrees."""
+    f = np.geomspace(1e1, 1e5, 9)
+    foils = {"top-outline.6": {"span": (0.3, 0.8)}, "bottom-outline.2": {}}
+    scene = varied(HARD, foils, frequencies=f, rows=2, columns=2, **SHEETS, **SIDE)
+    Z = solved(scene, 1e-2, parse_press("1,2:3", 2.0)).Z[0]
+    Cp = (1 / Z).imag / (2 * np.pi * f)
+    assert (np.diff(Z.real) <= 0).all()
+    assert (np.diff(Cp) <= 0).all()
+    assert (Z.imag < 0).all()
+    assert (Z.real > 0).all()
+
+
+def test_the_whole_capacitance_is_there_at_low_frequency(varied):
+    """c times the area, of which that of the pressed pixel's part of the outline counts thrice."""
+    foils = {"top-outline.6": {}, "bottom-outline.2": {}}
+    scene = varied(HARD, foils, frequencies=[1e-3], rows=2, columns=2, **SHEETS, **SIDE)
+    Z = solved(scene, 1e-2, parse_press("1,2:3", 2.0)).Z.item()
+    whole = C * (0.06 * 0.06 * (2 + 3) - np.pi * 0.012**2)
+    assert (1 / Z).imag / (2e-3 * np.pi) == pytest.approx(whole, rel=1e-9)

@@ -1,0 +1,119 @@
+"""Movies, files for ParaView, and the page for a browser, read back."""
+
+import base64
+import json
+import re
+
+import numpy as np
+import pytest
+import pyvista
+from meshio.xdmf import TimeSeriesReader
+from PIL import Image, ImageSequence
+
+from simulator.scene_file import parse_scene
+from simulator.sweeps import InputError
+from simulator.view import outputs
+from simulator.view.outputs import write_output
+
+
+@pytest.fixture
+def small_movies(monkeypatch):
+    monkeypatch.setattr(outputs, "MOVIE_DPI", 40)
+    monkeypatch.setattr(outputs, "PHASES", 4)
+
+
+def frames_of_gif(path):
+    with Image.open(path) as movie:
+        return [np.asarray(frame.convert("RGB")) for frame in ImageSequence.Iterator(movie)]
+
+
+@pytest.mark.parametrize(("animate", "what"), [(None, "potential"), ("phase", "current")])
+def test_a_gif_has_a_frame_for_each_moment(fields, stage, tmp_path, small_movies, animate, what):
+    path = tmp_path / "movie.gif"
+    write_output(path, stage(fields([1e4, 1e5, 1e6])), what, animate)
+    frames = frames_of_gif(path)
+    assert len(frames) == (3 if animate is None else 4)
+    for one, other in zip(frames, frames[1:], strict=False):
+        assert (np.abs(one.astype(int) - other).max(axis=2) > 20).mean() > 0.01
+
+
+def test_an_mp4_has_a_frame_for_each_frequency(fields, stage, tmp_path, small_movies):
+    from imageio_ffmpeg import count_frames_and_secs
+
+    path = tmp_path / "movie.mp4"
+    write_output(path, stage(fields()), "power", "frequency")
+    assert count_frames_and_secs(str(path))[0] == 3
+
+
+def test_half_a_period_later_the_potential_is_reversed(fields, stage, tmp_path, small_movies):
+    from simulator.view.quantities import chosen
+    from simulator.view.shown import over_the_phase
+
+    set_up = stage(fields())
+    (quantity,) = chosen("potential", set_up.fields)
+    frames = over_the_phase(quantity, set_up.fields, set_up.skin(quantity), 1, 4)
+    assert frames[0].values == pytest.approx(-frames[2].values)
+    assert frames[0].limits == (pytest.approx(-1), pytest.approx(1))
+
+
+@pytest.mark.parametrize(
+    ("what", "animate", "says"),
+    [("capacitance", "frequency", "same at all"), ("power", "phase", "potential or current")],
+)
+def test_what_does_not_move_is_no_movie(fields, stage, tmp_path, what, animate, says):
+    with pytest.raises(InputError, match=says):
+        write_output(tmp_path / "movie.gif", stage(fields()), what, animate)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("corners", [3, 4])
+def test_vtu_holds_all_fields_at_all_frequencies(fields, stage, tmp_path, corners):
+    given = fields(depth=1e-3, corners=corners)
+    set_up = stage(given)
+    write_output(tmp_path / "skin.vtu", set_up, "potential", None)
+    grid = pyvista.read(tmp_path / "skin.vtu")
+    assert grid.n_cells == given.cells.shape[1]
+    assert np.allclose(grid.points.T, given.position)
+    assert np.array_equal(grid.field_data["frequency_Hz"], given.frequency)
+    Z = grid.field_data["Z_re_ohm"] + 1j * grid.field_data["Z_im_ohm"]
+    assert np.array_equal(Z, given.Z)
+    data = grid.point_data
+    V = data["potential_top_re_V@10000Hz"] + 1j * data["potential_top_im_V@10000Hz"]
+    assert np.array_equal(V, given.potential[0, 1])
+    J = data["current_bottom_re_A_per_m@100000Hz"]
+    assert np.array_equal(J[:, :2].T, given.current[1, 2].real)
+    assert np.array_equal(data["sensitivity_ln_Rs_per_m2@1000Hz"], given.by_rise_Rs[0])
+    assert np.array_equal(data["deflection_m"], given.deflection)
+    scene = parse_scene(str(grid.field_data["scene"][0]), "vtu")
+    assert scene == set_up.scene
+    assert str(grid.field_data["press"][0]) == "3,5:2.0"
+
+
+@pytest.mark.parametrize("corners", [3, 4])
+def test_xdmf_has_frequency_for_time(fields, stage, tmp_path, corners):
+    given = fields(corners=corners, radius=0.04)
+    write_output(tmp_path / "skin.xdmf", stage(given), "potential", None)
+    assert [path.name for path in tmp_path.iterdir()] == ["skin.xdmf"]
+    with TimeSeriesReader(tmp_path / "skin.xdmf") as reader:
+        points, cells = reader.read_points_cells()
+        assert np.allclose(points.T, given.position)
+        assert cells[0].data.shape == given.cells.T.shape
+        for at, frequency in enumerate(given.frequency):
+            time, data, _ = reader.read_data(at)
+            assert time == frequency
+            assert np.allclose(data["potential_bottom_im_V"], given.potential[1, at].imag)
+            assert np.allclose(data["power_W_per_m2"], given.power[at])
+
+
+def test_a_page_needs_nothing_but_itself(fields, stage, tmp_path):
+    given = fields(frequencies=[1e4, 1e5])
+    write_output(tmp_path / "skin.html", stage(given), "potential", None)
+    page = (tmp_path / "skin.html").read_text()
+    assert not re.findall(r"<(?:script|link)[^>]+(?:src|href)=", page)
+    traces = json.loads(re.search(r'Plotly\.newPlot\(\s*"skin",\s*(\[.*?\}\]),\s*\{', page)[1])
+    fields_shown = [trace for trace in traces if "intensity" in trace]
+    assert [trace["visible"] for trace in fields_shown] == [True, False]
+    for at, trace in enumerate(fields_shown):
+        shown = np.frombuffer(base64.b64decode(trace["intensity"]["bdata"]), np.float32)
+        V = given.potential[0, at] - given.potential[1, at]
+        assert np.allclose(shown, np.abs(V), rtol=1e-6)

@@ -1,0 +1,89 @@
+"""The skin in space: its edge, ways off it, deflection, and lines that follow it."""
+
+import numpy as np
+import pytest
+
+from simulator.view.foils import foils
+from simulator.view.marks import arrows, marks
+from simulator.view.surface import curved, readable_exaggeration, surface
+
+
+@pytest.mark.parametrize("corners", [3, 4])
+@pytest.mark.parametrize("apart", [False, True])
+def test_the_rim_goes_around_once(fields, corners, apart):
+    skin = surface(fields(corners=corners, apart=apart))
+    ends = skin.points[:, skin.rim]
+    assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0).sum() == pytest.approx(0.4)
+    assert np.allclose(skin.normals, [[0], [0], [1]])
+
+
+def test_deflection_goes_down_exaggerated(fields):
+    given = fields(depth=1e-3)
+    skin = surface(given, exaggeration=5.0)
+    assert skin.points[2] == pytest.approx(-5 * given.deflection)
+
+
+def test_a_wrapped_skin_is_pressed_towards_its_mug(fields):
+    given = fields(depth=1e-3, radius=0.04, n=(97, 33))
+    skin = surface(given, wrapped=True, exaggeration=3.0)
+    from_axis = np.hypot(skin.points[0] - 0.06, skin.points[2] + 0.04)
+    assert from_axis == pytest.approx(0.04 - 3 * given.deflection, abs=2e-5)
+
+
+@pytest.mark.parametrize(("depth", "times"), [(1.5e-3, 5.0), (0.4e-3, 20.0), (0.05, 1.0)])
+def test_exaggeration_is_a_round_number(fields, depth, times):
+    assert readable_exaggeration(fields(depth=depth)) == times
+
+
+def test_wrapped_skins_are_told_from_flat_ones(fields):
+    assert curved(fields(radius=0.04)) and not curved(fields())
+
+
+def test_foils_lie_off_the_edge_the_bottom_sheets_farther(fields, stage):
+    set_up = stage(fields())
+    skin = surface(set_up.fields)
+    top, bottom = foils(set_up.scene, set_up.press, set_up.interface, skin)
+    assert (top.name, top.role) == ("top-left", "high")
+    assert (bottom.name, bottom.role) == ("bottom-left", "low")
+    assert bottom.quads[0].max() < top.quads[0].min() < top.quads[0].max() < 0
+    assert (top.quads[1].min(), top.quads[1].max()) == pytest.approx((0.0, 0.08))
+    assert bottom.place[0] < top.place[0] < bottom.quads[0].min()
+
+
+def test_lines_follow_the_mug(fields, stage):
+    set_up = stage(fields(radius=0.04, n=(97, 33)))
+    skin = surface(set_up.fields, wrapped=True)
+    drawn = marks(set_up.scene, set_up.press, set_up.interface, skin)
+    (pressed,) = [np.hstack(drawn.pressed)]
+    assert np.hypot(pressed[0] - 0.06, pressed[2] + 0.04) == pytest.approx(0.04, abs=2e-5)
+    assert (pressed[1].min(), pressed[1].max()) == pytest.approx((0.04, 0.06))
+    assert len(drawn.pixels) == 3 + 5
+
+
+@pytest.mark.parametrize(
+    ("press", "around"),
+    [
+        ("rect(0.06,0.04,0.02,0.01)", 0.06),
+        ("disc(0.06,0.04,0.01)", 2 * np.pi * 0.01),
+        ("poly(0.02,0.02,0.05,0.02,0.02,0.06)", 0.12),
+        ("1,1+4,6", 0.16),
+    ],
+)
+def test_touches_are_outlined(fields, stage, press, around):
+    set_up = stage(fields(), press)
+    skin = surface(set_up.fields)
+    drawn = marks(set_up.scene, set_up.press, set_up.interface, skin)
+    lengths = [np.linalg.norm(np.diff(line, axis=1), axis=0).sum() for line in drawn.pressed]
+    assert sum(lengths) == pytest.approx(around, rel=1e-3)
+
+
+def test_arrows_lie_along_the_skin_where_current_flows(fields):
+    given = fields(radius=0.04, n=(97, 33))
+    skin = surface(given, wrapped=True)
+    flow = np.where(given.x[0] < 0.06, [[1.0], [0.0]], 0.0)
+    drawn = arrows(skin, flow, 1.0)
+    assert drawn.places[0].max() < 0.065
+    assert np.linalg.norm(drawn.directions, axis=0) == pytest.approx(1)
+    outwards = drawn.places - np.array([[0.06], [0], [-0.04]])
+    outwards[1] = 0
+    assert np.abs((drawn.directions * outwards).sum(axis=0)).max() < 1e-3 * 0.04

@@ -1,0 +1,122 @@
+"""`rcskin view` as its user meets it."""
+
+import importlib.util
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+import simulator.fields
+from simulator.scene_file import scene_text
+
+
+@pytest.fixture
+def solved(monkeypatch, fields):
+    """Takes the fields of a closed form for the solver's; gives what it was asked for."""
+    asked = []
+
+    def answer(scene, press, frequencies, interface, rtol):
+        asked.append((str(press), list(frequencies), interface, rtol))
+        return fields(frequencies=frequencies)
+
+    monkeypatch.setattr(simulator.fields, "fields", answer)
+    return asked
+
+
+@pytest.fixture
+def scene_file(scene, tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(scene_text(scene()))
+    return path
+
+
+def test_a_picture_is_written(run, solved, scene_file, tmp_path):
+    out = tmp_path / "out.png"
+    assert run("view", scene_file, "--press", "2,3", "--frequency", "1e4", "-o", out) == (0, "", "")
+    assert solved == [("2,3:2.0", [1e4], "meter", 1e-4)]
+    assert len(np.unique((255 * imread(out)).astype(np.uint8).reshape(-1, 4), axis=0)) > 500
+
+
+def test_pictures_show_one_frequency_and_data_all(run, solved, scene_file, tmp_path):
+    for name in ("out.png", "out.vtu", "out.xdmf"):
+        assert run("view", scene_file, "-o", tmp_path / name)[0] == 0
+    assert [each[1] for each in solved] == [[1e4], [1e3, 1e4, 1e5], [1e3, 1e4, 1e5]]
+
+
+def test_the_solvers_fields_are_shown(run, tmp_path):
+    """The real one: the sheet of the paper, near its foil and far from it."""
+    out = tmp_path / "out.vtu"
+    code, _, err = run("view", "sheet-3x3", "--frequency", "2e5", "--rtol", "1e-3", "-o", out)
+    assert (code, err) == (0, "")
+    import pyvista
+
+    grid = pyvista.read(out)
+    V, x = grid["potential_difference_V@200000Hz"], grid.points[:, 0]
+    assert V[x < 1e-6] == pytest.approx(1.0)
+    assert V[x > 0.119].max() < 0.9
+
+
+def test_without_a_display_a_page_is_opened(run, solved, scene_file, monkeypatch, tmp_path):
+    opened = []
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.setattr("sys.platform", "linux")
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    code, out, err = run("view", scene_file, "--interactive")
+    assert (code, err) == (0, "")
+    (page,) = tmp_path.glob("rcskin-*/skin.html")
+    assert out.strip() == str(page) and opened == [page.as_uri()]
+    named = tmp_path / "named.html"
+    assert run("view", scene_file, "--interactive", "-o", named)[:2] == (0, f"{named}\n")
+
+
+def test_with_a_display_a_window_is_opened(run, solved, scene_file, monkeypatch):
+    from pyvista import Plotter
+
+    shown = []
+    monkeypatch.setattr("simulator.view.window.has_display", lambda: True)
+    monkeypatch.setenv("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    monkeypatch.setattr(
+        "simulator.view.window.window",
+        lambda title, count: Plotter(off_screen=True, shape=(1, count), window_size=[200, 200]),
+    )
+    monkeypatch.setattr(Plotter, "show", lambda self: shown.append(len(self.renderers)))
+    assert run("view", scene_file, "--interactive", "--what", "all") == (0, "", "")
+    assert shown == [7]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ((), "give -o OUT or --interactive"),
+        (("-o", "out.bmp"), "must end in .png or .gif"),
+        (("-o", "nowhere/out.png"), "the folder nowhere does not exist"),
+        (("-o", "out.png", "--what", "colour"), "--what must be one of potential"),
+        (("-o", "out.png", "--interface", "x"), "`interface` must be one of meter, got 'x'"),
+        (("-o", "out.png", "--frequency", "0"), "--frequency must be finite and > 0 Hz, got 0"),
+        (("-o", "out.png", "--frequency", "nan"), "--frequency must be finite and > 0 Hz"),
+        (("-o", "out.png", "--press", "9,9"), "row must be in 1..4"),
+        (("-o", "out.png", "--animate", "phase"), "--animate needs -o OUT.gif or OUT.mp4"),
+        (("-o", "out.gif", "--animate", "time"), "--animate must be frequency or phase"),
+        (("-o", "out.png", "--exaggerate", "-1"), "--exaggerate must be finite and >= 0"),
+        (("-o", "out.png", "--what", "deformation"), "press by depth or force"),
+    ],
+)
+def test_bad_input_is_told_in_one_line(
+    run, solved, scene_file, tmp_path, monkeypatch, arguments, says
+):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run("view", scene_file, *arguments)
+    assert (code, out) == (2, "")
+    assert says in err and err.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.toml"]
+
+
+def test_mp4_without_ffmpeg_says_what_to_install(run, solved, scene_file, tmp_path, monkeypatch):
+    found = importlib.util.find_spec
+    monkeypatch.setattr(
+        "simulator.view.movie.find_spec",
+        lambda name: None if name == "imageio_ffmpeg" else found(name),
+    )
+    code, _, err = run("view", scene_file, "-o", tmp_path / "out.mp4")
+    assert code == 2 and "rcskin[movies]" in err
