@@ -67,6 +67,7 @@ def sweep(
     ] = False,
 ) -> None:
     """Simulate sweeps, noise-free, and write them with their estimated errors."""
+    from simulator.domain import every_press
     from simulator.electrical import electrical
     from simulator.fidelity import Solver, checked_model
     from simulator.press import parse_press
@@ -79,7 +80,7 @@ def sweep(
     checked_output(output)
     loaded = load_scene(scene)
     strength = loaded.press.strength
-    presses = [parse_press(text, strength) for text in press or []] or loaded.every_press()
+    presses = [parse_press(text, strength) for text in press or []] or every_press(loaded)
     for asked in presses:
         check_press(asked, loaded)
     solver = Solver(loaded, rtol, checked_model(model))

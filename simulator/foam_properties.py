@@ -16,6 +16,7 @@ from simulator.validation import Number, above_zero, at_least_zero
 BUCKLING_STRAIN = 0.05
 """Plateau stress over Young's modulus of elastomeric foams: Gibson and Ashby, eq. 5.18 over 5.6."""
 STEP = 1e-6
+HALVINGS = 53
 
 
 class Mechanics(Table):
@@ -66,6 +67,15 @@ class Mechanics(Table):
     def factor(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
         """Capacitance over that at rest under compressive strain, eps(e)/eps(0)/(1 - e)."""
         return self._permittivity(strain) / self._permittivity(np.array(0.0)) / (1 - strain)
+
+    def strain_at(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The strain that brings a factor about, by bisection; 0 below 1, at most the porosity."""
+        low, high = np.zeros(np.shape(factor)), np.full(np.shape(factor), self.porosity)
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            beyond = self.factor(middle) > factor
+            low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+        return np.where(np.asarray(factor) > 1, high, 0.0)
 
     def gain(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
         """d ln factor / d strain, by central difference."""

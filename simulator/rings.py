@@ -35,8 +35,8 @@ class Cells:
 
     def some(self, which: NDArray[np.int64] | slice) -> Cells:
         """Some of the cells, on the same points."""
-        shapes = (self.t, self.along, self.across, self.twist)
-        return Cells(self.p, *(each[:, which] for each in shapes))
+        along, across, twist = (v[:, which] for v in (self.along, self.across, self.twist))
+        return Cells(self.p, self.t[:, which], along, across, twist)
 
 
 def rectangles(x: NDArray[np.float64], y: NDArray[np.float64]) -> Cells:

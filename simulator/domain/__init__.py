@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from simulator.domain.drawn import drawn
 from simulator.domain.imported import imported
 from simulator.domain.refinement import refined
@@ -11,7 +13,7 @@ from simulator.domain.region import DISC_SIDES, Domain, Points, sharp_touches
 from simulator.press import Press
 from simulator.scene import Scene
 
-__all__ = ["DISC_SIDES", "Domain", "domain", "refined", "sharp_touches"]
+__all__ = ["DISC_SIDES", "Domain", "domain", "every_press", "refined", "sharp_touches"]
 
 
 def domain(scene: Scene, press: Press, size: float, creases: Sequence[Points] = ()) -> Domain:
@@ -28,3 +30,12 @@ def domain(scene: Scene, press: Press, size: float, creases: Sequence[Points] = 
     if scene.skin.mesh is not None:
         return imported(scene, press, creases)
     return drawn(scene, press, size, creases)
+
+
+def every_press(scene: Scene) -> list[Press]:
+    """The skin at rest, then every pixel alone that has a part of the skin in it, row by row."""
+    presses = scene.every_press()
+    if scene.skin.outline is None and scene.skin.mesh is None:
+        return presses
+    there = np.unique(domain(scene, Press(), max(scene.skin.sides)).pixel)
+    return [presses[0], *(presses[1 + number] for number in there if number >= 0)]

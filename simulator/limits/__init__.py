@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from simulator.distribution import AnyDistribution
+    from simulator.limits.marginal import Between
     from simulator.limits.position import Bounds
     from simulator.progress import Track
     from simulator.scene import Scene
@@ -40,6 +41,80 @@ def bayes_accuracy(
     factors = presses or own_presses(scene)
     readings = Readings(scene, factors, against_rest)
     return bayes(readings, among, factors, seed, draws, track or silent)
+
+
+def hand_accuracy(
+    scene: Scene,
+    target: str = "column",
+    presses: AnyDistribution | None = None,
+    *,
+    offset: float = 0.1,
+    seed: int = 1,
+    draws: int = 1000,
+    samples: int = 4000,
+    against_rest: int = 0,
+    track: Track | None = None,
+) -> Between:
+    """As `bayes_accuracy`, for a hand that presses beside the pixels that it means.
+
+    offset: standard deviation along each side of a pixel, over that side. samples: presses that
+    each hypothesis is marginalised over; the limit lies between `least` and `most`, which close in
+    on it with more of them, but for `error`. Raises InputError as `bayes_accuracy` does, and for an
+    offset out of range.
+    """
+    from simulator.limits.hand import Hand
+    from simulator.limits.hypotheses import hypotheses
+    from simulator.limits.marginal import accuracy_of_hand
+    from simulator.limits.strengths import own_presses
+    from simulator.progress import silent
+    from simulator.sweeps import InputError
+
+    if not 0 <= offset <= 0.5:
+        raise InputError(f"`offset` must be in 0..0.5 of a pixel's side, got {offset:g}")
+    skin, pixels = scene.skin, scene.pixels
+    hand = Hand(
+        scene,
+        presses or own_presses(scene),
+        size=(skin.length / pixels.columns, skin.width / pixels.rows),
+        offset=offset,
+        against_rest=against_rest,
+    )
+    among = hypotheses(scene, target)
+    return accuracy_of_hand(
+        hand, among, seed=seed, draws=draws, samples=samples, track=track or silent
+    )
+
+
+def hand_distance(
+    scene: Scene,
+    presses: AnyDistribution | None = None,
+    *,
+    size: float,
+    seed: int = 1,
+    draws: int = 500,
+    samples: int = 40_000,
+    against_rest: int = 0,
+) -> tuple[float, float]:
+    """Median distance, m, of square touches anywhere from the middle of their posterior, and its
+    standard error, of a skin that is known. It may be less than of any unbiased estimate.
+
+    size: of a side, m. presses, against_rest: as in `bayes_accuracy`. samples: touches that the
+    posterior is told by; with few of them the distance comes out large. Raises InputError for a
+    size out of range or a meter without noise.
+    """
+    from simulator.limits.hand import Hand
+    from simulator.limits.marginal import distance_of_hand
+    from simulator.limits.position import chosen_touch
+    from simulator.limits.strengths import own_presses
+
+    touch = chosen_touch(scene, size)
+    hand = Hand(
+        scene,
+        presses or own_presses(scene),
+        size=(touch.width, touch.height),
+        against_rest=against_rest,
+    )
+    return distance_of_hand(hand, seed=seed, draws=draws, samples=samples)
 
 
 def position_bound(

@@ -56,7 +56,17 @@ def _spread(
     at_first = ground(scene, [touch.place for touch in press.indented])
     found = solved(press, at_first, mechanics, thickness, rtol)
     depth, force = tuple(found.rest.depth.tolist()), tuple(found.rest.force.tolist())
-    return Pressed(mechanics, thickness, found.surface, depth, force, found.error, kinks, None)
+    return Pressed(
+        mechanics,
+        thickness,
+        found.surface,
+        depth,
+        force,
+        found.error,
+        kinks,
+        None,
+        mean_error=found.mean_error,
+    )
 
 
 def _flat(x: NDArray[np.float64]) -> NDArray[np.float64]:

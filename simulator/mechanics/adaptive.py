@@ -25,7 +25,11 @@ SAFETY = 5.0
 polygon, less at right angles and where all is smooth."""
 SHRINKS = 2 ** (-2 / 3)
 """The error at the corner of a square, where w grows like r^(2/3), as its triangles are halved."""
+LEFT = 2.0
+"""Largest error of the mean of the factor over what the last refinement changed."""
 MOST_AT_ONCE = 8
+HALF_AGAIN = 2.0
+"""Of the tolerance: what the largest error counts as where the first triangles hold it already."""
 MOST_TRIANGLES = 60_000
 LEAST_ALONG = 4
 """Triangles for every length of the skins' spread along an applicator's edge."""
@@ -37,11 +41,16 @@ TOO_FINE = (
 
 @dataclass(frozen=True)
 class Solved:
-    """A deflection, where and how what holds it pushes, and the relative error of the factor."""
+    """A deflection, where and how what holds it pushes, and the relative error of the factor.
+
+    error: anywhere. mean_error: of its integral, relative to that over what is held: what the last
+    refinement changed, and as much again.
+    """
 
     surface: Surface
     rest: Rest
     error: float
+    mean_error: float
 
 
 @dataclass(frozen=True)
@@ -50,6 +59,7 @@ class _Level:
     membrane: Membrane
     held: NDArray[np.int64]
     rest: Rest
+    before: NDArray[np.float64] | None
 
     @property
     def surface(self) -> Surface:
@@ -74,7 +84,10 @@ def solved(
         check_reached(press, level.rest.depth, mechanics, thickness)
         found = SAFETY * pressing.relative(level)
         if not (found > rtol).any():
-            return Solved(level.surface, level.rest, float(found.max()))
+            if level.before is not None:
+                mean = pressing.changed(level)
+                return Solved(level.surface, level.rest, float(found.max()), mean)
+            found *= HALF_AGAIN * rtol / found.max()
         level = pressing.level(_refined(level.ground, found / rtol), level.surface)
 
 
@@ -103,13 +116,25 @@ class _Pressing:
         under = above(membrane.nodes, len(membrane.places.T), ground.covered)
         first = np.zeros(under.shape[1]) if start is None else start(membrane.places)
         held = held_by(membrane, tension, deepest(under, self.pushed), self.pushed, first)
-        return _Level(ground, membrane, held, at_rest(membrane, held, self.pushed, first))
+        rest = at_rest(membrane, held, self.pushed, first)
+        return _Level(ground, membrane, held, rest, None if start is None else first)
 
     def relative(self, level: _Level) -> NDArray[np.float64]:
         """Tails as relative changes of the factor, shape (triangle,)."""
-        found = tails(level.membrane, level.rest.w)
+        return self._of_factor(level, tails(level.membrane, level.rest.w))
+
+    def changed(self, level: _Level) -> float:
+        """By how much the refinement to a level changed the factor, over the area that is held."""
+        assert level.before is not None
+        moved = np.abs(level.rest.w - level.before)[level.membrane.nodes].mean(axis=0)
+        areas = level.ground.domain.areas
+        held = areas[level.ground.covered.any(axis=0)].sum()
+        return LEFT * float(areas @ self._of_factor(level, moved) / held)
+
+    def _of_factor(self, level: _Level, moved: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Relative changes of the factor by those of w in m, shape (triangle,)."""
         strain = level.rest.w[level.membrane.nodes].max(axis=0) / self.thickness
-        return found / self.thickness * self.mechanics.gain(strain)
+        return moved / self.thickness * self.mechanics.gain(strain)
 
 
 def _times(excess: float) -> int:

@@ -12,6 +12,8 @@ from scipy.sparse.linalg import splu
 
 from simulator.sweeps.errors import ToleranceError
 
+STILL = 1e-12
+"""Of the deflection: steps that are but rounding where much tension outweighs the foam."""
 SETTLED = 1e-10
 """What is left at free nodes over the largest that holds a node, both N."""
 SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0}
@@ -72,6 +74,8 @@ def at_rest(
             return _rest(w, reaction, held, pushed, q[len(q) - count :])
         stiffness = (turn.T @ body.tangent(w) @ turn).tocsc()
         step = splu(stiffness, options={"SymmetricMode": True}, **SYMMETRIC).solve(downhill)
+        if np.abs(step).max() <= STILL * np.abs(q).max():
+            return _rest(w, reaction, held, pushed, q[len(q) - count :])
         q = q + _damped(body, turn, fixed, work, q, step, float(downhill @ step)) * step
     raise ToleranceError("the press did not come to rest: its depth or force is too great")
 

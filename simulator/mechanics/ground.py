@@ -26,12 +26,13 @@ class Ground:
     """The skin under applicators.
 
     pixel: (applicator,) number of the pixel that it is, -1 where it is one of the domain's touches,
-    in order. sharp: (2, corner) corners of applicators, m.
+    in order. sharp: (2, corner) corners of applicators, m. edges: around all of these, m.
     """
 
     domain: Domain
     pixel: NDArray[np.int64]
     sharp: NDArray[np.float64]
+    edges: float
 
     @cached_property
     def mesh(self) -> MeshTri:
@@ -44,18 +45,6 @@ class Ground:
         found = np.equal.outer(self.pixel, self.domain.pixel)
         found[self.pixel < 0] = self.domain.covered
         return found
-
-    @property
-    def edges(self) -> float:
-        """Length around all that applicators cover, m."""
-        facets = self.mesh.facets[:, np.diff(self._sides_covered, axis=0)[0]]
-        return float(np.linalg.norm(np.diff(self.mesh.p[:, facets], axis=1), axis=0).sum())
-
-    @property
-    def _sides_covered(self) -> NDArray[np.bool_]:
-        """(2, facet): whether an applicator lies on each side; beyond the skin as within."""
-        under, beside = self.covered.any(axis=0), self.mesh.f2t
-        return under[np.where(beside < 0, beside[:1], beside)]
 
     @cached_property
     def cornered(self) -> NDArray[np.bool_]:
@@ -84,13 +73,12 @@ def ground(scene: Scene, places: Sequence[Place]) -> Ground:
         )
     columns = scene.pixels.columns
     pixel = [(p.row - 1) * columns + p.column - 1 if isinstance(p, Touch) else -1 for p in places]
-    laid = Ground(found, np.array(pixel), _sharp(scene, places))
+    polygons = [corners(scene, place) for place in places]
+    angular = [p for p, place in zip(polygons, places, strict=True) if not isinstance(place, Disc)]
+    sharp = np.concatenate([np.zeros((0, 2)), *angular]).T
+    edges = sum(float(np.linalg.norm(p - np.roll(p, 1, axis=0), axis=1).sum()) for p in polygons)
+    laid = Ground(found, np.array(pixel), sharp, edges)
     for place, covered in zip(places, laid.covered, strict=True):
         if not covered.any():
             raise InputError(f"press {place.where}: must touch the skin of {scene.name}")
     return laid
-
-
-def _sharp(scene: Scene, places: Sequence[Place]) -> NDArray[np.float64]:
-    angular = [corners(scene, place) for place in places if not isinstance(place, Disc)]
-    return np.concatenate([np.zeros((0, 2)), *angular]).T

@@ -18,7 +18,8 @@ class Pressed:
 
     What touches of a given factor add is not in it: they multiply it. thickness: of the foam, m.
     w: deflection in m at flat positions (2, ...) in m. depth [m], force [N]: of each applicator, in
-    order. error: bound on the relative error of `factor` anywhere. kinks: closed polylines (point,
+    order. error: bound on the relative error of `factor` anywhere; mean_error: on its integral over
+    the skin, relative to that over the applicators. kinks: closed polylines (point,
     2) in m, the edges of applicators, across which `factor` has a kink, or jumps where `sharp` says
     so. sharp: where nothing is spread, the same press with factors instead, else None.
     """
@@ -31,6 +32,7 @@ class Pressed:
     error: float
     kinks: tuple[NDArray[np.float64], ...]
     sharp: Press | None
+    mean_error: float = 0.0
 
     def deflection(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Of the upper electrode towards the lower at flat positions x (2, ...) in m; m, (...)."""

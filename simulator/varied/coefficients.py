@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +14,8 @@ from simulator.scene import Electrode
 if TYPE_CHECKING:
     from simulator.mechanics import Pressed
 
+Located = tuple[NDArray[np.float64], NDArray[np.float64]]
+"""Places in m and strain there."""
 ELECTRODES: tuple[Electrode, Electrode] = ("top", "bottom")
 
 
@@ -29,6 +31,7 @@ class Coefficients:
     factors: NDArray[np.float64]
     pressed: Pressed | None
     fields: int
+    _spread: dict[int, Located] = field(default_factory=dict, compare=False, repr=False)
 
     def conductance(self, field: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """S in S by its xx, yy and xy, shape (3, cell, point)."""
@@ -37,6 +40,8 @@ class Coefficients:
 
     def conductance_of(self, electrode: Electrode, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """The same of one sheet."""
+        if not self.materials.scene.skin.sheet(electrode).piezoresistance:
+            return self.materials.conductance(electrode, x)
         return self.materials.conductance(electrode, x, self.strain(x))
 
     def of_both_sheets(self, potential: NDArray) -> NDArray:
@@ -54,17 +59,19 @@ class Coefficients:
 
     def factor(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """c over that at rest, shape (cell, point)."""
-        spread = self.pressed.factor(x) if self.pressed else np.ones(x.shape[1:])
-        return self.factors[:, None] * spread
+        whole = self.factors[:, None] * np.ones(x.shape[1:])
+        mechanics = self.pressed.mechanics if self.pressed else None
+        return whole * mechanics.factor(self._spread_strain(x)) if mechanics else whole
 
     def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """How far the foam is compressed, of its thickness at rest, shape (cell, point).
 
-        Where only a factor is given it is what would bring it about at constant permittivity.
+        Where only a factor is given it is what brings it about, without mechanics at constant
+        permittivity.
         """
-        sharp = strain_of(self.factors)[:, None]
-        spread = self.pressed.strain(x) if self.pressed else np.zeros(x.shape[1:])
-        return np.maximum(sharp, spread)
+        mechanics = self.materials.scene.skin.foam.mechanics
+        sharp = (mechanics.strain_at if mechanics else strain_of)(self.factors)[:, None]
+        return np.maximum(sharp, self._spread_strain(x))
 
     def deflection(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """How far the skin is pushed in where mechanics tells, m, shape (cell, point)."""
@@ -75,6 +82,14 @@ class Coefficients:
     ) -> NDArray[np.float64]:
         """Length along an edge over that of the flat skin at rest."""
         return self.materials.line_stretch(x, direction)
+
+    def _spread_strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """By mechanics, kept for places that are asked for again."""
+        known = self._spread.get(id(x))
+        if known is None or known[0] is not x:
+            found = self.pressed.strain(x) if self.pressed else np.zeros(x.shape[1:])
+            self._spread[id(x)] = known = (x, found)
+        return known[1]
 
     @property
     def _share(self) -> float:

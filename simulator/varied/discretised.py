@@ -18,6 +18,11 @@ from simulator.varied.coefficients import Coefficients
 from simulator.varied.elements import Elements
 from simulator.varied.system import PressedSystem
 
+LESS_GAINED = 2.0
+"""How much less than on plain skins the next order may gain, at the worst of singularities: where a
+foil ends at an inner corner, or in a sheet that conducts far better along one direction. Of some
+hundred skins the true error was then at most half the estimate."""
+
 
 @dataclass(frozen=True)
 class Solved:
@@ -41,7 +46,11 @@ class Discretised:
     error: float = 0.0
 
     def rung(self, frequency: NDArray[np.float64], rtol: float) -> Rung:
-        """The answer at these frequencies in Hz, and its error."""
+        """The answer at these frequencies in Hz, and its error.
+
+        Parts of the error may cancel in the difference of two orders alone, in Rs or in Cp: the
+        geometric mean with the larger one covers that.
+        """
 
         def sweep(around: NDArray[np.float64], tolerance: float) -> list[Swept]:
             s = laplace_variable(around, self.loss)
@@ -53,7 +62,8 @@ class Discretised:
                 ]
 
         Z, error = checked(sweep, frequency, rtol)
-        return Rung(self.told, self.coarse.space.inner, Z, error + self.error)
+        both = np.sqrt(error * error.max(axis=0))
+        return Rung(self.told, self.coarse.space.inner, Z, LESS_GAINED * both + self.error)
 
     def coefficients_of(self, solved: Solved, drive: int, s: complex) -> NDArray:
         """Potentials of 1 V at s in rad/s, real or complex, shape (field, function, cell)."""

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from skfem import Element, MeshTri
+from skfem.mesh import Mesh2D
 
 from simulator.assembly import quadrilateral
 from simulator.domain import Domain
@@ -64,7 +65,7 @@ def squares(pixels: PixelMesh, order: int) -> Elements:
     element = quadrilateral(order)
 
     def beside(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        return _beside(pixels.mesh.f2t, pixels.mesh.t2f, facets)
+        return _beside(pixels.mesh, facets)
 
     return Elements(
         element=element,
@@ -80,10 +81,11 @@ def squares(pixels: PixelMesh, order: int) -> Elements:
 def triangles(domain: Domain, order: int) -> Elements:
     """Triangles of a domain in the plane or in space, orders 1 to 4."""
     element = TRIANGLES[order - 1]()
-    mesh = MeshTri(*(np.ascontiguousarray(each) for each in (domain.p[:2], domain.t)), sort_t=False)
+    p, t = np.ascontiguousarray(domain.p[:2]), np.ascontiguousarray(domain.t)
+    mesh = MeshTri(p, t, sort_t=False)
 
     def beside(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        return _beside(mesh.f2t, mesh.t2f, facets)
+        return _beside(mesh, facets)
 
     return Elements(
         element=element,
@@ -123,11 +125,9 @@ def numbers_of(mesh: MeshTri, ends: NDArray[np.int64]) -> NDArray[np.int64]:
     return order[np.searchsorted(known[order], ends[0] * count + ends[1])]
 
 
-def _beside(
-    f2t: NDArray, t2f: NDArray, facets: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    cell = np.asarray(f2t, dtype=np.int64)[0, facets]
-    return cell, np.argmax(np.asarray(t2f)[:, cell] == facets, axis=0)
+def _beside(mesh: Mesh2D, facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    cell = np.asarray(mesh.f2t, dtype=np.int64)[0, facets]
+    return cell, np.argmax(np.asarray(mesh.t2f)[:, cell] == facets, axis=0)
 
 
 def _in_their_plane(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from simulator.circuit import Circuit, one_field, two_fields
 from simulator.electrical import electrical
 from simulator.materials import Materials
-from simulator.press import Press
+from simulator.press import Disc, Press
 from simulator.scene import Scene
 from simulator.sweeps import ToleranceError
 from simulator.varied.discretised import Discretised
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 MECHANICS_SHARE = 0.3
 """Of the tolerance: what the capacitance of a press may be off by."""
+FACTOR_SHARE, COARSEST_FACTOR = 30.0, 1e-2
+"""Of the tolerance and at most: what its factor may be off by anywhere. It is at corners alone."""
 
 
 class Meshes(Protocol):
@@ -58,7 +60,11 @@ def indented(scene: Scene, press: Press, rtol: float) -> tuple[Press, Pressed | 
         return press, None
     from simulator.mechanics import pressed
 
-    found = pressed(scene, press, MECHANICS_SHARE * rtol)
+    anywhere = min(COARSEST_FACTOR, FACTOR_SHARE * rtol)
+    found = pressed(scene, press, anywhere)
+    while found.mean_error > MECHANICS_SHARE * rtol:
+        anywhere /= 10
+        found = pressed(scene, press, anywhere)
     return (press.sharp, found) if found.sharp is None else (found.sharp, None)
 
 
@@ -69,9 +75,20 @@ def meshes(scene: Scene, press: Press, pressed: Pressed | None, rtol: float) -> 
     """
     circuit, rectangular = circuit_of(scene), scene.skin.outline is None and scene.skin.mesh is None
     triangles = Triangles(scene, circuit, press, rtol, pressed)
-    if rectangular and press.plain and pressed is None:
+    if rectangular and _conforming(scene, press) and pressed is None:
         return InTurn(Squares(scene, circuit, press, rtol), triangles)
     return triangles
+
+
+def _conforming(scene: Scene, press: Press) -> bool:
+    """Whether quadrilaterals follow the edges of a press.
+
+    Around a disc they do not: cells covered in part have their part of the capacitance, which is no
+    part of a strain.
+    """
+    gauges = scene.skin.top.piezoresistance or scene.skin.bottom.piezoresistance
+    discs = any(isinstance(touch, Disc) for touch in press.touches)
+    return press.plain and not (gauges and discs)
 
 
 def circuit_of(scene: Scene) -> Circuit:

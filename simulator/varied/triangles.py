@@ -14,7 +14,7 @@ from simulator.galerkin import Galerkin
 from simulator.materials import Materials
 from simulator.press import Press, Touch
 from simulator.scene import Scene
-from simulator.sweeps import ToleranceError
+from simulator.sweeps import InputError, ToleranceError
 from simulator.varied.coefficients import Coefficients
 from simulator.varied.discretised import Discretised, Solved
 from simulator.varied.elements import triangles
@@ -98,7 +98,7 @@ class Triangles:
             coarse,
             fine,
             f"2-D elements, {self.circuit.told}, {mesh.t.shape[1]} triangles of order {self.order}",
-            self.pressed.error if self.pressed else 0.0,
+            self.pressed.mean_error if self.pressed else 0.0,
         )
 
     def _solved(self, mesh: Domain, order: int, coefficients: Coefficients) -> Solved:
@@ -108,13 +108,19 @@ class Triangles:
 
 
 def sharp_factors(press: Press, mesh: Domain, columns: int) -> NDArray[np.float64]:
-    """c over that at rest in each triangle by touches of a factor, shape (triangle,)."""
+    """c over that at rest in each triangle by touches of a factor, shape (triangle,).
+
+    Raises InputError where a touch lies beside the skin.
+    """
     factors = np.ones(mesh.t.shape[1])
-    for touch in press.touches:
-        if isinstance(touch, Touch):
-            factors[mesh.pixel == (touch.row - 1) * columns + touch.column - 1] *= touch.factor
-    for touch, covered in zip(sharp_touches(press), mesh.covered, strict=True):
-        factors[covered] *= touch.factor
+    pixels = [touch for touch in press.touches if isinstance(touch, Touch)]
+    covered = [mesh.pixel == (each.row - 1) * columns + each.column - 1 for each in pixels]
+    for touch, within in zip(
+        [*pixels, *sharp_touches(press)], [*covered, *mesh.covered], strict=True
+    ):
+        if not within.any():
+            raise InputError(f"press {touch}: there is no skin at that place")
+        factors[within] *= touch.factor
     return factors
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from simulator.plot import STYLE, chart
 from simulator.view.painting import ROLE_COLOURS, Image, Scenery, paint
@@ -24,8 +23,8 @@ if TYPE_CHECKING:
 SINGLE, PANEL, LEAST_WIDTH = 5.6, 3.3, 4.0
 """Width of a picture's panel, of one among several, and the least for the title, inches."""
 PIXELS_PER_INCH = 260
-HIDDEN = 0.6
-"""Of its length: what is seen less of counts as along the line of sight."""
+FAR_SIDE = -0.1
+"""Of a normal along the line of sight: where the skin is turned away."""
 HIGHEST = 5.6
 """Of a panel, inches."""
 ROUND_LENGTHS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
@@ -129,12 +128,17 @@ def _scale_bar(axes: Axes, camera: Camera) -> None:
 def _name_foils(axes: Axes, panel: Panel, size: float) -> None:
     from matplotlib.patheffects import withStroke
 
+    behind = []
     for foil in panel.scenery.marks.foils:
-        x, y = 1e3 * _name_place(foil, panel.camera)
+        name = f"{foil.name} ({foil.role})"
+        if _behind(foil, panel):
+            behind.append(name)
+            continue
+        x, y = 1e3 * foil.named_at(panel.camera)
         axes.text(
             x,
             y,
-            f"{foil.name} ({foil.role})",
+            name,
             color=ROLE_COLOURS[foil.role],
             fontsize=size,
             ha="center",
@@ -143,21 +147,16 @@ def _name_foils(axes: Axes, panel: Panel, size: float) -> None:
             rotation_mode="anchor",
             path_effects=[withStroke(linewidth=2.5, foreground="white")],
         )
+    if behind:
+        told = "behind: " + ", ".join(behind)
+        axes.text(1, 0, told, transform=axes.transAxes, fontsize=size, ha="right", va="top")
 
 
-def _name_place(foil: Foil, camera: Camera) -> NDArray:
-    """Off the skin, away from the picture's middle where off is along the line of sight.
-
-    In the middle of a foil that is closed.
-    """
-    if foil.closed:
-        return camera.project(foil.quads.reshape(3, -1).mean(axis=1))
-    middle, out = camera.project(foil.middle), camera.project(foil.out)
-    gap = np.linalg.norm(foil.out)
-    if np.linalg.norm(out) < HIDDEN * gap:
-        right = 2 * middle[0] > camera.low[0] + camera.high[0]
-        out = np.array([1.0 if right else -1.0, 0.0])
-    return middle + gap * out / np.linalg.norm(out)
+def _behind(foil: Foil, panel: Panel) -> bool:
+    """Whether a foil lies on the far side of what the skin is wrapped on."""
+    skin = panel.scenery.skin
+    normal = skin.normals[:, skin.nearest(foil.middle[:, None])[0]]
+    return bool(normal @ panel.camera.towards < FAR_SIDE)
 
 
 def _along(foil: Foil, camera: Camera) -> float:

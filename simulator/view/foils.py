@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from simulator.contour import curves, position, section
 
 if TYPE_CHECKING:
-    from simulator.press import Press
     from simulator.scene import Contact, Interface, Scene
+    from simulator.view.camera import Camera
+    from simulator.view.meshed import Meshed
     from simulator.view.surface import Surface
 
 Real = NDArray[np.float64]
@@ -26,6 +27,8 @@ NAME_GAP, NAME_STEP = 0.08, 0.04
 """Of the skin's size: from the edge to the name of a foil, and on to that of a foil beside it."""
 BESIDE = 0.12
 """Of the skin's size: foils with middles nearer than that have their names stacked."""
+HIDDEN = 0.6
+"""Of its length: what is seen less of counts as along the line of sight."""
 STEP_INWARD = 1e-3
 """Of the skin's size: from an edge to where the surface is asked which way is out."""
 
@@ -45,14 +48,24 @@ class Foil:
     out: Real
 
     @property
-    def place(self) -> Real:
-        """Where its name stands, (3,)."""
-        return self.middle + self.out
-
-    @property
     def closed(self) -> bool:
         """Whether it goes all around, and is named in its middle."""
         return bool(np.linalg.norm(self.along) < np.linalg.norm(self.out) / 2)
+
+    def named_at(self, camera: Camera) -> Real:
+        """Where its name stands in the picture, m, (2,).
+
+        Off the skin; away from the picture's middle where off is along the line of sight; in the
+        middle of a foil that is closed.
+        """
+        if self.closed:
+            return camera.project(self.quads.reshape(3, -1).mean(axis=1))
+        middle, out = camera.project(self.middle), camera.project(self.out)
+        gap = np.linalg.norm(self.out)
+        if np.linalg.norm(out) < HIDDEN * gap:
+            right = 2 * middle[0] > camera.low[0] + camera.high[0]
+            out = np.array([1.0 if right else -1.0, 0.0])
+        return middle + gap * out / np.linalg.norm(out)
 
     @property
     def along(self) -> Real:
@@ -60,12 +73,14 @@ class Foil:
         return self.quads[:, 1, -1] - self.quads[:, 0, 0]
 
 
-def foils(scene: Scene, press: Press, interface: Interface, skin: Surface) -> tuple[Foil, ...]:
-    """All foils of a scene, driven and floating."""
-    edges = _facets(scene, press, skin) if scene.skin.mesh else _sides(scene, skin)
+def foils(
+    scene: Scene, interface: Interface, skin: Surface, mesh: Meshed | None = None
+) -> tuple[Foil, ...]:
+    """All foils of a scene, driven and floating. mesh: of a skin that a file brings."""
     drawn: list[Foil] = []
-    for contact, (ends, out) in zip(scene.contacts, edges, strict=True):
-        number = ends.shape[2] // 2
+    for contact in scene.contacts:
+        ends, out = mesh.foil(contact.name) if mesh else _side(_path(contact, scene), skin)
+        number = _middle(ends)
         middle = ends[:, :, number].mean(axis=1)
         before = sum(np.linalg.norm(middle - foil.middle) < BESIDE * skin.size for foil in drawn)
         gap = skin.size * (NAME_GAP + before * NAME_STEP)
@@ -73,6 +88,13 @@ def foils(scene: Scene, press: Press, interface: Interface, skin: Surface) -> tu
         role = _role(contact, interface)
         drawn.append(Foil(contact.name, role, quads, middle, gap * out[:, :, number].mean(axis=1)))
     return tuple(drawn)
+
+
+def _middle(ends: Real) -> int:
+    """The number of the piece that is nearest to the mean of all."""
+    middles = ends.mean(axis=1)
+    off = np.linalg.norm(middles - middles.mean(axis=1, keepdims=True), axis=0)
+    return int(np.argmin(off))
 
 
 def _role(contact: Contact, interface: Interface) -> Role:
@@ -86,11 +108,6 @@ def _ribbon(ends: Real, out: Real, size: float, band: tuple[float, float]) -> Re
     return np.stack([near[:, 0], near[:, 1], far[:, 1], far[:, 0]], axis=1)
 
 
-def _sides(scene: Scene, skin: Surface) -> list[tuple[Real, Real]]:
-    """Of each foil the ends of its pieces in space and the way out there, both (3, 2, piece)."""
-    return [_side(_path(contact, scene), skin) for contact in scene.contacts]
-
-
 def _path(contact: Contact, scene: Scene) -> Real:
     """A foil's line along a skin without mesh, flat (2, n)."""
     along = section(contact, scene.skin)
@@ -100,37 +117,9 @@ def _path(contact: Contact, scene: Scene) -> Real:
 
 
 def _side(path: Real, skin: Surface) -> tuple[Real, Real]:
+    """Of a path the ends of its pieces in space and the way out there, both (3, 2, piece)."""
     places, _, _ = skin.carry(path)
     within, _, _ = skin.carry(path - STEP_INWARD * skin.size * skin.outward(path))
     out = (places - within) / np.linalg.norm(places - within, axis=0)
     pieces = list(pairwise(range(path.shape[1])))
     return places[:, pieces].transpose(0, 2, 1), out[:, pieces].transpose(0, 2, 1)
-
-
-def _facets(scene: Scene, press: Press, skin: Surface) -> list[tuple[Real, Real]]:
-    """The same on a mesh of a file: each facet a piece, its way out off the triangle it is of."""
-    from simulator.domain import domain
-
-    mesh = domain(scene, press, skin.size)
-    p = mesh.p if len(mesh.p) == 3 else skin.carry(mesh.p)[0]
-    owner = {
-        (int(a), int(b)): int(apex)
-        for first, second, third in mesh.t.T
-        for a, b, apex in ((first, second, third), (first, third, second), (second, third, first))
-    }
-    found = []
-    for contact in scene.contacts:
-        facets = mesh.foils[contact.name]
-        ends = p[:, facets]
-        apex = p[:, [owner[int(a), int(b)] for a, b in facets.T]]
-        out = _away(ends, apex)
-        found.append((ends, np.stack([out, out], axis=1)))
-    return found
-
-
-def _away(ends: Real, apex: Real) -> Real:
-    """Unit vectors (3, n) across the lines between ends (3, 2, n), away from apex (3, n)."""
-    along = ends[:, 1] - ends[:, 0]
-    back = ends[:, 0] - apex
-    across = back - along * (back * along).sum(axis=0) / (along**2).sum(axis=0)
-    return across / np.linalg.norm(across, axis=0)

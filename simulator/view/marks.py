@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,8 +11,9 @@ from numpy.typing import NDArray
 
 from simulator.foam import pixel_lines, touched_box
 from simulator.planar import regular, sides
-from simulator.press import Disc, Polygon, place_of
+from simulator.press import Disc, Polygon, Touch, place_of
 from simulator.view.foils import Foil, foils
+from simulator.view.meshed import Meshed
 
 if TYPE_CHECKING:
     from simulator.press import AnyTouch, Press
@@ -51,16 +53,28 @@ class Arrows:
 
 def marks(scene: Scene, press: Press, interface: Interface, skin: Surface) -> Marks:
     """All that is drawn on the skin besides the field."""
-    grid = [line for flat in pixel_grid(scene) for line in _on_skin(flat, skin)]
-    around = [outline(touch, scene) for touch in press.touches]
-    outlines = [line for flat in around for line in _on_skin(flat, skin)]
+    mesh = Meshed(scene, press, skin) if scene.skin.mesh else None
+    if mesh and scene.pixels.groups:
+        grid = list(mesh.pixel_lines())
+    else:
+        grid = [line for flat in pixel_grid(scene) for line in _on_skin(flat, skin)]
     rim = skin.points[:, skin.rim]
     return Marks(
-        foils=foils(scene, press, interface, skin),
+        foils=foils(scene, interface, skin, mesh),
         pixels=tuple(grid),
-        pressed=tuple(outlines),
+        pressed=tuple(_around(scene, press, skin, mesh)),
         rim=tuple(rim.transpose(2, 0, 1)),
     )
+
+
+def _around(scene: Scene, press: Press, skin: Surface, mesh: Meshed | None) -> Iterator[Real]:
+    """Lines (3, n) around the places that are pressed."""
+    for touch in press.touches:
+        place = place_of(touch)
+        if mesh and scene.pixels.groups and isinstance(place, Touch):
+            yield from mesh.around(place)
+        else:
+            yield from _on_skin(outline(touch, scene), skin)
 
 
 def pixel_grid(scene: Scene) -> list[Real]:

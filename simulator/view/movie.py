@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from simulator.sweeps import InputError, whole_file
-from simulator.view.painting import Image
+from simulator.view.painting import ROLE_COLOURS, Image
 
 FPS = 8
+GREYS, PALER = 24, 4
 
 
 def check_movie(path: Path) -> None:
@@ -22,29 +24,44 @@ def check_movie(path: Path) -> None:
         )
 
 
-def write_movie(path: Path, frames: Iterable[Image]) -> None:
-    """Write frames (height, width, 3), all of one size, as a GIF that loops or as an MP4."""
+def write_movie(path: Path, frames: Iterable[Image], colour_maps: Collection[str]) -> None:
+    """Write frames (height, width, 3), all of one size, as a GIF that loops or as an MP4.
+
+    colour_maps: names of those that a GIF, which has 256 colours, must be true to.
+    """
     check_movie(path)
     with whole_file(path) as unfinished:
-        (_write_gif if path.suffix == ".gif" else _write_mp4)(unfinished, frames)
+        if path.suffix == ".gif":
+            _write_gif(unfinished, frames, _palette(colour_maps))
+        else:
+            _write_mp4(unfinished, frames)
 
 
-def _write_gif(path: Path, frames: Iterable[Image]) -> None:
+def _palette(colour_maps: Collection[str]) -> NDArray[np.uint8]:
+    """256 colours, (256, 3): the maps, greys, and those of foils, paler too for smooth edges."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_rgb
+
+    foils = np.array([to_rgb(colour) for colour in ROLE_COLOURS.values()])
+    paler = [1 - share * (1 - foils) for share in np.linspace(0.25, 1, PALER)]
+    fixed = np.vstack([np.repeat(np.linspace(0, 1, GREYS)[:, None], 3, axis=1), *paler])
+    each = (256 - len(fixed)) // len(colour_maps)
+    maps = [colormaps[name](np.linspace(0, 1, each))[:, :3] for name in sorted(colour_maps)]
+    colours = np.vstack([fixed, *maps])
+    filled = np.vstack([colours, np.repeat(colours[-1:], 256 - len(colours), axis=0)])
+    return np.round(255 * filled).astype(np.uint8)
+
+
+def _write_gif(path: Path, frames: Iterable[Image], colours: NDArray[np.uint8]) -> None:
     import PIL.Image
 
-    drawn = list(frames)
-    colours = np.unique(np.concatenate([_colours(frame) for frame in drawn]), axis=0)
-    palette = PIL.Image.fromarray(colours[None]).quantize(256)
+    palette = PIL.Image.new("P", (1, 1))
+    palette.putpalette(colours.tobytes())
     first, *others = (
         PIL.Image.fromarray(frame).quantize(palette=palette, dither=PIL.Image.Dither.NONE)
-        for frame in drawn
+        for frame in frames
     )
     first.save(path, save_all=True, append_images=others, duration=1000 // FPS, loop=0)
-
-
-def _colours(frame: Image) -> Image:
-    """Every colour of a frame once, (colour, 3), so that a bar's count as much as a field's."""
-    return np.unique(frame.reshape(-1, 3), axis=0)
 
 
 def _write_mp4(path: Path, frames: Iterable[Image]) -> None:

@@ -24,6 +24,8 @@ PHASES = 24
 """Frames of one period."""
 MOVIE_DPI = 100
 LONGEST_PRESS = 60
+ROOM_FOR_WORDS = 1.35
+"""Times what is seen in a window, for its title and colour bar."""
 
 
 def write_output(path: Path, stage: Stage, what: str, animate: str | None) -> None:
@@ -110,7 +112,8 @@ def _write_frames(path: Path, stage: Stage, frames: list[list[Panel]]) -> None:
             rows = [panels[low : low + ACROSS] for low in range(0, len(panels), ACROSS)]
             yield rendered(rows, title(stage), MOVIE_DPI)
 
-    write_movie(path, images())
+    used = {panel.shown.colours for panels in frames for panel in panels}
+    write_movie(path, images(), used)
 
 
 def _write_data(path: Path, stage: Stage, what: str) -> None:
@@ -139,4 +142,5 @@ def show(stage: Stage, what: str) -> None:
         told = "\n".join(filter(None, (shown.title, shown.moment, shown.note)))
         plotter.add_text(told.replace("Ω", "ohm"), font_size=9, color="black")
         panel.camera.aim(plotter)
+        plotter.camera.parallel_scale *= ROOM_FOR_WORDS
     plotter.show()

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from simulator.plot import AT_REST
 from simulator.sweeps import whole_file
-from simulator.view.painting import ARROW, BODY, ROLE_COLOURS, arrow_mesh, lifted, ribbon
+from simulator.view.painting import ARROW, BODY, GRID, ROLE_COLOURS, arrow_mesh, lifted, ribbon
 from simulator.view.surface import triangles
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def _traces(panel: Panel) -> list[Any]:
         surface.update(name=f"{foil.name} ({foil.role})", hoverinfo="name")
         traces.append(surface)
     for lines, colour, width in (
-        (marks.pixels, "rgba(0,0,0,0.35)", 1.5),
+        (marks.pixels, GRID, 1.5),
         (marks.rim, AT_REST, 2),
         (shown.contours, "#FFFFFF", 2),
         (marks.pressed, AT_REST, 6),

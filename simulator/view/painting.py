@@ -28,7 +28,7 @@ Image = NDArray[np.uint8]
 ROLE_COLOURS = {"high": COLOURS[1], "low": COLOURS[0], "floating": "#5A5A5A"}
 LIFTED = 2e-3
 """Of the skin's size: how far lines lie above it."""
-BODY, ARROW = "#F2EEE8", "#FFFFFF"
+BODY, ARROW, GRID = "#F2EEE8", "#FFFFFF", "#7F7F7F"
 
 
 @dataclass(frozen=True)
@@ -65,11 +65,12 @@ def add_all(
         plotter.add_mesh(body, color=BODY, ambient=0.6, diffuse=0.42, smooth_shading=True)
     for foil in marks.foils:
         plotter.add_mesh(ribbon(foil), color=ROLE_COLOURS[foil.role], lighting=False)
-    _add_lines(plotter, skin, marks.pixels, "#000000", 1.0, opacity=0.35)
+    _add_lines(plotter, skin, marks.pixels, "#FFFFFF", 2.5, opacity=0.3)
+    _add_lines(plotter, skin, marks.pixels, AT_REST, 1.0, opacity=0.5)
     _add_lines(plotter, skin, marks.rim, AT_REST, 1.5)
     _add_lines(plotter, skin, shown.contours, "#FFFFFF", 1.5, opacity=0.8)
-    _add_lines(plotter, skin, marks.pressed, "#FFFFFF", 7.0)
-    _add_lines(plotter, skin, marks.pressed, AT_REST, 3.0)
+    _add_lines(plotter, skin, marks.pressed, "#FFFFFF", 7.0, lift=1.5)
+    _add_lines(plotter, skin, marks.pressed, AT_REST, 3.0, lift=1.5)
     if shown.arrows is not None and shown.arrows.places.size:
         plotter.add_mesh(arrow_mesh(shown.arrows), color=ARROW, ambient=0.75, diffuse=0.25)
 
@@ -108,12 +109,13 @@ def _add_lines(
     colour: str,
     width: float,
     opacity: float = 1.0,
+    lift: float = 1.0,
 ) -> None:
     if not lines:
         return
     import pyvista as pv
 
-    points = np.hstack([lifted(line, skin) for line in lines])
+    points = np.hstack([lifted(line, skin, lift) for line in lines])
     counts = [line.shape[1] for line in lines]
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     parts = [

@@ -81,14 +81,15 @@ def _camera(scenery: Scenery) -> Camera:
     bodies = [np.asarray(body.points, dtype=float).T for body in scenery.bodies]
     foils = scenery.marks.foils
     ribbons = [foil.quads.reshape(3, -1) for foil in foils]
-    names = [foil.place[:, None] for foil in foils]
-    places = np.hstack([skin.points, *bodies, *ribbons, *names])
+    places = np.hstack([skin.points, *bodies, *ribbons])
     margin = MARGIN * skin.size
     if np.ptp(skin.points[2]) == 0:
-        return from_above(places, margin)
-    if skin.exaggeration and not _far_from_flat(skin):
-        return obliquely(places, margin)
-    return from_the_side(places, _facing(scenery), margin)
+        camera = from_above(places, margin)
+    elif skin.exaggeration and not _far_from_flat(skin):
+        camera = obliquely(places, margin)
+    else:
+        camera = from_the_side(places, _facing(scenery), margin)
+    return camera.including([foil.named_at(camera) for foil in foils], margin)
 
 
 def _facing(scenery: Scenery) -> Real:

@@ -139,11 +139,16 @@ def frequency_text(frequency: float) -> str:
 
 
 def impedance_text(Z: complex) -> str:
-    """Such as 21.3 - 105j kΩ."""
-    factor, unit = prefix(abs(Z), "Ω")
-    real, imaginary = factor * Z.real, factor * Z.imag
-    sign = "−" if imaginary < 0 else "+"
-    return f"{real:.4g} {sign} {abs(imaginary):.4g}j {unit}"
+    """Such as 21.3 − 105j kΩ, or 20.9 kΩ − 1.14j MΩ."""
+    real, unit = _in_ohm(Z.real)
+    imaginary, other = _in_ohm(abs(Z.imag))
+    sign = "−" if Z.imag < 0 else "+"
+    return f"{real} {'' if unit == other else f'{unit} '}{sign} {imaginary}j {other}"
+
+
+def _in_ohm(value: float) -> tuple[str, str]:
+    factor, unit = prefix(abs(value), "Ω")
+    return f"{factor * value:.4g}".replace("-", "−"), unit
 
 
 def phase_contours(skin: Surface, V: NDArray[np.complex128]) -> tuple[tuple[Real, ...], float]:

@@ -1,7 +1,15 @@
 import numpy as np
 import pytest
 
-from simulator.foam import capacitance_map, grid_map, lines, pixel_lines, tile_map
+from simulator.foam import (
+    capacitance_map,
+    grid_map,
+    lines,
+    patch,
+    pixel_lines,
+    tile_map,
+    touched_box,
+)
 from simulator.press import parse_press
 from simulator.scene import VACUUM_PERMITTIVITY, Foam
 from simulator.sweeps import InputError
@@ -102,3 +110,20 @@ def test_a_rectangle_on_the_lines_of_pixels_needs_no_others(make_scene):
 def test_a_map_of_pixels_does_not_hold_other_touches(make_scene):
     with pytest.raises(InputError, match="all touches must be whole pixels here"):
         capacitance_map(make_scene(**SIZE), parse_press("rect(0.03,0.05,0.05,0.02)", 2.0))
+
+
+@pytest.mark.parametrize("text", ["1,1:2mm", "disc(0.05,0.04,0.01):5N", "poly(0,0,0.01,0,0,0.01)"])
+def test_plain_maps_hold_no_depth_force_or_polygon(make_scene, text):
+    """None of what needs plain factors takes them for something else."""
+    scene, press = make_scene(**SIZE), parse_press(text, 2.0)
+    x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
+    for asked in (
+        lambda: capacitance_map(scene, press),
+        lambda: grid_map(scene, press, 4, 5),
+        lambda: tile_map(scene, press, x, y),
+        lambda: lines(scene, press),
+        lambda: patch(scene, press.touches[0]),
+        lambda: touched_box(scene, press.touches[0]),
+    ):
+        with pytest.raises(InputError, match="must be capacitance factors of pixels, rect or disc"):
+            asked()

@@ -78,6 +78,13 @@ def test_the_factor_rises_from_1_faster_than_that_of_plates(law):
     np.testing.assert_allclose(foam(effective_medium=law).gain(middle), gain, rtol=1e-3)
 
 
+@pytest.mark.parametrize("law", LAWS)
+def test_the_strain_of_a_factor_brings_it_about(law):
+    m, strain = foam(effective_medium=law), np.linspace(0, 0.66, 12)
+    np.testing.assert_allclose(m.strain_at(m.factor(strain)), strain, atol=1e-14)
+    np.testing.assert_array_equal(m.strain_at(np.array([0.5, 1.0, 1e9])), [0, 0, 0.67])
+
+
 def test_closed_pores_leave_the_solid():
     m = foam()
     closed = m.factor(np.array(0.67)) * (1 - 0.67) * looyenga(np.array(0.67), 2.79)

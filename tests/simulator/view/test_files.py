@@ -13,6 +13,7 @@ from PIL import Image, ImageSequence
 from simulator.scene_file import parse_scene
 from simulator.sweeps import InputError
 from simulator.view import outputs
+from simulator.view.movie import write_movie
 from simulator.view.outputs import write_output
 
 
@@ -35,6 +36,19 @@ def test_a_gif_has_a_frame_for_each_moment(fields, stage, tmp_path, small_movies
     assert len(frames) == (3 if animate is None else 4)
     for one, other in zip(frames, frames[1:], strict=False):
         assert (np.abs(one.astype(int) - other).max(axis=2) > 20).mean() > 0.01
+
+
+def test_a_gif_keeps_the_colours_of_maps_and_foils(tmp_path):
+    from matplotlib import colormaps
+
+    bar = np.round(255 * colormaps["viridis"](np.linspace(0, 1, 64))[:, :3])
+    foil = np.array([[213, 94, 0], [0, 114, 178], [255, 255, 255], [0, 0, 0]])
+    image = np.vstack([bar, foil]).astype(np.uint8).repeat(4, axis=0)[:, None].repeat(8, axis=1)
+    write_movie(tmp_path / "movie.gif", [image, image[::-1]], ["viridis"])
+    for kept, given in zip(
+        frames_of_gif(tmp_path / "movie.gif"), (image, image[::-1]), strict=True
+    ):
+        assert np.abs(kept.astype(int) - given).max() <= 6
 
 
 def test_an_mp4_has_a_frame_for_each_frequency(fields, stage, tmp_path, small_movies):

@@ -42,12 +42,12 @@ def test_wrapped_skins_are_told_from_flat_ones(fields):
 def test_foils_lie_off_the_edge_the_bottom_sheets_farther(fields, stage):
     set_up = stage(fields())
     skin = surface(set_up.fields)
-    top, bottom = foils(set_up.scene, set_up.press, set_up.interface, skin)
+    top, bottom = foils(set_up.scene, set_up.interface, skin)
     assert (top.name, top.role) == ("top-left", "high")
     assert (bottom.name, bottom.role) == ("bottom-left", "low")
     assert bottom.quads[0].max() < top.quads[0].min() < top.quads[0].max() < 0
     assert (top.quads[1].min(), top.quads[1].max()) == pytest.approx((0.0, 0.08))
-    assert bottom.place[0] < top.place[0] < bottom.quads[0].min()
+    assert bottom.out[0] < top.out[0] < bottom.quads[0].min()
 
 
 def test_lines_follow_the_mug(fields, stage):
@@ -87,3 +87,40 @@ def test_arrows_lie_along_the_skin_where_current_flows(fields):
     outwards = drawn.places - np.array([[0.06], [0], [-0.04]])
     outwards[1] = 0
     assert np.abs((drawn.directions * outwards).sum(axis=0)).max() < 1e-3 * 0.04
+
+
+CORNERS = [(0, 0), (0.06, 0), (0.12, 0), (0.12, 0.08), (0.06, 0.08), (0, 0.08)]
+
+
+def strip_of_two_groups(path):
+    """The skin of two groups of triangles, left and right, with boundary groups at both ends."""
+    import meshio
+
+    cells = {
+        "triangle": [[0, 1, 4], [0, 4, 5], [1, 2, 3], [1, 3, 4]],
+        "line": [[5, 0], [2, 3]],
+    }
+    named = {"a": ([0, 1], []), "b": ([2, 3], []), "feed": ([], [0]), "far": ([], [1])}
+    sets = {name: [np.array(part, int) for part in parts] for name, parts in named.items()}
+    points = np.array([(x, y, 0) for x, y in CORNERS], float)
+    meshio.Mesh(points, list(cells.items()), cell_sets=sets).write(path)
+
+
+def test_foils_and_pixels_of_a_mesh_lie_along_its_groups(fields, stage, tmp_path):
+    path = tmp_path / "skin.inp"
+    strip_of_two_groups(path)
+    set_up = stage(fields(), press="1,2")
+    tables = set_up.scene.model_dump(by_alias=True, exclude_none=True)
+    tables["skin"]["mesh"] = str(path)
+    tables["pixels"] = {"rows": 1, "columns": 2, "groups": [["a", "b"]]}
+    for contact, edge in zip(tables["contact"], ("feed", "far"), strict=True):
+        contact["edge"] = edge
+    scene = type(set_up.scene).model_validate(tables)
+    skin = surface(set_up.fields)
+    drawn = marks(scene, set_up.press, scene.interfaces[0], skin)
+    (between,) = drawn.pixels
+    assert between[0] == pytest.approx(0.06)
+    around = np.hstack(drawn.pressed)
+    assert (around[0].min(), around[0].max()) == pytest.approx((0.06, 0.12))
+    high, low = drawn.foils
+    assert high.quads[0].max() < 0 and low.quads[0].min() > 0.12

@@ -22,16 +22,23 @@ def two_sessions():
     )
 
 
-def test_means_of_the_skin_at_rest_of_the_same_session():
+def test_the_skin_at_rest_of_the_same_session():
     sweeps = two_sessions()
-    found = features(sweeps, ["skin"])
-    logarithm = np.log((sweeps["Rs"] + 1j * sweeps["X"]).values[[0, 0, 2, 2], 0]).mean(axis=-1)
-    np.testing.assert_allclose(found, np.column_stack([logarithm.real, logarithm.imag]))
+    found = features(sweeps, ["lnZ0", "phase0"])
+    logarithm = np.log((sweeps["Rs"] + 1j * sweeps["X"]).values[[0, 0, 2, 2], 0])
+    np.testing.assert_allclose(found, np.hstack([logarithm.real, logarithm.imag]))
+
+
+def test_a_sweep_is_what_it_was_at_rest_and_the_change():
+    sweeps = two_sessions()
+    rest, change, whole = (features(sweeps, [name]) for name in ("phase0", "dphase", "phase"))
+    np.testing.assert_allclose(rest + change, whole)
 
 
 def test_beside_other_quantities_and_by_name():
     sweeps = two_sessions()
-    both = features(sweeps, ["dlnZ", "skin"])
+    both = features(sweeps, ["dlnZ", "lnZ0"])
     np.testing.assert_array_equal(both[:, :3], features(sweeps, ["dlnZ"]))
-    np.testing.assert_array_equal(both[:, 3:], features(sweeps, ["skin"]))
-    assert feature_names(sweeps, ["skin"]) == ["skin left lnZ", "skin left phase"]
+    np.testing.assert_array_equal(both[:, 3:], features(sweeps, ["lnZ0"]))
+    names = [f"lnZ0 left {frequency} Hz" for frequency in (1000, 10000, 100000)]
+    assert feature_names(sweeps, ["lnZ0"]) == names

@@ -1,0 +1,134 @@
+"""Skins that vary, are of any outline or bent, each with what its impedance is held against."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import iv, ive, kv
+
+from simulator.fidelity import Solver
+from simulator.press import Press, parse_press
+from simulator.scene import Scene
+from simulator.varied.meshes import circuit_of
+from simulator.varied.triangles import Triangles
+
+SHEETS, C, SIDE = 1e5, 4.861e-9, 0.12
+FREQUENCY = np.geomspace(1e2, 1e6, 9)
+TRUTH = 1e-7
+Impedance = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene, a press, and Z in ohm: in closed form, or by triangles of a much smaller error."""
+
+    name: str
+    scene: Scene
+    press: Press
+    truth: Callable[[], Impedance]
+    closed: bool
+
+
+def _scene(skin: dict[str, object], top: dict[str, object], foam: dict[str, object], edge: str):
+    sheet = {"sheet_resistance": SHEETS / 2}
+    contacts = [{"name": name, "electrode": name, "edge": edge} for name in ("top", "bottom")]
+    return Scene.model_validate(
+        {
+            "name": "skin",
+            "skin": {
+                "length": SIDE,
+                "width": SIDE,
+                "top": {**sheet, **top},
+                "bottom": sheet,
+                "foam": foam or {"capacitance_per_area": C},
+                **skin,
+            },
+            "contact": contacts,
+            "interface": [{"name": "meter", "high": ["top"], "low": ["bottom"]}],
+            "pixels": {"rows": 5, "columns": 5},
+            "sweep": {"frequencies": FREQUENCY.tolist()},
+        }
+    )
+
+
+def _disc() -> Impedance:
+    """physics of a disc fed at its rim: R / (2 pi k a) I0(ka) / I1(ka), k² = s c R."""
+    ka = np.sqrt(2j * np.pi * FREQUENCY * C * SHEETS) * SIDE / 2
+    return SHEETS / (2 * np.pi * ka) * ive(0, ka) / ive(1, ka)
+
+
+def _annulus() -> Impedance:
+    """Fed at its hole of a third of the radius, open at its rim."""
+    k = np.sqrt(2j * np.pi * FREQUENCY * C * SHEETS)
+    fed, rim = k * SIDE / 6, k * SIDE / 2
+    near = iv(0, fed) * kv(1, rim) + kv(0, fed) * iv(1, rim)
+    return SHEETS / (2 * np.pi * fed) * near / (iv(1, rim) * kv(1, fed) - iv(1, fed) * kv(1, rim))
+
+
+def _stretched_strip() -> Impedance:
+    """20 % along x, y as of rubber: R coth(q) / q of the longer, narrower, thinner line."""
+    along, across = 1.2, 1.2**-0.5
+    area = along * across
+    R = SHEETS * area * along / across
+    capacitance = C * SIDE**2 * area * area ** (0.3 / 0.7)
+    q = np.sqrt(2j * np.pi * FREQUENCY * R * capacitance)
+    return R / (q * np.tanh(q))
+
+
+def _closely(scene: Scene, press: Press) -> Callable[[], Impedance]:
+    """By triangles alone, refined until they tell an error of TRUTH."""
+
+    def truth() -> Impedance:
+        finer = Triangles(scene, circuit_of(scene), press, TRUTH)
+        while True:
+            rung = finer.finer(FREQUENCY).rung(FREQUENCY, TRUTH)
+            if rung.error.max() <= TRUTH:
+                return rung.Z[0]
+
+    return truth
+
+
+def cases() -> list[Case]:
+    """All of them."""
+    circle = {"circle": (SIDE / 2, SIDE / 2, SIDE / 2)}
+    hole = {"circle": (SIDE / 2, SIDE / 2, SIDE / 6)}
+    half = SIDE / 2
+    bent = [(0, 0), (SIDE, 0), (SIDE, half), (half, half), (half, SIDE), (0, SIDE)]
+    random = {"kind": "random", "deviation": 0.2, "correlation_length": 0.03, "seed": 1}
+    directed = {"piezoresistance": 2.0, "anisotropy": {"ratio": 3.0, "angle": 0.5}}
+    at_rest, pixel = Press(), parse_press("2,2", 2.0)
+    polygon = parse_press("poly(0.03,0.03,0.08,0.04,0.05,0.09)", 2.0)
+    strip = _scene({"stretch": {"x": 1.2}}, {}, {}, "left")
+    closed = [
+        ("disc fed at its rim", _scene({"outline": circle}, {}, {}, "outline"), _disc),
+        (
+            "annulus fed at its hole",
+            _scene({"outline": {**circle, "holes": [hole]}}, {}, {}, "hole1"),
+            _annulus,
+        ),
+        ("rectangle stretched by 20 %", strip, _stretched_strip),
+    ]
+    varied = [
+        ("L, pixel pressed", _scene({"outline": {"points": bent}}, {}, {}, "outline.6"), pixel),
+        ("random sheet and foam", _scene({}, {"map": random}, _mapped(random), "left"), pixel),
+        ("directed, piezoresistive sheet", _scene({}, directed, {}, "left"), pixel),
+        ("flat sheet, triangle pressed", _scene({}, {}, {}, "left"), polygon),
+    ]
+    return [
+        *(Case(name, scene, at_rest, truth, True) for name, scene, truth in closed),
+        *(Case(name, scene, press, _closely(scene, press), False) for name, scene, press in varied),
+    ]
+
+
+def _mapped(of_place: dict[str, object]) -> dict[str, object]:
+    return {"capacitance_per_area": C, "map": of_place}
+
+
+def answered(case: Case, rtol: float) -> tuple[Impedance, float, str, int]:
+    """Z in ohm, the error told, what answered, and of how many unknowns."""
+    answer = Solver(case.scene, rtol).solve(case.press)
+    told = max(float(error.max()) for error in answer.relative_errors)
+    return answer.Z[0], told, answer.models[-1], max(answer.unknowns)

@@ -1,0 +1,189 @@
+"""Fields of a press: what they add up to, and sensitivities against presses that are solved."""
+
+import numpy as np
+import pytest
+
+from simulator.fidelity import Solver
+from simulator.fields import fields
+from simulator.leads import Leads
+from simulator.press import Press, parse_press
+
+CROSSED = {"top-left": {}, "bottom-bottom": {}}
+MORE = {"rows": 3, "columns": 3, "frequencies": [1e3, 3e4]}
+L_SHAPE = [[0, 0], [0.1, 0], [0.1, 0.04], [0.05, 0.04], [0.05, 0.08], [0, 0.08]]
+LEADS = {"resistance": 2e4, "inductance": 1e-2, "stray_capacitance": 2e-12}
+NEXT = ("1,2:3+2,1:0.95", "1,2:3+2,1:1.05")
+SKINS = {
+    "plain": {},
+    "anisotropic": {"top.anisotropy": {"ratio": 5.0, "angle": 0.5}, "bottom.piezoresistance": 1.0},
+    "mapped": {
+        "top.map": {"kind": "gradient", "x": 0.7, "y": -0.3},
+        "foam.map": {"kind": "random", "deviation": 0.2, "correlation_length": 0.04, "seed": 3},
+    },
+    "an L": {"outline.points": L_SHAPE},
+    "a sphere": {"shape": {"kind": "sphere", "radius": 0.06}},
+}
+
+
+@pytest.fixture(scope="module")
+def skin(varied):
+    """A function of a name of SKINS to a scene fed from two edges."""
+
+    def skin(name, **more):
+        edges = {"top-outline.6": {}, "bottom-outline.1": {}} if name == "an L" else CROSSED
+        return varied(SKINS[name], edges, **MORE, **more)
+
+    return skin
+
+
+def weights(found):
+    """m² of every point: a third or a quarter of the parts around it."""
+    x = found.x[:, found.cells]
+    area = np.zeros(found.cells.shape[1])
+    for k in range(1, len(found.cells) - 1):
+        u, v = x[:, k] - x[:, 0], x[:, k + 1] - x[:, 0]
+        area += abs(u[0] * v[1] - u[1] * v[0]) / 2
+    total = np.zeros(found.x.shape[1])
+    for corner in found.cells:
+        np.add.at(total, corner, area / len(found.cells))
+    return total
+
+
+@pytest.mark.parametrize("name", SKINS)
+def test_Z_is_that_of_the_solver(skin, off, name):
+    scene, press = skin(name), parse_press("1,2:3", 2.0)
+    found = fields(scene, press, scene.frequencies, "meter", 1e-3)
+    assert off(found.Z, Solver(scene, 1e-4).solve(press).Z[0]).max() < 1.1e-3
+
+
+@pytest.mark.parametrize("name", SKINS)
+def test_power_adds_up_to_what_the_meter_puts_in(skin, name):
+    """Re(Y) / 2 at 1 V of amplitude: ideal foils and foam lose nothing."""
+    scene = skin(name)
+    found = fields(scene, parse_press("1,2:3", 2.0), scene.frequencies, "meter", 1e-3)
+    put_in = (1 / found.Z).real / 2
+    np.testing.assert_allclose(found.power @ weights(found), put_in, rtol=2e-2)
+    assert (found.power >= -1e-12 * found.power.max()).all()
+
+
+@pytest.mark.parametrize("name", SKINS)
+def test_charge_of_the_foam_is_the_current_of_the_meter(skin, name):
+    """s c (V_t - V_b) over the skin is I = Y; s c (V_t - V_b)² is Y less the heat in the sheets."""
+    scene = skin(name)
+    found = fields(scene, parse_press("1,2:3", 2.0), scene.frequencies, "meter", 1e-3)
+    s = 2j * np.pi * found.frequency
+    across = found.potential[0] - found.potential[1]
+    np.testing.assert_allclose(
+        s * ((found.capacitance * across) @ weights(found)), 1 / found.Z, rtol=3e-3
+    )
+
+
+@pytest.mark.parametrize("name", ["plain", "anisotropic", "an L"])
+def test_change_by_a_rise_of_capacitance_is_that_of_a_small_press(skin, name):
+    """Central differences of 5 % more and less on single pixels, one of them pressed already."""
+    scene = without_gauge(skin(name))
+    behind = scene.model_copy(update={"leads": Leads(**LEADS)})
+    press, f = parse_press("1,2:3", 2.0), scene.frequencies
+    found = [(each, fields(each, press, f, "meter", 1e-4)) for each in (scene, behind)]
+    solver = Solver(scene, 1e-5)
+    for pixel, pressed in (((1, 2), ("1,2:2.85", "1,2:3.15")), ((2, 1), NEXT)):
+        Z = [solver.solve(parse_press(text, 2.0)).Z[0] for text in pressed]
+        for each, of_press in found:
+            seen = [each.leads.seen_through(at_skin, f) for at_skin in Z]
+            less, more = (np.log([at.real, (1 / at).imag]) for at in seen)
+            change = (more - less) / 0.1
+            told = total_over_pixel(each, of_press, *pixel)
+            np.testing.assert_allclose(told, change, rtol=0, atol=1e-2 * abs(change).max())
+
+
+def without_gauge(scene):
+    """The scene with sheets whose resistance a press leaves alone."""
+    bottom = scene.skin.bottom.model_copy(update={"piezoresistance": 0.0})
+    return scene.model_copy(update={"skin": scene.skin.model_copy(update={"bottom": bottom})})
+
+
+def total_over_pixel(scene, found, row, column):
+    """Of what rises of capacitance change, for double that of a pixel, shape (2, frequency)."""
+    middle = found.x[:, found.cells].mean(axis=1)
+    rows, columns = scene.pixels.shape
+    i, j = middle[1] // (scene.skin.width / rows), middle[0] // (scene.skin.length / columns)
+    there = (i == row - 1) & (j == column - 1)
+    x = found.x[:, found.cells[:, there]]
+    area = 0.0
+    for k in range(1, len(found.cells) - 1):
+        u, v = x[:, k] - x[:, 0], x[:, k + 1] - x[:, 0]
+        area = area + abs(u[0] * v[1] - u[1] * v[0]) / 2
+    changes = (found.by_rise_Rs, found.by_rise_Cp)
+    return np.stack([each[:, found.cells[:, there]].mean(axis=1) @ area for each in changes])
+
+
+@pytest.mark.parametrize("name", ["plain", "anisotropic", "an L"])
+def test_current_through_a_cut_is_what_charges_beyond_it(skin, name):
+    """Upwards in the bottom sheet, fed along y = 0: s c (V_t - V_b) over what lies above."""
+    scene = skin(name)
+    found = fields(scene, Press(), scene.frequencies, "meter", 1e-4)
+    mean, s = weights(found), 2j * np.pi * found.frequency
+    low, high = 0.02, 0.03
+    strip = (found.x[1] > low) & (found.x[1] < high)
+    height = mean[strip].sum() / scene.skin.length
+    through = found.current[1, :, 1][:, strip] @ mean[strip] / height
+    density = s[:, None] * found.capacitance * (found.potential[0] - found.potential[1])
+    middle = np.average(found.x[1, strip], weights=mean[strip])
+    beyond = density @ np.where(found.x[1] > middle, mean, 0.0)
+    np.testing.assert_allclose(through, -beyond, rtol=4e-2)
+
+
+def test_one_field_tells_the_potentials_of_two(varied):
+    """Foils in pairs are one field; a bottom sheet of another map, alike within 1e-9, is two."""
+    pair = {"top-left": {"span": (0.2, 0.8)}, "bottom-left": {"span": (0.2, 0.8)}}
+    same = {"kind": "gradient", "x": 0.5}
+    other = {"kind": "gradient", "x": 0.5, "y": 1e-9}
+    found = []
+    for bottom in (same, other):
+        scene = varied({"top.map": same, "bottom.map": bottom}, pair, **MORE)
+        found.append(fields(scene, parse_press("2,3:3", 2.0), scene.frequencies, "meter", 1e-3))
+    one, two = found
+    np.testing.assert_allclose(one.Z, two.Z, rtol=1e-3)
+    mean = weights(one), weights(two)
+    for name in ("potential", "current"):
+        a, b = (getattr(each, name) for each in found)
+        a = a - a[..., :1] * (name == "potential")
+        b = b - b[..., :1] * (name == "potential")
+        np.testing.assert_allclose(a @ mean[0], b @ mean[1], atol=2e-2 * abs(a @ mean[0]).max())
+    power = [each.power @ own for each, own in zip(found, mean, strict=True)]
+    np.testing.assert_allclose(*power, rtol=2e-3)
+
+
+def test_places_on_a_cylinder_keep_their_distances(varied):
+    """Bent around x = 50 mm: places lie on the cylinder, currents as on the flat skin."""
+    radius = 0.04
+    flat = varied({}, CROSSED, **MORE)
+    bent = varied({"shape": {"kind": "cylinder", "radius": radius}}, CROSSED, **MORE)
+    one, other = (fields(each, Press(), [1e3], "meter", 1e-3) for each in (flat, bent))
+    np.testing.assert_array_equal(one.current, other.current)
+    x, y, z = other.position
+    np.testing.assert_allclose((x - 0.05) ** 2 + (z + radius) ** 2, radius**2, rtol=1e-9)
+    np.testing.assert_allclose(
+        np.arctan2(x - 0.05, z + radius) * radius, one.x[0] - 0.05, atol=1e-12
+    )
+    np.testing.assert_array_equal(y, one.x[1])
+    assert (one.position[2] == 0).all()
+
+
+def test_places_on_a_sphere_lie_on_it(skin):
+    found = fields(skin("a sphere"), Press(), [1e3], "meter", 1e-2)
+    x, y, z = found.position
+    np.testing.assert_allclose(
+        (x - 0.05) ** 2 + (y - 0.04) ** 2 + (z + 0.06) ** 2, 0.06**2, rtol=1e-9
+    )
+
+
+def test_factors_of_a_pressed_polygon(varied):
+    """The factor is there within the polygon and nowhere else."""
+    scene = varied({}, CROSSED, **MORE)
+    found = fields(scene, parse_press("poly(0.02,0.02,0.06,0.03,0.03,0.06):4", 2.0), [1e3], "meter")
+    area = (0.04 * 0.04 - 0.01 * 0.01) / 2
+    mean = weights(found)
+    assert set(np.unique(found.factor)) == {1.0, 4.0}
+    assert mean[found.factor == 4].sum() == pytest.approx(area, rel=1e-9)
+    np.testing.assert_allclose(found.capacitance, 5e-9 * found.factor, rtol=1e-12)
