@@ -1,8 +1,8 @@
 """Solutions chosen first, and the sources that make them true: nothing in them is constant.
 
 div(S_i grad u_i) = s c (u_i - u_j) - f_i on the unit square, with one field or with two, S a number
-or a tensor. One edge of each field is a foil at a constant potential; a given current enters through
-the other three.
+or a tensor. One edge of each field is a foil at a constant potential; a given current enters
+through the other three.
 """
 
 from __future__ import annotations
@@ -43,7 +43,9 @@ class Potential:
         """d²u/dx², d²u/dy² and d²u/dxdy, shape (3, ...)."""
         wave = self.value(x) - self.offset
         mixed = np.cos(self.a * x[0] + self.p) * np.sin(self.b * x[1] + self.q)
-        return np.stack([-(self.a**2) * wave, -(self.b**2) * wave, -self.size * self.a * self.b * mixed])
+        return np.stack(
+            [-(self.a**2) * wave, -(self.b**2) * wave, -self.size * self.a * self.b * mixed]
+        )
 
 
 @dataclass(frozen=True)

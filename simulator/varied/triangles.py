@@ -28,7 +28,7 @@ ORDERS = ((1e-3, 2), (0.0, 3))
 """From which tolerance on which order of elements answers; one order more checks it. Order 1 needs
 more unknowns for 1e-2 than order 2 for 1e-3."""
 MOST_TRIANGLES = 60_000
-DEPTHS_PER_ORDER = 0.5
+DEPTHS_PER_ORDER = 1.0
 """Longest edges at foils, of what a polynomial of that order follows at the highest frequency."""
 
 
