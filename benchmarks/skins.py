@@ -8,6 +8,7 @@ Run: OMP_NUM_THREADS=1 python benchmarks/skins.py
 
 from __future__ import annotations
 
+import itertools
 import time
 
 import numpy as np
@@ -89,12 +90,14 @@ def draw(table: pd.DataFrame) -> None:
 
 
 def _drawn(figure: Figure, table: pd.DataFrame) -> None:
+    """Without those that a formula answers."""
     axes = figure.subplots()
-    for number, (name, rows) in enumerate(table.groupby("skin", sort=False)):
-        colour = COLOURS[number % len(COLOURS)]
-        style = LINE_STYLES[number % len(LINE_STYLES)]
-        true = np.maximum(rows["true"].astype(float), 1e-15)
-        axes.loglog(rows["ms"].astype(float), true, "o", ls=style, color=colour, label=name)
+    solved = table[table["unknowns"] > 0].groupby("skin", sort=False)
+    looks = itertools.cycle(zip(COLOURS, LINE_STYLES + LINE_STYLES[:1], "osD^vP", strict=True))
+    for (name, rows), (colour, style, mark) in zip(solved, looks, strict=False):
+        by_time = rows.assign(ms=rows["ms"].astype(float)).sort_values("ms")
+        true = by_time["true"].astype(float)
+        axes.loglog(by_time["ms"], true, mark, ls=style, color=colour, label=name)
     axes.set_xlabel("Time from scene to nine frequencies (ms)")
     axes.set_ylabel("Largest relative error of Rs and Cp")
     axes.legend()

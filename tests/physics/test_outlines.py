@@ -158,7 +158,8 @@ def quadratic(lines, kept, foils, s, factor, near):
     free = np.setdiff1d(np.arange(len(held)), [top, bottom])
     u = np.zeros(len(held), dtype=complex)
     u[top] = 1.0
-    u[free] = spsolve(A[free][:, free].tocsc(), -A[free][:, [top]].toarray().ravel())
+    right = -A[free][:, [top]].toarray().ravel()
+    u[free] = spsolve(A[free][:, free].tocsc(), right, permc_spec="MMD_AT_PLUS_A")
     return (A @ u)[top]
 
 

@@ -93,7 +93,8 @@ def over_resolved(scene, press):
     circuit = one_field(scene) or two_fields(scene)
     singular = bool(singular_ends(scene.contacts, scene.skin))
     finest = Resolution(
-        order=6 if singular else 9,
+        order=6 if singular else 10,
+        cells=1 if singular else 2,
         layers=7 if singular else 0,
         lines=lines(scene, press),
     )
