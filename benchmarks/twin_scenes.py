@@ -13,10 +13,9 @@ from simulator.scene_file import load_scene
 
 SWEEPS_PER_SESSION = 60
 STRENGTH = Normal(mean=2.0, deviation=0.15)
-"""Of presses by pixels, in training: a hand that doubles the capacitance, more or less."""
+"""Of presses, in training: a hand that doubles the capacitance, more or less."""
 OFFSET = 0.1
 """Of a hand, over the side of a pixel."""
-PLACED_STRENGTH = Uniform(low=1.6, high=2.4)
 PLACED_SIZE = Fixed(value=0.024)
 """Of touches anywhere, m: squares of this side."""
 CELLS_PER_PIXEL = 3
@@ -32,8 +31,7 @@ SKINS = Session(
     stray_capacitance=Uniform(low=0.0, high=2e-12),
     lead_resistance=Uniform(low=0.0, high=5.0),
 )
-"""How far skins are from nominal; in training sheets and foam are even."""
-EVEN = {"unevenness": 0.0, "sheet_mismatch": Fixed(value=1.0)}
+"""How far skins are from nominal: a localizer knows the spread, and none of the twins."""
 FAR_FOILS = ("top", "bottom")
 
 
@@ -47,20 +45,18 @@ def believed(base: str, pixels: int, touches: tuple[float, ...], anywhere: bool 
         if anywhere
         else {"offset": OFFSET, "cells_per_pixel": CELLS_PER_PIXEL}
     )
-    strength = PLACED_STRENGTH if anywhere else STRENGTH
-    press = DrawnPress(touches=touches, factor=strength, **kind)
-    session = SKINS.model_copy(update=EVEN)
+    press = DrawnPress(touches=touches, factor=STRENGTH, **kind)
     return load_scene(base).model_copy(
         update={
             "name": f"{base} with {pixels}x{pixels} pixels",
             "pixels": Pixels(rows=pixels, columns=pixels),
-            "dataset": Randomisation(press=press, session=session),
+            "dataset": Randomisation(press=press, session=SKINS),
         }
     )
 
 
 def built(scene: Scene) -> Scene:
-    """The twin's own scene: uneven sheets, presses anywhere on cells, and foils at the far edge."""
+    """The twin's own scene: presses anywhere on cells, and foils at the far edge."""
     pitch = scene.skin.length / scene.pixels.columns
     press = DrawnPress(
         touches=(0.1, 0.5, 0.4),

@@ -7,6 +7,7 @@ from sklearn.svm import SVC
 
 from localization.components import Components
 from localization.ecoc import ECOCClassifier
+from localization.networks import COMPONENTS, NetworkClassifier
 from simulator.sweeps import InputError
 
 REFERENCE = "ksvm-ovo"
@@ -54,6 +55,12 @@ def components_svm() -> Pipeline:
     """
     svc = SVC(kernel="rbf", C=1e4, break_ties=True).set_params(gamma=0.1)
     return Pipeline([("components", Components()), ("classify", svc)])
+
+
+def network() -> Pipeline:
+    """An untrained pipeline: components that all vary alike, then a network."""
+    components = Components(COMPONENTS, alike=True)
+    return Pipeline([("components", components), ("classify", NetworkClassifier())])
 
 
 def nearest(count: int = 15) -> Pipeline:

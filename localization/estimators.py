@@ -8,6 +8,7 @@ from typing import Any
 
 from sklearn.pipeline import Pipeline
 
+from localization import classifiers, regressors
 from localization.classifiers import (
     CLASSIFIERS,
     KERNEL_WIDTH,
@@ -62,7 +63,7 @@ DEFAULT_OF = {
 
 def estimators(extra: Iterable[Estimator] = ()) -> dict[str, Estimator]:
     """All localizers by name: those of this package, and those that are passed in."""
-    return {each.name: each for each in (*_classifiers(), *_regressors(), *extra)}
+    return {each.name: each for each in (*_classifiers(), *_regressors(), _network(), *extra)}
 
 
 def chosen(name: str | None, target: str, registry: Registry | None = None) -> Estimator:
@@ -98,6 +99,13 @@ def _regressors() -> list[Estimator]:
         Estimator("kernel-ridge", where, lambda _: kernel_ridge(), RIDGE_GRID, 6000),
         Estimator("knn-position", where, lambda _: neighbours()),
     ]
+
+
+def _network() -> Estimator:
+    def build(problem: Problem) -> Pipeline:
+        return regressors.network() if problem.continuous else classifiers.network()
+
+    return Estimator("network", TARGETS, build, most=500_000)
 
 
 def _few_classes() -> tuple[str, ...]:

@@ -24,10 +24,9 @@ ABSOLUTE = ("lnZ", "phase")
 AGAINST_REST = ("dlnZ", "dphase")
 """The same, less those of the skin at rest in the same session: what the meter's errors of the
 session, and most of what differs between skins, drop out of."""
-SKIN = "skin"
-"""Of the skin at rest the means of ln |Z / ohm| and of the phase over all frequencies, two numbers
-an interface: they tell which skin it is, by its resistance and capacitance."""
-QUANTITIES = (*READ, *ABSOLUTE, *AGAINST_REST, SKIN)
+AT_REST = ("lnZ0", "phase0")
+"""Those of the skin at rest in the same session: they tell which skin it is."""
+QUANTITIES = (*READ, *ABSOLUTE, *AGAINST_REST, *AT_REST)
 DEFAULT_QUANTITIES = ("Rs", "Cp")
 """The paper's."""
 
@@ -42,8 +41,8 @@ def features(
     """The chosen quantities of each sweep side by side, shape (sweep, feature).
 
     The order is that of `feature_names`: quantity by quantity as asked, within it interface by
-    interface, within it by ascending frequency (SKIN: ln |Z|, then phase). interfaces: those looked
-    at, in that order; all without. rest: sweeps of the skin at rest, if they are not among `sweeps`
+    interface, within it by ascending frequency. interfaces: those looked at, in that order; all
+    without. rest: sweeps of the skin at rest, if they are not among `sweeps`
     (see `log_at_rest`).
     Raises InputError for a quantity that is not one of QUANTITIES, none at all, or one asked twice;
     an interface that the sweeps lack; a session without the skin at rest where that is needed.
@@ -64,10 +63,10 @@ def feature_names(
     """What each column of `features` is, such as "Rs left 1000 Hz"."""
     seen = seen_from(sweeps, interfaces)
     return [
-        f"{quantity} {interface} {number}"
+        f"{quantity} {interface} {frequency:.12g} Hz"
         for quantity in checked_quantities(quantities)
         for interface in seen["interface"].values
-        for number in _numbers(seen, quantity)
+        for frequency in seen["frequency"].values
     ]
 
 
@@ -99,14 +98,7 @@ def checked_quantities(quantities: Sequence[str]) -> tuple[str, ...]:
 
 def needs_rest(quantities: Sequence[str]) -> bool:
     """Whether any of them takes the skin at rest."""
-    return any(name in (*AGAINST_REST, SKIN) for name in quantities)
-
-
-def _numbers(sweeps: xr.Dataset, quantity: str) -> list[str]:
-    """What the columns of one quantity at one interface are."""
-    if quantity == SKIN:
-        return list(ABSOLUTE)
-    return [f"{frequency:.12g} Hz" for frequency in sweeps["frequency"].values]
+    return any(name in (*AGAINST_REST, *AT_REST) for name in quantities)
 
 
 def _read(sweeps: xr.Dataset, name: str) -> NDArray[np.float64]:
@@ -117,14 +109,14 @@ def _read(sweeps: xr.Dataset, name: str) -> NDArray[np.float64]:
 def _logarithms(
     sweeps: xr.Dataset, asked: Sequence[str], rest: xr.Dataset | None
 ) -> dict[str, NDArray[np.float64]]:
-    """Those of ABSOLUTE, AGAINST_REST and SKIN that are needed, (sweep, interface, number) each."""
+    """Those of ABSOLUTE, AGAINST_REST and AT_REST that are needed, as `_read` has them."""
     if all(name in READ for name in asked):
         return {}
     absolute = np.log(impedance(sweeps).astype(complex))
     found = {"lnZ": np.real(absolute), "phase": np.imag(absolute)}
     if needs_rest(asked):
         at_rest = log_at_rest(sweeps, rest)
-        change, mean = absolute - at_rest, at_rest.mean(axis=-1)
+        change = absolute - at_rest
         found |= {"dlnZ": np.real(change), "dphase": np.imag(change)}
-        found[SKIN] = np.stack([np.real(mean), np.imag(mean)], axis=-1)
+        found |= {"lnZ0": np.real(at_rest), "phase0": np.imag(at_rest)}
     return found

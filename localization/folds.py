@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 GROUPINGS = ("press", "session")
 LEAST_SESSIONS = 3
 """From so many on, sessions are held out as a whole."""
+PLENTY = 50_000
+"""More sweeps than these are held out once, not fold by fold."""
 Splits = list[tuple["NDArray[np.intp]", "NDArray[np.intp]"]]
 
 
@@ -69,6 +71,17 @@ def splits_of(
     return _split(strata, groups, min(most, int(sizes.min())), seed)
 
 
+def judging(strata: NDArray | None, sessions: NDArray[np.int64]) -> Splits:
+    """As `splits_of`, but only the first where one fold has sweeps in plenty to judge by."""
+    splits = splits_of(strata, sessions)
+    return splits[:1] if sessions.size > PLENTY else splits
+
+
+def held_out_of(splits: Splits) -> NDArray[np.intp]:
+    """The sweeps that are held out, in their order."""
+    return np.sort(np.concatenate([test for _, test in splits]))
+
+
 def by_session(sessions: NDArray[np.int64]) -> bool:
     """Whether there are sessions enough to hold some out as a whole."""
     return np.unique(sessions).size >= LEAST_SESSIONS
@@ -76,9 +89,10 @@ def by_session(sessions: NDArray[np.int64]) -> bool:
 
 def told(splits: Splits, sessions: NDArray[np.int64]) -> str:
     """How sweeps were held out, as text."""
+    folds = "1 fold" if len(splits) == 1 else f"{len(splits)} folds"
     if by_session(sessions):
-        return f"{len(splits)} folds, whole sessions held out"
-    return f"{len(splits)} folds, no sessions held out: fewer than {LEAST_SESSIONS}"
+        return f"{folds}, whole sessions held out"
+    return f"{folds}, no sessions held out: fewer than {LEAST_SESSIONS}"
 
 
 def groups_of(sweeps: xr.Dataset, grouping: str | None) -> NDArray[np.int64] | None:

@@ -28,9 +28,10 @@ def held_out_decisions(
 ) -> NDArray[np.float64]:
     """Decisions of each sweep by a pipeline that was not trained on it, for all of the classes.
 
-    A class that one training lacks is told as unlikely as its least likely one. Shape (n, K).
+    A class that one training lacks is told as unlikely as its least likely one. Shape (n, K), NaN
+    where a sweep is in no test.
     """
-    told = np.empty((len(samples.X), classes.size))
+    told = np.full((len(samples.X), classes.size), np.nan)
     for train_on, test in splits:
         pipeline = train(samples.part(train_on))
         found = decisions(pipeline, samples.X[test])
@@ -45,9 +46,9 @@ def held_out_positions(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
     """Positions of each sweep by a pipeline that was not trained on it, and their own deviations.
 
-    Shape (n, 3); None where the regressor tells no deviations.
+    Shape (n, 3), NaN where a sweep is in no test; None where the regressor tells no deviations.
     """
-    told, deviation = np.empty(samples.y.shape), np.empty(samples.y.shape)
+    told, deviation = np.full((2, *samples.y.shape), np.nan)
     own = False
     for train_on, test in splits:
         pipeline = train(samples.part(train_on))

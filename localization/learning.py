@@ -6,7 +6,7 @@ import numpy as np
 
 from localization.answers import threshold_of
 from localization.estimators import Estimator
-from localization.folds import Splits, by_session, splits_of
+from localization.folds import PLENTY, by_session, held_out_of, judging
 from localization.held_out import held_out_decisions, held_out_positions
 from localization.learned import Classifier, Regressor
 from localization.novelty import NoveltyGuard
@@ -23,15 +23,16 @@ def learn_classes(
     """A classifier whose sharpness and threshold were found on sweeps held out.
 
     certain: the rate at which answers are to be right; None answers always.
-    Raises InputError where the samples are of one class, or as `splits_of`, `threshold_of`.
+    Raises InputError where the samples are of one class, or as `judging`, `threshold_of`.
     """
     if np.unique(samples.y).size < 2:
         raise InputError(f"need sweeps of at least 2 classes, got {np.unique(samples.y).size}")
-    splits = splits_of(samples.strata, samples.sessions)
+    splits = judging(samples.strata, samples.sessions)
     train = trainer(estimator, samples, tune=tune)
     pipeline = train(samples)
-    held_out = held_out_decisions(train, samples, splits, pipeline.classes_)
-    index = np.searchsorted(pipeline.classes_, samples.y)
+    unseen = held_out_of(splits)
+    held_out = held_out_decisions(train, samples, splits, pipeline.classes_)[unseen]
+    index = np.searchsorted(pipeline.classes_, samples.y[unseen])
     sharpness = sharpness_of(held_out, index)
     threshold = 0.0
     if certain is not None:
@@ -42,20 +43,23 @@ def learn_classes(
 
 
 def learn_positions(samples: Samples, estimator: Estimator, *, tune: bool = False) -> Regressor:
-    """A regressor whose deviations were found on sweeps held out. Raises as `splits_of`."""
-    splits: Splits = splits_of(None, samples.sessions)
+    """A regressor whose deviations were found on sweeps held out. Raises as `judging`."""
+    splits = judging(None, samples.sessions)
+    unseen = held_out_of(splits)
     train = trainer(estimator, samples, tune=tune)
     told, deviation = held_out_positions(train, samples, splits)
-    residual = told - samples.y
+    told, residual = told[unseen], (told - samples.y)[unseen]
     factor, spread = np.ones(told.shape[1]), None
     if deviation is None:
         spread = Spread().fit(told, residual)
     else:
+        deviation = deviation[unseen]
         z = np.divide(residual, deviation, out=np.zeros(told.shape), where=deviation > 0)
         factor = np.sqrt(np.square(z).mean(axis=0))
     return Regressor(train(samples), factor, spread, _guard(samples))
 
 
 def _guard(samples: Samples) -> NoveltyGuard:
+    samples = samples.at_most(PLENTY)
     groups = samples.sessions if by_session(samples.sessions) else None
     return NoveltyGuard().fit(samples.X, groups=groups)

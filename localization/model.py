@@ -13,7 +13,7 @@ from sklearn.pipeline import Pipeline
 from localization.answers import CANNOT_TELL, NOTHING_PRESSED, Answers
 from localization.estimators import Registry, chosen
 from localization.features import DEFAULT_QUANTITIES, features
-from localization.folds import splits_of, told
+from localization.folds import judging, told
 from localization.learned import Classifier, Regressor
 from localization.learning import learn_classes, learn_positions
 from localization.samples import Problem, Samples, samples_of
@@ -197,7 +197,7 @@ def train(
         learned = learn_positions(samples, made, tune=tune)
     else:
         gate, learned = None, learn_classes(samples, made, certain=certain, tune=tune)
-    held_out = told(splits_of(samples.strata, samples.sessions), samples.sessions)
+    held_out = told(judging(samples.strata, samples.sessions), samples.sessions)
     return Model(
         learned=learned,
         estimator=made.name,

@@ -19,11 +19,12 @@ from localization.inversion import ModelBased
 from localization.inversion_position import ModelBasedPosition
 from localization.learned import Classifier, Regressor
 from localization.model import Model
+from localization.networks import NetworkClassifier, NetworkRegressor
 from localization.novelty import NoveltyGuard
 from localization.samples import Problem
 from localization.spread import Spread
 
-LAYOUT = 2
+LAYOUT = 3
 """Counts up where files of a model can no longer be read as they were."""
 EARLIER = {"pipeline", "target", "quantities", "interfaces", "frequencies", "scene", "version"}
 """Fields of layout 1, which did not name itself."""
@@ -38,6 +39,8 @@ STEPS = (
     GaussianProcessRegressor,
     ModelBased,
     ModelBasedPosition,
+    NetworkClassifier,
+    NetworkRegressor,
 )
 """What the pipeline may be made of."""
 KINDS = {

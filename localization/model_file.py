@@ -13,6 +13,7 @@ from localization.inversion import ModelBased
 from localization.inversion_position import ModelBasedPosition
 from localization.model import Model
 from localization.model_fields import EarlierLayoutError, fields_of, model_of
+from localization.networks import NetworkClassifier, NetworkRegressor
 from localization.novelty import NoveltyGuard
 from localization.spread import Spread
 from simulator.sweeps import InputError, checked_output, whole_file
@@ -26,6 +27,8 @@ TRUSTED = [
             ECOCClassifier,
             ModelBased,
             ModelBasedPosition,
+            NetworkClassifier,
+            NetworkRegressor,
             NoveltyGuard,
             Spread,
         )

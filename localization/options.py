@@ -29,7 +29,7 @@ Quantities = Annotated[
     typer.Option(
         "--features",
         help="Of Rs, X, Cp, lnZ, phase and, against the skin at rest in the same session, dlnZ "
-        "and dphase; skin: which skin it is, by its means at rest; joined by ','.",
+        "and dphase; of the skin at rest itself, lnZ0 and phase0; joined by ','.",
     ),
 ]
 Interfaces = Annotated[

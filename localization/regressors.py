@@ -9,6 +9,7 @@ from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import StandardScaler
 
 from localization.components import Components
+from localization.networks import COMPONENTS, NetworkRegressor
 
 WIDTH = 0.3
 """gamma of the kernel exp(-gamma |x - x'|²) of components that vary by 1 in sum."""
@@ -26,6 +27,13 @@ def gaussian_process() -> Pipeline:
         1e-1, (1e-6, 1e2)
     )
     return _on_components(GaussianProcessRegressor(kernel, normalize_y=True, random_state=0))
+
+
+def network() -> Pipeline:
+    """A network of standardised targets on components that all vary alike."""
+    regressor = TransformedTargetRegressor(NetworkRegressor(), transformer=StandardScaler())
+    components = Components(COMPONENTS, alike=True)
+    return Pipeline([("components", components), ("regress", regressor)])
 
 
 def neighbours(count: int = 10) -> Pipeline:

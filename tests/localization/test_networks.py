@@ -1,9 +1,13 @@
 """Networks that learn many sweeps in ever smaller steps."""
 
+from functools import partial
+
 import numpy as np
 import pytest
+from sklearn import clone
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
+from localization import classifiers, regressors
 from localization.components import Components
 from localization.folds import PLENTY, held_out_of, judging, splits_of, told
 from localization.model import train
@@ -12,6 +16,7 @@ from localization.networks import NetworkClassifier, NetworkRegressor
 from simulator.sweeps import concatenate
 
 FEW = ((1e-2, 150), (1e-3, 50))
+FEWER = ((2e-3, 2000), (5e-4, 1000))
 SCENE = "[skin]\nlength = 0.06\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 6\n"
 SEEN = ("dlnZ", "dphase", "lnZ0", "phase0")
 
@@ -32,8 +37,11 @@ def mountings(make_sweeps):
 
 @pytest.mark.parametrize("target", ["column", "position"])
 def test_a_network_tells_sweeps_never_seen_and_is_the_same_from_its_file(
-    mountings, make_sweeps, tmp_path, target
+    mountings, make_sweeps, tmp_path, monkeypatch, target
 ):
+    small = NetworkClassifier((64, 64), FEWER), NetworkRegressor((64,), FEWER)
+    for kinds, network in zip((classifiers, regressors), small, strict=True):
+        monkeypatch.setattr(kinds, type(network).__name__, partial(clone, network))
     model = train(mountings, target, "network", quantities=SEEN)
     unseen = make_sweeps(1, 6, 8, noise=0.006, session=9, seed=13).assign_attrs(scene=SCENE)
     samples = model.samples(unseen)

@@ -1,0 +1,96 @@
+"""Networks of neurons, for the many sweeps that a simulator makes: learned in ever smaller steps.
+
+With sweeps without end, what a network tells tends to the posterior under all that was drawn for
+them: skin, hand and meter. A simulator has them; what is unknown needs no formula then.
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin
+from sklearn.exceptions import ConvergenceWarning
+from sklearn.neural_network import MLPClassifier, MLPRegressor
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+HIDDEN = (128, 128)
+STAGES = ((2e-3, 6000), (5e-4, 3000), (1e-4, 1500))
+"""Size of steps and how many, one stage after the other."""
+BATCH = 500
+"""Sweeps that one step looks at."""
+COMPONENTS = 26
+"""Of features, that a network looks at."""
+
+
+class _Network(BaseEstimator):
+    """What both kinds share: how they learn, and the form in which they take features.
+
+    Parameters
+    ----------
+    hidden: neurons of each layer. stages: as STAGES; every sweep is seen once at least in each.
+    seed: of the first weights and of the order.
+
+    Attributes
+    ----------
+    network_: the fitted one of scikit-learn, in single precision.
+    """
+
+    kind: Any
+
+    def __init__(self, hidden=HIDDEN, stages=STAGES, seed=0):
+        self.hidden = hidden
+        self.stages = stages
+        self.seed = seed
+
+    def fit(self, X, y):
+        """X: shape (n, feature). y: classes, or numbers, shape (n,) or (n, output)."""
+        X, y = validate_data(self, X, y, dtype=np.float32, multi_output=True)
+        batch = min(BATCH, len(X))
+        self.network_ = self.kind(
+            hidden_layer_sizes=self.hidden,
+            batch_size=batch,
+            random_state=self.seed,
+            warm_start=True,
+            tol=0.0,
+        )
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ConvergenceWarning)  # a stage ends where it is to end
+            for step, count in self.stages:
+                passes = max(1, round(count * batch / len(X)))
+                self.network_.set_params(learning_rate_init=step, max_iter=passes).fit(X, y)
+        del self.network_._optimizer
+        return self
+
+    def predict(self, X):
+        """The likeliest class, or the numbers, of each row."""
+        X = self._asked(X)
+        return self.network_.predict(X)
+
+    def _asked(self, X):
+        check_is_fitted(self)
+        return validate_data(self, X, reset=False, dtype=np.float32)
+
+
+class NetworkClassifier(ClassifierMixin, _Network):
+    """Tells classes and their probabilities."""
+
+    kind = MLPClassifier
+
+    @property
+    def classes_(self):
+        """In ascending order, shape (K,)."""
+        check_is_fitted(self)
+        return self.network_.classes_
+
+    def predict_proba(self, X):
+        """Of each class, shape (n, K)."""
+        X = self._asked(X)
+        return self.network_.predict_proba(X)
+
+
+class NetworkRegressor(RegressorMixin, _Network):
+    """Tells numbers, by least squares."""
+
+    kind = MLPRegressor
