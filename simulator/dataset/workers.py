@@ -23,6 +23,7 @@ AHEAD = 4
 """Blocks handed out beforehand, for each worker."""
 RETRIES = 10
 SECONDS_TO_CONNECT = 10
+SECONDS_TO_END = 1.0
 
 
 class WorkerError(RuntimeError):
@@ -81,7 +82,15 @@ def _begin() -> None:
 
 
 def _end(*_: object) -> None:
-    """Give up the block at work, at once, and only remove locks that other processes know of."""
+    """Give up the block at work, at once, and only remove locks that other processes know of.
+
+    Within a second: what is interrupted may hold a lock that the exit functions wait for, and to be
+    told a second time must not begin them anew.
+    """
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    timer = threading.Timer(SECONDS_TO_END, os._exit, (1,))
+    timer.daemon = True
+    timer.start()
     atexit._run_exitfuncs()
     os._exit(1)
 
