@@ -85,7 +85,7 @@ def plain_path() -> pd.DataFrame:
 
 def draw(table: pd.DataFrame) -> None:
     """True error against time."""
-    with chart(RESULTS / "skins.png", 6.0, 4.0) as figure:
+    with chart(RESULTS / "skins.png", 8.0, 4.0) as figure:
         _drawn(figure, table)
 
 
@@ -100,7 +100,7 @@ def _drawn(figure: Figure, table: pd.DataFrame) -> None:
         axes.loglog(by_time["ms"], true, mark, ls=style, color=colour, label=name)
     axes.set_xlabel("Time from scene to nine frequencies (ms)")
     axes.set_ylabel("Largest relative error of Rs and Cp")
-    axes.legend()
+    figure.legend(loc="outside right upper")
 
 
 def main() -> None:

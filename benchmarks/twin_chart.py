@@ -12,18 +12,22 @@ from matplotlib.figure import Figure
 from simulator.plot import COLOURS
 
 SPREAD = 0.18
+LEGEND = (
+    "dot: a twin, green: calibrated; bar: median; dashed: goal. "
+    "Columns by one interface, the others by two"
+)
 
 
 def draw(table: pd.DataFrame, path: Path) -> None:
     """table: a row for each answer, as `twin.scores` gives them."""
     shares, distances = table[table["unit"] == "right"], table[table["unit"] == "mm"]
-    figure = Figure(figsize=(10, 5.4), layout="constrained")
+    figure = Figure(figsize=(13, 5.6), layout="constrained")
     ratio = [max(1, _groups(shares)), max(1, _groups(distances))]
     left, right = figure.subplots(1, 2, width_ratios=ratio)
     _panel(left, shares.assign(score=100 * shares["score"], goal=100 * shares["goal"]))
     _panel(right, distances)
     left.set_ylabel("Right answers (%)")
-    left.set_title("dot: a twin, green: calibrated; bar: median; dashed: goal", loc="left", size=8)
+    left.set_title(LEGEND, loc="left", size=8)
     right.set_ylabel("Median distance (mm)")
     right.set_ylim(bottom=0)
     figure.suptitle("Twin experiment: trained on simulation, asked about skins never seen", size=11)
@@ -46,7 +50,8 @@ def _panel(axes: Axes, table: pd.DataFrame) -> None:
         axes.hlines(group["score"].median(), place - 0.3, place + 0.3, color="black", lw=2)
         axes.hlines(group["goal"].iloc[0], place - 0.4, place + 0.4, color=COLOURS[1], ls="--")
         calibrated = f"\n{touches} touches" if touches else ""
-        names.append(f"{trial.replace(', ', chr(10))}\n{localizer}{calibrated}")
+        of = trial.replace(", two interfaces", "")
+        names.append(f"{of}\n{localizer}{calibrated}")
     axes.set_xticks(range(len(names)), names, rotation=60, ha="right", fontsize=7)
     axes.grid(axis="y", color="0.88")
     axes.set_axisbelow(True)
