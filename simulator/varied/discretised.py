@@ -21,8 +21,8 @@ from simulator.varied.system import PressedSystem
 LESS_GAINED = 2.0
 """How much less than on plain skins the next order may gain, at the worst of singularities: where a
 foil ends at an inner corner, or in a sheet that conducts far better along one direction. Without
-it one of some fifty random skins was off by more than was told; with it others were at most by a
-third of it."""
+it one of some fifty random skins was off by more than was told; with it, of forty others none by
+more than a third of that."""
 
 
 @dataclass(frozen=True)
