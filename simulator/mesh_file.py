@@ -133,7 +133,8 @@ def _parsed(path: str) -> meshio.Mesh:
         with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet):
             return meshio.read(path)
     except (Exception, SystemExit) as error:
-        said = " ".join(f"{error}".split()) or type(error).__name__
+        told = quiet.getvalue() if isinstance(error, SystemExit) else f"{error}"
+        said = " ".join(told.split()) or type(error).__name__
         raise InputError(f"{path}: `skin.mesh` cannot be read by meshio: {said}") from error
 
 

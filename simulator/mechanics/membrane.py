@@ -97,10 +97,10 @@ def _split(nodes: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 @LinearForm
-def _load(v, w):  # noqa: ANN001
+def _load(v, w):
     return w.pressure * v
 
 
 @BilinearForm
-def _foundation(u, v, w):  # noqa: ANN001
+def _foundation(u, v, w):
     return w.stiffness * u * v
