@@ -20,11 +20,12 @@ from simulator.electrical import require_plain
 from simulator.family import weights_of
 from simulator.frequency import REFERENCE, laplace_variable
 from simulator.leads import Leads
+from simulator.measuring import FrequencyGrid, Sweep
 from simulator.parameters import all_values, leads_of, loss_of, own_values, variation_of
 from simulator.press import Press
 from simulator.reduced import Reduced, ReducedSkin, touched_cells
 from simulator.reduction import Case, Draw, pixel_touches, reduce
-from simulator.scene import FrequencyGrid, Pixels, Scene, Sweep
+from simulator.scene import Pixels, Scene
 from simulator.sensitivity import Sensitivity, sensitivity
 from simulator.separable_pieces import random_presses
 from simulator.sheet import one_blas_thread

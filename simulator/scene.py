@@ -11,10 +11,8 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import (
     AfterValidator,
-    BeforeValidator,
     Field,
     SerializerFunctionWrapHandler,
-    ValidationError,
     model_serializer,
     model_validator,
 )
@@ -24,6 +22,7 @@ from simulator.foam_properties import Mechanics
 from simulator.frequency import Loss
 from simulator.leads import Leads
 from simulator.maps import Map
+from simulator.measuring import Experiment, Readout, Sweep
 from simulator.mesh_file import absolute
 from simulator.press import Depth, Force, Press, Strength, Touch, touch_at
 from simulator.randomisation import Randomisation
@@ -34,7 +33,6 @@ from simulator.validation import (
     Whole,
     above_zero,
     at_least_zero,
-    one_line,
     single_line,
     whole_within_rounding,
 )
@@ -44,9 +42,6 @@ VACUUM_PERMITTIVITY = 8.8541878128e-12
 PRESSED_BY = ("capacitance_factor", "depth", "force")
 
 Metre = Annotated[Number, above_zero("m")]
-Hertz = Annotated[Number, above_zero("Hz")]
-Relative = Annotated[Number, at_least_zero("of |Z|")]
-Radian = Annotated[Number, at_least_zero("rad")]
 Fraction = Annotated[Number, Field(ge=0, le=1), AfterValidator(whole_within_rounding)]
 Name = Annotated[str, Field(min_length=1), AfterValidator(single_line)]
 Electrode = Literal["top", "bottom"]
@@ -305,73 +300,6 @@ class Pressing(Table):
     def _what_was_given(self, everything: SerializerFunctionWrapHandler) -> dict[str, object]:
         kept = everything(self)
         return kept if self.plain else {k: v for k, v in kept.items() if k != PRESSED_BY[0]}
-
-
-class FrequencyGrid(Table):
-    """Evenly spaced frequencies, both ends included."""
-
-    start: Hertz
-    stop: Hertz
-    points: Annotated[Whole, Field(ge=2, le=100_000)]
-    spacing: Literal["log", "linear"] = "log"
-
-    @model_validator(mode="after")
-    def _start_below_stop(self) -> Self:
-        if not self.start < self.stop:
-            raise ValueError(f"start must be < stop, got {self.start:g} and {self.stop:g} Hz")
-        return self
-
-    def values(self) -> list[float]:
-        """The frequencies, Hz."""
-        space = np.geomspace if self.spacing == "log" else np.linspace
-        return space(self.start, self.stop, self.points).tolist()
-
-
-def _listed(frequencies: object) -> object:
-    if not isinstance(frequencies, dict):
-        return frequencies
-    try:
-        return FrequencyGrid.model_validate(frequencies).values()
-    except ValidationError as error:
-        raise ValueError(one_line(error)) from error
-
-
-class Sweep(Table):
-    """The frequencies [Hz] of one sweep, kept ascending."""
-
-    frequencies: Annotated[
-        tuple[Hertz, ...], BeforeValidator(_listed), Field(min_length=1, max_length=100_000)
-    ]
-
-    @model_validator(mode="after")
-    def _distinct_and_ascending(self) -> Self:
-        ascending = tuple(sorted(set(self.frequencies)))
-        if len(ascending) < len(self.frequencies):
-            raise ValueError("frequencies must be distinct")
-        object.__setattr__(self, "frequencies", ascending)
-        return self
-
-
-class Readout(Table):
-    """The meter's error on |Z| (a fraction) and phase (rad), and the digits it displays.
-
-    Accuracy is the standard deviation of a part that stays fixed for a session; noise that of a
-    part drawn anew for each reading.
-    """
-
-    magnitude_accuracy: Relative = 0.0
-    phase_accuracy: Radian = 0.0
-    magnitude_noise: Relative = 0.0
-    phase_noise: Radian = 0.0
-    display_digits: Annotated[Whole, Field(ge=2, le=17)] = 6
-
-
-class Experiment(Table):
-    """How often every pixel is pressed, and whether the skin at rest is a class of its own."""
-
-    repetitions: Annotated[Whole, Field(ge=1)] = 6
-    unpressed: bool = True
-    seed: Annotated[Whole, Field(ge=0)] = 1
 
 
 class Scene(Table):

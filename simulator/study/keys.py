@@ -11,7 +11,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from simulator.scene import FrequencyGrid, Scene
+from simulator.measuring import FrequencyGrid
+from simulator.scene import Scene
 from simulator.scene_file import BUILTIN, builtin_names, load_scene
 from simulator.sweeps import InputError
 from simulator.validation import one_line
