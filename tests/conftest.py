@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import signal
 from types import SimpleNamespace
 
 import pytest
@@ -22,6 +23,9 @@ settings.register_profile(
 )
 settings.register_profile("search", max_examples=400, deadline=None)
 settings.load_profile("reproducible")
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # of a run in the background, for children
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 LEFT_PAIR = {"top-left": {}, "bottom-left": {}}
 EDGES = ("left", "right", "bottom", "top")
