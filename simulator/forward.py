@@ -42,12 +42,14 @@ class Response:
 
     Z: ohm, shape (interface, frequency). by_parameter: ohm for each unit of a parameter, of the
     same shape. by_cell: ohm, to c of each cell over that at rest in the scene, shape (interface,
-    frequency, cell).
+    frequency, cell). by_term: ohm, to the weight of each term beside K's own, shape
+    (interface, frequency, term).
     """
 
     Z: NDArray[np.complex128]
     by_parameter: Mapping[str, NDArray[np.complex128]]
     by_cell: NDArray[np.complex128]
+    by_term: NDArray[np.complex128]
 
 
 class Forward:
@@ -77,19 +79,23 @@ class Forward:
         cells: NDArray[np.int64],
         rises: NDArray[np.float64],
         given: Mapping[str, float] | None = None,
+        beside: NDArray[np.float64] | None = None,
     ) -> Response:
-        """Of one press; given: parameters that are not the scene's own.
+        """Of one press; given: parameters that are not the scene's own; beside: terms that K has
+        not, see `sensitivity`.
 
         Raises InputError for an unknown name, ToleranceError where the scene does not reduce.
         """
         values = all_values(self.scene, given)
         s, skin = self._s(values), self._skin(values)
         with one_blas_thread():
-            found = sensitivity(skin, cells, rises, s)
+            found = sensitivity(skin, cells, rises, s, beside)
+        terms = len(self.reduced.stiffness)
         by_name = {name: found.by_s * slope for name, slope in self._slopes(values, s).items()}
         assert skin.variation is not None
-        by_name |= self._by_weights(found, skin.variation)
-        return _at_meter(found, by_name, leads_of(values), self.scene.frequencies)
+        by_name |= self._by_weights(found.by_weight[..., :terms], skin.variation)
+        by_term, leads = found.by_weight[..., terms:], leads_of(values)
+        return _at_meter(found, by_name, by_term, leads, self.scene.frequencies)
 
     def impedances(
         self,
@@ -174,11 +180,11 @@ class Forward:
         }
 
     def _by_weights(
-        self, found: Sensitivity, variation: Variation
+        self, by_weight: NDArray[np.complex128], variation: Variation
     ) -> dict[str, NDArray[np.complex128]]:
         """dY by the logarithms of what K's terms are weighed with."""
         circuit = self.reduced.circuit
-        by_weight = found.by_weight * weights_of(variation, self.scene, circuit)
+        by_weight = by_weight * weights_of(variation, self.scene, circuit)
         sheets, films = np.split(by_weight, [circuit.fields], axis=-1)
         return {
             "sheet_resistance": -sheets.sum(axis=-1),
@@ -199,6 +205,7 @@ class Forward:
 def _at_meter(
     found: Sensitivity,
     by_name: Mapping[str, NDArray[np.complex128]],
+    by_term: NDArray[np.complex128],
     leads: Leads,
     frequency: NDArray[np.float64],
 ) -> Response:
@@ -213,4 +220,6 @@ def _at_meter(
     }
     by_parameter = {name: slope.astype(np.complex128) for name, slope in slopes.items()}
     at_meter = leads.seen_through(Z, frequency).astype(np.complex128)
-    return Response(at_meter, by_parameter, seen[..., None] * found.by_cell)
+    return Response(
+        at_meter, by_parameter, seen[..., None] * found.by_cell, seen[..., None] * by_term
+    )

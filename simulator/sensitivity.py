@@ -19,8 +19,8 @@ class Sensitivity:
     """Y of each interface and its exact derivatives.
 
     Y: S, shape (interface, s). by_cell: S, to c of each pixel over the scene's own at rest, shape
-    (interface, s, pixel). by_weight: S, to the weight of each term of K (see `family.weights_of`),
-    shape (interface, s, term). by_s: F, to s, shape (interface, s).
+    (interface, s, pixel). by_weight: S, to the weight of each term of K (see `family.weights_of`)
+    and of terms beside them, shape (interface, s, term). by_s: F, to s, shape (interface, s).
     """
 
     Y: NDArray[np.complex128]
@@ -34,11 +34,17 @@ def sensitivity(
     cells: NDArray[np.int64],
     rises: NDArray[np.float64],
     s: NDArray[np.complex128],
+    beside: NDArray[np.float64] | None = None,
 ) -> Sensitivity:
-    """Of one press on one skin; cells, rises: as of `ReducedSkin.sweeps`. s: rad/s."""
+    """Of one press on one skin; cells, rises: as of `ReducedSkin.sweeps`. s: rad/s.
+
+    beside: further terms of K, in the model's coordinates, S, shape (term, N + n, N + n).
+    """
     reduced, map_of_c = skin.reduced, skin.map_of(cells, rises).ravel()
+    own = reduced.stiffness
+    stiffness = own if beside is None else np.concatenate([own, beside])
     found = [
-        _of_drive(reduced.factors, reduced.stiffness, map_of_c, u, s, Y)
+        _of_drive(reduced.factors, stiffness, map_of_c, u, s, Y)
         for u, Y in skin.solved(cells, rises, s)
     ]
     return Sensitivity(*(np.stack(each) for each in zip(*found, strict=True)))

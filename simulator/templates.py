@@ -18,7 +18,7 @@ from simulator.forward import Forward
 from simulator.observation import ErrorModel, observed, observed_slope
 from simulator.scene import Scene
 from simulator.scene_file import parse_scene
-from simulator.templates_places import place_tables
+from simulator.templates_places import cells_per_pixel, place_tables
 from simulator.templates_skin import NOWHERE, UnknownSkin
 
 Tables = dict[str, NDArray]
@@ -28,29 +28,50 @@ OVERLAP = 0.5
 RTOL = 1e-3
 """Of Rs and Cp: a meter's noise is several times that."""
 CUT = 3.0
+DRIFT = 1e-3
+"""As the line through the nearest sweeps at rest leaves, where presses change a skin by 5e-4."""
 POSITION = "position"
 TWO_TOUCHES = ("touches", "pair")
 
 
-def templates(text: str, target: str, presses: str = "dataset") -> Tables:
+def templates(
+    text: str,
+    target: str,
+    presses: str = "dataset",
+    rest: NDArray[np.float64] | None = None,
+    averaged: int = 1,
+    drift: float = DRIFT,
+) -> Tables:
     """Tables of the scene that is written in TOML, for a localizer of a target.
 
-    presses: whether strengths are drawn as in [dataset.press] or as [press] spreads them.
-    All hold deviation (number,): of one reading by the meter; chances (3,): of 0, 1, 2 touches;
+    presses: whether strengths are drawn as in [dataset.press] or as [press] spreads them. rest: of
+    which skin, by the mean of so many sweeps of it at rest as `observed` has them, shape (number,);
+    without it the skin is that of the sessions' mean, and unknown as these are. drift: standard
+    deviation of what foam and sheets change by, relative, between a touch and that curve.
+    All hold deviation (number,): of one reading by the meter; drift (number, 2): of foam and sheets
+    since rest, if that is given; chances (3,): of 0, 1, 2 touches;
     strengths, weights (strength,) and spread (): the prior.
     For pixels: grid (2,): rows and columns; pixels (place, 2): row and column;
     single (place, strength, number): a touch; slope, of the same shape: by strength; skin (place,
-    strength, number, unknown): of each unknown of the skin at one deviation. For two touches also
+    strength, number, unknown): of each unknown of the skin at one deviation, and of drift since
+    rest; shift (place, strength, number): what is known to be added. For two touches also
     pairs (pair, 2): places, and pair (pair, strength, strength, number). For positions: as of
     `place_tables`.
     Raises InputError for a scene that is not valid, or a meter without noise.
     """
-    return _templates(text, target, presses)
+    if rest is None:
+        return _of_mean_skin(text, target, presses)
+    unknown = _unknown_skin(text, target == POSITION).resting_as(rest, averaged)
+    return _tables(unknown, target, presses, drift)
 
 
 @lru_cache(maxsize=8)
-def _templates(text: str, target: str, presses: str) -> Tables:
-    scene = parse_scene(text, "the model's scene")
+def _of_mean_skin(text: str, target: str, presses: str) -> Tables:
+    return _tables(_unknown_skin(text, target == POSITION), target, presses, 0.0)
+
+
+def _tables(unknown: UnknownSkin, target: str, presses: str, drift: float) -> Tables:
+    scene = unknown.forward.scene
     readings = len(scene.interfaces), len(scene.frequencies)
     chances = np.zeros(3)
     chances[: len(scene.dataset.press.touches)] = scene.dataset.press.touches
@@ -62,16 +83,23 @@ def _templates(text: str, target: str, presses: str) -> Tables:
         "weights": weights,
         "spread": np.array(spread),
     }
-    unknown = _unknown_skin(text)
-    if target == POSITION:
-        return common | place_tables(unknown, strengths)
-    tables = common | pixel_tables(unknown, strengths)
+    of_touches = (
+        place_tables(unknown, strengths) if target == POSITION else pixel_tables(unknown, strengths)
+    )
+    tables = common | of_touches | _with_drift(of_touches["skin"], unknown, drift)
     return tables | pair_tables(unknown, strengths) if target in TWO_TOUCHES else tables
 
 
+def _with_drift(skin: NDArray[np.float64], unknown: UnknownSkin, drift: float) -> Tables:
+    columns = unknown.drift(drift) if drift else np.zeros((skin.shape[-2], 0))
+    everywhere = np.broadcast_to(columns, (*skin.shape[:-1], columns.shape[-1]))
+    return {"skin": np.concatenate([skin, everywhere], axis=-1), "drift": columns}
+
+
 @lru_cache(maxsize=8)
-def _unknown_skin(text: str) -> UnknownSkin:
-    return UnknownSkin(Forward(parse_scene(text, "the model's scene"), rtol=RTOL))
+def _unknown_skin(text: str, anywhere: bool) -> UnknownSkin:
+    scene = parse_scene(text, "the model's scene")
+    return UnknownSkin(Forward(scene, cells_per_pixel(scene) if anywhere else 1, rtol=RTOL))
 
 
 def strength_prior(scene: Scene, presses: str) -> tuple[NDArray, NDArray, float]:
@@ -101,8 +129,8 @@ def pixel_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables
     rest = observed(forward.respond(NOWHERE, np.zeros(0), unknown.values).Z)
     places = range(pixels.rows * pixels.columns)
     found = [[_touch(unknown, pixel, f) for f in strengths] for pixel in places]
-    single, slope, skin = (
-        np.array([[touch[k] for touch in touches] for touches in found]) for k in range(3)
+    single, slope, skin, shift = (
+        np.array([[touch[k] for touch in touches] for touches in found]) for k in range(4)
     )
     return {
         "grid": np.array([pixels.rows, pixels.columns]),
@@ -110,16 +138,17 @@ def pixel_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables
         "single": single - rest,
         "slope": slope,
         "skin": skin,
+        "shift": shift,
     }
 
 
-def _touch(unknown: UnknownSkin, pixel: int, strength: float) -> tuple[NDArray, NDArray, NDArray]:
-    """What is observed of it, its slope by strength, and the effect of the unknown skin."""
+def _touch(unknown: UnknownSkin, pixel: int, strength: float) -> tuple[NDArray, ...]:
+    """What is observed of it, its slope by strength, the effect of the unknown skin and shift."""
     cells, rises = np.array([pixel]), np.array([strength - 1])
     response = unknown.forward.respond(cells, rises, unknown.values)
     by_strength = np.exp(unknown.values["capacitance"]) * response.by_cell[..., pixel]
     slope = observed_slope(response.Z, by_strength)
-    return observed(response.Z), slope, unknown.effect(cells, rises)
+    return observed(response.Z), slope, *unknown.of_touch(cells, rises)
 
 
 def pair_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:

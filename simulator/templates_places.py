@@ -3,56 +3,73 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.fidelity import Solver
 from simulator.observation import observed
-from simulator.parameters import scene_with
 from simulator.press import Press, Rectangle
-from simulator.reduced import touched_cells
 from simulator.scene import Scene
-from simulator.templates_skin import UnknownSkin
+from simulator.templates_skin import NOWHERE, UnknownSkin
 
-NODES, STRENGTH_NODES = 11, 4
-RTOL = 1e-3
+NODES, STRENGTH_NODES = 15, 4
+CELLS_PER_TOUCH, MOST_CELLS = 3, 40
+"""Along its side, that a touch is laid on by the area it covers; and along the skin's, at most."""
 SQUARE = math.sqrt(math.pi) / 2
 """Side of a square over the diameter of the disc of its area."""
 SIZE_STEP = 0.05
 QUANTILES = (np.arange(512) + 0.5) / 512
 
 
+def cells_per_pixel(scene: Scene) -> int:
+    """Along each side, so that the data set's touches cover enough of them."""
+    side, _ = touch_size(scene)
+    skin, pixels = scene.skin, scene.pixels
+    needed = CELLS_PER_TOUCH / side * max(skin.length / pixels.columns, skin.width / pixels.rows)
+    most = MOST_CELLS // max(pixels.rows, pixels.columns)
+    return max(1, min(math.ceil(needed - 1e-9), most))
+
+
 def place_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> dict[str, NDArray]:
-    """Squares of the mean size of the data set's touches, whole on the skin.
+    """Squares of the mean size of the data set's touches, whole on the skin, laid on cells.
 
     x, y [m], strength_nodes: where; values (x, y, strength, number): what is observed against rest;
     skin (x, y, number, unknown): of the unknowns at the middle strength, the last two those of the
     touch's own width and height; sides (2,): of the skin, m.
     """
-    scene = scene_with(unknown.forward.scene, unknown.values)
+    scene = unknown.forward.scene
     side, deviation = touch_size(scene)
     x, y = (_nodes(side, length) for length in (scene.skin.length, scene.skin.width))
     nodes = _strength_nodes(strengths)
     middle = nodes[len(nodes) // 2]
-    solver = Solver(scene, RTOL)
-    rest = observed(solver.solve(Press()).Z)
+    places = [(u, v) for u in x for v in y]
 
-    def seen(press: Press) -> NDArray[np.float64]:
-        return observed(solver.solve(press).Z) - rest
+    def on_nodes(table: NDArray[np.float64]) -> NDArray[np.float64]:
+        return table.reshape(len(x), len(y), *table.shape[1:])
 
-    values = np.array([[[seen(_square(u, v, side, f)) for f in nodes] for v in y] for u in x])
-    skin = np.array([[_of_skin(unknown, _square(u, v, side, middle)) for v in y] for u in x])
-    size = [[_of_size(_square(u, v, side, middle), seen) for v in y] for u in x]
-    own = values[:, :, len(nodes) // 2, :, None]
+    touched = [unknown.forward.cells(_touch(u, v, side, side, middle)) for u, v in places]
+    skin, moved = map(np.array, zip(*(unknown.of_touch(*each) for each in touched), strict=True))
+    own, narrow, low = (
+        _seen(unknown, [_touch(u, v, *size, middle) for u, v in places])
+        for size in (
+            (side, side),
+            ((1 - SIZE_STEP) * side, side),
+            (side, (1 - SIZE_STEP) * side),
+        )
+    )
+    by_size = np.stack([own - narrow, own - low], axis=-1) * deviation / (SIZE_STEP * side)
+    values = [
+        _seen(unknown, [_touch(u, v, side, side, f) for u, v in places])
+        + (f - 1) / (middle - 1) * moved
+        for f in nodes
+    ]
     return {
         "x": x,
         "y": y,
         "strength_nodes": nodes,
-        "values": values,
-        "skin": np.concatenate([skin, (own - size) * deviation / (SIZE_STEP * side)], axis=-1),
+        "values": on_nodes(np.stack(values, axis=1)),
+        "skin": on_nodes(np.concatenate([skin, by_size], axis=-1)),
         "sides": np.array([scene.skin.length, scene.skin.width]),
     }
 
@@ -77,22 +94,14 @@ def _strength_nodes(strengths: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.linspace(low - beyond, high + beyond, STRENGTH_NODES)
 
 
-def _square(x: float, y: float, side: float, factor: float) -> Press:
-    return Press((Rectangle(x, y, side, side, factor),))
+def _touch(x: float, y: float, width: float, height: float, factor: float) -> Press:
+    return Press((Rectangle(x, y, width, height, factor),))
 
 
-def _of_skin(unknown: UnknownSkin, press: Press) -> NDArray[np.float64]:
-    """Effect of the skin's unknowns, with the touch laid on pixels by the area it covers."""
-    return unknown.effect(*touched_cells(unknown.forward.scene, press))
-
-
-def _of_size(press: Press, seen: Callable[[Press], NDArray[np.float64]]) -> NDArray[np.float64]:
-    """What is seen where it is a step narrower, and a step lower, shape (number, 2).
-
-    Larger it would not stay within the skin.
-    """
-    (touch,) = press.touches
-    assert isinstance(touch, Rectangle)
-    narrow = replace(touch, width=(1 - SIZE_STEP) * touch.width)
-    low = replace(touch, height=(1 - SIZE_STEP) * touch.height)
-    return np.stack([seen(Press((each,))) for each in (narrow, low)], axis=-1)
+def _seen(unknown: UnknownSkin, presses: Sequence[Press]) -> NDArray[np.float64]:
+    """What is observed of even skins against rest, shape (press, number)."""
+    touched = [(NOWHERE, np.zeros(0)), *map(unknown.forward.cells, presses)]
+    cells, rises = (np.concatenate([each[k] for each in touched]) for k in (0, 1))
+    starts = np.cumsum([0, *(len(each[0]) for each in touched)])
+    seen = observed(unknown.forward.impedances(cells, rises, starts, unknown.values))
+    return seen[1:] - seen[0]

@@ -8,6 +8,9 @@ for each unknown at one standard deviation.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from copy import copy
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +18,25 @@ from numpy.typing import NDArray
 from simulator.distribution import AnyDistribution
 from simulator.family import Family
 from simulator.forward import Forward
-from simulator.frequency import laplace_variable
-from simulator.observation import observed_slope
-from simulator.parameters import leads_of, loss_of, own_values, variation_of
+from simulator.observation import ErrorModel, observed, observed_slope
+from simulator.parameters import VALUES, own_values
 from simulator.scene import Scene
 from simulator.variation import WAVES, mode_values
 
 QUANTILES = (np.arange(512) + 0.5) / 512
 NOWHERE = np.zeros(0, dtype=np.int64)
+STEPS = 5
+"""Of Gauss and Newton, from the mean skin to one that is observed."""
+FARTHEST = 5.0
+"""Deviations from the mean skin that any unknown is looked for in."""
+DRIFTING = ("capacitance", "sheet_resistance")
+
+
+class Known(NamedTuple):
+    """What is known of the unknowns, in their deviations: mean, and a root of the covariance."""
+
+    mean: NDArray[np.float64]
+    factor: NDArray[np.float64]
 
 
 def expected(scene: Scene) -> dict[str, float]:
@@ -57,31 +71,83 @@ def deviations(scene: Scene) -> dict[str, float]:
 
 
 class UnknownSkin:
-    """The unknowns of a scene's skin, by their effect on what `observed` tells of a touch."""
+    """The unknowns of a scene's skin, by their effect on what `observed` tells of a touch.
+
+    They are those of [dataset.session], each counted in its standard deviations: PARAMETERS, then
+    the foam of each pixel or its slow waves, then the slow waves of the sheets' conductance.
+    """
 
     def __init__(self, forward: Forward) -> None:
         self.forward, self.values = forward, expected(forward.scene)
-        self._deviations = deviations(forward.scene)
-        self._waves = _wave_terms(forward)
+        self._mean = self.values
+        self._deviations = {
+            name: deviation
+            for name, deviation in deviations(forward.scene).items()
+            if deviation > 0 and name in forward.free
+        }
+        self._waves, self._foam = _wave_terms(forward), _foam_terms(forward)
+        unknowns = len(self._deviations) + len(self._foam) + len(self._waves)
+        self._known = Known(np.zeros(unknowns), np.eye(unknowns))
         self._at_rest = self._columns(NOWHERE, np.zeros(0))
 
-    def effect(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of one standard deviation of each on a touch against rest, shape (number, unknown)."""
-        return self._columns(cells, rises) - self._at_rest
+    def of_touch(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Effect of the unknowns on a touch against rest, and what is known to be added.
+
+        Of one standard deviation of each, shape (number, unknown); of a skin that is known from its
+        curve at rest, of independent sums of what is left. What its uneven foam and sheets add to
+        an even skin's, shape (number,).
+        """
+        change, shared = self._columns(cells, rises) - self._at_rest, len(self._deviations)
+        return change @ self._known.factor, change[:, shared:] @ self._known.mean[shared:]
+
+    def at_rest(self) -> NDArray[np.float64]:
+        """What is observed of the skin at rest, shape (number,)."""
+        shared = len(self._deviations)
+        even = observed(self.forward.respond(NOWHERE, np.zeros(0), self.values).Z)
+        return even + self._at_rest[:, shared:] @ self._known.mean[shared:]
+
+    def drift(self, step: float) -> NDArray[np.float64]:
+        """Columns of all foam and of both sheets changing by a relative step, (number, 2)."""
+        response = self.forward.respond(NOWHERE, np.zeros(0), self.values)
+        slopes = [response.by_parameter[name] for name in DRIFTING]
+        return step * np.stack([observed_slope(response.Z, each) for each in slopes], axis=-1)
+
+    def resting_as(self, rest: NDArray[np.float64], averaged: int) -> UnknownSkin:
+        """What is still unknown of the skin that is observed at rest, by Gauss-Newton steps.
+
+        rest: the mean of so many sweeps as `observed` has them, with the meter's errors of the
+        session, shape (number,). Parameters of the skin are moved, its waves add up linearly.
+        """
+        skin, error = self, _error_at_rest(self.forward.scene, rest, averaged)
+        for _ in range(STEPS):
+            weighed = np.linalg.solve(error, skin._at_rest).T
+            information = weighed @ skin._at_rest + np.eye(len(weighed))
+            told = skin._known.mean
+            step = np.linalg.solve(information, weighed @ (rest - skin.at_rest()) - told)
+            left = np.linalg.inv(np.linalg.cholesky(information)).T
+            told = np.clip(told + step, -FARTHEST, FARTHEST)
+            skin = skin._with(Known(told, left.astype(np.float64)))
+        return skin
+
+    def _with(self, known: Known) -> UnknownSkin:
+        skin = copy(self)
+        skin._known, skin.values = known, _moved(self._mean, self._deviations, known.mean)
+        skin._at_rest = skin._columns(NOWHERE, np.zeros(0))
+        return skin
 
     def _columns(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
-        response = self.forward.respond(cells, rises, self.values)
+        waves = math.exp(-self.values["sheet_resistance"]) * self._waves
+        response = self.forward.respond(cells, rises, self.values, waves)
         shared = [
-            deviation * response.by_parameter[name]
-            for name, deviation in self._deviations.items()
-            if deviation > 0 and name in response.by_parameter
+            deviation * response.by_parameter[name] for name, deviation in self._deviations.items()
         ]
-        foam = np.moveaxis(response.by_cell, -1, 0)
         dZ = np.concatenate(
             [
                 np.reshape(shared, (-1, *response.Z.shape)),
-                self._of_foam(foam, cells, rises),
-                self._of_waves(cells, rises),
+                self._of_foam(np.moveaxis(response.by_cell, -1, 0), cells, rises),
+                np.moveaxis(response.by_term, -1, 0),
             ]
         )
         columns = [observed_slope(response.Z, each) for each in dZ]
@@ -91,35 +157,51 @@ class UnknownSkin:
         self, by_cell: NDArray[np.complex128], cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> NDArray:
         """Of each pixel's capacitance, or of each slow wave of it."""
-        scene = self.forward.scene
-        session, pixels = scene.dataset.session, scene.pixels
-        pressed = np.ones(pixels.rows * pixels.columns)
+        pressed = np.ones(len(by_cell))
         np.add.at(pressed, cells, rises)
         pressed *= math.exp(self.values["capacitance"])
-        changes = session.foam_spread * pressed[:, None, None] * by_cell
-        if session.foam_pattern == "pixel":
-            return changes if session.foam_spread else changes[:0]
-        row, column = np.indices((pixels.rows, pixels.columns)) + 0.5
-        centres = np.stack(
-            [column * scene.skin.length / pixels.columns, row * scene.skin.width / pixels.rows]
-        )
-        waves = mode_values(scene, centres, len(WAVES))[1:].reshape(len(WAVES) - 1, -1)
-        return np.tensordot(waves, changes, axes=1)
+        return np.tensordot(self._foam * pressed, by_cell, axes=1)
 
-    def _of_waves(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64]
-    ) -> NDArray[np.complex128]:
-        """Of each slow wave of the sheets' conductance, shape (wave, interface, frequency)."""
-        forward, values = self.forward, self.values
-        s = laplace_variable(forward.scene.frequencies, loss_of(values))
-        skin = forward.reduced.skin(variation_of(forward.divided, values))
-        solved = skin.solved(cells, rises, s)
-        found = np.empty((len(self._waves), len(solved), len(s)), dtype=complex)
-        stray = 2j * np.pi * forward.scene.frequencies * leads_of(values).stray_capacitance
-        for i, (u, Y) in enumerate(solved):
-            for k, term in enumerate(self._waves):
-                found[k, i] = -((term @ u) * u).sum(axis=0) / (Y + stray) ** 2
-        return found
+
+def _error_at_rest(scene: Scene, rest: NDArray[np.float64], averaged: int) -> NDArray[np.float64]:
+    """Covariance of what is observed: errors of the session are shared within a meter's range.
+
+    Ranges are taken to be decades of |Z|, each with a fixed error of its own.
+    """
+    readings = len(scene.interfaces), len(scene.frequencies)
+    error = ErrorModel(scene.readout, *readings, averaged=averaged)
+    decade = np.tile(np.floor(rest[: len(rest) // 2] / math.log(10)), 2)
+    noise = np.diag(error.deviation**2)
+    return noise + (error.covariance - noise) * (decade[:, None] == decade)
+
+
+def _moved(
+    mean: Mapping[str, float], deviations: Mapping[str, float], by: NDArray[np.float64]
+) -> dict[str, float]:
+    """Parameters that differ from the mean by so many deviations, within what is possible."""
+    moved = dict(mean)
+    for (name, deviation), turns in zip(deviations.items(), by, strict=False):
+        value = mean[name] + deviation * float(turns)
+        moved[name] = max(value, 0.0) if name in VALUES else value
+    return moved
+
+
+def _foam_terms(forward: Forward) -> NDArray[np.float64]:
+    """Changes of the cells' capacitance over their own, shape (unknown, cell)."""
+    scene, cells = forward.scene, forward.divided.pixels
+    session, pixels = scene.dataset.session, scene.pixels
+    if session.foam_pattern == "pixel":
+        each = session.foam_spread * np.eye(pixels.rows * pixels.columns)
+        of_pixels = each[: None if session.foam_spread else 0]
+        cell = np.ones((1, forward.cells_per_pixel, forward.cells_per_pixel))
+        terms = np.kron(of_pixels.reshape(-1, pixels.rows, pixels.columns), cell)
+        return terms.reshape(-1, cells.rows * cells.columns).astype(np.float64)
+    row, column = np.indices((cells.rows, cells.columns)) + 0.5
+    centres = np.stack(
+        [column * scene.skin.length / cells.columns, row * scene.skin.width / cells.rows]
+    )
+    waves = mode_values(scene, centres, len(WAVES))[1:]
+    return (session.foam_spread * waves.reshape(len(WAVES) - 1, -1)).astype(np.float64)
 
 
 def _wave_terms(forward: Forward) -> NDArray[np.float64]:

@@ -127,6 +127,7 @@ class LineModel:
             np.tile(leads.seen_through(Z, self.scene.frequencies), (times, 1)),
             {name: np.tile(slope, (times, 1)) for name, slope in by_parameter.items()},
             np.tile(seen[:, None] * by_cell, (times, 1, 1)),
+            np.zeros((times, len(Z), 0), dtype=complex),
         )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +55,7 @@ class Around:
         own = self.own(values)
         response = self.model.respond(cells, rises, own)
         by_rise = math.exp(own["capacitance"]) * response.by_cell
-        return Response(response.Z, response.by_parameter, by_rise)
+        return replace(response, by_cell=by_rise)
 
     def certificate(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], values: Mapping[str, float]

@@ -8,12 +8,12 @@ from simulator.dataset.skins import drawn_skin
 from simulator.fidelity import Solver
 from simulator.forward import Forward
 from simulator.frequency import laplace_variable
-from simulator.observation import observed
+from simulator.observation import ErrorModel, observed
 from simulator.parameters import scene_with
 from simulator.press import Press, Rectangle, Touch
 from simulator.reduction import Case, reduce
 from simulator.scene import Scene
-from simulator.scene_file import scene_text
+from simulator.scene_file import parse_scene, scene_text
 from simulator.sweeps import InputError
 from simulator.templates import STRENGTHS, covered, strength_prior, templates
 from simulator.templates_skin import UnknownSkin, deviations, expected
@@ -77,7 +77,7 @@ def test_the_effect_of_unknown_skins_is_the_spread_over_drawn_skins(make_scene):
     """Uneven sheets, foam, contacts, leads: all of a data set's session at once."""
     drawn = tables_scene(make_scene, {"contact_resistance": 1.0})
     unknown = UnknownSkin(Forward(drawn, rtol=1e-3))
-    effect = unknown.effect(np.array([1]), np.array([1.0]))
+    effect, _ = unknown.of_touch(np.array([1]), np.array([1.0]))
     modes = len(WAVES)
 
     def one(random):
@@ -96,11 +96,73 @@ TOUCH = np.array([1]), np.array([1.0])
 
 
 def _change(scene, family, seed):
+    return _seen(scene, family, seed)[1]
+
+
+def _seen(scene, family, seed):
+    """At rest, and what a touch changes."""
     skin = drawn_skin(scene, seed, 0, (2, 2), len(WAVES))
     s = laplace_variable(scene.frequencies, skin.variation.loss)
     Z = family.skin(skin.variation).sweeps(*TOUCH, np.array([0, 0, 1]), s)
     seen = observed(skin.leads.seen_through(Z, scene.frequencies))
-    return seen[1] - seen[0]
+    return seen[0], seen[1] - seen[0]
+
+
+def test_a_skin_is_known_from_its_curve_at_rest(make_scene):
+    """Drawn skins, read once at rest with noise: touches are foretold within what is left open."""
+    drawn = tables_scene(make_scene, {"unevenness": 0.04, "lead_resistance": 2.0})
+    unknown, modes = UnknownSkin(Forward(drawn, rtol=1e-4)), len(WAVES)
+
+    def one(random):
+        skin = drawn_skin(drawn, int(random.integers(2**62)), 0, (2, 2), modes)
+        return Case(skin.variation, *TOUCH)
+
+    family = reduce(drawn, 1e-4, one, modes=modes, alike=False)
+    error = ErrorModel(drawn.readout, len(drawn.interfaces), 3, averaged=20)
+    random = np.random.default_rng(0)
+    z, before, after = [], [], []
+    for seed in range(40):
+        rest, change = _seen(drawn, family, seed)
+        noise = random.multivariate_normal(np.zeros(rest.size), error.covariance)
+        skin = unknown.resting_as(rest + noise, 20)
+        told, effect = _foretold(skin)
+        before.append(change - _foretold(unknown)[0])
+        after.append(change - told)
+        left = effect @ effect.T + np.diag(error.deviation**2)
+        z.append(after[-1] @ np.linalg.solve(left, after[-1]))
+    assert np.std(after) < 0.6 * np.std(before)
+    assert np.mean(z) < rest.size
+
+
+def _foretold(skin):
+    cells, rises = TOUCH
+    effect, moved = skin.of_touch(cells, rises)
+    respond = skin.forward.respond
+    nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
+    touched, rest = (observed(respond(*each, skin.values).Z) for each in (TOUCH, nothing))
+    return touched - rest + moved, effect
+
+
+def test_a_curve_at_rest_that_no_skin_has_leaves_unknowns_within_bounds(scene):
+    unknown = UnknownSkin(Forward(scene, rtol=1e-3))
+    far = unknown.resting_as(unknown.at_rest() + 5.0, 10**6)
+    assert np.isfinite(far.at_rest()).all()
+
+
+def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(text):
+    tables = templates(text, "pixel", "dataset", _resting(text), 20, 1e-3)
+    forward = Forward(parse_scene(text, "scene"), rtol=1e-3)
+    values = UnknownSkin(forward).resting_as(_resting(text), 20).values
+    nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
+    for column, name in zip(tables["drift"].T, ("capacitance", "sheet_resistance"), strict=True):
+        moved = values | {name: values[name] + 1e-3}
+        ahead, now = (observed(forward.respond(*nothing, v).Z) for v in (moved, values))
+        np.testing.assert_allclose(column, ahead - now, rtol=0.01, atol=1e-7)
+    np.testing.assert_array_equal(tables["skin"][0, 0, :, -2:], tables["drift"])
+
+
+def _resting(text):
+    return UnknownSkin(Forward(parse_scene(text, "scene"), rtol=1e-3)).at_rest() + 0.01
 
 
 def test_a_skin_without_variation_is_known(make_scene):
