@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -19,6 +19,8 @@ from simulator.progress import on_terminal
 from simulator.study.command import study_command
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import xarray as xr
     from numpy.typing import NDArray
 
@@ -105,11 +107,12 @@ def _readout(data: SceneData, seed: int) -> Readout:
 
 def _live_localizer(path: Path) -> LiveLocalizer:
     from hardware.live_model import ModelLocalizer
+    from localization.estimators import estimators
     from localization.features import needs_rest
     from localization.model_file import load
     from simulator.scene_file import parse_scene
 
-    model = load(path)
+    model = load(path, estimators(_model_based()))
     scene = parse_scene(model.scene, str(path))
     size = 1e3 * scene.skin.length, 1e3 * scene.skin.width
     shape = scene.pixels.rows, scene.pixels.columns
@@ -118,9 +121,14 @@ def _live_localizer(path: Path) -> LiveLocalizer:
 
 def _model_based() -> list[Estimator]:
     from localization.model_based import model_based
+
+    return model_based(_tables)
+
+
+def _tables(*asked: Any, **options: Any) -> Mapping[str, NDArray]:
     from simulator.templates import templates
 
-    return [model_based(templates)]
+    return templates(*asked, **options)
 
 
 add_commands(app, _model_based)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from localization.evaluate_command import evaluate_command
-from localization.localize_command import localize
+from localization.localize_command import localize_command
 from localization.train_command import train_command
 
 if TYPE_CHECKING:
@@ -19,4 +19,4 @@ def add_commands(app: typer.Typer, extra: Callable[[], Iterable[Estimator]] = tu
     """Add `train`, `evaluate` and `localize`; extra tells estimators beside those of here."""
     app.command("train")(train_command(extra))
     app.command("evaluate")(evaluate_command(extra))
-    app.command("localize")(localize)
+    app.command("localize")(localize_command(extra))

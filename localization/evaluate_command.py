@@ -59,7 +59,7 @@ def evaluate_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         sweeps = read_some(files[-1], most)
         resting = None if rest is None else read_some(rest, most)
         if len(files) == 2:
-            found = _by_model(files[0], sweeps, resting)
+            found = _by_model(files[0], extra(), sweeps, resting)
         else:
             asked = quantities.split(",")
             samples = samples_of(sweeps, target, asked, interfaces=interface, rest=resting)
@@ -72,12 +72,15 @@ def evaluate_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
     return evaluate
 
 
-def _by_model(path: Path, sweeps: xr.Dataset, rest: xr.Dataset | None) -> Found:
+def _by_model(
+    path: Path, extra: Iterable[Estimator], sweeps: xr.Dataset, rest: xr.Dataset | None
+) -> Found:
+    from localization.estimators import estimators
     from localization.evaluation import score
     from localization.model_file import load
     from localization.report import Found
 
-    model = load(path)
+    model = load(path, estimators(extra))
     samples = model.samples(sweeps, rest)
     scored = score(model.learned, samples)
     figures = scored.figures().items()

@@ -21,7 +21,7 @@ from localization.inversion_hypotheses import Hypotheses, hypotheses, labels
 from localization.inversion_learning import LESSONS, learned
 from localization.inversion_mixture import Mixture
 
-Builder = Callable[[str, str, str], Mapping[str, NDArray]]
+Builder = Callable[..., Mapping[str, NDArray]]
 """Tables of a scene's TOML text, a target, and how strengths are drawn: `simulator.templates`."""
 TARGETS = ("column", "row", "pixel", "touches", "pair")
 QUANTITIES = ("dlnZ", "dphase")
@@ -50,7 +50,8 @@ class ModelBased(ClassifierMixin, BaseEstimator):
     ----------
     classes_: answers, ascending, "0,0" or 0 for the skin at rest. mean_, directions_, along_,
     log_weight_: of the mixture. answer_: which of `classes_` each entry stands for. noise_: of a
-    feature, shape (feature,). edge_: squared distance beyond which a sweep is novel.
+    feature, shape (feature,). drift_: what foam and sheets drift by since rest, shape (feature, 2)
+    or (feature, 0). edge_: squared distance beyond which a sweep is novel.
     """
 
     def __init__(
@@ -83,6 +84,7 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         known = hypotheses(tables, self.target, self.noise_)
         answers = labels(known, tables["pixels"], self.target)
         self.classes_, self.answer_ = np.unique(answers, return_inverse=True)
+        self.drift_ = tables["drift"]
         self.n_features_in_ = self.noise_.size
         if X is not None:
             X = validate_data(self, X, reset=False)

@@ -81,7 +81,7 @@ def hypotheses(
         weight=np.full(place.size, chance[1] / count),
         strengths=tables["weights"],
         skin=tables["skin"] / noise[:, None],
-        shift=np.zeros(shape),
+        shift=tables["shift"] / noise,
     )
     found = _with_rest(single, chance[0])
     return _with_pairs(found, tables, noise, chance[2]) if two else found

@@ -20,9 +20,8 @@ GRID = (16, 16, 8)
 """Entries along x, y and strength."""
 OVERLAP = 0.5
 """Deviation that an entry stands for, over the step to the next."""
-STARTS, STEPS = 3, 12
-CLOSE = 1e-3
-"""Of an entry's deviation: a smaller step ends the refinement."""
+BLUR = 3.0
+"""mm, of a posterior before its highest place is told."""
 
 
 class Posterior(NamedTuple):
@@ -34,17 +33,17 @@ class Posterior(NamedTuple):
 
 
 class ModelBasedPosition(RegressorMixin, BaseEstimator):
-    """Maximum of the posterior of x [mm], y [mm] and strength, and its spread.
+    """Where most of the posterior of x [mm], y [mm] lies around, its mean strength, and its spread.
 
-    Parameters: as of `ModelBased`; one touch is taken for granted.
+    Parameters: as of `ModelBased`; one touch is taken for granted. A narrow ridge of the posterior
+    is passed by for a broad hill that holds more.
 
     Attributes
     ----------
-    noise_: of a feature, shape (feature,). knots_x_, knots_y_, knots_strength_, coefficients_,
-    nodes_x_, nodes_y_, skin_, bounds_: of `Surface`. theta_: of entries, (entry, 3). scale_:
-    deviations that each stands for, (3,). slopes_: for one of them, (entry, feature, 3). mean_,
-    directions_, along_, log_weight_: of the mixture. edge_: squared distance beyond which a sweep
-    is novel.
+    noise_: of a feature, shape (feature,). drift_: as of `ModelBased`. bounds_: as of `Surface`.
+    theta_: of entries, (entry, 3). scale_: deviations that each stands for, (3,). slopes_: for one
+    of them, (entry, feature, 3). mean_, directions_, along_, log_weight_: of the mixture. edge_:
+    squared distance beyond which a sweep is novel.
     """
 
     def __init__(
@@ -68,6 +67,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
             raise ValueError("`builder` is needed to fit: it makes the tables of the scene")
         tables = self.builder(self.scene, POSITION, self.presses)
         self.noise_ = tables["deviation"] * np.sqrt(1 + 1 / self.rest_sweeps)
+        self.drift_ = tables["drift"]
         self.n_features_in_ = self.noise_.size
         if X is not None:
             validate_data(self, X, reset=False)
@@ -81,10 +81,8 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         return_std: also the root-mean-square distance of the whole posterior from them, of the
         same shape; where a touch elsewhere is as likely it is as large as that is far.
         """
-        x = self._scaled(X)
-        posteriors = [self._posterior(each) for each in x]
-        curve = self._surface()
-        best = np.array([self._best(curve, each, p) for each, p in zip(x, posteriors, strict=True)])
+        posteriors = [self._posterior(each) for each in self._scaled(X)]
+        best = np.array([self._told(each) for each in posteriors]).reshape(-1, 3)
         if not return_std:
             return best
         pairs = zip(posteriors, best, strict=True)
@@ -92,7 +90,13 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
 
     def regions(self, X, probability=0.95) -> list[Region]:
         """The smallest region of places that holds the probability, of each sweep."""
-        return [region_of(self._places(each), probability) for each in self._scaled(X)]
+        posteriors = [self._posterior(each) for each in self._scaled(X)]
+        return [region_of(self._places(each), probability) for each in posteriors]
+
+    def share_within(self, X, radius):
+        """Chance that no answer exceeds to lie within so many mm of the touch, shape (sweep,)."""
+        posteriors = [self._posterior(each) for each in self._scaled(X)]
+        return np.array([self._places(each).share_within(radius) for each in posteriors])
 
     def novel(self, X):
         """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
@@ -107,13 +111,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         return validate_data(self, X, reset=False) / self.noise_
 
     def _keep(self, curve: Surface, tables) -> None:
-        self.knots_x_, self.knots_y_, self.knots_strength_ = curve.knots
-        self.nodes_x_, self.nodes_y_ = curve.nodes
-        self.coefficients_, self.skin_, self.bounds_ = (
-            curve.coefficients,
-            curve.skin,
-            curve.bounds,
-        )
+        self.bounds_ = curve.bounds
         strengths, weights = tables["strengths"], tables["weights"]
         fine = np.interp(np.arange(GRID[2]), [0, GRID[2] - 1], [strengths[0], strengths[-1]])
         chance = np.interp(fine, strengths, weights)
@@ -127,15 +125,6 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         found = mixture(curve.values(self.theta_), spread, entries)
         self.mean_, self.directions_, self.along_ = found.mean, found.directions, found.along
         self.log_weight_ = found.log_weight
-
-    def _surface(self) -> Surface:
-        return Surface(
-            (self.knots_x_, self.knots_y_, self.knots_strength_),
-            self.coefficients_,
-            (self.nodes_x_, self.nodes_y_),
-            self.skin_,
-            self.bounds_,
-        )
 
     def _mixture(self) -> Mixture:
         return Mixture(self.mean_, self.directions_, self.along_, self.log_weight_)
@@ -152,40 +141,13 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         covariance = left * self.scale_[:, None] * self.scale_
         return Posterior(share[kept] / share[kept].sum(), self.theta_[kept] + moved, covariance)
 
-    def _places(self, x: NDArray[np.float64]) -> Places:
-        posterior = self._posterior(x)
+    def _places(self, posterior: Posterior) -> Places:
         covariance = posterior.covariance[:, :2, :2]
         return Places(posterior.share, posterior.mean[:, :2], covariance, self.bounds_[:2])
 
-    def _best(
-        self, curve: Surface, x: NDArray[np.float64], posterior: Posterior
-    ) -> NDArray[np.float64]:
-        """The most probable of what the best entries are refined to."""
-        order = np.argsort(-posterior.share)[:STARTS]
-        low, high = self.bounds_.T
-        starts = np.clip(posterior.mean[order], low, high)
-        found = [_refined(curve, x, start, self.scale_) for start in starts]
-        return min(found, key=lambda each: each[1])[0]
-
-
-def _refined(
-    curve: Surface, x: NDArray[np.float64], theta: NDArray[np.float64], scale: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], float]:
-    """Gauss-Newton steps within the bounds, and the squared distance that they end at."""
-    low, high = curve.bounds.T
-    A = curve.skins(theta[None])[0]
-    factor = np.linalg.cholesky(np.eye(x.size) + A @ A.T)
-    for _ in range(STEPS):
-        J, off = curve.slopes(theta[None])[0], x - curve.values(theta[None])[0]
-        J, off = np.linalg.solve(factor, J * scale), np.linalg.solve(factor, off)
-        step = scale * np.linalg.lstsq(J, off, rcond=1e-8)[0]
-        moved = np.clip(theta + step, low, high)
-        done = np.all(np.abs(moved - theta) < CLOSE * scale)
-        theta = moved
-        if done:
-            break
-    off = np.linalg.solve(factor, x - curve.values(theta[None])[0])
-    return theta, float(off @ off)
+    def _told(self, posterior: Posterior) -> NDArray[np.float64]:
+        strength = posterior.share @ posterior.mean[:, 2]
+        return np.append(self._places(posterior).peak(BLUR), np.clip(strength, *self.bounds_[2]))
 
 
 def _distance(posterior: Posterior, theta: NDArray[np.float64]) -> NDArray[np.float64]:

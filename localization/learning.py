@@ -27,6 +27,7 @@ def learn_classes(
     """
     if np.unique(samples.y).size < 2:
         raise InputError(f"need sweeps of at least 2 classes, got {np.unique(samples.y).size}")
+    samples = samples.of_sessions(estimator.sessions)
     splits = judging(samples.strata, samples.sessions)
     train = trainer(estimator, samples, tune=tune)
     pipeline = train(samples)
@@ -44,6 +45,7 @@ def learn_classes(
 
 def learn_positions(samples: Samples, estimator: Estimator, *, tune: bool = False) -> Regressor:
     """A regressor whose deviations were found on sweeps held out. Raises as `judging`."""
+    samples = samples.of_sessions(estimator.sessions)
     splits = judging(None, samples.sessions)
     unseen = held_out_of(splits)
     train = trainer(estimator, samples, tune=tune)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,38 +13,45 @@ from localization import options
 if TYPE_CHECKING:
     import xarray as xr
 
+    from localization.estimators import Estimator
     from localization.model import Model
 
 
-def localize(
-    model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
-    sweeps: Annotated[Path, typer.Argument(help=options.SWEEPS)],
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="OUT.csv, instead of the terminal.")
-    ] = None,
-    rest: options.Rest = None,
-    most: options.Most = options.MOST_SWEEPS,
-) -> None:
-    """Tell where sweeps were pressed, each with its probability.
+def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., None]:
+    """The command; extra tells estimators beside those of this package."""
 
-    A line for each sweep: the answer, or 'cannot tell'; how probable the best
-    answer is; and of positions x and y in mm and the strength, with their
-    standard deviations, where there is one touch to place.
-    """
-    from localization.given import read_some
-    from localization.model_file import load
-    from localization.report import write_table
-    from simulator.sweeps import checked_output
+    def localize(
+        model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
+        sweeps: Annotated[Path, typer.Argument(help=options.SWEEPS)],
+        output: Annotated[
+            Path | None, typer.Option("--output", "-o", help="OUT.csv, instead of the terminal.")
+        ] = None,
+        rest: options.Rest = None,
+        most: options.Most = options.MOST_SWEEPS,
+    ) -> None:
+        """Tell where sweeps were pressed, each with its probability.
 
-    if output is not None:
-        checked_output(output, (".csv",))
-    resting = None if rest is None else read_some(rest, most)
-    header, rows = _table(load(model), read_some(sweeps, most), resting)
-    if output is not None:
-        write_table(output, header, rows)
-        return
-    for row in (header, *rows):
-        typer.echo(",".join(f'"{cell}"' if "," in cell else cell for cell in row))
+        A line for each sweep: the answer, or 'cannot tell'; how probable the best
+        answer is; and of positions x and y in mm and the strength, with their
+        standard deviations, where there is one touch to place.
+        """
+        from localization.estimators import estimators
+        from localization.given import read_some
+        from localization.model_file import load
+        from localization.report import write_table
+        from simulator.sweeps import checked_output
+
+        if output is not None:
+            checked_output(output, (".csv",))
+        resting = None if rest is None else read_some(rest, most)
+        header, rows = _table(load(model, estimators(extra())), read_some(sweeps, most), resting)
+        if output is not None:
+            write_table(output, header, rows)
+            return
+        for row in (header, *rows):
+            typer.echo(",".join(f'"{cell}"' if "," in cell else cell for cell in row))
+
+    return localize
 
 
 def _table(

@@ -205,7 +205,7 @@ def train(
         certain=certain,
         validation=held_out,
         version=version("rcskin"),
-        trained_on=min(len(samples.X), made.most),
+        trained_on=min(len(samples.of_sessions(made.sessions).X), made.most),
         left_out=samples.left_out,
         gate=gate,
     )

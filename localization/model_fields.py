@@ -16,6 +16,7 @@ from sklearn.svm import SVC
 from localization.components import Components
 from localization.ecoc import ECOCClassifier
 from localization.inversion import ModelBased
+from localization.inversion_adapted import AdaptedClassifier, AdaptedPosition
 from localization.inversion_position import ModelBasedPosition
 from localization.learned import Classifier, Regressor
 from localization.model import Model
@@ -39,6 +40,8 @@ STEPS = (
     GaussianProcessRegressor,
     ModelBased,
     ModelBasedPosition,
+    AdaptedClassifier,
+    AdaptedPosition,
     NetworkClassifier,
     NetworkRegressor,
 )

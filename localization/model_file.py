@@ -9,7 +9,9 @@ import skops.io
 
 from localization.components import Components
 from localization.ecoc import ECOCClassifier
+from localization.estimators import Registry
 from localization.inversion import ModelBased
+from localization.inversion_adapted import AdaptedClassifier, AdaptedPosition
 from localization.inversion_position import ModelBasedPosition
 from localization.model import Model
 from localization.model_fields import EarlierLayoutError, fields_of, model_of
@@ -27,6 +29,8 @@ TRUSTED = [
             ECOCClassifier,
             ModelBased,
             ModelBasedPosition,
+            AdaptedClassifier,
+            AdaptedPosition,
             NetworkClassifier,
             NetworkRegressor,
             NoveltyGuard,
@@ -57,10 +61,11 @@ def save(path: str | Path, model: Model) -> None:
         skops.io.dump(fields_of(model), unfinished)
 
 
-def load(path: str | Path) -> Model:
+def load(path: str | Path, registry: Registry | None = None) -> Model:
     """A model written by `save`. Nothing in the file is built before all its types are known.
 
-    Raises InputError naming the file where it is absent, not of skops, holds a type not in TRUSTED
+    registry: of the estimators that may have been trained, which equip what was read. Raises
+    InputError naming the file where it is absent, not of skops, holds a type not in TRUSTED
     (named too), holds something other than a model, or one of an earlier layout.
     """
     path = Path(path)
@@ -70,11 +75,17 @@ def load(path: str | Path) -> Model:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
     fields = _trusted_content(path, data)
     try:
-        return model_of(fields)
+        return _equipped(model_of(fields), registry or {})
     except EarlierLayoutError as error:
         raise InputError(f"{path}: {error}") from error
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(f"{path}: holds no model of rcskin") from error
+
+
+def _equipped(model: Model, registry: Registry) -> Model:
+    if model.estimator in registry:
+        registry[model.estimator].equip(model.pipeline)
+    return model
 
 
 def _trusted_content(path: Path, data: bytes) -> Any:

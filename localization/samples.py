@@ -63,6 +63,14 @@ class Samples:
         """Only those sweeps."""
         return replace(self, X=self.X[index], y=self.y[index], sessions=self.sessions[index])
 
+    def of_sessions(self, count: int | None) -> Samples:
+        """The first so many sessions, all of them for None."""
+        _, first = np.unique(self.sessions, return_index=True)
+        if count is None or len(first) <= count:
+            return self
+        known = self.sessions[np.sort(first)[:count]]
+        return self.part(np.flatnonzero(np.isin(self.sessions, known)))
+
     def at_most(self, count: int) -> Samples:
         """So many of them or all, taken evenly in their order, the same at every call."""
         if len(self.X) <= count:

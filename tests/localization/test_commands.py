@@ -3,6 +3,7 @@
 import sys
 
 import numpy as np
+import pandas as pd
 import pytest
 import skops.io
 
@@ -122,3 +123,19 @@ def test_bad_input_is_one_line_and_code_2(run, files, monkeypatch, arguments, to
     code, _, err = run(*arguments)
     assert code == 2
     assert told in err and err.count("\n") == 1 and err.startswith("rcskin: ")
+
+
+def test_a_localizer_of_the_skin_at_hand_is_given_the_simulator_again(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run("dataset", "sheet-3x3", "--sweeps", 200, "-o", "skin.zarr")
+    whole = ["--features", "dlnZ,dphase,lnZ0,phase0"]
+    code, out, _ = run(
+        "train", "skin.zarr", "--estimator", "model-adapted", *whole, "-o", "m.skops"
+    )
+    assert code == 0 and "column by model-adapted" in out
+    code, out, _ = run("localize", "m.skops", "skin.zarr", "-o", "told.csv")
+    assert code == 0
+    told = pd.read_csv("told.csv", dtype=str)
+    single = told[~told["press"].str.contains(r"\+|none")]
+    column = single["press"].str.extract(r",(\d)")[0]
+    assert (single["answer"] == column).mean() > 0.95

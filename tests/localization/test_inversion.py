@@ -52,6 +52,8 @@ def builder(scene, target, presses):
         "grid": np.array([ROWS, COLUMNS]),
         "pixels": pixels,
         "single": single,
+        "drift": np.zeros((NUMBERS, 0)),
+        "shift": np.zeros_like(single),
         "slope": np.array([[slope(*touch) for touch in touches] for touches in each]),
         "skin": np.array([[skin(*touch) for touch in touches] for touches in each]),
         "pairs": pairs,
