@@ -139,7 +139,7 @@ def judged(case: Case, sweeps: xr.Dataset, name: str, quantities: tuple[str, ...
     samples = samples_of(sweeps, case.target, quantities)
     known = samples.sessions < (1 - HELD_BACK) * (samples.sessions.max() + 1)
     train, test = samples.part(known.nonzero()[0]), samples.part((~known).nonzero()[0])
-    estimator = chosen(name, case.target, estimators([model_based(templates)]))
+    estimator = chosen(name, case.target, estimators(model_based(templates)))
     learn = learn_positions if case.target == "position" else learn_classes
     found = score(learn(train, estimator), test)
     row = {"case": case.title, "localizer": name, "features": ", ".join(quantities)}

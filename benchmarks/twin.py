@@ -5,7 +5,7 @@ of unequal strength, drift, and for one interface a floating pair of foils at th
 read through the virtual meter on TCP by the same driver and recorder as a skin would be. None of
 this is a measurement of a skin.
 
-Run: python benchmarks/twin.py [--skins N] [--only NAME] [--processes N]
+Run: python benchmarks/twin.py [--skins N] [--only TRIAL] [--localizers NAME,...] [--processes N]
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 import math
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -45,8 +45,12 @@ SKINS, SEED = 20, 2026
 ANSWERS = RESULTS / "twin_skins.csv"
 RTOL = 1e-3
 """Of the simulated sweeps: a third of the meter's noise."""
-LEARNED, INVERTED = ("dlnZ", "dphase", "lnZ0", "phase0"), ("dlnZ", "dphase")
-"""Quantities that localizers look at: those that learn from examples, and the model-based one."""
+CHANGE, WHOLE = ("dlnZ", "dphase"), ("dlnZ", "dphase", "lnZ0", "phase0")
+"""Quantities that localizers look at: changes against the skin at rest, and its own curve too."""
+BY_CHANGE = ("model-based", "ksvm-components", "kernel-ridge", "gaussian-process")
+"""Localizers that do not take the curve, or whose few components have no room for it."""
+PLENTY = 20_000
+"""Simulated sweeps for localizers that are no networks, which are shown no more."""
 CALIBRATED_TO, CALIBRATED_TRAINING = 0.03, 4000
 """Spread of training around a calibrated skin, and simulated sweeps of it."""
 
@@ -63,13 +67,14 @@ class Prepared:
 
 def localizers() -> Registry:
     """All that there are, with the one that inverts the simulator."""
-    return estimators([model_based(templates)])
+    return estimators(model_based(templates))
 
 
 def prepared(trial: Trial, registry: Registry) -> Prepared:
     """Everything that is the same for all skins."""
     family, believed = reduced(built(trial.believed), RTOL), reduced(trial.believed, RTOL)
-    sweeps = simulated(trial.believed, believed, trial.training)
+    asked = trial.training if "network" in trial.estimators else min(trial.training, PLENTY)
+    sweeps = simulated(trial.believed, believed, asked)
     return Prepared(trial, family, believed, localized(trial, sweeps, registry))
 
 
@@ -96,7 +101,7 @@ def localized(trial: Trial, sweeps: xr.Dataset, registry: Registry) -> dict[str,
             sweeps,
             trial.target,
             name,
-            quantities=INVERTED if name == "model-based" else LEARNED,
+            quantities=CHANGE if name in BY_CHANGE else WHOLE,
             registry=registry,
         )
         for name in trial.estimators
@@ -106,6 +111,8 @@ def localized(trial: Trial, sweeps: xr.Dataset, registry: Registry) -> dict[str,
 def scores(ready: Prepared, number: int) -> list[dict[str, Any]]:
     """Of one twin: a row for each localizer, and again after calibration where it is asked."""
     trial = ready.trial
+    for model in ready.models.values():
+        equip(model)
     twin = Twin(built(trial.believed), ready.family, SEED, number, trial.hand)
     presses = trial.recording(np.random.default_rng([SEED, number]))
     sweeps = recorded(twin, presses, [each.name for each in trial.believed.interfaces])
@@ -113,6 +120,11 @@ def scores(ready: Prepared, number: int) -> list[dict[str, Any]]:
     if trial.touches:
         rows += _after_calibration(ready, number, sweeps)
     return rows
+
+
+def equip(model: Model) -> None:
+    """Give a model what it lost on its way to this process: who makes tables of skins."""
+    localizers()[model.estimator].equip(model.pipeline)
 
 
 def _row(
@@ -197,11 +209,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Twin experiment.")
     parser.add_argument("--skins", type=int, default=SKINS)
     parser.add_argument("--only", help="Trials whose name holds this; the others stay as they are.")
+    parser.add_argument("--localizers", help="Only these of each trial, NAME,NAME.")
     parser.add_argument("--processes", type=int, default=2)
     asked = parser.parse_args()
-    for trial in TRIALS:
-        if not asked.only or asked.only in trial.name:
+    for trial in (limited(each, asked.localizers) for each in TRIALS):
+        if trial.estimators and (not asked.only or asked.only in trial.name):
             told(with_others(experiment(trial, asked.skins, asked.processes)))
+
+
+def limited(trial: Trial, names: str | None) -> Trial:
+    """The trial with those of its localizers that are named; with all for None."""
+    if names is None:
+        return trial
+    return replace(trial, estimators=tuple(n for n in trial.estimators if n in names.split(",")))
 
 
 def told(table: pd.DataFrame) -> None:
@@ -212,11 +232,19 @@ def told(table: pd.DataFrame) -> None:
 
 
 def with_others(table: pd.DataFrame) -> pd.DataFrame:
-    """With the answers of trials that were asked before and not now, in the order of TRIALS."""
+    """With the answers of localizers that were asked before and not now, in the order of TRIALS."""
     known = pd.read_csv(ANSWERS) if ANSWERS.exists() else table.head(0)
-    whole = pd.concat([table, known[~known["trial"].isin(table["trial"])]])
-    order = {trial.name: place for place, trial in enumerate(TRIALS)}
-    return whole.sort_values("trial", key=lambda names: names.map(order), kind="stable")
+    by = ["trial", "localizer", "calibrated with"]
+    asked = pd.MultiIndex.from_frame(table[by])
+    whole = pd.concat([table, known[~pd.MultiIndex.from_frame(known[by]).isin(asked)]])
+    order = {
+        (trial.name, name): (place, number)
+        for place, trial in enumerate(TRIALS)
+        for number, name in enumerate(trial.estimators)
+    }
+    keys = [(*order[t, n], c, s) for t, n, c, s in whole[[*by, "skin"]].itertuples(index=False)]
+    whole.index = pd.MultiIndex.from_tuples(keys)
+    return whole.sort_index()
 
 
 if __name__ == "__main__":

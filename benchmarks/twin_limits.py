@@ -4,28 +4,30 @@ The hand is that of the twins, its offsets and strengths summed over; the skin i
 known exactly, and read against the mean of as many sweeps at rest as a localizer takes. Twins are
 unknown, uneven, and drift besides, so that this bounds every localizer from above.
 
-Run: python benchmarks/twin_limits.py
+Where a touch is, is told of twins that are drawn (see twin_places).
+
+Run: python benchmarks/twin_limits.py [--only places]
 """
 
 from __future__ import annotations
 
+import argparse
+
 import pandas as pd
 from bench import publish
-from twin_scenes import PLACED_SIZE
+from twin_places import place_limits
 from twin_trials import TRIALS, Trial
 
 from localization.rest import NEAREST
 from simulator.distribution import Normal
-from simulator.limits import hand_accuracy, hand_distance
+from simulator.limits import hand_accuracy
 
-SAMPLES, PLACED_SAMPLES = (1000, 4000, 12_000), (10_000, 40_000)
-"""Presses that are summed over, of each hypothesis and anywhere: how they close in on the limit."""
+SAMPLES = (1000, 4000, 12_000)
+"""Presses of each hypothesis that are summed over: how they close in on the limit."""
 
 
 def limits(trial: Trial) -> list[dict[str, object]]:
     """The limit of a trial's question, by more and more samples."""
-    if trial.placed:
-        return [_distance(trial, samples) for samples in PLACED_SAMPLES]
     whole = _accuracy(trial, 0.0, SAMPLES[-1])
     return [whole, *(_accuracy(trial, trial.hand.offset, samples) for samples in SAMPLES)]
 
@@ -45,14 +47,6 @@ def _accuracy(trial: Trial, offset: float, samples: int) -> dict[str, object]:
     return _row(trial, offset, samples, least, most, error, "% right")
 
 
-def _distance(trial: Trial, samples: int) -> dict[str, object]:
-    presses = Normal(mean=2.0, deviation=trial.hand.strength)
-    found, error = hand_distance(
-        trial.believed, presses, size=PLACED_SIZE.value, samples=samples, against_rest=NEAREST
-    )
-    return _row(trial, 0.0, samples, 1e3 * found, 1e3 * found, 1e3 * error, "mm, median")
-
-
 def _row(
     trial: Trial, offset: float, samples: int, least: float, most: float, error: float, unit: str
 ) -> dict[str, object]:
@@ -69,8 +63,15 @@ def _row(
 
 def main() -> None:
     """Compute, and publish."""
-    rows = [row for trial in TRIALS for row in limits(trial)]
-    publish("twin_limits", "At most, on a skin that is known", pd.DataFrame(rows))
+    parser = argparse.ArgumentParser(description="Limits of the twin experiment.")
+    parser.add_argument("--only", choices=("answers", "places"))
+    asked = parser.parse_args()
+    if asked.only != "places":
+        rows = [row for trial in TRIALS if not trial.placed for row in limits(trial)]
+        publish("twin_limits", "At most, on a skin that is known", pd.DataFrame(rows))
+    if asked.only != "answers":
+        rows = [row for trial in TRIALS if trial.placed for row in place_limits(trial)]
+        publish("twin_places", "At most, within the goal of a touch", pd.DataFrame(rows))
 
 
 if __name__ == "__main__":
