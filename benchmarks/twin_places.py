@@ -1,15 +1,13 @@
 """What sweeps of twins tell of places at most: the chance of answers within a distance of a touch.
 
 The posterior of the inverted simulator, with the twins' own hand and drift, holds a share of the
-chance in the disc that holds most; in the mean over touches no answers do better. It is told of
-skins that are known from their curve at rest, as localizers know them, and of skins that are known
-exactly. Both are checked: as many answers as said lie within that distance.
+chance in the disc that holds most; in the mean over touches no answers do better. Skins are known
+from their curve at rest. It is checked: as many answers as said lie within that distance.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -26,7 +24,6 @@ from localization.targets import positions
 from simulator.dataset.model import reduced
 from simulator.distribution import Normal
 from simulator.frequency import laplace_variable
-from simulator.observation import observed
 from simulator.press import Press, parse_press
 from simulator.readout import Meter
 from simulator.reduced import Reduced, touched_cells
@@ -39,60 +36,35 @@ from simulator.twin import Twin
 SEED, RTOL = 777, 1e-3
 RESTS, DRIFT = 13, 6e-4
 """Sweeps at rest of a recording, and what drift the best use of them leaves between two of them."""
-COUNTLESS = 1000
-"""Sweeps at rest by which a skin is known all but exactly."""
 
 
 def place_limits(trial: Trial, skins: int = 24, processes: int = 2) -> list[dict[str, object]]:
-    """Two rows: of skins known from their curve at rest, and exactly."""
+    """A row, over all touches of all skins."""
     family = reduced(built(trial.believed), RTOL)
     work = (delayed(_of_skin)(trial, family, number) for number in range(skins))
     found = pd.concat(Parallel(n_jobs=processes)(work))
-    return [_row(trial, str(known), group) for known, group in found.groupby("skin is known")]
-
-
-def _row(trial: Trial, known: str, touches: pd.DataFrame) -> dict[str, object]:
-    share, off = touches["share"], touches["off"]
-    return {
-        "trial": trial.name,
-        "skin is known": known,
-        "touches": len(touches),
-        f"within {trial.goal:g} mm at most (%)": round(100 * share.mean(), 1),
-        "standard error": round(100 * share.std() / math.sqrt(len(touches)), 1),
-        "of the answers (%)": round(100 * (off < trial.goal).mean(), 1),
-        "median of the answers (mm)": round(off.median(), 2),
-    }
+    share, off = found["share"], found["off"]
+    return [
+        {
+            "trial": trial.name,
+            "touches": len(found),
+            f"within {trial.goal:g} mm at most (%)": round(100 * share.mean(), 1),
+            "standard error": round(100 * share.std() / math.sqrt(len(found)), 1),
+            "of the answers (%)": round(100 * (off < trial.goal).mean(), 1),
+            "median of the answers (mm)": round(off.median(), 2),
+        }
+    ]
 
 
 def _of_skin(trial: Trial, family: Reduced, number: int) -> pd.DataFrame:
     twin = Twin(built(trial.believed), family, SEED, number, trial.hand)
-    sweeps, true = _read(twin, trial.recording(np.random.default_rng([SEED, number])))
+    sweeps = _read(twin, trial.recording(np.random.default_rng([SEED, number])))
     touched = sweeps["press"].values != "none"
     X, truth = features(sweeps, QUANTITIES)[touched], positions(sweeps.isel(sweep=touched))
-    scene = _with_the_hand_of(trial)
-    exactly = scene.model_copy(
-        update={
-            "readout": scene.readout.model_copy(
-                update={"magnitude_accuracy": 0.0, "phase_accuracy": 0.0}
-            )
-        }
-    )
-
-    def of_true_skin(text, target, presses, rest=None, averaged=1):
-        return templates(text, target, presses, true, COUNTLESS, DRIFT)
-
-    ways: list[tuple[str, Scene, Callable]] = [
-        ("from its curve at rest", scene, partial(templates, drift=DRIFT)),
-        ("exactly", exactly, of_true_skin),
-    ]
-    found = []
-    for name, believed, builder in ways:
-        inner = ModelBasedPosition(scene_text(believed), rest_sweeps=RESTS)
-        localizer = AdaptedPosition(inner, builder).fit(X)
-        off = np.hypot(*(localizer.predict(X) - truth)[:, :2].T)
-        share = localizer.share_within(X, trial.goal)
-        found.append(pd.DataFrame({"skin is known": name, "share": share, "off": off}))
-    return pd.concat(found)
+    inner = ModelBasedPosition(scene_text(_with_the_hand_of(trial)), rest_sweeps=RESTS)
+    localizer = AdaptedPosition(inner, partial(templates, drift=DRIFT)).fit(X)
+    off = np.hypot(*(localizer.predict(X) - truth)[:, :2].T)
+    return pd.DataFrame({"share": localizer.share_within(X, trial.goal), "off": off})
 
 
 def _with_the_hand_of(trial: Trial) -> Scene:
@@ -104,14 +76,14 @@ def _with_the_hand_of(trial: Trial) -> Scene:
     return trial.believed.model_copy(update={"dataset": drawn.model_copy(update={"press": press})})
 
 
-def _read(twin: Twin, presses: list[str]) -> tuple[xr.Dataset, np.ndarray]:
-    """Sweeps of a twin with the meter's errors but for its ranges, and its true curve half-way."""
+def _read(twin: Twin, presses: list[str]) -> xr.Dataset:
+    """Sweeps of a twin with the meter's errors but for its ranges."""
     scene = twin.scene
     factor = scene.press.capacitance_factor
     asked = [check_press(parse_press(press, factor), scene) for press in presses]
     Z = np.array([_impedance(twin, press, event) for event, press in enumerate(asked)])
     meter = Meter(scene.readout, len(scene.interfaces), np.random.default_rng([SEED, twin.number]))
-    sweeps = build(
+    return build(
         meter.measure(Z),
         scene.frequencies,
         interface=[each.name for each in scene.interfaces],
@@ -119,7 +91,6 @@ def _read(twin: Twin, presses: list[str]) -> tuple[xr.Dataset, np.ndarray]:
         row=[0 if press == "none" else -1 for press in presses],
         column=[0 if press == "none" else -1 for press in presses],
     )
-    return sweeps, observed(_impedance(twin, Press(), len(presses) // 2))
 
 
 def _impedance(twin: Twin, asked: Press, event: int) -> np.ndarray:
