@@ -22,7 +22,8 @@ from localization.inversion_learning import LESSONS, learned
 from localization.inversion_mixture import Mixture
 
 Builder = Callable[..., Mapping[str, NDArray]]
-"""Tables of a scene's TOML text, a target, and how strengths are drawn: `simulator.templates`."""
+"""Tables of a scene's TOML text, a target, and how strengths are drawn: `simulator.templates`; with
+`rest` and `averaged`, those of the skin that is read so at rest."""
 TARGETS = ("column", "row", "pixel", "touches", "pair")
 QUANTITIES = ("dlnZ", "dphase")
 """Features that it takes, in this order."""

@@ -21,7 +21,7 @@ from localization.inversion_position import ModelBasedPosition
 
 QUANTITIES = (*CHANGE, "lnZ0", "phase0")
 """Features that it takes, in this order."""
-DRIFT = 0.015
+ALIKE = 0.015
 """Root mean square of the change of ln Z, up to which a skin is the same."""
 SKINS_KEPT = 16
 
@@ -146,6 +146,6 @@ def _by_skin(rest: NDArray[np.float64]) -> Iterator[NDArray[np.intp]]:
     left = np.arange(len(rest))
     while left.size:
         away = np.sqrt(np.square(rest[left] - rest[left[0]]).mean(axis=1) * 2)
-        like = away < DRIFT
+        like = away < ALIKE
         yield left[like]
         left = left[~like]

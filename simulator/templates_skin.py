@@ -118,7 +118,8 @@ class UnknownSkin:
         """What is still unknown of the skin that is observed at rest, by Gauss-Newton steps.
 
         rest: the mean of so many sweeps as `observed` has them, with the meter's errors of the
-        session, shape (number,). Parameters of the skin are moved, its waves add up linearly.
+        session, shape (number,). Parameters of the skin are moved, its waves add up linearly: of
+        hundreds of sweeps more would be told than that holds.
         """
         skin, error = self, _error_at_rest(self.forward.scene, rest, averaged)
         for _ in range(STEPS):
