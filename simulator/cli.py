@@ -76,6 +76,7 @@ def sweep(
     from simulator.simulate import gather
     from simulator.sweeps import checked_output, write
     from simulator.validity import warnings
+    from simulator.wiring import driven_by_touch
 
     checked_output(output)
     loaded = load_scene(scene)
@@ -84,12 +85,15 @@ def sweep(
     for asked in presses:
         check_press(asked, loaded)
     solver = Solver(loaded, rtol, checked_model(model))
-    for warning in warnings(electrical(loaded)):
-        typer.echo(f"rcskin: warning: {warning}", err=True)
+    wiring = driven_by_touch(loaded)
+    for warning in (*wiring, *warnings(electrical(loaded))):
+        typer.echo(f"rcskin: warning: {scene}: {warning}", err=True)
     with on_terminal() as track:
         answered = [(asked, solver.solve(asked)) for asked in track(presses, loaded.name)]
     write(gather(solver, answered), output)
     if explain:
+        for one_terminal in wiring:
+            typer.echo(f"wiring: {one_terminal}")
         for asked, answer in answered:
             typer.echo(solver.explain(asked, answer))
 

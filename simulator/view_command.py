@@ -115,11 +115,15 @@ def _stage(
     from simulator.scene_file import check_press, load_scene
     from simulator.specimen import checked_interface
     from simulator.view.scenery import Stage
+    from simulator.wiring import driven_by_touch
 
     scene = load_scene(name)
     pressed = check_press(parse_press(press, scene.press.strength), scene)
     chosen = checked_interface(interface, scene)
     frequencies = _frequencies(frequency, scene, every)
+    for one_terminal in driven_by_touch(scene):
+        if one_terminal.interface == chosen:
+            typer.echo(f"rcskin: warning: {name}: {one_terminal}", err=True)
     found = fields(scene, pressed, frequencies, chosen, rtol)
     wiring = next(each for each in scene.interfaces if each.name == chosen)
     return Stage(scene, pressed, wiring, found)

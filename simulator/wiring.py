@@ -6,7 +6,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from simulator.contour import check_edge, section
 from simulator.mesh_file import foil_lines, read_surface
 
 if TYPE_CHECKING:
-    from simulator.scene import Contact, Scene, Skin
+    from simulator.scene import Contact, Interface, Scene, Skin
 
 
 LEAST_GAP = 5e-6
@@ -50,6 +50,54 @@ def joined(contacts: Sequence[Contact], skin: Skin) -> list[int]:
     return group
 
 
+class DrivenByTouch(NamedTuple):
+    """Contacts that an interface leaves floating, but that are one terminal with driven ones.
+
+    floating, driven: names; each of the driven ones meets one of the floating ones.
+    """
+
+    interface: str
+    floating: tuple[str, ...]
+    driven: tuple[str, ...]
+
+    def __str__(self) -> str:
+        s, es = ("s", "es") if len(self.floating) == 1 else ("", "")
+        are = "is" if len(self.driven) == 1 else "are"
+        both = "both" if len(self.floating + self.driven) == 2 else "all"
+        return (
+            f"contact{'' if s else 's'} {_listed(self.floating)} float{s} at interface "
+            f"{self.interface!r} but touch{es} {_listed(self.driven)}, which {are} driven: "
+            f"{both} are one terminal"
+        )
+
+
+def driven_by_touch(scene: Scene) -> list[DrivenByTouch]:
+    """Where floating contacts are driven after all, by interface.
+
+    Raises InputError where the scene's mesh cannot be read.
+    """
+    group = joined(scene.contacts, scene.skin)
+    terminals = [
+        [c for c, own in zip(scene.contacts, group, strict=True) if own == leader]
+        for leader in sorted(set(group))
+    ]
+    each = itertools.product(scene.interfaces, terminals)
+    found = [_driven_by_touch(interface, foils, scene.skin) for interface, foils in each]
+    return [one for one in found if one.driven]
+
+
+def _driven_by_touch(interface: Interface, foils: Sequence[Contact], skin: Skin) -> DrivenByTouch:
+    """Among the foils of one terminal."""
+    named = {*interface.high, *interface.low}
+    floating = [foil for foil in foils if foil.name not in named]
+    driven = tuple(
+        foil.name
+        for foil in foils
+        if foil.name in named and any(touch(foil, other, skin) for other in floating)
+    )
+    return DrivenByTouch(interface.name, tuple(foil.name for foil in floating), driven)
+
+
 def check_wiring(scene: Scene) -> None:
     """Raise ValueError for names that repeat or do not exist, foils that overlap, and shorts."""
     _check_distinct("contact", [contact.name for contact in scene.contacts])
@@ -77,6 +125,11 @@ def check_wiring(scene: Scene) -> None:
         high, low = ({terminal[name] for name in side} for side in (interface.high, interface.low))
         if high & low:
             raise ValueError(f"interface {interface.name!r} shorts its high and low side")
+
+
+def _listed(names: Sequence[str]) -> str:
+    *most, last = map(repr, names)
+    return f"{', '.join(most)} and {last}" if most else last
 
 
 def _check_distinct(kind: str, names: Sequence[str]) -> None:

@@ -84,7 +84,7 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         trial = Trial(target, draws)
         scenes = run.scenes_of(table, axes, trial)
         for warning in run.warnings_of(scenes):
-            typer.echo(f"rcskin: warning: {warning}", err=True)
+            typer.echo(f"rcskin: warning: {scene}: {warning}", err=True)
         with on_terminal() as track:
             findings = run.study(
                 scenes, axes, trial, cross_validate, track, rtol=rtol, workers=workers

@@ -1,11 +1,15 @@
 """Which foils are one conductor, and which terminals an interface connects."""
 
+import numpy as np
 import pytest
 from pydantic import ValidationError
 
 from simulator.circuit import one_field, two_fields
+from simulator.fidelity import Solver
 from simulator.mesh import singular_ends
-from simulator.wiring import joined
+from simulator.press import Press
+from simulator.scene_file import builtin_names, load_scene
+from simulator.wiring import driven_by_touch, joined
 
 
 @pytest.mark.parametrize(
@@ -69,3 +73,84 @@ def test_foils_that_all_but_touch_are_refused(make_scene, gap):
     halves = {"top-left": {"span": (0.0, 0.5)}, "top-left-2": {"span": (0.5 + gap, 1.0)}}
     with pytest.raises(ValidationError, match="must touch, or end at least"):
         make_scene({**halves, "bottom-left": {}}, {"meter": ("top-left", "bottom-left")})
+
+
+PAIRS = {f"{sheet}-{edge}": {} for edge in ("left", "bottom") for sheet in ("top", "bottom")}
+
+
+@pytest.mark.parametrize(
+    ("contacts", "driven", "told"),
+    [
+        (
+            PAIRS,
+            ("top-bottom", "bottom-bottom"),
+            [
+                "contact 'top-left' floats at interface 'meter' but touches 'top-bottom', which is "
+                "driven: both are one terminal",
+                "contact 'bottom-left' floats at interface 'meter' but touches 'bottom-bottom', "
+                "which is driven: both are one terminal",
+            ],
+        ),
+        (
+            {"top-left": {}, "top-bottom": {}, "top-right": {}, "bottom-left": {}},
+            ("top-left", "bottom-left"),
+            [
+                "contacts 'top-bottom' and 'top-right' float at interface 'meter' but touch "
+                "'top-left', which is driven: all are one terminal"
+            ],
+        ),
+        (
+            {"top-left": {}, "top-bottom": {}, "top-right": {}, "bottom-left": {}},
+            (("top-left", "top-right"), "bottom-left"),
+            [
+                "contact 'top-bottom' floats at interface 'meter' but touches 'top-left' and "
+                "'top-right', which are driven: all are one terminal"
+            ],
+        ),
+        (PAIRS, (("top-left", "top-bottom"), ("bottom-left", "bottom-bottom")), []),
+        ({**PAIRS, "top-left": {"resistance": 1.0}}, ("top-left", "bottom-right"), []),
+        ({**PAIRS, "top-left": {"span": (0.1, 1.0)}}, ("top-left", "bottom-right"), []),
+        ({"top-left": {}, "top-bottom": {}}, ("bottom-right", "top-right"), []),
+    ],
+)
+def test_a_floating_foil_that_touches_a_driven_one_is_told(make_scene, contacts, driven, told):
+    far = dict.fromkeys({"bottom-right", "top-right"} - contacts.keys(), {"span": (0.4, 1.0)})
+    scene = make_scene({**contacts, **far}, {"meter": driven})
+    assert [str(found) for found in driven_by_touch(scene)] == told
+
+
+def test_each_interface_has_floating_foils_of_its_own(make_scene):
+    meters = {"left": ("top-left", "bottom-left"), "bottom": ("top-bottom", "bottom-bottom")}
+    found = [(each.interface, each.floating) for each in driven_by_touch(make_scene(PAIRS, meters))]
+    assert found == [
+        ("left", ("top-bottom",)),
+        ("left", ("bottom-bottom",)),
+        ("bottom", ("top-left",)),
+        ("bottom", ("bottom-left",)),
+    ]
+
+
+@pytest.mark.parametrize("between", [{}, {"top-bottom": {}}])
+def test_high_and_low_that_touch_are_refused(make_scene, between):
+    """At a corner, or by way of a foil that floats."""
+    edges = ("left", "right") if between else ("left", "bottom")
+    ends = {f"top-{edge}": {} for edge in edges}
+    with pytest.raises(ValidationError, match="interface 'meter' shorts its high and low side"):
+        make_scene({**ends, **between}, {"meter": tuple(ends)})
+
+
+def test_what_is_told_is_what_is_solved(make_scene):
+    """Driven by touch or by name: the same impedance, and another one where a gap parts them."""
+
+    def Z(high, span=(0.0, 1.0)):
+        contacts = {"top-left": {}, "bottom-right": {}, "top-bottom": {"span": span}}
+        return Solver(make_scene(contacts, {"meter": (high, "bottom-right")})).solve(Press()).Z
+
+    touching = Z("top-left")
+    np.testing.assert_array_equal(touching, Z(("top-left", "top-bottom")))
+    assert np.abs(Z("top-left", (0.1, 1.0)) / touching - 1).max() > 0.01
+
+
+@pytest.mark.parametrize("name", builtin_names())
+def test_no_foil_of_a_built_in_scene_is_driven_by_touch(name):
+    assert driven_by_touch(load_scene(name)) == []
