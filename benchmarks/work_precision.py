@@ -102,7 +102,7 @@ def skins() -> list[Skin]:
             tabs,
             pressed("2,3"),
             elsewhere,
-            (Elements(10, 2, 8), Elements(10, 1, 8)),
+            (Elements(12, 1, 5), Elements(11, 1, 6)),
             (Cells(24, 24), Cells(60, 60)),
         ),
     ]
