@@ -1,4 +1,4 @@
-"""Sweeps that no simulator made, and the command line as its user meets it."""
+"""Sweeps that no simulator made, changed scenes, and the command line as its user meets it."""
 
 import sys
 
@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import rcskin
+from simulator.scene import Scene
 from simulator.sweeps import build
 
 FREQUENCY = np.array([1e3, 2e3, 1e4])
@@ -28,6 +29,24 @@ def made_sweeps(sweeps=2, interfaces=("left", "bottom"), frequency=FREQUENCY, Z=
 def make_sweeps():
     """A function that makes sweeps of any number of presses, interfaces and frequencies."""
     return made_sweeps
+
+
+def with_keys(scene, keys):
+    """The scene with further keys, by dotted path, validated anew."""
+    tables = scene.model_dump(by_alias=True, exclude_none=True)
+    for path, value in keys.items():
+        *parents, last = path.split(".")
+        table = tables
+        for part in parents:
+            table = table.setdefault(part, {})
+        table[last] = value
+    return Scene.model_validate(tables)
+
+
+@pytest.fixture(scope="session")
+def changed():
+    """A function of a scene and of keys by dotted path."""
+    return with_keys
 
 
 @pytest.fixture
