@@ -1,0 +1,56 @@
+"""References: another telling of the problem solved far closer, or polygons that become discs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from campaign_parts.draws import Rng
+from campaign_parts.moves import has_discs, outlined, regridded, turned, with_polygons
+from campaign_parts.problem import Problem, Route, Truth, solved
+from simulator.estimate import relative_difference
+
+OTHER_SHARE = 1 / 12
+"""Of the tolerance: what is asked of a reference by another mesh."""
+SIDES, LOOSE = 24.0, 1e-3
+"""Of the coarser polygon for a disc at that tolerance, and as its fourth root falls ever more."""
+LEFT = 1 / 4
+"""Of what a polygon of twice the sides changes, of the same area: what is off after that. It falls
+as sides^-2 at least, and as sides^-3 or -4 but for where a disc is cut."""
+TURNS = (0.2, 1.3)
+GRIDS = (3, 5, 7)
+
+
+def by(other: Problem, share: float = OTHER_SHARE) -> Route:
+    """The truth is another telling of the problem, at a share of the tolerance."""
+    return lambda rtol: solved(other, share * rtol)
+
+
+def by_polygons(of_sides: Callable[[int], Problem], share: float = OTHER_SHARE) -> Route:
+    """The truth is what polygons in place of circles come to, as their sides are doubled."""
+
+    def route(rtol: float) -> Truth:
+        sides = 4 * round(SIDES * (LOOSE / rtol) ** 0.25 / 4)
+        coarse, fine = (solved(of_sides(n * sides), share * rtol) for n in (1, 2))
+        omega = 2 * np.pi * of_sides(sides).scene.frequencies
+        return Truth(fine.Z, fine.doubt + LEFT * relative_difference(coarse.Z, fine.Z, omega))
+
+    return route
+
+
+def elsewhere(rng: Rng, rectangle: Problem, share: float = OTHER_SHARE) -> Route:
+    """By triangles on the rectangle as an outline, and discs as polygons.
+
+    It is turned, so that no two lines are the same, where it is even; otherwise all polygons and
+    discs get other pixels beside them.
+    """
+    drawn = outlined(rectangle)
+    even = not ({"stretch", "shape"} & rectangle.tables["skin"].keys()) and not any(
+        "map" in rectangle.tables["skin"][part] for part in ("top", "bottom", "foam")
+    )
+    rows, columns, angle = *rng.choice(GRIDS, 2), rng.uniform(*TURNS)
+    other = turned(drawn, angle) if even else regridded(drawn, int(rows), int(columns))
+    if not has_discs(rectangle.press):
+        return by(other, share)
+    return by_polygons(lambda sides: with_polygons(other, sides), share)
