@@ -10,16 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from simulator.planar import area, distance, gap, inside, regular, sides
+from simulator.planar import Circle, area, distance, gap, inside, sides
 from simulator.table import Table
 from simulator.validation import Number
 
 if TYPE_CHECKING:
     from simulator.scene import Contact, Skin
 
-CIRCLE_SIDES = 512
-"""Of the regular polygon that stands for a circle: the area is the same, the circumference 6.3e-6
-longer."""
 LEAST_APART = 1e-6
 """Sides that do not meet, over the skin's longer side."""
 EDGES = ("left", "right", "bottom", "top")
@@ -32,8 +29,7 @@ Size = Annotated[Number, Field(gt=0, allow_inf_nan=False)]
 class Curve(Table):
     """A closed curve: a polygon of corners (x, y) in m in either sense, or circle = (x, y, radius).
 
-    A circle is the regular polygon of CIRCLE_SIDES sides of the same area, anticlockwise from the
-    corner of greatest x on.
+    A circle runs anticlockwise from its point of greatest x on.
     """
 
     points: (
@@ -43,11 +39,35 @@ class Curve(Table):
     circle: tuple[Coordinate, Coordinate, Size] | None = None
 
     @property
-    def corners(self) -> NDArray[np.float64]:
-        """In order, m, shape (corner, 2)."""
+    def shape(self) -> Circle | NDArray[np.float64]:
+        """The circle, or the polygon's corners in order, m, shape (corner, 2)."""
         if self.circle is not None:
-            return regular(*self.circle, CIRCLE_SIDES)
+            return Circle(*self.circle)
         return np.array(self.points, dtype=float)
+
+    @property
+    def marks(self) -> NDArray[np.float64]:
+        """How far along it its corners lie, m; a circle has one. The first comes again at last."""
+        shape = self.shape
+        if isinstance(shape, Circle):
+            return np.array([0.0, 2 * np.pi * shape.radius])
+        lengths = np.linalg.norm(np.diff(sides(shape), axis=1)[:, 0], axis=1)
+        return np.concatenate([[0.0], np.cumsum(lengths)])
+
+    def at(self, mark: float) -> tuple[float, float]:
+        """The point that far along it [m], (x, y) in m."""
+        shape = self.shape
+        if isinstance(shape, Circle):
+            x, y = shape.at(np.array(mark / shape.radius))
+        else:
+            closed = np.vstack([shape, shape[:1]])
+            x, y = (np.interp(mark, self.marks, closed[:, axis]) for axis in (0, 1))
+        return float(x), float(y)
+
+    def holds(self, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Whether positions x, shape (2, ...), lie within it, shape (...)."""
+        shape = self.shape
+        return shape.holds(x) if isinstance(shape, Circle) else inside(shape, x)
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -70,12 +90,12 @@ class Section(NamedTuple):
     stop: float
 
 
-def curves(skin: Skin) -> list[NDArray[np.float64]]:
-    """The corners of what bounds a skin without mesh: around it first, then around its holes."""
+def curves(skin: Skin) -> list[Curve]:
+    """What bounds a skin without mesh: the curve around it first, then those around its holes."""
     if skin.outline is not None:
-        return [skin.outline.corners, *(hole.corners for hole in skin.outline.holes)]
+        return [skin.outline, *skin.outline.holes]
     x, y = skin.length, skin.width
-    return [np.array([(0, 0), (x, 0), (x, y), (0, y)], dtype=float)]
+    return [Curve(points=((0.0, 0.0), (x, 0.0), (x, y), (0.0, y)))]
 
 
 def section(contact: Contact, skin: Skin) -> Section:
@@ -84,22 +104,9 @@ def section(contact: Contact, skin: Skin) -> Section:
     if skin.outline is None:
         return _along_rectangle(contact.edge, low, high, skin)
     curve, side = _parsed(contact.edge)
-    marks = _marks(curves(skin)[curve])
+    marks = curves(skin)[curve].marks
     start, stop = (marks[0], marks[-1]) if side is None else (marks[side - 1], marks[side])
     return Section(curve, start + low * (stop - start), start + high * (stop - start))
-
-
-def position(corners: NDArray[np.float64], at: float) -> tuple[float, float]:
-    """The point at a distance [m] along a closed polygon, (x, y) in m."""
-    marks = _marks(corners)
-    closed = np.vstack([corners, corners[:1]])
-    return float(np.interp(at, marks, closed[:, 0])), float(np.interp(at, marks, closed[:, 1]))
-
-
-def _marks(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How far along a closed polygon its corners lie, the first one again at the end, m."""
-    lengths = np.linalg.norm(np.diff(sides(corners), axis=1)[:, 0], axis=1)
-    return np.concatenate([[0.0], np.cumsum(lengths)])
 
 
 def _along_rectangle(edge: str, low: float, high: float, skin: Skin) -> Section:
@@ -148,31 +155,34 @@ def check_outline(outline: Outline, length: float, width: float) -> None:
 
     length, width: of the rectangle that pixels are counted on, m.
     """
-    around, *holes = (curve.corners for curve in (outline, *outline.holes))
-    names = ["outline", *(f"outline.holes[{i + 1}]" for i in range(len(holes)))]
+    every = [outline, *outline.holes]
+    names = ["outline", *(f"outline.holes[{i + 1}]" for i in range(len(outline.holes)))]
     least = LEAST_APART * max(length, width)
-    for name, curve, corners in zip(
-        names, (outline, *outline.holes), (around, *holes), strict=True
-    ):
-        _check_within(name, curve, length, width)
-        if curve.circle is None:
-            check_simple(name, corners, least)
-        elif curve.circle[2] < least:
+    for name, curve in zip(names, every, strict=True):
+        shape = curve.shape
+        _check_within(name, shape, length, width)
+        if not isinstance(shape, Circle):
+            check_simple(name, shape, least)
+        elif shape.radius < least:
             raise ValueError(f"{name}.circle must have a radius of at least {least:g} m")
-    for name, hole in zip(names[1:], holes, strict=True):
-        if _nearest(around, hole, least) < least or not inside(around, hole[0]):
+    for name, hole in zip(names[1:], every[1:], strict=True):
+        if _apart(outline, hole) < least or not _within(hole, outline):
             raise ValueError(f"{name} must lie inside the outline, at least {least:g} m from it")
-    for (first, a), (second, b) in itertools.combinations(zip(names[1:], holes, strict=True), 2):
-        if _nearest(a, b, least) < least or inside(a, b[0]) or inside(b, a[0]):
+    for (first, a), (second, b) in itertools.combinations(
+        zip(names[1:], every[1:], strict=True), 2
+    ):
+        if _apart(a, b) < least or _within(a, b) or _within(b, a):
             raise ValueError(f"{first} and {second} must lie at least {least:g} m apart")
 
 
-def _check_within(name: str, curve: Curve, length: float, width: float) -> None:
-    if curve.circle is not None:
-        x, y, radius = curve.circle
+def _check_within(
+    name: str, shape: Circle | NDArray[np.float64], length: float, width: float
+) -> None:
+    if isinstance(shape, Circle):
+        x, y, radius = shape
         ends = np.array([(x - radius, y - radius), (x + radius, y + radius)])
     else:
-        ends = curve.corners
+        ends = shape
     for axis, letter, extent in ((0, "x", length), (1, "y", width)):
         low, high = ends[:, axis].min(), ends[:, axis].max()
         if low < -1e-9 * extent or high > extent * (1 + 1e-9):
@@ -206,7 +216,16 @@ def check_simple(name: str, corners: NDArray[np.float64], least: float) -> None:
         raise ValueError(f"{name} must enclose an area")
 
 
-def _nearest(a: NDArray[np.float64], b: NDArray[np.float64], least: float) -> float:
-    """Between two closed polygons, m; infinite where the boxes around them are apart."""
-    boxes_apart = np.maximum(a.min(axis=0) - b.max(axis=0), b.min(axis=0) - a.max(axis=0))
-    return np.inf if (boxes_apart > least).any() else float(gap(sides(a), sides(b)).min())
+def _within(one: Curve, other: Curve) -> bool:
+    """Whether a curve that does not meet another lies within it."""
+    return bool(other.holds(np.array(one.at(0.0))))
+
+
+def _apart(one: Curve, other: Curve) -> float:
+    """The least distance between two curves, m; 0 where they meet."""
+    a, b = one.shape, other.shape
+    if isinstance(a, Circle):
+        return a.gap(b)
+    if isinstance(b, Circle):
+        return b.gap(a)
+    return float(gap(sides(a), sides(b)).min())

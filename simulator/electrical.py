@@ -6,15 +6,15 @@ uniform again (see `materials`), and contact resistance times length of contact 
 stay. Bending to a cylinder changes no length at all. Maps of one factor are factors.
 
 Places in m of a press are those of the skin at rest, so they move with it: `electrical_press`. What
-is no pixel, rectangle or disc then (a disc stretched unevenly is an ellipse) has no plain scene: it
-is solved as it is on the flat skin at rest, with the coefficients of `materials`.
+is no pixel or rectangle has no plain scene: it is solved as it is on the flat skin at rest, with
+the coefficients of `materials`.
 """
 
 from __future__ import annotations
 
 from typing import TypeVar
 
-from simulator.press import AnyTouch, Disc, Press, Rectangle, Touch
+from simulator.press import AnyTouch, Press, Rectangle, Touch
 from simulator.scene import Foam, Scene, Sheet, Skin
 from simulator.sweeps import InputError
 
@@ -44,8 +44,6 @@ def electrical_press(scene: Scene, press: Press) -> Press | None:
     ratios = scene.skin.stretch.ratios if scene.skin.stretch else (1.0, 1.0)
     if ratios == (1.0, 1.0):
         return press
-    if ratios[0] != ratios[1] and any(isinstance(touch, Disc) for touch in press.touches):
-        return None
     return Press(tuple(_moved(touch, *ratios) for touch in press.touches))
 
 
@@ -144,8 +142,6 @@ def _moved(touch: AnyTouch, along: float, across: float) -> AnyTouch:
     match touch:
         case Rectangle(x, y, width, height, factor):
             return Rectangle(x * along, y * across, width * along, height * across, factor)
-        case Disc(x, y, radius, factor):
-            return Disc(x * along, y * across, radius * along, factor)
         case _:
             assert isinstance(touch, Touch)
             return touch

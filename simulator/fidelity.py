@@ -129,10 +129,15 @@ class Solver:
         raise ToleranceError(progress.rejected[-1])
 
     def _varied(self, press: Press, pressed: Pressed | None, progress: Progress) -> None:
-        """Elements for what is not plain. Raises InputError where another model is asked for."""
+        """Elements for what is not plain. Raises InputError where another model is asked for.
+
+        A reduced model leaves touches of other shapes to them.
+        """
         if self.model not in ("auto", "sheet"):
             require_plain(self._even, f"the model {self.model!r}")
-            require_plain_press(press)
+            if self.model != "reduced" or pressed:
+                require_plain_press(press)
+            progress.reject(f"reduced: answers pixels and rect, got {press}")
         finer = meshes(self.scene, press, pressed, self.rtol)
         while not progress.done:
             try:

@@ -1,9 +1,7 @@
 """From a press to the capacitance per area: of every pixel, of any grid, and exactly.
 
-Every touch is a patch: a grid of a few cells, each covered to some fraction. A pixel and a
-rectangle are one cell, covered whole. A disc is DISC_CELLS x DISC_CELLS cells over the square
-around it, each covered to the part of its area that the disc takes: that is what a disc means where
-it is solved for.
+A pixel and a rectangle are patches that a mesh of lines follows. A disc is none: it enters a grid
+by the part that it takes of each cell's area, and what is solved for discs has arcs for edges.
 """
 
 from __future__ import annotations
@@ -19,29 +17,26 @@ from simulator.press import (
     AnyTouch,
     Box,
     Disc,
-    Indentation,
     Press,
+    Rectangle,
     Touch,
     require_plain,
 )
 from simulator.scene import Scene
 from simulator.sweeps import InputError
 
-DISC_CELLS = 16
-
 
 @dataclass(frozen=True)
 class Patch:
-    """A touch as cells between lines x and y in m, each covered to a fraction (row, column)."""
+    """What a touch covers between two lines x and two lines y in m, and its factor."""
 
     x: NDArray[np.float64]
     y: NDArray[np.float64]
-    fraction: NDArray[np.float64]
     factor: float
 
     def factors(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         """c over that without the touch, in the mean of each cell between other lines."""
-        covered = shared(self.y, y).T @ self.fraction @ shared(self.x, x)
+        covered = shared(self.y, y).T @ shared(self.x, x)
         return weighed(covered, self.factor)
 
 
@@ -111,23 +106,18 @@ def pixel_lines(scene: Scene, axis: int) -> NDArray[np.float64]:
 
 
 def patch(scene: Scene, touch: AnyTouch) -> Patch:
-    """The cells that a touch is. Raises InputError where it is not plain."""
-    require_plain(Press((touch,)))
+    """What a touch covers. Raises InputError where it is not plain."""
     box = touched_box(scene, touch)
-    if not isinstance(touch, Disc):
-        return Patch(np.array(box[:2]), np.array(box[2:]), np.ones((1, 1)), touch.factor)
-    x = np.linspace(box.left, box.right, DISC_CELLS + 1)
-    y = np.linspace(box.bottom, box.top, DISC_CELLS + 1)
-    return Patch(x, y, disc_fraction(touch.x, touch.y, touch.radius, x, y), touch.factor)
+    return Patch(np.array(box[:2]), np.array(box[2:]), touch.factor)
 
 
 def touched_box(scene: Scene, touch: AnyTouch) -> Box:
-    """The least rectangle around a touch; its sides are pixels' lines where they are the same.
+    """The rectangle that a touch is; its sides are pixels' lines where they are the same.
 
-    Raises InputError where that is not the touch, nor a disc's.
+    Raises InputError where it is none.
     """
     require_plain(Press((touch,)))
-    assert not isinstance(touch, Indentation)
+    assert isinstance(touch, Touch | Rectangle)
     x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
     if isinstance(touch, Touch):
         row, column = touch.row, touch.column

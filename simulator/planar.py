@@ -2,10 +2,51 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Points = NDArray[np.float64]
+
+
+class Circle(NamedTuple):
+    """Around (x, y), in m."""
+
+    x: float
+    y: float
+    radius: float
+
+    @property
+    def centre(self) -> NDArray[np.float64]:
+        """(x, y) in m, shape (2,)."""
+        return np.array([self.x, self.y])
+
+    def at(self, angle: NDArray[np.float64]) -> Points:
+        """Points at angles [rad] anticlockwise from x, shape (...) to (..., 2)."""
+        return self.centre + self.radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+    def angle(self, points: Points) -> NDArray[np.float64]:
+        """Of points (..., 2) as they are seen from the centre, 0 to 2 pi rad, shape (...)."""
+        x, y = np.moveaxis(points - self.centre, -1, 0)
+        return np.arctan2(y, x) % (2 * np.pi)
+
+    def beyond(self, points: Points) -> NDArray[np.float64]:
+        """How far outside points (..., 2) lie, negative within, m, shape (...)."""
+        return np.linalg.norm(points - self.centre, axis=-1) - self.radius
+
+    def holds(self, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Whether positions x, shape (2, ...), lie within it, shape (...)."""
+        return self.beyond(np.moveaxis(x, 0, -1)) < 0
+
+    def gap(self, other: Circle | Points) -> float:
+        """To another circle or to a polygon's sides, m; 0 where they meet."""
+        if isinstance(other, Circle):
+            far = float(np.linalg.norm(other.centre - self.centre))
+            apart = max(far - other.radius, other.radius - far) - self.radius
+            return max(apart, self.radius - other.radius - far, 0.0)
+        nearest = float(distance(self.centre[None], sides(other)).min()) - self.radius
+        return max(nearest, float(-self.beyond(other).max()), 0.0)
 
 
 def regular(x: float, y: float, radius: float, sides: int) -> Points:

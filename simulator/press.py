@@ -72,8 +72,8 @@ class Press:
 
     @property
     def plain(self) -> bool:
-        """Whether it is nothing but factors of pixels, rectangles and discs."""
-        return not any(isinstance(touch, Polygon | Indentation) for touch in self.touches)
+        """Whether it is nothing but factors of pixels and rectangles."""
+        return all(isinstance(touch, Touch | Rectangle) for touch in self.touches)
 
     @property
     def sharp(self) -> Press:
@@ -101,8 +101,8 @@ def require_plain(press: Press) -> None:
     """Raises InputError unless the press is plain."""
     if not press.plain:
         raise InputError(
-            f"press {press}: must be capacitance factors of pixels, rect or disc here, "
-            "without depth, force or poly"
+            f"press {press}: must be capacitance factors of pixels or rect here, "
+            "without depth, force, disc or poly"
         )
 
 

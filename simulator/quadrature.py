@@ -60,6 +60,10 @@ class Surface:
         along, across = self.along, self.across
         return np.abs(along[0] * across[1] - along[1] * across[0])
 
+    def some(self, cells: NDArray[np.int64] | slice) -> Surface:
+        """Of some of the cells."""
+        return Surface(self.x[:, cells], self.along[:, cells], self.across[:, cells])
+
 
 def gauss_rule(element: Element, degree: int) -> Rule:
     """The product rule that is exact for polynomials of that degree in a and in b."""

@@ -17,7 +17,7 @@ from pydantic import (
     model_validator,
 )
 
-from simulator.contour import Outline, check_outline, curves, position, section
+from simulator.contour import Outline, check_outline, curves, section
 from simulator.foam_properties import Mechanics
 from simulator.frequency import Loss
 from simulator.leads import Leads
@@ -214,8 +214,8 @@ class Contact(Table):
         """
         if skin.outline is not None:
             along = section(self, skin)
-            corners = curves(skin)[along.curve]
-            return position(corners, along.start), position(corners, along.stop)
+            curve = curves(skin)[along.curve]
+            return curve.at(along.start), curve.at(along.stop)
         low, high = self.span
         if self.edge in ("left", "right"):
             x = 0.0 if self.edge == "left" else skin.length

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.foam import patch, touched_box, weighed
-from simulator.press import AnyTouch, Box, Disc, Press, Rectangle
+from simulator.foam import touched_box
+from simulator.press import AnyTouch, Box, Press, Rectangle
 from simulator.scene import Scene
 
 SMALLEST, LARGEST, FACTORS = 0.03, 0.5, (1.3, 3.0)
@@ -46,10 +45,9 @@ def rectangles(scene: Scene, press: Press, power: int = 1) -> list[tuple[Box, fl
     """
     total: list[tuple[Box, float]] = []
     for touch in press.touches:
-        own = [(box, factor**power - 1) for box, factor in _pieces(scene, touch)]
-        pairs = itertools.product(total, own)
-        common = [(_common(box, other), rise * more) for (box, rise), (other, more) in pairs]
-        total += own
+        own, adds = _box(scene, touch), touch.factor**power - 1
+        common = [(_common(box, own), rise * adds) for box, rise in total]
+        total.append((own, adds))
         total += [
             (box, rise) for box, rise in common if box.left < box.right and box.bottom < box.top
         ]
@@ -76,19 +74,9 @@ def _random_rectangle(scene: Scene, rng: np.random.Generator) -> Rectangle:
     return Rectangle(x, y, width, height, rng.uniform(*FACTORS))
 
 
-def _pieces(scene: Scene, touch: AnyTouch) -> list[tuple[Box, float]]:
-    """Rectangles beside each other, with factors: of a disc its cells, joined along rows."""
-    if not isinstance(touch, Disc):
-        box = touch.box if isinstance(touch, Rectangle) else touched_box(scene, touch)
-        return [(box, touch.factor)]
-    cells, found = patch(scene, touch), []
-    factors = weighed(cells.fraction, cells.factor)
-    for row, (bottom, top) in enumerate(itertools.pairwise(cells.y.tolist())):
-        changes = np.flatnonzero(np.diff(factors[row])) + 1
-        for first, stop in itertools.pairwise([0, *changes.tolist(), factors.shape[1]]):
-            box = Box(float(cells.x[first]), float(cells.x[stop]), bottom, top)
-            found.append((box, float(factors[row, first])))
-    return [(box, factor) for box, factor in found if factor != 1]
+def _box(scene: Scene, touch: AnyTouch) -> Box:
+    """What a touch covers; raises InputError as `touched_box`."""
+    return touch.box if isinstance(touch, Rectangle) else touched_box(scene, touch)
 
 
 def _common(one: Box, other: Box) -> Box:

@@ -8,22 +8,25 @@ import numpy as np
 
 from simulator.domain.drawn import drawn
 from simulator.domain.imported import imported
-from simulator.domain.refinement import refined
-from simulator.domain.region import DISC_SIDES, Domain, Points, sharp_touches
+from simulator.domain.region import Domain, Points, sharp_touches
+from simulator.domain.untangled import finer
+from simulator.planar import Circle
 from simulator.press import Press
 from simulator.scene import Scene
 
-__all__ = ["DISC_SIDES", "Domain", "domain", "every_press", "refined", "sharp_touches"]
+__all__ = ["Domain", "domain", "every_press", "finer", "sharp_touches"]
 
 
-def domain(scene: Scene, press: Press, size: float, creases: Sequence[Points] = ()) -> Domain:
+def domain(
+    scene: Scene, press: Press, size: float, creases: Sequence[Circle | Points] = ()
+) -> Domain:
     """The skin of a scene as triangles that conform to all at which something jumps.
 
     These are its outline and holes, the lines of pixels, the ends of foils, the edges of the
-    press's touches that have a factor, and `creases`, polylines of shape (point, 2). All are in m.
-    A disc is a polygon of DISC_SIDES sides, a circle of an outline one of CIRCLE_SIDES, of the same
-    area. size: the longest edge asked for [m]; edges are shorter where something small is near. A
-    mesh that a file brings keeps its own size, and is cut where it does not conform.
+    press's touches that have a factor, and `creases`, circles and polylines of shape (point, 2).
+    All are in m. Edges along circles are arcs. size: the longest edge asked for [m]; edges are
+    shorter where something small is near. A mesh that a file brings keeps its own size, and is cut
+    where it does not conform.
 
     Raises InputError where a mesh file does not serve, or gmsh cannot be loaded.
     """

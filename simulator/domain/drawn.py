@@ -5,13 +5,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from simulator.contour import curves, section
+from simulator.contour import Curve, curves, section
+from simulator.domain.arcs import Arcs, arc_length, on_arcs
 from simulator.domain.arrangement import Arrangement, arranged
-from simulator.domain.mesher import meshed
-from simulator.domain.region import Domain, Numbers, Points, corners, labelled, sharp_touches
+from simulator.domain.chords import Chords, chords
+from simulator.domain.mesher import Meshed, meshed
+from simulator.domain.region import (
+    Domain,
+    Numbers,
+    Points,
+    closed,
+    edges_of_touches,
+    labelled,
+    unlabelled,
+)
+from simulator.domain.untangled import untangled
 from simulator.foam import pixel_lines
-from simulator.planar import inside, sides
+from simulator.planar import Circle
 from simulator.press import Press
 from simulator.scene import Contact, Scene
 
@@ -19,16 +31,20 @@ SAME = 1e-8
 """What is nearer than this times the skin's longer side is at one place."""
 
 
-def drawn(scene: Scene, press: Press, size: float, creases: Sequence[Points]) -> Domain:
+def drawn(scene: Scene, press: Press, size: float, creases: Sequence[Circle | Points]) -> Domain:
     """See `simulator.domain.domain`."""
     skin = scene.skin
     around = curves(skin)
     marks = np.array([end for contact in scene.contacts for end in contact.ends(skin)])
-    segments = np.concatenate([*map(sides, around), *inner_segments(scene, press, creases)])
     same = SAME * max(skin.length, skin.width)
-    drawing = _clipped(arranged(segments, same, marks), around)
-    curve, middle = _on_boundary(drawing, around)
-    mesh = meshed(drawing.points, drawing.pieces, curve, size)
+    found = chords(
+        [*(closed(curve.shape) for curve in around), *_inner(scene, press, creases)], marks, same
+    )
+    segments, curvature = (np.concatenate(part) for part in zip(*found, strict=True))
+    drawing = _clipped(arranged(segments, same, marks), curvature, around, found)
+    bends = curvature[drawing.segment]
+    curve, middle = _on_boundary(drawing, bends, around, found)
+    mesh = meshed(drawing.points, drawing.pieces, bends, curve, size)
 
     def under(contact: Contact) -> Numbers:
         along = section(contact, skin)
@@ -36,41 +52,82 @@ def drawn(scene: Scene, press: Press, size: float, creases: Sequence[Points]) ->
         return mesh.lines[:, there[mesh.piece]]
 
     foils = {contact.name: under(contact) for contact in scene.contacts}
-    return labelled(scene, press, mesh.p, mesh.t, foils)
+    bare = unlabelled(mesh.p, mesh.t, foils, mesh.lines, _arcs(mesh, drawing, bends))
+    return labelled(scene, press, untangled(bare))
 
 
-def inner_segments(scene: Scene, press: Press, creases: Sequence[Points]) -> list[Points]:
-    """Lines between pixels, edges of touches and `creases`, each of shape (segment, end, 2)."""
+def _inner(scene: Scene, press: Press, creases: Sequence[Circle | Points]) -> list[Circle | Points]:
+    """Circles, and segments (segment, 2, 2), of lines between pixels, touches and creases; m."""
     x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
     return [
         np.array([[(line, y[0]), (line, y[-1])] for line in x[1:-1]]).reshape(-1, 2, 2),
         np.array([[(x[0], line), (x[-1], line)] for line in y[1:-1]]).reshape(-1, 2, 2),
-        *(sides(corners(scene, touch)) for touch in sharp_touches(press)),
-        *(np.stack([crease[:-1], crease[1:]], axis=1) for crease in creases),
+        *edges_of_touches(scene, press, creases),
     ]
 
 
-def _clipped(whole: Arrangement, around: Sequence[Points]) -> Arrangement:
+def _clipped(
+    whole: Arrangement,
+    curvature: NDArray[np.float64],
+    around: Sequence[Curve],
+    found: Sequence[Chords],
+) -> Arrangement:
     """The boundary, and the pieces within the outline and in none of its holes."""
-    middle = whole.points[whole.pieces].mean(axis=1).T
+    middle = _middles(whole, curvature[whole.segment]).T
     outline, *holes = around
-    kept = inside(outline, middle)
+    kept = outline.holds(middle)
     for hole in holes:
-        kept &= ~inside(hole, middle)
-    kept |= whole.segment < sum(map(len, around))
+        kept &= ~hole.holds(middle)
+    kept |= whole.segment < _boundary_segments(around, found)
     return Arrangement(whole.points, whole.pieces[kept], whole.segment[kept])
 
 
-def _on_boundary(drawing: Arrangement, around: Sequence[Points]) -> tuple[Numbers, Points]:
+def _boundary_segments(around: Sequence[Curve], found: Sequence[Chords]) -> int:
+    return sum(len(each.curvature) for each in found[: len(around)])
+
+
+def _on_boundary(
+    drawing: Arrangement,
+    bends: NDArray[np.float64],
+    around: Sequence[Curve],
+    found: Sequence[Chords],
+) -> tuple[Numbers, NDArray[np.float64]]:
     """The closed curve that each piece is part of, -1 inside, and how far along it, m.
 
     Both of shape (piece,); the latter is that of the piece's middle.
     """
-    each = np.concatenate([sides(curve) for curve in around])
-    lengths = np.linalg.norm(each[:, 1] - each[:, 0], axis=1)
-    of_curve = np.repeat(np.arange(len(around)), [len(curve) for curve in around])
-    before = np.concatenate([np.cumsum(lengths[of_curve == k]) for k in range(len(around))])
-    segment = np.minimum(drawing.segment, len(each) - 1)
-    middle = drawing.points[drawing.pieces].mean(axis=1)
-    at = (before - lengths)[segment] + np.linalg.norm(middle - each[segment, 0], axis=1)
-    return np.where(drawing.segment < len(each), of_curve[segment], -1), at
+    rims = found[: len(around)]
+    of_curve = np.repeat(np.arange(len(rims)), [len(each.curvature) for each in rims])
+    starts = np.concatenate(
+        [_starts(curve, each) for curve, each in zip(around, rims, strict=True)]
+    )
+    first = np.concatenate([each.segments[:, 0] for each in rims])
+    curve, along = np.full(len(bends), -1), np.zeros(len(bends))
+    there = np.flatnonzero(drawing.segment < len(starts))
+    segment = drawing.segment[there]
+    off = np.linalg.norm(_middles(drawing, bends)[there] - first[segment], axis=1)
+    curve[there], along[there] = of_curve[segment], starts[segment] + arc_length(off, bends[there])
+    return curve, along
+
+
+def _starts(curve: Curve, rim: Chords) -> NDArray[np.float64]:
+    """How far along a curve its chords begin, m."""
+    shape = curve.shape
+    if isinstance(shape, Circle):
+        return shape.radius * shape.angle(rim.segments[:, 0])
+    return curve.marks[:-1]
+
+
+def _middles(drawing: Arrangement, bends: NDArray[np.float64]) -> Points:
+    """Of pieces or the arcs over them, m, shape (piece, 2)."""
+    start, stop = (drawing.points[end].T for end in drawing.pieces.T)
+    return on_arcs(start, stop, bends).T
+
+
+def _arcs(mesh: Meshed, drawing: Arrangement, bends: NDArray[np.float64]) -> Arcs:
+    """The mesh's lines along pieces that bend."""
+    bent = bends[mesh.piece] != 0
+    lines, piece = mesh.lines[:, bent], mesh.piece[bent]
+    run = mesh.p[:, lines[1]] - mesh.p[:, lines[0]]
+    start, stop = (drawing.points[end].T for end in drawing.pieces[piece].T)
+    return Arcs(lines, bends[piece] * np.sign((run * (stop - start)).sum(axis=0)))

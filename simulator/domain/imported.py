@@ -9,24 +9,20 @@ from dataclasses import replace
 import numpy as np
 
 from simulator.domain.arrangement import arranged
+from simulator.domain.bending import bent
+from simulator.domain.chords import chords
 from simulator.domain.collapsing import collapsed, compressed
 from simulator.domain.cutting import cut
 from simulator.domain.flipping import edges_along, flipped
 from simulator.domain.refinement import refined
-from simulator.domain.region import (
-    Domain,
-    Numbers,
-    Points,
-    corners,
-    labelled,
-    sharp_touches,
-)
+from simulator.domain.region import Domain, Numbers, Points, edges_of_touches, labelled, unlabelled
 from simulator.domain.snapping import snapped
 from simulator.domain.sound import check
-from simulator.domain.triangles import rim_points
+from simulator.domain.triangles import edges_of, rim_points
+from simulator.domain.untangled import untangled
 from simulator.foam import pixel_lines
 from simulator.mesh_file import Surface, foil_lines, read_surface
-from simulator.planar import distance, sides
+from simulator.planar import Circle, distance, regular, sides
 from simulator.press import Press
 from simulator.scene import Scene
 from simulator.sweeps import InputError
@@ -36,11 +32,13 @@ SAME = 1e-8
 
 MENDED = 3
 """Times that points are taken out and edges turned, for what one allows the other."""
+SIDES_IN_SPACE = 512
+"""Of the polygon that a circle is on a mesh in space: its area is the same, as seen along z."""
 COARSEST = 2.0
 """Longest edges of triangles over the length of what they are cut along."""
 
 
-def imported(scene: Scene, press: Press, creases: Sequence[Points]) -> Domain:
+def imported(scene: Scene, press: Press, creases: Sequence[Circle | Points]) -> Domain:
     """See `simulator.domain.domain`."""
     path = scene.skin.mesh
     assert path is not None
@@ -48,23 +46,25 @@ def imported(scene: Scene, press: Press, creases: Sequence[Points]) -> Domain:
     _check(path, surface)
     foils = {contact.name: foil_lines(surface, contact.edge, path) for contact in scene.contacts}
     pixel = _grouped(path, surface, scene)
-    uncovered = np.zeros((0, len(pixel)), dtype=bool)
-    whole = Domain(surface.p, surface.t, pixel, uncovered, foils)
-    mesh = _conforming(whole, _segments(scene, press, creases))
-    labels = labelled(scene, press, mesh.p, mesh.t, mesh.foils)
+    whole = replace(unlabelled(surface.p, surface.t, foils), pixel=pixel)
+    mesh = _conforming(whole, _shapes(scene, press, creases))
+    labels = labelled(scene, press, mesh)
     return labels if scene.pixels.groups is None else replace(labels, pixel=mesh.pixel)
 
 
-def _conforming(mesh: Domain, segments: Points) -> Domain:
-    """The mesh cut along segments, shape (segment, end, 2); a flat one is kept well shaped."""
-    if not len(segments):
+def _conforming(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
+    """The mesh cut along circles and segments (segment, 2, 2); a flat one is kept well shaped."""
+    if not len(shapes):
         return mesh
     same = SAME * float(np.ptp(mesh.p, axis=1).max())
+    if len(mesh.p) == 3:
+        return _cut_as_seen(mesh, shapes, same)
+    fixed = _fixed_lines(mesh)
+    drawn = chords([*shapes, fixed], np.empty((0, 2)), same)[:-1]
+    segments, curvature = (np.concatenate(part) for part in zip(*drawn, strict=True))
     lines = arranged(segments, same)
     pieces = lines.points[lines.pieces]
     mesh = _as_fine(mesh, pieces)
-    if len(mesh.p) == 3:
-        return cut(mesh, pieces, same)
     between = _between(mesh.t, mesh.pixel)
     mesh = replace(mesh, p=snapped(mesh.p, mesh.t, between, lines.points, pieces))
     mesh = cut(mesh, pieces, same)
@@ -73,7 +73,29 @@ def _conforming(mesh: Domain, segments: Points) -> Domain:
     for _ in range(MENDED):
         mesh = collapsed(mesh, movable, edges_along(mesh.p, mesh.t, pieces, same))
         mesh = replace(mesh, t=flipped(mesh.p, mesh.t, mesh.pixel, pieces, same))
-    return compressed(mesh)
+    return untangled(bent(compressed(mesh), lines, curvature[lines.segment], same))
+
+
+def _cut_as_seen(mesh: Domain, shapes: Sequence[Circle | Points], same: float) -> Domain:
+    """A mesh in space cut along lines as they are seen along z; circles are polygons."""
+    straight = [
+        sides(regular(*shape, SIDES_IN_SPACE)) if isinstance(shape, Circle) else shape
+        for shape in shapes
+    ]
+    lines = arranged(np.concatenate(straight), same)
+    pieces = lines.points[lines.pieces]
+    return cut(_as_fine(mesh, pieces), pieces, same)
+
+
+def _fixed_lines(mesh: Domain) -> Points:
+    """The edges at the boundary and between pixels, which circles must meet where they do."""
+    edges, of_triangle = edges_of(mesh.t)
+    low, high = (np.full(edges.shape[1], start) for start in (mesh.pixel.max(), mesh.pixel.min()))
+    every = np.tile(mesh.pixel, 3)
+    np.minimum.at(low, of_triangle.ravel(), every)
+    np.maximum.at(high, of_triangle.ravel(), every)
+    kept = (low < high) | (np.bincount(of_triangle.ravel()) == 1)
+    return mesh.p[:, edges[:, kept]].transpose(2, 1, 0)
 
 
 def _as_fine(mesh: Domain, pieces: Points) -> Domain:
@@ -108,15 +130,15 @@ def _check(path: str, surface: Surface) -> None:
     check(path, surface.p, surface.t)
 
 
-def _segments(scene: Scene, press: Press, creases: Sequence[Points]) -> Points:
+def _shapes(
+    scene: Scene, press: Press, creases: Sequence[Circle | Points]
+) -> list[Circle | Points]:
     """Lines around pixels unless those are groups, edges of touches and `creases`."""
     x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
     across = [np.array([(line, y[0]), (line, y[-1])]) for line in x]
     along = [np.array([(x[0], line), (x[-1], line)]) for line in y]
     grid = [] if scene.pixels.groups else [np.array([*across, *along])]
-    of_touches = [sides(corners(scene, touch)) for touch in sharp_touches(press)]
-    of_creases = [np.stack([crease[:-1], crease[1:]], axis=1) for crease in creases]
-    return np.concatenate([*grid, *of_touches, *of_creases, np.empty((0, 2, 2))])
+    return [*grid, *edges_of_touches(scene, press, creases)]
 
 
 def _grouped(path: str, surface: Surface, scene: Scene) -> Numbers:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from simulator.domain.arcs import centres
 from simulator.domain.spacing import spacings
 from simulator.domain.triangles import edge_numbers, edges_of
 from simulator.sweeps import InputError
@@ -46,16 +47,19 @@ class Meshed(NamedTuple):
     piece: Numbers
 
 
-def meshed(points: Points, pieces: Numbers, curve: Numbers, size: float) -> Meshed:
+def meshed(
+    points: Points, pieces: Numbers, curvature: Points, curve: Numbers, size: float
+) -> Meshed:
     """Triangles with edges of at most about `size` [m] that conform to every piece of a drawing.
 
     points: m, shape (point, 2). pieces: numbers of their ends, shape (piece, 2), in order along
-    each closed curve that bounds the drawing. curve: that which a piece is part of, 0 around it and
+    each closed curve that bounds the drawing. curvature: of the arcs over pieces, 1/m, shape
+    (piece,); 0 where they are straight. curve: that which a piece is part of, 0 around it and
     1, 2, ... around holes, -1 inside, shape (piece,).
     """
     scale = 2.0 ** np.floor(np.log2(EXTENT / np.ptp(points, axis=0).max()))
     with _gmsh() as gmsh:
-        _draw(gmsh, points * scale, pieces, curve)
+        _draw(gmsh, points * scale, pieces, curvature / scale, curve)
         _set_sizes(gmsh, points * scale, pieces, size * scale)
         gmsh.model.mesh.generate(2)
         return _read(gmsh, len(pieces), scale)
@@ -88,13 +92,19 @@ def _gmsh() -> Iterator[Any]:
                 gmsh.option.setNumber(name, value)
 
 
-def _draw(gmsh: Any, points: Points, pieces: Numbers, curve: Numbers) -> None:
+def _draw(gmsh: Any, points: Points, pieces: Numbers, curvature: Points, curve: Numbers) -> None:
     """Piece number i becomes gmsh's curve i + 1."""
     geo = gmsh.model.geo
     for number in np.unique(pieces).tolist():
         geo.addPoint(*points[number].tolist(), 0.0, 0.0, number + 1)
-    for number, (start, stop) in enumerate(pieces.tolist()):
-        geo.addLine(start + 1, stop + 1, number + 1)
+    straight = curvature == 0
+    for number in np.flatnonzero(straight).tolist():
+        geo.addLine(*(pieces[number] + 1).tolist(), number + 1)
+    start, stop = (points[end].T for end in pieces[~straight].T)
+    of_circles = centres(start, stop, curvature[~straight]).T.tolist()
+    for number, centre in zip(np.flatnonzero(~straight).tolist(), of_circles, strict=True):
+        first, last = (pieces[number] + 1).tolist()
+        geo.addCircleArc(first, geo.addPoint(*centre, 0.0), last, number + 1)
     count = int(curve.max()) + 1
     for number in range(count):
         geo.addCurveLoop((np.flatnonzero(curve == number) + 1).tolist(), number + 1)

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from simulator.domain.arcs import on_arcs
 from simulator.domain.region import Domain, Numbers, Points
 from simulator.domain.triangles import edges_of, halves
 
@@ -20,39 +21,57 @@ from simulator.domain.triangles import edges_of, halves
 def refined(domain: Domain, marked: ArrayLike) -> Domain:
     """The domain with the marked triangles, by number, cut in four, and those beside as needed.
 
-    Sides stay straight: what was a polygon stays the same one. Labels and foils are inherited.
+    New points on arcs lie on these. Labels, foils, seams and arcs are inherited.
     """
-    t = _by_longest_edge(domain.p, domain.t)
-    edges, of_triangle = edges_of(t)
-    halved = _halved(of_triangle, np.asarray(marked, dtype=np.int64))
+    return _cut(domain, edges_of(domain.t)[1][:, np.asarray(marked, dtype=np.int64)])
+
+
+def arcs_halved(domain: Domain, marked: ArrayLike) -> Domain:
+    """The same with the arcs of the marked triangles, by number, cut in two."""
+    some = np.asarray(marked, dtype=np.int64)
+    own = edges_of(domain.t)[1][:, some]
+    return _cut(domain, own[domain.curvature[:, some] != 0])
+
+
+def _cut(domain: Domain, marked: Numbers) -> Domain:
+    """With these edges halved, by number, and the longest of each triangle that has one."""
+    edges, of_triangle = edges_of(domain.t)
+    turn = _longest_first(domain.p, domain.t)
+    t = np.take_along_axis(domain.t, turn, axis=0)
+    of_triangle = np.take_along_axis(of_triangle, turn, axis=0)
+    halved = _halved(of_triangle, marked)
     middle = np.full(edges.shape[1], -1, dtype=np.int64)
     middle[halved] = domain.p.shape[1] + np.arange(np.count_nonzero(halved))
-    p = np.hstack([domain.p, domain.p[:, edges[:, halved]].mean(axis=1)])
+    start, stop = (domain.p[:, end] for end in edges[:, halved])
+    new = (start + stop) / 2
+    if len(domain.arcs.curvature):
+        new = on_arcs(start, stop, domain.arcs.of(edges)[halved])
     children, parent = _split(t, middle[of_triangle])
     order = np.argsort(parent, kind="stable")
     parent = parent[order]
     return replace(
         domain,
-        p=p,
+        p=np.hstack([domain.p, new]),
         t=np.sort(children[:, order], axis=0),
         pixel=domain.pixel[parent],
         covered=domain.covered[:, parent],
         foils={name: halves(lines, edges, middle) for name, lines in domain.foils.items()},
+        seams=halves(domain.seams, edges, middle),
+        arcs=domain.arcs.halved(edges, middle),
     )
 
 
-def _by_longest_edge(p: Points, t: Numbers) -> Numbers:
-    """Triangles turned such that their longest edge leads from corner 0 to 1."""
+def _longest_first(p: Points, t: Numbers) -> Numbers:
+    """Corners in turn such that the longest edge leads from the first to the second, (3, cell)."""
     a, b, c = (p[:, corner] for corner in t)
     squared = np.array([((u - v) ** 2).sum(axis=0) for u, v in ((a, b), (b, c), (c, a))])
-    turn = squared.argmax(axis=0)
-    return np.take_along_axis(t, (np.arange(3)[:, None] + turn) % 3, axis=0)
+    return (np.arange(3)[:, None] + squared.argmax(axis=0)) % 3
 
 
 def _halved(of_triangle: Numbers, marked: Numbers) -> NDArray[np.bool_]:
-    """Edges to halve: those of marked triangles, and the longest beside each, shape (edge,)."""
+    """Edges to halve: those that are marked, and the longest of each triangle, shape (edge,)."""
     halved = np.zeros(of_triangle.max() + 1, dtype=bool)
-    halved[of_triangle[:, marked]] = True
+    halved[marked] = True
     while True:
         cut = halved[of_triangle]
         lacking = cut.any(axis=0) & ~cut[0]

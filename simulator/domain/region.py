@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from simulator.domain.arcs import NO_ARCS, Arcs, beside_chords, mapped
+from simulator.domain.triangles import edges_of
 from simulator.foam import pixel_lines, touched_box
-from simulator.planar import inside, regular
-from simulator.press import AnyTouch, Disc, Polygon, Press, Rectangle
+from simulator.planar import Circle, inside, sides
+from simulator.press import Disc, Place, Polygon, Press, Rectangle, Touch
 from simulator.scene import Scene
-
-DISC_SIDES = 128
-"""Of the regular polygon of the same area that a disc is; its circumference is 1e-4 longer."""
 
 Points = NDArray[np.float64]
 Numbers = NDArray[np.int64]
+Angular = Touch | Rectangle | Polygon
+NO_EDGES = np.zeros((2, 0), dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,8 @@ class Domain:
     (3, triangle). pixel: row * columns + column, both from 0, -1 where there is none, shape
     (triangle,). covered: whether each of `sharp_touches` covers a triangle, shape (touch,
     triangle). foils: for each contact the numbers of points of its facets, ascending in each
-    column, shape (2, facet).
+    column, shape (2, facet). seams: likewise of the edges that were asked for, across which
+    something may jump. arcs: the edges that are not straight; none in space.
     """
 
     p: Points
@@ -35,11 +38,28 @@ class Domain:
     pixel: Numbers
     covered: NDArray[np.bool_]
     foils: dict[str, Numbers]
+    seams: Numbers
+    arcs: Arcs = NO_ARCS
+
+    @property
+    def curvature(self) -> NDArray[np.float64]:
+        """Of the edges of each triangle from points 0 to 1, 1 to 2 and 0 to 2, in 1/m.
+
+        Positive where the edge bends to the left, shape (3, triangle).
+        """
+        edges, of_triangle = edges_of(self.t)
+        return self.arcs.of(edges)[of_triangle]
+
+    @property
+    def middles(self) -> Points:
+        """A place within each triangle, m, shape (2, triangle)."""
+        third = np.full((2, 1), 1 / 3)
+        return mapped(self.p[:2], self.t, self.curvature, third)[0][:, :, 0]
 
     @property
     def areas(self) -> NDArray[np.float64]:
         """Of the triangles, m², shape (triangle,)."""
-        return areas(self.p, self.t)
+        return areas(self.p, self.t) + beside_chords(self.p, self.t, self.curvature).sum(axis=0)
 
     @property
     def lengths(self) -> NDArray[np.float64]:
@@ -63,26 +83,63 @@ def sharp_touches(press: Press) -> list[Rectangle | Disc | Polygon]:
     return [each for each in press.touches if isinstance(each, Rectangle | Disc | Polygon)]
 
 
-def corners(scene: Scene, touch: AnyTouch) -> Points:
-    """The polygon that such a touch is, shape (corner, 2)."""
-    if isinstance(touch, Disc):
-        return regular(touch.x, touch.y, touch.radius, DISC_SIDES)
-    if isinstance(touch, Polygon):
-        return np.array(touch.points, dtype=float)
-    left, right, bottom, top = touched_box(scene, touch)
+def shape_of(scene: Scene, place: Place) -> Circle | Points:
+    """The circle that a place is, or the corners of its polygon, shape (corner, 2)."""
+    if isinstance(place, Disc):
+        return Circle(place.x, place.y, place.radius)
+    return polygon_of(scene, place)
+
+
+def polygon_of(scene: Scene, place: Angular) -> Points:
+    """The corners of a place that is no disc, shape (corner, 2)."""
+    if isinstance(place, Polygon):
+        return np.array(place.points, dtype=float)
+    left, right, bottom, top = touched_box(scene, place)
     return np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
 
 
-def labelled(
-    scene: Scene, press: Press, p: Points, t: Numbers, foils: dict[str, Numbers]
+def closed(shape: Circle | Points) -> Circle | Points:
+    """A circle as it is; of corners (corner, 2) the sides between them, (segment, 2, 2)."""
+    return shape if isinstance(shape, Circle) else sides(shape)
+
+
+def edges_of_touches(
+    scene: Scene, press: Press, creases: Sequence[Circle | Points]
+) -> list[Circle | Points]:
+    """Circles, and segments (segment, 2, 2), of touches with a factor and of creases; m."""
+    return [
+        *(closed(shape_of(scene, touch)) for touch in sharp_touches(press)),
+        *(
+            crease if isinstance(crease, Circle) else np.stack([crease[:-1], crease[1:]], axis=1)
+            for crease in creases
+        ),
+    ]
+
+
+def labelled(scene: Scene, press: Press, mesh: Domain) -> Domain:
+    """Triangles that conform to pixels and touches, labelled by their middles."""
+    middle = mesh.middles
+    shapes = [shape_of(scene, touch) for touch in sharp_touches(press)]
+    of_touches = [
+        shape.holds(middle) if isinstance(shape, Circle) else inside(shape, middle)
+        for shape in shapes
+    ]
+    covered = np.array(of_touches, dtype=bool).reshape(-1, mesh.t.shape[1])
+    return replace(mesh, pixel=pixels(scene, middle), covered=covered)
+
+
+def unlabelled(
+    p: Points,
+    t: Numbers,
+    foils: dict[str, Numbers],
+    seams: Numbers = NO_EDGES,
+    arcs: Arcs = NO_ARCS,
 ) -> Domain:
-    """The domain of triangles that conform to pixels and touches, labelled by their centres."""
+    """Triangles before it is known what they are part of."""
     t = np.sort(t, axis=0)
-    middle = p[:2, t].mean(axis=1)
-    of_touches = [inside(corners(scene, touch), middle) for touch in sharp_touches(press)]
-    covered = np.array(of_touches, dtype=bool).reshape(-1, t.shape[1])
+    pixel, covered = np.full(t.shape[1], -1), np.zeros((0, t.shape[1]), dtype=bool)
     foils = {name: np.sort(facets, axis=0) for name, facets in foils.items()}
-    return Domain(p, t, pixels(scene, middle), covered, foils)
+    return Domain(p, t, pixel, covered, foils, seams, arcs)
 
 
 def pixels(scene: Scene, x: Points) -> Numbers:
@@ -91,7 +148,5 @@ def pixels(scene: Scene, x: Points) -> Numbers:
         np.searchsorted(pixel_lines(scene, axis), x[axis], side="right") - 1 for axis in (0, 1)
     )
     rows, columns = scene.pixels.shape
-    if scene.skin.mesh is None:  # circles as polygons may pass a side of the grid by their corners
-        row, column = np.clip(row, 0, rows - 1), np.clip(column, 0, columns - 1)
     within = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
     return np.where(within, row * columns + column, -1)

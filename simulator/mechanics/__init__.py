@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.domain.region import corners
+from simulator.domain.region import polygon_of
 from simulator.foam_properties import Mechanics
 from simulator.mechanics.limit import check_depths
 from simulator.mechanics.pressed import Pressed
@@ -18,6 +18,9 @@ from simulator.mechanics.stamps import stamped
 from simulator.press import Press
 from simulator.scene import Scene
 from simulator.scene_file import check_press
+
+DISC_SIDES = 128
+"""Of the polygon of the same area that a disc is to the membrane."""
 
 __all__ = ["Pressed", "pressed"]
 
@@ -36,10 +39,9 @@ def pressed(scene: Scene, press: Press, rtol: float) -> Pressed:
     mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
     assert mechanics is not None and thickness is not None
     check_depths(press, mechanics, thickness)
-    kinks = tuple(_closed(corners(scene, touch.place)) for touch in touches)
     if not mechanics.tension:
-        return stamped(scene, press, mechanics, thickness, kinks)
-    return _spread(scene, press, mechanics, thickness, kinks, rtol)
+        return stamped(scene, press, mechanics, thickness)
+    return _spread(scene, press, mechanics, thickness, rtol)
 
 
 def _spread(
@@ -47,13 +49,14 @@ def _spread(
     press: Press,
     mechanics: Mechanics,
     thickness: float,
-    kinks: tuple[NDArray[np.float64], ...],
     rtol: float,
 ) -> Pressed:
     from simulator.mechanics.adaptive import solved
-    from simulator.mechanics.ground import ground
+    from simulator.mechanics.ground import angular, ground
 
-    at_first = ground(scene, [touch.place for touch in press.indented])
+    angled, places = angular(scene, [touch.place for touch in press.indented], DISC_SIDES)
+    at_first = ground(angled, places)
+    kinks = tuple(_closed(polygon_of(scene, place)) for place in places)
     found = solved(press, at_first, mechanics, thickness, rtol)
     depth, force = tuple(found.rest.depth.tolist()), tuple(found.rest.force.tolist())
     return Pressed(

@@ -11,14 +11,19 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 from skfem import MeshTri
 
-from simulator.domain import Domain, domain, refined
-from simulator.domain.region import corners
-from simulator.press import Disc, Place, Press, Touch
+from simulator.contour import Curve
+from simulator.domain import Domain, domain
+from simulator.domain.refinement import refined
+from simulator.domain.region import Angular, shape_of
+from simulator.planar import Circle, regular
+from simulator.press import Disc, Place, Polygon, Press, Touch
 from simulator.scene import Scene
 from simulator.sweeps import InputError
 
 COARSEST = 8
 """Triangles along the longer side of the skin, before any are refined."""
+RIM_SIDES = 512
+"""Of the polygon that a circle of the outline is to the membrane, which hardly reaches it."""
 
 
 @dataclass(frozen=True)
@@ -65,20 +70,53 @@ def ground(scene: Scene, places: Sequence[Place]) -> Ground:
     Raises InputError where it is no plane, or a place lies beside it.
     """
     size = max(scene.skin.length, scene.skin.width) / COARSEST
-    apart = Press(tuple(place for place in places if not isinstance(place, Touch)))
-    found = domain(scene, apart, size)
+    apart = tuple(place for place in places if not isinstance(place, Touch))
+    found = domain(scene, Press(apart), size)
     if len(found.p) > 2:
         raise InputError(
             f"skin.mesh {scene.skin.mesh}: must lie in a plane for depth and force of a press"
         )
     columns = scene.pixels.columns
     pixel = [(p.row - 1) * columns + p.column - 1 if isinstance(p, Touch) else -1 for p in places]
-    polygons = [corners(scene, place) for place in places]
-    angular = [p for p, place in zip(polygons, places, strict=True) if not isinstance(place, Disc)]
+    shapes = [shape_of(scene, place) for place in places]
+    angular = [shape for shape in shapes if not isinstance(shape, Circle)]
     sharp = np.concatenate([np.zeros((0, 2)), *angular]).T
-    edges = sum(float(np.linalg.norm(p - np.roll(p, 1, axis=0), axis=1).sum()) for p in polygons)
-    laid = Ground(found, np.array(pixel), sharp, edges)
+    laid = Ground(found, np.array(pixel), sharp, sum(map(_around, shapes)))
     for place, covered in zip(places, laid.covered, strict=True):
         if not covered.any():
             raise InputError(f"press {place.where}: must touch the skin of {scene.name}")
     return laid
+
+
+def angular(scene: Scene, places: Sequence[Place], sides: int) -> tuple[Scene, list[Angular]]:
+    """A scene and places with polygons of the same area for circles and discs.
+
+    sides: of a disc.
+    """
+    polygons = [
+        Polygon(_corners(regular(place.x, place.y, place.radius, sides)), place.factor)
+        if isinstance(place, Disc)
+        else place
+        for place in places
+    ]
+    outline = scene.skin.outline
+    if outline is None:
+        return scene, polygons
+    holes = tuple(Curve(points=_sides(hole)) for hole in outline.holes)
+    changed = {"points": _sides(outline), "circle": None, "holes": holes}
+    skin = scene.skin.model_copy(update={"outline": outline.model_copy(update=changed)})
+    return scene.model_copy(update={"skin": skin}), polygons
+
+
+def _around(shape: Circle | NDArray[np.float64]) -> float:
+    if isinstance(shape, Circle):
+        return 2 * np.pi * shape.radius
+    return float(np.linalg.norm(shape - np.roll(shape, 1, axis=0), axis=1).sum())
+
+
+def _sides(curve: Curve) -> tuple[tuple[float, float], ...] | None:
+    return _corners(regular(*curve.circle, RIM_SIDES)) if curve.circle else curve.points
+
+
+def _corners(polygon: NDArray[np.float64]) -> tuple[tuple[float, float], ...]:
+    return tuple((x, y) for x, y in polygon.tolist())

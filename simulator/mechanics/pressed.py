@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.foam_properties import Mechanics
+from simulator.planar import Circle
 from simulator.press import Press
 
 
@@ -19,9 +20,10 @@ class Pressed:
     What touches of a given factor add is not in it: they multiply it. thickness: of the foam, m.
     w: deflection in m at flat positions (2, ...) in m. depth [m], force [N]: of each applicator, in
     order. error: bound on the relative error of `factor` anywhere; mean_error: on its integral over
-    the skin, relative to that over the applicators. kinks: closed polylines (point,
-    2) in m, the edges of applicators, across which `factor` has a kink, or jumps where `sharp` says
-    so. sharp: where nothing is spread, the same press with factors instead, else None.
+    the skin, relative to that over the applicators. kinks: circles and closed
+    polylines (point, 2) in m, the edges of applicators, across which `factor` has a kink, or jumps
+    where nothing is spread. sharp: there the same press with factors instead, unless applicators
+    overlap, else None.
     """
 
     mechanics: Mechanics | None
@@ -30,7 +32,7 @@ class Pressed:
     depth: tuple[float, ...]
     force: tuple[float, ...]
     error: float
-    kinks: tuple[NDArray[np.float64], ...]
+    kinks: tuple[Circle | NDArray[np.float64], ...]
     sharp: Press | None
     mean_error: float = 0.0
 

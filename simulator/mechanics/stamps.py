@@ -9,34 +9,34 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import root_scalar
 
+from simulator.domain.region import shape_of
 from simulator.elastic_foam import Elastic
+from simulator.foam import touched_box
 from simulator.foam_properties import Mechanics
 from simulator.grid import SAME_EDGE
 from simulator.mechanics.ground import ground
 from simulator.mechanics.limit import check_reached
 from simulator.mechanics.pressed import Pressed
-from simulator.planar import area, inside
-from simulator.press import Depth, Press, order, touch_at
+from simulator.planar import Circle, area, inside
+from simulator.press import Box, Depth, Place, Press, Touch, order, touch_at
 from simulator.scene import Scene
 from simulator.sweeps import InputError
 
 ROUNDING = 1e-15
-Polygons = tuple[NDArray[np.float64], ...]
+Shapes = tuple[Circle | NDArray[np.float64], ...]
+"""Circles, and polygons by their corners (corner, 2); m."""
 
 
-def stamped(
-    scene: Scene,
-    press: Press,
-    mechanics: Mechanics,
-    thickness: float,
-    kinks: Polygons,
-) -> Pressed:
+def stamped(scene: Scene, press: Press, mechanics: Mechanics, thickness: float) -> Pressed:
     """A press of which each touch presses what it covers; raises InputError as `pressed`."""
-    apart = not any(meet(one, other) for one, other in combinations(kinks, 2))
+    places = [touch.place for touch in press.indented]
+    shapes = tuple(shape_of(scene, place) for place in places)
+    boxes = [_box(scene, place) for place in places]
+    apart = not any(meet(one, other) for one, other in combinations(boxes, 2))
     by_depth = all(isinstance(touch.by, Depth) for touch in press.indented)
     if not apart and not by_depth:
         raise InputError(f"press {press}: touches of a given force must lie apart from the others")
-    area = _areas(scene, press, kinks, apart)
+    area = _areas(scene, press, shapes, apart)
     strain = np.array(
         [
             touch.by.value / thickness
@@ -49,21 +49,23 @@ def stamped(
     check_reached(press, depth, mechanics, thickness)
     force = tuple((mechanics.elastic.stress(strain) * area).tolist())
     sharp = _sharp(press, mechanics.factor(strain)) if apart else None
-    w = Stamps(kinks, depth)
+    kinks = tuple(each if isinstance(each, Circle) else _closed(each) for each in shapes)
+    w = Stamps(shapes, depth)
     return Pressed(mechanics, thickness, w, depth, force, 0.0, kinks, sharp)
 
 
 class Stamps:
     """Deflection [m] by applicators of known depth: of those over a place the deepest counts."""
 
-    def __init__(self, polygons: Polygons, depth: tuple[float, ...]) -> None:
-        self.polygons, self.depth = polygons, depth
+    def __init__(self, shapes: Shapes, depth: tuple[float, ...]) -> None:
+        self.shapes, self.depth = shapes, depth
 
     def __call__(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """At flat positions x (2, ...) in m, shape (...)."""
         found = np.zeros(x.shape[1:])
-        for polygon, depth in zip(self.polygons, self.depth, strict=True):
-            found = np.maximum(found, np.where(inside(polygon, x), depth, 0.0))
+        for shape, depth in zip(self.shapes, self.depth, strict=True):
+            within = shape.holds(x) if isinstance(shape, Circle) else inside(shape, x)
+            found = np.maximum(found, np.where(within, depth, 0.0))
         return found
 
 
@@ -79,17 +81,30 @@ def strain_at(pressure: float, elastic: Elastic) -> float:
     return float(root_scalar(excess, bracket=(0.0, top), xtol=ROUNDING).root)
 
 
-def meet(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
-    """Whether the boxes around two polygons (point, 2) share more than an edge."""
-    low = np.maximum(one.min(axis=0), other.min(axis=0))
-    high = np.minimum(one.max(axis=0), other.max(axis=0))
+def meet(one: Box, other: Box) -> bool:
+    """Whether two boxes share more than an edge."""
+    low = np.maximum([one.left, one.bottom], [other.left, other.bottom])
+    high = np.minimum([one.right, one.top], [other.right, other.top])
     return bool((high - low > SAME_EDGE * np.abs(high)).all())
 
 
-def _areas(scene: Scene, press: Press, polygons: Polygons, apart: bool) -> NDArray[np.float64]:
+def _box(scene: Scene, place: Place) -> Box:
+    return touched_box(scene, place) if isinstance(place, Touch) else place.box
+
+
+def _closed(polygon: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.vstack([polygon, polygon[:1]])
+
+
+def _areas(scene: Scene, press: Press, shapes: Shapes, apart: bool) -> NDArray[np.float64]:
     """Of the skin that each applicator presses, m²; where they overlap that of the deepest."""
     if apart and scene.skin.outline is None and scene.skin.mesh is None:
-        return np.array([abs(area(polygon)) for polygon in polygons])
+        return np.array(
+            [
+                np.pi * each.radius**2 if isinstance(each, Circle) else abs(area(each))
+                for each in shapes
+            ]
+        )
     under = ground(scene, [touch.place for touch in press.indented])
     depth = [touch.by.value if isinstance(touch.by, Depth) else 1.0 for touch in press.indented]
     holds = np.where(under.covered, np.array(depth)[:, None], 0.0).argmax(axis=0)

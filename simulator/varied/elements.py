@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,6 +13,7 @@ from skfem.mesh import Mesh2D
 
 from simulator.assembly import quadrilateral
 from simulator.domain import Domain
+from simulator.domain.arcs import mapped
 from simulator.mesh import PixelMesh
 from simulator.quadrature import Rule, Surface, gauss_rule, rule_at, surface, triangle_rule
 from simulator.scene import Contact
@@ -27,9 +28,9 @@ class Elements:
     """Trial functions on a mesh.
 
     surface_at: where points of a rule lie, in some of the cells. beside: the cell at each facet
-    and which of its edges that is, shapes (facet,). facets: those under a foil. in_space: of
-    triangles in space their first corners and the two edges from there, m, each of shape (3, cell,
-    1); None in the plane.
+    and which of its edges that is, shapes (facet,). facets: those under a foil. groups: the cells
+    that are straight, and those that are bent. in_space: of triangles in space their first corners
+    and the two edges from there, m, each of shape (3, cell, 1); None in the plane.
     """
 
     element: Element
@@ -39,6 +40,7 @@ class Elements:
     surface_at: Callable[[Rule, NDArray[np.int64] | slice], Surface]
     beside: Callable[[NDArray[np.int64]], tuple[NDArray[np.int64], NDArray[np.int64]]]
     facets: Callable[[Contact], NDArray[np.int64]]
+    groups: Sequence[NDArray[np.int64] | slice] = (slice(None),)
     in_space: tuple[NDArray[np.float64], ...] | None = None
 
     @property
@@ -92,11 +94,30 @@ def triangles(domain: Domain, order: int) -> Elements:
         order=order,
         trial=triangle_trial(mesh, order),
         rule=triangle_rule(element, 2 * order + MORE_ON_TRIANGLES),
-        surface_at=lambda rule, some: flat_triangles(domain.p, domain.t[:, some], rule),
+        surface_at=_on_triangles(domain),
         beside=beside,
         facets=lambda contact: numbers_of(mesh, domain.foils[contact.name]),
+        groups=_straight_and_bent(domain),
         in_space=_edges(domain.p, domain.t) if len(domain.p) == 3 else None,
     )
+
+
+def _on_triangles(domain: Domain) -> Callable[[Rule, NDArray[np.int64] | slice], Surface]:
+    """Where points of a rule lie in some of the triangles."""
+    curvature = domain.curvature
+
+    def surface_at(rule: Rule, some: NDArray[np.int64] | slice) -> Surface:
+        t = domain.t[:, some]
+        if len(domain.p) == 3:
+            return flat_triangles(domain.p, t, rule)
+        return Surface(*mapped(domain.p, t, curvature[:, some], rule.points))
+
+    return surface_at
+
+
+def _straight_and_bent(domain: Domain) -> Sequence[NDArray[np.int64] | slice]:
+    bent = domain.curvature.any(axis=0)
+    return (np.flatnonzero(~bent), np.flatnonzero(bent)) if bent.any() else (slice(None),)
 
 
 def flat_triangles(p: NDArray[np.float64], t: NDArray[np.int64], rule: Rule) -> Surface:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from simulator.circuit import Circuit, one_field, two_fields
 from simulator.electrical import electrical
 from simulator.materials import Materials
-from simulator.press import Disc, Press
+from simulator.press import Press
 from simulator.scene import Scene
 from simulator.sweeps import ToleranceError
 from simulator.varied.discretised import Discretised
@@ -75,20 +75,9 @@ def meshes(scene: Scene, press: Press, pressed: Pressed | None, rtol: float) -> 
     """
     circuit, rectangular = circuit_of(scene), scene.skin.outline is None and scene.skin.mesh is None
     triangles = Triangles(scene, circuit, press, rtol, pressed)
-    if rectangular and _conforming(scene, press) and pressed is None:
+    if rectangular and press.plain and pressed is None:
         return InTurn(Squares(scene, circuit, press, rtol), triangles)
     return triangles
-
-
-def _conforming(scene: Scene, press: Press) -> bool:
-    """Whether quadrilaterals follow the edges of a press.
-
-    Around a disc they do not: cells covered in part have their part of the capacitance, which is no
-    part of a strain.
-    """
-    gauges = scene.skin.top.piezoresistance or scene.skin.bottom.piezoresistance
-    discs = any(isinstance(touch, Disc) for touch in press.touches)
-    return press.plain and not (gauges and discs)
 
 
 def circuit_of(scene: Scene) -> Circuit:

@@ -44,8 +44,10 @@ def _sheets(
     values, at = np.zeros(len(unknowns.pattern.indices)), elements.surface
     for field in range(circuit.fields):
         S = coefficients.conductance(field, at.x)
-        terms = stiffness_terms(elements.rule, at, S, circuit.field_alone(field))
-        _add(values, unknowns.slots, terms)
+        alone = circuit.field_alone(field)
+        for cells in elements.groups:
+            terms = stiffness_terms(elements.rule, at.some(cells), S[:, cells], alone)
+            _add(values, unknowns.slots[cells], terms)
     return unknowns.pattern.matrix(values)
 
 
@@ -54,7 +56,9 @@ def _mass(
 ) -> csc_matrix:
     values, at = np.zeros(len(unknowns.pattern.indices)), elements.surface
     c = coefficients.capacitance(at.x)
-    _add(values, unknowns.slots, mass_terms(elements.rule, at, c, circuit.coupling))
+    for cells in elements.groups:
+        terms = mass_terms(elements.rule, at.some(cells), c[cells], circuit.coupling)
+        _add(values, unknowns.slots[cells], terms)
     return unknowns.pattern.matrix(values)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.circuit import Circuit
-from simulator.domain import Domain, domain, refined, sharp_touches
+from simulator.domain import Domain, domain, finer, sharp_touches
 from simulator.frequency import penetration_depth
 from simulator.galerkin import Galerkin
 from simulator.materials import Materials
@@ -60,7 +60,7 @@ class Triangles:
         if self._before is None or self._domain is None:
             found = self._first(float(ends[-1]))
         else:
-            found = refined(self._domain, most(indicators(self._before, ends)))
+            found = finer(self._domain, most(indicators(self._before, ends)))
         if found.t.shape[1] > MOST_TRIANGLES:
             raise ToleranceError(f"{found.t.shape[1]} triangles are too many")
         self._domain = found
@@ -133,4 +133,4 @@ def _fine_at_foils(mesh: Domain, longest: float) -> Domain:
         coarse = np.flatnonzero(on_foil[mesh.t].any(axis=0) & (mesh.lengths > longest))
         if not coarse.size or mesh.t.shape[1] > MOST_TRIANGLES:
             return mesh
-        mesh = refined(mesh, coarse)
+        mesh = finer(mesh, coarse)

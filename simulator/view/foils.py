@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.contour import curves, position, section
+from simulator.contour import curves, section
 
 if TYPE_CHECKING:
     from simulator.scene import Contact, Interface, Scene
@@ -111,9 +111,9 @@ def _ribbon(ends: Real, out: Real, size: float, band: tuple[float, float]) -> Re
 def _path(contact: Contact, scene: Scene) -> Real:
     """A foil's line along a skin without mesh, flat (2, n)."""
     along = section(contact, scene.skin)
-    corners = curves(scene.skin)[along.curve]
+    curve = curves(scene.skin)[along.curve]
     marks = np.linspace(along.start, along.stop, PIECES + 1)
-    return np.array([position(corners, mark) for mark in marks]).T
+    return np.array([curve.at(mark) for mark in marks]).T
 
 
 def _side(path: Real, skin: Surface) -> tuple[Real, Real]:

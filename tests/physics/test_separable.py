@@ -103,10 +103,9 @@ def test_any_whole_foils(make_scene, frequency_at, data):
 @pytest.mark.parametrize(
     "text",
     [
-        "disc(0.04,0.05,0.012):2.5",
         "1,1:3+2,3:0.6",
         "rect(0.03,0.04,0.03,0.02):2+rect(0.04,0.04,0.03,0.05):1.4+2,2:1.2",
-        "disc(0.04,0.05,0.012):1.5+rect(0.05,0.05,0.03,0.03):2",
+        "rect(0.04,0.05,0.024,0.024):1.5+rect(0.05,0.05,0.03,0.03):2",
     ],
 )
 def test_touches_of_every_kind_and_over_each_other(sheet, model, text):

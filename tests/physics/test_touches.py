@@ -5,7 +5,6 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from simulator import foam
 from simulator.circuit import one_field, two_fields
 from simulator.fidelity import Solver
 from simulator.foam import lines, tile_map
@@ -158,17 +157,6 @@ def test_first_order_change_of_a_rectangle(random, frequency_at, plain_skin, dat
 
 def _place(touch):
     return touch.x, touch.y, touch.width, touch.height
-
-
-def test_a_disc_of_more_cells_converges(sheet, monkeypatch):
-    """To a disc; 16 x 16 cells are within 1e-4 of it."""
-    Z = []
-    for cells in (4, 8, 16, 40):
-        monkeypatch.setattr(foam, "DISC_CELLS", cells)
-        Z.append(solved(sheet, "disc(0.037,0.055,0.013):2.5"))
-    errors = [apart(each, Z[-1], sheet.frequencies) for each in Z[:-1]]
-    assert errors[0] > 2 * errors[1] > 4 * errors[2]
-    assert errors[2] < 1e-4
 
 
 @pytest.mark.parametrize("text", ["rect(0.03,0.01,0.02,0.02):3", "rect(0.031,0.01,0.0173,0.02):3"])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from simulator.contour import CIRCLE_SIDES
-from simulator.planar import area, gap, inside, regular, sides
+from simulator.contour import Curve
+from simulator.planar import Circle, area, gap, inside, regular, sides
 from simulator.scene_file import BUILTIN, parse_scene, scene_text
 from simulator.sweeps import InputError
 from simulator.wiring import joined
@@ -182,12 +182,31 @@ def test_foils_all_but_touching_are_refused():
         with_another("outline.2", "outline.3", "1e-7, 0.5")
 
 
-def test_a_circle_is_a_polygon_of_its_area():
-    polygon = regular(0.06, 0.05, 0.04, CIRCLE_SIDES)
-    assert area(polygon) == pytest.approx(np.pi * 0.04**2, rel=1e-13)
-    around = np.linalg.norm(polygon - np.roll(polygon, 1, axis=0), axis=1).sum()
-    assert 0 < around / (2 * np.pi * 0.04) - 1 < 1e-5
-    assert polygon[0] == pytest.approx((0.06 + 0.04, 0.05), abs=1e-6)
+def test_a_circle_runs_anticlockwise_from_its_rightmost_point():
+    circle = Curve(circle=(0.06, 0.05, 0.04))
+    assert circle.marks == pytest.approx([0, 2 * np.pi * 0.04])
+    assert circle.at(0) == pytest.approx((0.10, 0.05))
+    assert circle.at(np.pi * 0.02) == pytest.approx((0.06, 0.09))
+    polygon = Curve(points=tuple(map(tuple, regular(0.06, 0.05, 0.04, 2000).tolist())))
+    for part in (0.1, 0.45, 0.9):
+        at = (circle.at(part * circle.marks[-1]), polygon.at(part * polygon.marks[-1]))
+        assert at[0] == pytest.approx(at[1], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("other", "apart"),
+    [
+        (Circle(3, 0, 1), 1),
+        (Circle(0.1, 0, 0.5), 0.4),
+        (Circle(0, 0.1, 3), 1.9),
+        (Circle(1, 0, 1), 0),
+        (np.array([[2.0, -1], [3, 0], [2, 1]]), 1),
+        (np.array([[-3.0, -3], [3, -3], [3, 3], [-3, 3]]), 2),
+        (np.array([[-0.3, -0.4], [0.6, 0], [0, 0.6]]), 0.4),
+    ],
+)
+def test_the_gap_between_a_circle_and_what_is_beside_within_or_around_it(other, apart):
+    assert Circle(0, 0, 1).gap(other) == pytest.approx(apart)
 
 
 def test_inside_and_apart():

@@ -3,7 +3,7 @@
 import pytest
 
 from simulator.electrical import electrical, electrical_press, plain_scene, require_plain
-from simulator.press import Disc, Press, Rectangle, Touch, parse_press
+from simulator.press import Press, Rectangle, Touch, parse_press
 from simulator.scene import VACUUM_PERMITTIVITY, Scene
 from simulator.scene_file import builtin_names, check_press, load_scene, parse_scene, scene_text
 from simulator.sweeps import InputError
@@ -115,16 +115,9 @@ def test_presses_move_with_the_skin(make_scene):
     assert check_press(moved, electrical(scene)) == moved
 
 
-def test_a_disc_stays_one_under_an_even_stretch_only(make_scene):
-    press = Press((Disc(0.05, 0.04, 0.01, 2.0),))
-    even = skin_with(make_scene(), stretch={"x": 1.5, "y": 1.5})
-    moved = electrical_press(even, press)
-    assert moved is not None
-    assert moved.touches == (Disc(*map(pytest.approx, (0.075, 0.06, 0.015, 2.0))),)
-    assert electrical_press(skin_with(make_scene(), stretch=STRETCH), press) is None
-
-
-@pytest.mark.parametrize("text", ["1,1:2mm", "poly(0.01,0.01,0.02,0.01,0.02,0.02):2"])
+@pytest.mark.parametrize(
+    "text", ["1,1:2mm", "disc(0.05,0.04,0.01):2", "poly(0.01,0.01,0.02,0.01,0.02,0.02):2"]
+)
 def test_presses_beyond_the_plain_ones_have_no_plain_scene(make_scene, text):
     assert electrical_press(make_scene(), parse_press(text, 2.0)) is None
 

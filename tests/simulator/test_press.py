@@ -110,13 +110,19 @@ def test_touches_that_do_not_say_how_strongly_press_as_the_scene_does():
 
 @pytest.mark.parametrize(
     ("text", "plain"),
-    [("none", True), ("1,1+disc(1,1,1)", True), ("poly(0,0,1,0,1,1)", False), ("1,1:1mm", False)],
+    [
+        ("none", True),
+        ("1,1+disc(1,1,1)", False),
+        ("rect(1,1,1,1)", True),
+        ("poly(0,0,1,0,1,1)", False),
+        ("1,1:1mm", False),
+    ],
 )
-def test_plain_presses_are_factors_of_pixels_rectangles_and_discs(text, plain):
+def test_plain_presses_are_factors_of_pixels_and_rectangles(text, plain):
     press = parse_press(text, 2.0)
     assert press.plain == plain
     if not plain:
-        with pytest.raises(InputError, match="without depth, force or poly"):
+        with pytest.raises(InputError, match="without depth, force, disc or poly"):
             require_plain(press)
 
 

@@ -6,6 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from simulator.domain.arcs import arc_length
+from simulator.domain.triangles import edge_numbers, edges_of
 from simulator.planar import distance
 from simulator.scene import Scene
 from simulator.scene_file import load_scene
@@ -82,8 +84,11 @@ def edges(t):
 
 
 def lengths(domain, lines):
-    """Of edges, m."""
-    return np.linalg.norm(domain.p[:, lines[0]] - domain.p[:, lines[1]], axis=0)
+    """Of edges, straight or bent, m."""
+    straight = np.linalg.norm(domain.p[:, lines[0]] - domain.p[:, lines[1]], axis=0)
+    every, _ = edges_of(domain.t)
+    curvature = domain.arcs.of(every)[edge_numbers(lines, every)]
+    return arc_length(straight, curvature)
 
 
 def length_along(domain, segment, same=1e-9):

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from simulator.domain import domain, refined
+from simulator.domain import domain
+from simulator.domain.refinement import refined
 from simulator.planar import sides
 from simulator.press import Press, parse_press
 from simulator.scene_file import parse_scene, scene_text

@@ -32,7 +32,7 @@ def test_without_tension_a_press_is_as_sharp_as_its_applicator(foam_scene, stres
     mechanics = scene.skin.foam.mechanics
     two, one = mechanics.factor(np.array([0.5, 0.25]))
     assert str(found.sharp) == f"1,2:{two!s}+1,3:1.5+disc(0.02,0.02,0.01):{one!s}"
-    assert found.error == 0 and found.sharp.plain
+    assert found.error == 0 and found.sharp.indented == ()
     inside = np.hypot(X - 0.02, Y - 0.02) < 0.0099
     outside = (np.hypot(X - 0.02, Y - 0.02) > 0.0101) & ((X < 0.039) | (X > 0.081))
     assert (found.factor(PLACES)[inside] == one).all()

@@ -1,0 +1,106 @@
+"""Triangles that stay upright however their arcs bend: edges are turned, then arcs halved."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from simulator.domain.arcs import mapped
+from simulator.domain.refinement import arcs_halved, refined
+from simulator.domain.region import Domain, Numbers
+from simulator.domain.triangles import edge_numbers, edges_of
+from simulator.sweeps import ToleranceError
+
+STEPS = 6
+"""Parts of an edge, at the ends of which triangles are looked at."""
+LEAST = 1e-3
+"""Area of a bent triangle over that of the straight one, but at its corners: where a circle touches
+a line it falls evenly from 1 to 0 there."""
+ROUNDING = 1e-6
+MOST_ROUNDS = 30
+
+
+def finer(mesh: Domain, marked: ArrayLike) -> Domain:
+    """The mesh with the marked triangles, by number, cut in four; raises as `untangled`."""
+    return untangled(refined(mesh, marked))
+
+
+def untangled(mesh: Domain) -> Domain:
+    """The mesh with none of its triangles turned over by its arcs, or nearly.
+
+    Raises ToleranceError where triangles would be halved without end.
+    """
+    for _ in range(MOST_ROUNDS):
+        if not _tangled(mesh).size:
+            return mesh
+        mesh = _turned(mesh)
+        mesh = arcs_halved(mesh, _tangled(mesh))
+    raise ToleranceError("circles of the skin or of the press are too near to other lines to mesh")
+
+
+def _tangled(mesh: Domain) -> Numbers:
+    curvature = mesh.curvature
+    bent = np.flatnonzero(curvature.any(axis=0))
+    return bent[_upright(mesh, mesh.t[:, bent], curvature[:, bent]) < LEAST]
+
+
+def _upright(mesh: Domain, t: Numbers, curvature: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Least area over that of the straight triangle, shape (triangle,); t of ascending points.
+
+    At corners, where it may be none, LEAST more; -1 of a straight triangle that has no area.
+    """
+    a, b = (each.ravel() / STEPS for each in np.meshgrid(*2 * [np.arange(STEPS + 1.0)]))
+    within = a + b < 1 + ROUNDING
+    a, b = a[within], b[within]
+    cornered = np.maximum(np.maximum(a, b), 1 - a - b) > 1 - ROUNDING
+    _, along, across = mapped(mesh.p, t, curvature, np.stack([a, b]))
+    straight = _area(mesh, t)[:, None]
+    flat = np.full((t.shape[1], len(a)), -1.0)
+    part = np.divide(_cross(along, across), straight, out=flat, where=straight != 0)
+    return (part + (LEAST + ROUNDING) * cornered).min(axis=1)
+
+
+def _turned(mesh: Domain) -> Domain:
+    """The mesh with edges of tangled triangles turned within pairs where that makes both better."""
+    for triangle in _tangled(mesh).tolist():
+        edges, of_triangle = edges_of(mesh.t)
+        fixed = np.zeros(edges.shape[1], dtype=bool)
+        fixed[edge_numbers(mesh.seams, edges)] = True
+        best, chosen = -np.inf, mesh
+        for number in of_triangle[:, triangle][~fixed[of_triangle[:, triangle]]]:
+            pair = np.flatnonzero((of_triangle == number).any(axis=0))
+            found = _with_other_diagonal(mesh, pair, edges[:, number])
+            gain = _gain(mesh, found, pair)
+            if gain > max(best, 0):
+                best, chosen = gain, found
+        mesh = chosen
+    return mesh
+
+
+def _gain(mesh: Domain, other: Domain, pair: Numbers) -> float:
+    """By how much the worst of a pair of triangles is better in another mesh; -inf if it folds."""
+    areas = [np.abs(_area(each, each.t[:, pair])) for each in (mesh, other)]
+    folds = areas[1].sum() > areas[0].sum() * (1 + ROUNDING)
+    if folds or areas[1].min() < ROUNDING * areas[0].max():
+        return -np.inf
+    before, after = (_upright(m, m.t[:, pair], m.curvature[:, pair]).min() for m in (mesh, other))
+    return float(after - before)
+
+
+def _with_other_diagonal(mesh: Domain, pair: Numbers, edge: Numbers) -> Domain:
+    beyond = mesh.t[:, pair].sum(axis=0) - edge.sum()
+    t = mesh.t.copy()
+    t[:, pair] = np.sort([edge, np.full(2, beyond[0]), np.full(2, beyond[1])], axis=0)
+    return replace(mesh, t=t)
+
+
+def _area(mesh: Domain, t: Numbers) -> NDArray[np.float64]:
+    """Twice the area of straight triangles, negative where they run clockwise, m²."""
+    origin, first, second = (mesh.p[:, each] for each in t)
+    return _cross(first - origin, second - origin)
+
+
+def _cross(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+    return u[0] * v[1] - u[1] * v[0]
