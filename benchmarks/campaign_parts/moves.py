@@ -27,14 +27,14 @@ SIDE_OF = {"bottom": ("outline.1", False), "right": ("outline.2", False)} | {
     "left": ("outline.4", True),
 }
 """Side of the outline that an edge becomes, and whether that runs the other way."""
+CORNERS = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 NO_SLOPE = 1e-15
 """Rise of a map that changes nothing but which elements are taken."""
 
 
 def outlined(problem: Problem) -> Problem:
     """The rectangle as an outline: triangles in place of rectangles and closed forms."""
-    length, width = problem.sides
-    corners = [(0.0, 0.0), (length, 0.0), (length, width), (0.0, width)]
+    corners = (CORNERS * problem.sides).tolist()
     contacts = [_on_outline(contact) for contact in problem.tables["contact"]]
     return problem.changed(skin={"outline": {"points": corners}}, contact=contacts)
 
@@ -53,7 +53,7 @@ def turned(problem: Problem, angle: float) -> Problem:
     """
     points = np.array(problem.tables["skin"]["outline"]["points"])
     spin = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    around = points @ spin.T
+    around = (CORNERS * problem.sides) @ spin.T
     low = around.min(axis=0)
     extent = np.ptp(around, axis=0)
 
