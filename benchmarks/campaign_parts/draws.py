@@ -11,6 +11,8 @@ Rng = np.random.Generator
 U_RANGE = (1e-3, 1e3)
 FREQUENCIES = 3
 EXACTLY_LOOSEST = 0.15
+EXTREME = 0.15
+"""How often a size, a factor or a ratio comes from far beyond what is built."""
 LOOSEST, DECADES = 1e-3, 3.0
 """Tolerances from LOOSEST down over DECADES, the tightest the rarest: they cost most."""
 
@@ -18,6 +20,11 @@ LOOSEST, DECADES = 1e-3, 3.0
 def logarithmic(rng: Rng, low: float, high: float) -> float:
     """A positive number, its logarithm evenly distributed."""
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def usual_or_extreme(rng: Rng, usual: tuple[float, float], extreme: tuple[float, float]) -> float:
+    """A positive number of one range or, now and then, of the wider one."""
+    return logarithmic(rng, *(extreme if rng.random() < EXTREME else usual))
 
 
 def tolerance(rng: Rng, decades: float = DECADES) -> float:
@@ -36,10 +43,11 @@ def charging(rng: Rng, low: float = U_RANGE[0], high: float = U_RANGE[1]) -> NDA
 def skin(rng: Rng) -> Tables:
     """A rectangle of even sheets and foam."""
     top = logarithmic(rng, 1e3, 1e6)
-    bottom = top * (1.0 if rng.random() < 0.3 else logarithmic(rng, 0.1, 10.0))
+    apart = usual_or_extreme(rng, (0.1, 10.0), (1e-4, 1e4))
+    bottom = top * (1.0 if rng.random() < 0.3 else apart)
     return {
-        "length": logarithmic(rng, 0.05, 0.2),
-        "width": logarithmic(rng, 0.05, 0.2),
+        "length": usual_or_extreme(rng, (0.05, 0.2), (0.02, 0.4)),
+        "width": usual_or_extreme(rng, (0.05, 0.2), (0.02, 0.4)),
         "top": {"sheet_resistance": top},
         "bottom": {"sheet_resistance": bottom},
         "foam": {"capacitance_per_area": logarithmic(rng, 1e-9, 2e-8)},
@@ -52,9 +60,9 @@ def pixels(rng: Rng) -> Tables:
 
 
 def anisotropy(rng: Rng) -> Tables:
-    """Up to ten times better along any direction, or along an axis."""
+    """Better or worse along any direction, or along an axis."""
     angle = rng.uniform(0, np.pi) if rng.random() < 0.8 else rng.choice([0.0, np.pi / 2])
-    return {"ratio": logarithmic(rng, 0.1, 10.0), "angle": float(angle)}
+    return {"ratio": usual_or_extreme(rng, (0.1, 10.0), (0.01, 100.0)), "angle": float(angle)}
 
 
 def piezoresistance(rng: Rng) -> float:

@@ -105,6 +105,12 @@ def any_feed(rng: Rng) -> Tables:
     return ANY[int(rng.integers(len(ANY)))](rng)
 
 
+def any_contacts(rng: Rng, skin: Tables) -> Tables:
+    """Foils between the sheets, a fifth of them with films."""
+    feed = any_feed(rng)
+    return with_films(rng, skin, feed) if rng.random() < 0.2 else feed
+
+
 def with_films(rng: Rng, skin: Tables, feed: Tables) -> Tables:
     """The same with contact resistance, at some of the foils none."""
     contacts = [

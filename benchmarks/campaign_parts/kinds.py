@@ -33,6 +33,8 @@ OF_ALL = (
     kinds_pressing.spread_depths,
     kinds_pressing.spread_forces,
     kinds_pressing.gauges_under_depths,
+    kinds_pressing.overlapping_depths,
+    kinds_pressing.spread_pairs,
     kinds_round.fed_all_around,
     kinds_round.fed_along_arcs,
     kinds_round.holes,

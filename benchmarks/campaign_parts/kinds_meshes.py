@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from campaign_parts import draws, feeds, places
 from campaign_parts.draws import Rng
-from campaign_parts.kinds_touches import scene_tables
+from campaign_parts.kinds_touches import any_tables, scene_tables
 from campaign_parts.mesh_files import Lattice, halved, lattice, quartered, shaken, written
 from campaign_parts.moves import has_discs, outlined, turned, with_polygons
 from campaign_parts.problem import Case, Problem, Tables, first_valid
@@ -29,7 +29,7 @@ def rectangles_from_files(rng: Rng) -> Case:
     """Rectangles under any touches, which cut the file's mesh."""
 
     def once() -> Problem:
-        tables = scene_tables(rng, draws.skin(rng), feeds.any_feed(rng))
+        tables = any_tables(rng)
         return Problem(tables, places.press(rng, tables, "rectangle", "polygon", "disc", most=2))
 
     flat = first_valid(once)
@@ -102,7 +102,7 @@ def annuli_from_files(rng: Rng) -> Case:
 
 def bent_from_files(rng: Rng) -> Case:
     """A rectangle folded along many lines, which is flat still; pixels are groups of the file."""
-    flat = first_valid(lambda: Problem(scene_tables(rng, draws.skin(rng), feeds.any_feed(rng))))
+    flat = first_valid(lambda: Problem(any_tables(rng)))
     pixels = flat.tables["pixels"]
     touches = {places.pixel(rng, flat.tables) for _ in range(int(rng.integers(1, 3)))}
     flat = flat.changed(Press(tuple({(t.row, t.column): t for t in touches}.values())))
@@ -123,7 +123,7 @@ def curved_from_files(rng: Rng) -> Case:
     """A bulge of flat triangles, against the same ones quartered; touched as seen from above."""
 
     def once() -> Problem:
-        tables = scene_tables(rng, draws.skin(rng), feeds.any_feed(rng))
+        tables = any_tables(rng)
         return Problem(tables, places.press(rng, tables, "rectangle", "polygon", most=2))
 
     flat = first_valid(once)

@@ -3,22 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise, product
 
 import numpy as np
-from scipy.optimize import brentq
 
 from campaign_parts import draws, feeds, places
 from campaign_parts.draws import Rng
+from campaign_parts.foam_laws import capacitance_factor, permittivity, stress
 from campaign_parts.kinds_touches import scene_tables
 from campaign_parts.moves import outlined, turned
 from campaign_parts.problem import Case, Problem, Tables, first_valid
 from campaign_parts.routes import TURNS, by, elsewhere
-from simulator.press import Depth, Disc, Force, Indentation, Place, Polygon, Press
+from simulator.press import (
+    AnyTouch,
+    Box,
+    Depth,
+    Disc,
+    Force,
+    Indentation,
+    Place,
+    Polygon,
+    Press,
+    Rectangle,
+)
 
 FRACTIONS = (0.05, 0.999)
 """Of the strain at which cells are closed."""
-PLATEAU, DENSIFICATION = 0.05, 2.3
-"""Of Young's modulus, and D of the law."""
 ELECTRIC_CONSTANT = 8.8541878128e-12
 DECADES = 2.0
 SPREAD = (0.05, 0.5)
@@ -52,25 +62,71 @@ def gauges_under_depths(rng: Rng) -> Case:
     return _sharp(rng, by_force=False, felt=True)
 
 
+def overlapping_depths(rng: Rng) -> Case:
+    """Two or three rectangles over each other, of which the deepest counts, and a factor there."""
+    foam = _foam(rng)
+    strains = [_fraction(rng) * foam["mechanics"]["densification_strain"] for _ in range(3)]
+
+    def once() -> Problem:
+        tables = _tables(rng, foam)
+        lines = places.lines_of(tables)
+        count = int(rng.integers(2, 4))
+        touches: list[AnyTouch] = [
+            Indentation(_neutral(places.rectangle(rng, lines)), Depth(strain * foam["thickness"]))
+            for strain in strains[:count]
+        ]
+        if rng.random() < 0.4:
+            touches.append(places.rectangle(rng, lines))
+        return Problem(tables, Press(tuple(touches)))
+
+    problem = first_valid(once)
+    touches = problem.press.indented
+    boxes = [_box(touch.place) for touch in touches]
+    factors = [capacitance_factor(foam["mechanics"], e) for e in strains[: len(touches)]]
+    parts = [*problem.press.sharp.touches, *deepest(boxes, factors)]
+    plain = problem.changed(Press(tuple(parts)), {"foam": _at_rest(foam)})
+    return Case(problem, draws.tolerance(rng, DECADES), elsewhere(rng, plain))
+
+
+def spread_pairs(rng: Rng) -> Case:
+    """Two depths under tension, apart or over each other: one may lift the skin off the other."""
+    foam = _foam(rng)
+    fractions = _fraction(rng), _fraction(rng)
+
+    def once() -> Problem:
+        tables = _tables(rng, foam, tension=True)
+        lines = places.lines_of(tables)
+        strains = [each * foam["mechanics"]["densification_strain"] for each in fractions]
+        touches = [
+            Indentation(_neutral(_any_place(rng, lines)), Depth(strain * foam["thickness"]))
+            for strain in strains
+        ]
+        return Problem(tables, Press(tuple(touches)))
+
+    return _turned(rng, first_valid(once))
+
+
 def _sharp(rng: Rng, by_force: bool, felt: bool = False) -> Case:
     """The truth: factors by the foam's laws written out here, of foam without mechanics."""
     foam = _foam(rng, "constant" if felt else None)
     fraction = _fraction(rng)
     problem = first_valid(lambda: _pressed(rng, foam, fraction, by_force, felt))
-    own = problem.tables["skin"]["foam"]
-    rest = own["relative_permittivity"] * ELECTRIC_CONSTANT / own["thickness"]
-    strain = fraction * own["mechanics"]["densification_strain"]
-    factor = capacitance_factor(own["mechanics"], strain)
+    strain = fraction * foam["mechanics"]["densification_strain"]
+    factor = capacitance_factor(foam["mechanics"], strain)
     press = Press(tuple(replace(touch.place, factor=factor) for touch in problem.press.indented))
-    plain = problem.changed(press, {"foam": {"capacitance_per_area": rest}})
-    tolerance = draws.tolerance(rng, DECADES)
-    return Case(problem, tolerance, elsewhere(rng, plain))
+    plain = problem.changed(press, {"foam": _at_rest(foam)})
+    return Case(problem, draws.tolerance(rng, DECADES), elsewhere(rng, plain))
 
 
 def _spread(rng: Rng, by_force: bool, felt: bool = False) -> Case:
-    """The truth: the same turned, so that no mesh is the same, at a share of the tolerance."""
     foam, fraction = _foam(rng), _fraction(rng)
-    problem = first_valid(lambda: _pressed(rng, foam, fraction, by_force, felt, tension=True))
+    return _turned(
+        rng, first_valid(lambda: _pressed(rng, foam, fraction, by_force, felt, tension=True))
+    )
+
+
+def _turned(rng: Rng, problem: Problem) -> Case:
+    """The truth: the same turned, so that no mesh is the same, of the press either."""
     other = turned(outlined(problem), rng.uniform(*TURNS))
     return Case(problem, draws.tolerance(rng, DECADES), by(other))
 
@@ -78,22 +134,73 @@ def _spread(rng: Rng, by_force: bool, felt: bool = False) -> Case:
 def _pressed(
     rng: Rng, foam: Tables, fraction: float, by_force: bool, felt: bool, tension: bool = False
 ) -> Problem:
+    tables = _tables(rng, foam, felt, tension)
+    place = _any_place(rng, places.lines_of(tables))
+    strain = fraction * foam["mechanics"]["densification_strain"]
+    push = stress(foam["mechanics"], strain) * _area(place)
+    strength = Force(push) if by_force else Depth(strain * foam["thickness"])
+    return Problem(tables, Press((Indentation(_neutral(place), strength),)))
+
+
+def _tables(rng: Rng, foam: Tables, felt: bool = False, tension: bool = False) -> Tables:
+    """A skin on this foam. felt: by the top sheet."""
     skin = draws.skin(rng) | {"foam": foam}
-    mechanics = foam["mechanics"]
     if tension:
         reach = draws.logarithmic(rng, *SPREAD) * min(skin["length"], skin["width"])
-        own = mechanics | {"tension": mechanics["modulus"] * reach**2 / foam["thickness"]}
-        skin["foam"] = foam | {"mechanics": own}
+        T = foam["mechanics"]["modulus"] * reach**2 / foam["thickness"]
+        skin["foam"] = foam | {"mechanics": foam["mechanics"] | {"tension": T}}
     if felt:
         skin["top"]["piezoresistance"] = draws.piezoresistance(rng)
-    tables = scene_tables(rng, skin, feeds.any_feed(rng))
-    lines = places.lines_of(tables)
-    shapes = ("rectangle", "polygon") if by_force else ("rectangle", "disc", "polygon")
-    place = places.SHAPES[str(rng.choice(shapes))](rng, lines)
-    strain = fraction * mechanics["densification_strain"]
-    push = stress(mechanics, strain) * area(place) if by_force else strain * foam["thickness"]
-    strength = Force(push) if by_force else Depth(push)
-    return Problem(tables, Press((Indentation(replace(place, factor=1.0), strength),)))
+    return scene_tables(rng, skin, feeds.any_contacts(rng, skin))
+
+
+def _any_place(rng: Rng, lines: places.Lines) -> places.Area:
+    return places.SHAPES[str(rng.choice(list(places.SHAPES)))](rng, lines)
+
+
+def _neutral(place: places.Area) -> places.Area:
+    return replace(place, factor=1.0)
+
+
+def _at_rest(foam: Tables) -> Tables:
+    """The same foam without mechanics."""
+    rest = foam["relative_permittivity"] * ELECTRIC_CONSTANT / foam["thickness"]
+    return {"capacitance_per_area": rest}
+
+
+def _area(place: Place) -> float:
+    """m²."""
+    if isinstance(place, Disc):
+        return np.pi * place.radius**2
+    if isinstance(place, Polygon):
+        x, y = np.array(place.points).T
+        return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
+    left, right, bottom, top = _box(place)
+    return (right - left) * (top - bottom)
+
+
+def _box(place: Place) -> Box:
+    assert isinstance(place, Rectangle)
+    return place.box
+
+
+def deepest(boxes: list[Box], factors: list[float]) -> list[Rectangle]:
+    """Rectangles beside each other, each of the largest factor of those over it."""
+    x, y = (
+        np.unique([line for box in boxes for line in box[first : first + 2]]) for first in (0, 2)
+    )
+    found = []
+    for (left, right), (low, high) in product(pairwise(x), pairwise(y)):
+        middle = (left + right) / 2, (low + high) / 2
+        over = [f for box, f in zip(boxes, factors, strict=True) if _within(box, *middle)]
+        if over:
+            found.append(Rectangle(*middle, right - left, high - low, max(over)))
+    return found
+
+
+def _within(box: Box, x: float, y: float) -> bool:
+    left, right, bottom, top = box
+    return left < x < right and bottom < y < top
 
 
 def _fraction(rng: Rng) -> float:
@@ -118,43 +225,3 @@ def _foam(rng: Rng, law: str | None = None) -> Tables:
     thickness = draws.logarithmic(rng, 1e-3, 1e-2)
     rest = 1.5 if law == "constant" else permittivity(mechanics, 0.0)
     return {"thickness": thickness, "relative_permittivity": rest, "mechanics": mechanics}
-
-
-def area(place: Place) -> float:
-    """m²."""
-    if isinstance(place, Disc):
-        return np.pi * place.radius**2
-    if isinstance(place, Polygon):
-        x, y = np.array(place.points).T
-        return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
-    left, right, bottom, top = place.box
-    return (right - left) * (top - bottom)
-
-
-def stress(mechanics: Tables, strain: float) -> float:
-    """P (1 - exp(-E e / P)) + P / D r² / (1 - r), r = e / e_D, in Pa."""
-    E, r = mechanics["modulus"], strain / mechanics["densification_strain"]
-    P = PLATEAU * E
-    return P * (1 - np.exp(-E * strain / P)) + P / DENSIFICATION * r**2 / (1 - r)
-
-
-def capacitance_factor(mechanics: Tables, strain: float) -> float:
-    """eps(e) / eps(0) / (1 - e)."""
-    if mechanics["effective_medium"] == "constant":
-        return 1 / (1 - strain)
-    return permittivity(mechanics, strain) / permittivity(mechanics, 0.0) / (1 - strain)
-
-
-def permittivity(mechanics: Tables, strain: float) -> float:
-    """By the implicit forms of the laws, solved for the mixture's between that of air and solid."""
-    p = (mechanics["porosity"] - strain) / (1 - strain)
-    solid = mechanics["solid_permittivity"]
-    mixed = {
-        "looyenga": lambda e: e ** (1 / 3) - (1 - p) * solid ** (1 / 3) - p,
-        "lichtenecker": lambda e: np.log(e) - (1 - p) * np.log(solid),
-        "bruggeman": lambda e: (1 - p) * (solid - e) / (solid + 2 * e) + p * (1 - e) / (1 + 2 * e),
-        "maxwell-garnett": lambda e: (
-            (e - solid) / (e + 2 * solid) - p * (1 - solid) / (1 + 2 * solid)
-        ),
-    }[mechanics["effective_medium"]]
-    return float(brentq(mixed, 1.0, solid, xtol=1e-15, rtol=1e-15))

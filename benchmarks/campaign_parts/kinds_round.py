@@ -83,10 +83,12 @@ def holes(rng: Rng) -> Case:
         ]
         circles = [{"circle": [float(x) for x in each]} for each in found]
         outline = tables["skin"]["outline"] | {"holes": circles}
-        contacts = tables["contact"]
-        if rng.random() < 0.3:
-            contacts = [*contacts, feeds.foil("around", "top", "hole1")]
-        problem = Problem(tables).changed(skin={"outline": outline}, contact=contacts)
+        feed = {key: tables[key] for key in ("contact", "interface")}
+        if rng.random() < 0.4:
+            around = [*feed["contact"], feeds.foil("around", "top", "hole1")]
+            high = ["around"] if rng.random() < 0.5 else feed["interface"][0]["high"]
+            feed = feeds.connected(around, high, feed["interface"][0]["low"])
+        problem = Problem(tables).changed(skin={"outline": outline}, **feed)
         return problem.changed(_within(rng, tables) if rng.random() < 0.5 else Press())
 
     problem = first_valid(once)
@@ -166,7 +168,7 @@ def _on_skin(touch: places.Area, tables: Tables) -> Press:
 def _outlined_tables(rng: Rng, margin: float = 0.0) -> Tables:
     """A rectangle as an outline, some way within the one that pixels are counted on."""
     skin = draws.skin(rng)
-    tables = outlined(Problem(scene_tables(rng, skin, feeds.any_feed(rng)))).tables
+    tables = outlined(Problem(scene_tables(rng, skin, feeds.any_contacts(rng, skin)))).tables
     outline = np.array(tables["skin"]["outline"]["points"])
     middle = outline.mean(axis=0)
     points = middle + (1 - margin) * (outline - middle)

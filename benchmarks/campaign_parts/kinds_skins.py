@@ -76,7 +76,7 @@ def draped(rng: Rng) -> Case:
         half = float(np.hypot(skin["length"], skin["width"])) / 2
         radius = half / float(rng.uniform(0.1, 2.2))
         skin["shape"] = {"kind": "sphere", "radius": radius}
-        return scene_tables(rng, skin, feeds.any_feed(rng))
+        return scene_tables(rng, skin, feeds.any_contacts(rng, skin))
 
     return case_of(rng, touched(rng, draw, "rectangle", most=2), DECADES)
 
@@ -86,7 +86,7 @@ def _anisotropic(rng: Rng) -> Tables:
     first = draws.anisotropy(rng)
     for name in SHEETS[: int(rng.integers(1, 3))]:
         skin[name]["anisotropy"] = first if rng.random() < 0.5 else draws.anisotropy(rng)
-    return scene_tables(rng, skin, feeds.any_feed(rng))
+    return scene_tables(rng, skin, feeds.any_contacts(rng, skin))
 
 
 def _gauges(rng: Rng) -> Tables:
@@ -95,21 +95,21 @@ def _gauges(rng: Rng) -> Tables:
     for name in SHEETS[: int(rng.integers(1, 3))]:
         alike = rng.random() < 0.5
         skin[name]["piezoresistance"] = first if alike else draws.piezoresistance(rng)
-    return scene_tables(rng, skin, feeds.any_feed(rng))
+    return scene_tables(rng, skin, feeds.any_contacts(rng, skin))
 
 
 def _smooth(rng: Rng) -> Tables:
     skin = draws.skin(rng)
     for name in _some_layers(rng):
         skin[name]["map"] = draws.smooth_map(rng, max(skin["length"], skin["width"]))
-    return scene_tables(rng, skin, feeds.any_feed(rng))
+    return scene_tables(rng, skin, feeds.any_contacts(rng, skin))
 
 
 def _grids(rng: Rng) -> Tables:
     skin = draws.skin(rng)
     for name in _some_layers(rng):
         skin[name]["map"] = draws.grid_map(rng)
-    return scene_tables(rng, skin, feeds.any_feed(rng))
+    return scene_tables(rng, skin, feeds.any_contacts(rng, skin))
 
 
 def _some_layers(rng: Rng) -> list[str]:
@@ -132,7 +132,7 @@ def _stretch(rng: Rng) -> Tables:
 
 def _stretched(rng: Rng) -> Tables:
     skin = draws.skin(rng) | {"stretch": _stretch(rng)}
-    return scene_tables(rng, skin, feeds.any_feed(rng))
+    return scene_tables(rng, skin, feeds.any_contacts(rng, skin))
 
 
 def _of_stretched(problem: Problem) -> Route:

@@ -21,12 +21,10 @@ def scene_tables(rng: Rng, skin: Tables, feed: Tables, **more: Tables) -> Tables
     return at_u(tables, draws.charging(rng))
 
 
-def plain_tables(rng: Rng) -> Tables:
-    """Any feed on an even rectangle, a fifth of them with films."""
-    skin, feed = draws.skin(rng), feeds.any_feed(rng)
-    return scene_tables(
-        rng, skin, feeds.with_films(rng, skin, feed) if rng.random() < 0.2 else feed
-    )
+def any_tables(rng: Rng) -> Tables:
+    """Any feed on an even rectangle."""
+    skin = draws.skin(rng)
+    return scene_tables(rng, skin, feeds.any_contacts(rng, skin))
 
 
 def touched(rng: Rng, draw: Draw, *shapes: str, most: int = 3) -> Problem:
@@ -46,25 +44,22 @@ def case_of(rng: Rng, problem: Problem, decades: float = draws.DECADES) -> Case:
 
 def rectangles(rng: Rng) -> Case:
     """Rectangles that lie along, across and next to pixels' lines, foils' ends and each other."""
-    return case_of(rng, touched(rng, plain_tables, "rectangle"))
+    return case_of(rng, touched(rng, any_tables, "rectangle"))
 
 
 def discs(rng: Rng) -> Case:
     """Discs inside, tangent to edges and lines, and across them."""
-    return case_of(rng, touched(rng, plain_tables, "disc", most=2))
+    return case_of(rng, touched(rng, any_tables, "disc", most=2))
 
 
 def polygons(rng: Rng) -> Case:
     """Polygons, alone and over rectangles."""
-    return case_of(rng, touched(rng, plain_tables, "polygon", "polygon", "rectangle"))
+    return case_of(rng, touched(rng, any_tables, "polygon", "polygon", "rectangle"))
 
 
 def foils(rng: Rng) -> Case:
     """Several foils on an edge, parts of edges, floating foils; pressed by a pixel or at rest."""
-    return case_of(
-        rng,
-        _on_pixels(rng, lambda rng: scene_tables(rng, draws.skin(rng), feeds.any_feed(rng))),
-    )
+    return case_of(rng, _on_pixels(rng, any_tables))
 
 
 def films(rng: Rng) -> Case:
@@ -126,7 +121,7 @@ def behind_leads(rng: Rng) -> Case:
 def of_varied_elements(rng: Rng) -> Case:
     """A skin that varies by rounding alone, against the ladder of even ones."""
     shapes = ("rectangle",) if rng.random() < 0.5 else ()
-    plain = touched(rng, plain_tables, *shapes)
+    plain = touched(rng, any_tables, *shapes)
     return Case(slightly_sloped(plain), draws.tolerance(rng), by(plain))
 
 

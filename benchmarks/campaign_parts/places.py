@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from campaign_parts.draws import Rng, logarithmic
+from campaign_parts.draws import Rng, usual_or_extreme
 from campaign_parts.problem import Tables
 from simulator.press import Disc, Polygon, Press, Rectangle, Touch
 
-FACTORS = (0.3, 10.0)
+FACTORS, EXTREME_FACTORS = (0.3, 10.0), (0.01, 1000.0)
 ON_A_LINE, NEXT_TO_A_LINE = 0.35, 0.1
 NEXT = (-3.3, -1.7)
 """log10 of how far from a line, over the side, a touch next to it ends."""
@@ -52,7 +52,7 @@ def interval(rng: Rng, lines: NDArray[np.float64]) -> tuple[float, float]:
 
 def factor(rng: Rng) -> float:
     """Capacitance over that at rest."""
-    return logarithmic(rng, *FACTORS)
+    return usual_or_extreme(rng, FACTORS, EXTREME_FACTORS)
 
 
 def rectangle(rng: Rng, lines: Lines) -> Rectangle:
