@@ -45,24 +45,28 @@ class Ladder:
         The order is one more than the level's: the answer's own, and one to check it by.
         """
         order, cells = self.levels[level]
-        skin = self.scene.skin
-        sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
-        c = skin.foam.rest_capacitance_per_area
-        factor = _strongest(press, self.scene)
-        depth = penetration_depth(frequency, sheets, c, skin.foam.loss)
+        factor = strongest(press, self.scene)
+        depth = self.depth(frequency)
         reached = self._reached(press, depth)
-        layer = depth / math.sqrt(factor if reached.touches else 1.0) * max(1.0, order / 4)
-        if self._halved(layer) == math.inf:
+        layer = depth / math.sqrt(factor if reached.touches else 1.0) * followed(order)
+        if self.halved(layer) == math.inf:
             reached = Press()
         return Resolution(
             order + 1,
             self._no_plane_of_symmetry(cells),
             math.ceil(RINGS_PER_ORDER * order) + RINGS_AT_LEAST if self.singular else 0,
-            edge_cell=self._halved(layer),
-            touch_cell=self._halved(layer) if reached.touches else math.inf,
-            touched=_all_lines(reached, self.scene),
+            edge_cell=self.halved(layer),
+            touch_cell=self.halved(layer) if reached.touches else math.inf,
+            touched=all_lines(reached, self.scene),
             lines=lines(self.scene, press),
         )
+
+    def depth(self, frequency: float) -> float:
+        """How far from a foil the field reaches at a frequency in Hz, m."""
+        skin = self.scene.skin
+        sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
+        c = skin.foam.rest_capacitance_per_area
+        return penetration_depth(frequency, sheets, c, skin.foam.loss)
 
     @property
     def _widest_pixel(self) -> float:
@@ -75,7 +79,7 @@ class Ladder:
         pixels = self.scene.pixels
         return max(cells, 2 if 1 in (pixels.rows, pixels.columns) else 1)
 
-    def _halved(self, width: float) -> float:
+    def halved(self, width: float) -> float:
         """No wider, and one of few widths, so that presses and frequencies share meshes."""
         skin = self.scene.skin
         longest = max(skin.length, skin.width)
@@ -89,24 +93,33 @@ class Ladder:
             tuple(
                 touch
                 for touch in press.touches
-                if touch.factor > 1
-                and math.exp(-2 * _distance(touch, self.scene) / depth) > FAINTEST
+                if touch.factor > 1 and felt(touch, self.scene, depth)
             )
         )
 
 
-def _all_lines(press: Press, scene: Scene) -> Lines:
+def followed(order: int) -> float:
+    """Widths of a cell, of the depth of a layer that elements of that order follow."""
+    return max(1.0, order / 4)
+
+
+def felt(touch: AnyTouch, scene: Scene, depth: float) -> bool:
+    """Whether a touch is near enough to a foil for a field of that depth in m to come back."""
+    return math.exp(-2 * _distance(touch, scene) / depth) > FAINTEST
+
+
+def all_lines(press: Press, scene: Scene) -> Lines:
     """Lines that c jumps at by these touches, ascending."""
     patches = [patch(scene, touch) for touch in press.touches]
     x, y = ({line for p in patches for line in (p.x, p.y)[axis].tolist()} for axis in (0, 1))
     return tuple(sorted(x)), tuple(sorted(y))
 
 
-def _strongest(press: Press, scene: Scene) -> float:
+def strongest(press: Press, scene: Scene) -> float:
     """The largest factor anywhere, where touches lie over each other their product."""
     if all(isinstance(touch, Touch) for touch in press.touches):
         return max((touch.factor for touch in press.touches), default=1.0)
-    x, y = (distinct(each) for each in _all_lines(press, scene))
+    x, y = (distinct(each) for each in all_lines(press, scene))
     return float(tile_map(scene, press, x, y).max())
 
 

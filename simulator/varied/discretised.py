@@ -36,7 +36,9 @@ class Solved:
 
 @dataclass(frozen=True)
 class Discretised:
-    """told: the mesh in words. error: relative, of the capacitance where it is pressed."""
+    """told: the mesh in words. error: relative, of the capacitance where it is pressed. coarser: of
+    an order less than `coarse`, where the one finer may agree with it by chance.
+    """
 
     circuit: Circuit
     loss: Loss
@@ -45,6 +47,7 @@ class Discretised:
     fine: Solved
     told: str
     error: float = 0.0
+    coarser: Solved | None = None
 
     def rung(self, frequency: NDArray[np.float64], rtol: float) -> Rung:
         """The answer at these frequencies in Hz, and its error.
@@ -59,7 +62,8 @@ class Discretised:
             with one_blas_thread():
                 return [
                     swept(each.space, each.system.mass, drives, s, tolerance)
-                    for each in (self.coarse, self.fine)
+                    for each in (self.coarse, self.fine, self.coarser)
+                    if each is not None
                 ]
 
         Z, error = checked(sweep, frequency, rtol)

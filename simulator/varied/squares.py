@@ -21,10 +21,14 @@ from simulator.sweeps import ToleranceError
 from simulator.varied.coefficients import Coefficients
 from simulator.varied.discretised import Discretised, Solved
 from simulator.varied.elements import squares
+from simulator.varied.layers import layered
 from simulator.varied.system import pressed_system
 
 CELLS_TO_A_LENGTH = 2.0
 """For the shortest length of a map, of elements of order 1; fewer of higher order."""
+
+LOWEST = 1
+"""The first level that has two orders below the one that checks it."""
 
 
 class Squares:
@@ -37,14 +41,16 @@ class Squares:
         self.scene, self.circuit, self.press = scene, circuit, press
         self.materials = Materials(scene)
         self._ladder = Ladder(scene, circuit)
-        self._level = self._ladder.first(rtol)
+        self._level = max(LOWEST, self._ladder.first(rtol))
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
         """The next one, for frequencies in Hz. Raises ToleranceError after the finest."""
         if self._level == len(ONE_CELL):
             raise ToleranceError("there is no finer mesh")
-        found = self._ladder.resolution(self._level, self.press, float(frequency[-1]))
+        highest = float(frequency[-1])
+        found = self._ladder.resolution(self._level, self.press, highest)
         self._level += 1
+        found = layered(self._ladder, found, self.press, highest)
         return self._discretised(self._varied(found))
 
     def _discretised(self, resolution: Resolution) -> Discretised:
@@ -55,15 +61,19 @@ class Squares:
         coefficients = Coefficients(self.materials, factors, None, circuit.fields)
         elements = squares(pixels, resolution.order)
         system = pressed_system(circuit, elements, coefficients)
-        coarse, fine = (Galerkin(system, circuit, resolution.order - less) for less in (1, 0))
+        coarser, coarse, fine = (
+            Solved(Galerkin(system, circuit, resolution.order - less), system, elements)
+            for less in (2, 1, 0)
+        )
         answered = replace(resolution, order=resolution.order - 1)
         return Discretised(
             circuit,
             scene.skin.foam.loss,
             coefficients,
-            Solved(coarse, system, elements),
-            Solved(fine, system, elements),
+            coarse,
+            fine,
             f"2-D elements, {circuit.told}, varied, {answered}",
+            coarser=coarser,
         )
 
     def _varied(self, resolution: Resolution) -> Resolution:
