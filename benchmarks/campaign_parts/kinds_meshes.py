@@ -11,9 +11,9 @@ from campaign_parts import draws, feeds, places
 from campaign_parts.draws import Rng
 from campaign_parts.kinds_touches import any_tables, scene_tables
 from campaign_parts.mesh_files import Lattice, halved, lattice, quartered, shaken, written
-from campaign_parts.moves import has_discs, outlined, turned, with_polygons
+from campaign_parts.moves import outlined, turned
 from campaign_parts.problem import Case, Problem, Tables, first_valid
-from campaign_parts.routes import TURNS, by, by_polygons
+from campaign_parts.routes import TURNS, Telling, by, by_telling
 from simulator.press import Press
 
 DECADES = 1.7
@@ -34,7 +34,7 @@ def rectangles_from_files(rng: Rng) -> Case:
 
     flat = first_valid(once)
     known = _shaken(rng, flat, _lattice_of(rng, flat))
-    return _on_file(rng, flat, known, outlined(flat))
+    return _on_file(rng, flat, known, outlined)
 
 
 def ls_from_files(rng: Rng) -> Case:
@@ -61,7 +61,7 @@ def ls_from_files(rng: Rng) -> Case:
     whole = _shaken(rng, flat, _lattice_of(rng, flat, (np.array([x]), np.array([y]))), x, y)
     middle = whole.p[whole.cells].mean(axis=1)
     kept = ~((middle[:, 0] > x) & (middle[:, 1] > y))
-    return _on_file(rng, flat, replace(whole, cells=whole.cells[kept]), flat)
+    return _on_file(rng, flat, replace(whole, cells=whole.cells[kept]), lambda told: told)
 
 
 def annuli_from_files(rng: Rng) -> Case:
@@ -135,14 +135,15 @@ def curved_from_files(rng: Rng) -> Case:
     return Case(coarse, draws.tolerance(rng, DECADES), by(fine))
 
 
-def _on_file(rng: Rng, flat: Problem, known: Lattice, drawn: Problem) -> Case:
-    """Answered as a file has it, the truth by the outline turned."""
+def _on_file(rng: Rng, flat: Problem, known: Lattice, draw: Telling) -> Case:
+    """Answered as a file has it, the truth by the outline that `draw` makes of it, turned."""
     problem = _brought(flat, halved(rng, known) if rng.random() < 0.6 else known)
-    other = turned(drawn, rng.uniform(*TURNS))
-    rtol = draws.tolerance(rng, DECADES)
-    if not has_discs(flat.press):
-        return Case(problem, rtol, by(other))
-    return Case(problem, rtol, by_polygons(lambda sides: with_polygons(other, sides)))
+    angle = rng.uniform(*TURNS)
+    return Case(
+        problem,
+        draws.tolerance(rng, DECADES),
+        by_telling(flat, lambda told: turned(draw(told), angle)),
+    )
 
 
 def _brought(flat: Problem, known: Lattice) -> Problem:

@@ -10,10 +10,9 @@ from scipy.special import ive, kve
 from campaign_parts import draws, feeds, places
 from campaign_parts.draws import Rng
 from campaign_parts.kinds_touches import scene_tables
-from campaign_parts.moves import has_discs, outlined, regular, turned, with_polygons
+from campaign_parts.moves import outlined, regular, turned
 from campaign_parts.problem import Case, Problem, Tables, Truth, first_valid, solved
-from campaign_parts.routes import OTHER_SHARE, TURNS, by, by_polygons
-from simulator.contour import Outline
+from campaign_parts.routes import OTHER_SHARE, TURNS, by_polygons, by_telling
 from simulator.estimate import relative_difference
 from simulator.frequency import laplace_variable
 from simulator.planar import inside
@@ -109,11 +108,7 @@ def discs_cut_by_the_edge(rng: Rng) -> Case:
         return Problem(tables, _on_skin(places.disc(rng, _lines(tables)), tables))
 
     problem = first_valid(once)
-    return Case(
-        problem,
-        draws.tolerance(rng, DECADES),
-        by_polygons(lambda sides: with_polygons(problem, sides)),
-    )
+    return Case(problem, draws.tolerance(rng, DECADES), by_telling(problem, lambda told: told))
 
 
 def outlines(rng: Rng) -> Case:
@@ -127,11 +122,12 @@ def outlines(rng: Rng) -> Case:
         return Problem(tables, _on_skin(touch, tables) if rng.random() < 0.7 else Press())
 
     problem = first_valid(once)
-    other = turned(problem, rng.uniform(*TURNS))
-    rtol = draws.tolerance(rng, DECADES)
-    if not has_discs(problem.press):
-        return Case(problem, rtol, by(other))
-    return Case(problem, rtol, by_polygons(lambda sides: with_polygons(other, sides)))
+    angle = rng.uniform(*TURNS)
+    return Case(
+        problem,
+        draws.tolerance(rng, DECADES),
+        by_telling(problem, lambda told: turned(told, angle)),
+    )
 
 
 def _round(rng: Rng) -> tuple[Tables, list[float]]:
@@ -159,8 +155,13 @@ def _within(rng: Rng, tables: Tables) -> Press:
 def _on_skin(touch: places.Area, tables: Tables) -> Press:
     """The press, if the middle of the box around the touch is skin; otherwise it is drawn anew."""
     left, right, bottom, top = touch.box
-    around = Outline.model_validate(tables["skin"]["outline"]).corners
-    if not inside(around, np.array([[left + right], [bottom + top]]) / 2).all():
+    middle = np.array([left + right, bottom + top]) / 2
+    outline = tables["skin"]["outline"]
+    if "circle" in outline:
+        on_skin = np.hypot(*(middle - outline["circle"][:2])) < outline["circle"][2]
+    else:
+        on_skin = inside(np.array(outline["points"]), middle[:, None]).all()
+    if not on_skin:
         raise InputError("the touch lies beside the skin")
     return Press((touch,))
 

@@ -7,9 +7,9 @@ import numpy as np
 from campaign_parts import draws, feeds
 from campaign_parts.draws import Rng
 from campaign_parts.kinds_touches import case_of, scene_tables, touched
-from campaign_parts.moves import has_discs, outlined, unstretched, with_polygons
-from campaign_parts.problem import Case, Problem, Route, Tables
-from campaign_parts.routes import by, by_polygons
+from campaign_parts.moves import outlined, unstretched
+from campaign_parts.problem import Case, Problem, Tables
+from campaign_parts.routes import by_telling
 
 SHEETS = ("top", "bottom")
 DECADES = 2.3
@@ -55,7 +55,7 @@ def grids(rng: Rng) -> Case:
 def stretched(rng: Rng) -> Case:
     """Pulled evenly or not, under any touches, against the larger rectangle that it becomes."""
     problem = touched(rng, _stretched, "rectangle", "disc", "polygon", most=2)
-    return Case(problem, draws.tolerance(rng, DECADES), _of_stretched(problem))
+    return Case(problem, draws.tolerance(rng, DECADES), by_telling(problem, _larger))
 
 
 def stretched_and_varied(rng: Rng) -> Case:
@@ -135,7 +135,5 @@ def _stretched(rng: Rng) -> Tables:
     return scene_tables(rng, skin, feeds.any_contacts(rng, skin))
 
 
-def _of_stretched(problem: Problem) -> Route:
-    if not has_discs(problem.press):
-        return by(outlined(unstretched(problem)))
-    return by_polygons(lambda sides: outlined(unstretched(with_polygons(problem, sides))))
+def _larger(problem: Problem) -> Problem:
+    return outlined(unstretched(problem))
