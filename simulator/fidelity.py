@@ -143,7 +143,7 @@ class Solver:
             try:
                 discretised = finer.finer(progress.frequency)
             except ToleranceError as end:
-                raise ToleranceError(f"{end}: {progress.rejected[-1]}") from end
+                raise ToleranceError(": ".join([str(end), *progress.rejected[-1:]])) from end
             progress.offer(discretised.rung(progress.frequency, self.rtol))
 
     def explain(self, press: Press, answer: Answer) -> str:

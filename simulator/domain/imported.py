@@ -15,15 +15,23 @@ from simulator.domain.collapsing import collapsed, compressed
 from simulator.domain.cutting import cut
 from simulator.domain.flipping import edges_along, flipped
 from simulator.domain.refinement import refined
-from simulator.domain.region import Domain, Numbers, Points, edges_of_touches, labelled, unlabelled
+from simulator.domain.region import (
+    Domain,
+    Numbers,
+    Points,
+    edges_of_touches,
+    labelled,
+    polygonal,
+    unlabelled,
+)
 from simulator.domain.snapping import snapped
 from simulator.domain.sound import check
 from simulator.domain.triangles import edges_of, rim_points
 from simulator.domain.untangled import untangled
 from simulator.foam import pixel_lines
 from simulator.mesh_file import Surface, foil_lines, read_surface
-from simulator.planar import Circle, distance, regular, sides
-from simulator.press import Press
+from simulator.planar import Circle, distance
+from simulator.press import Press, place_of
 from simulator.scene import Scene
 from simulator.sweeps import InputError
 
@@ -32,8 +40,11 @@ SAME = 1e-8
 
 MENDED = 3
 """Times that points are taken out and edges turned, for what one allows the other."""
-SIDES_IN_SPACE = 512
-"""Of the polygon that a circle is on a mesh in space: its area is the same, as seen along z."""
+SIDES_IN_SPACE = 128
+"""Of the polygon that a disc is on a mesh in space: its area is the same, as seen along z."""
+OUT_OF_ROUND = 2 * (np.pi / SIDES_IN_SPACE) ** 3 / 3
+"""How far it is from the circle at most, over the radius, for the part of a radius that a side is
+long: what is in excess at its corners lacks at its middle."""
 COARSEST = 2.0
 """Longest edges of triangles over the length of what they are cut along."""
 
@@ -44,12 +55,19 @@ def imported(scene: Scene, press: Press, creases: Sequence[Circle | Points]) -> 
     assert path is not None
     surface = read_surface(path)
     _check(path, surface)
+    in_space = len(surface.p) == 3
+    if in_space:
+        _check_directions(scene, path)
+        press = _angular(press)
     foils = {contact.name: foil_lines(surface, contact.edge, path) for contact in scene.contacts}
     pixel = _grouped(path, surface, scene)
     whole = replace(unlabelled(surface.p, surface.t, foils), pixel=pixel)
-    mesh = _conforming(whole, _shapes(scene, press, creases))
+    shapes = [*_grid(scene), *edges_of_touches(scene, press, creases)]
+    mesh = (_cut_as_seen if in_space else _conforming)(whole, shapes)
     labels = labelled(scene, press, mesh)
-    return labels if scene.pixels.groups is None else replace(labels, pixel=mesh.pixel)
+    if scene.pixels.groups is not None:
+        labels = replace(labels, pixel=mesh.pixel)
+    return replace(labels, out_of_round=OUT_OF_ROUND) if in_space else labels
 
 
 def _conforming(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
@@ -57,10 +75,8 @@ def _conforming(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
     if not len(shapes):
         return mesh
     same = SAME * float(np.ptp(mesh.p, axis=1).max())
-    if len(mesh.p) == 3:
-        return _cut_as_seen(mesh, shapes, same)
-    fixed = _fixed_lines(mesh)
-    drawn = chords([*shapes, fixed], np.empty((0, 2)), same)[:-1]
+    kept = mesh.p[:, _kept_edges(mesh)].transpose(2, 1, 0)
+    drawn = chords([*shapes, kept], np.empty((0, 2)), same)[:-1]
     segments, curvature = (np.concatenate(part) for part in zip(*drawn, strict=True))
     lines = arranged(segments, same)
     pieces = lines.points[lines.pieces]
@@ -73,29 +89,53 @@ def _conforming(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
     for _ in range(MENDED):
         mesh = collapsed(mesh, movable, edges_along(mesh.p, mesh.t, pieces, same))
         mesh = replace(mesh, t=flipped(mesh.p, mesh.t, mesh.pixel, pieces, same))
-    return untangled(bent(compressed(mesh), lines, curvature[lines.segment], same))
+    mesh = compressed(mesh)
+    seams = np.hstack([edges_along(mesh.p, mesh.t, pieces, same), _kept_edges(mesh)])
+    mesh = replace(mesh, seams=np.unique(seams, axis=1))
+    return untangled(bent(mesh, lines, curvature[lines.segment], same))
 
 
-def _cut_as_seen(mesh: Domain, shapes: Sequence[Circle | Points], same: float) -> Domain:
-    """A mesh in space cut along lines as they are seen along z; circles are polygons."""
-    straight = [
-        sides(regular(*shape, SIDES_IN_SPACE)) if isinstance(shape, Circle) else shape
-        for shape in shapes
-    ]
-    lines = arranged(np.concatenate(straight), same)
+def _cut_as_seen(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
+    """A mesh in space cut along segments (segment, 2, 2) as they are seen along z."""
+    segments = np.concatenate([each for each in shapes if not isinstance(each, Circle)])
+    if not len(segments):
+        return mesh
+    same = SAME * float(np.ptp(mesh.p, axis=1).max())
+    lines = arranged(segments, same)
     pieces = lines.points[lines.pieces]
     return cut(_as_fine(mesh, pieces), pieces, same)
 
 
-def _fixed_lines(mesh: Domain) -> Points:
-    """The edges at the boundary and between pixels, which circles must meet where they do."""
+def _angular(press: Press) -> Press:
+    """With polygons for discs, in their places."""
+    touches = press.sharp.touches
+    return Press(tuple(polygonal(place_of(touch), SIDES_IN_SPACE) for touch in touches))
+
+
+def _check_directions(scene: Scene, path: str) -> None:
+    """Raises InputError for what has a direction, of which a mesh in space tells none."""
+    skin = scene.skin
+    ratios = skin.stretch.ratios if skin.stretch else (1.0, 1.0)
+    directed = {
+        "skin.top.anisotropy": skin.top.anisotropy,
+        "skin.bottom.anisotropy": skin.bottom.anisotropy,
+        "skin.stretch": ratios[0] != ratios[1],
+        "skin.shape": skin.shape,
+    }
+    for key, there in directed.items():
+        if there:
+            raise InputError(f"{scene.name}: skin.mesh {path} must lie in a plane for `{key}`")
+
+
+def _kept_edges(mesh: Domain) -> Numbers:
+    """The edges at the boundary and between pixels, by numbers of points, shape (2, edge)."""
     edges, of_triangle = edges_of(mesh.t)
     low, high = (np.full(edges.shape[1], start) for start in (mesh.pixel.max(), mesh.pixel.min()))
     every = np.tile(mesh.pixel, 3)
     np.minimum.at(low, of_triangle.ravel(), every)
     np.maximum.at(high, of_triangle.ravel(), every)
     kept = (low < high) | (np.bincount(of_triangle.ravel()) == 1)
-    return mesh.p[:, edges[:, kept]].transpose(2, 1, 0)
+    return edges[:, kept]
 
 
 def _as_fine(mesh: Domain, pieces: Points) -> Domain:
@@ -130,15 +170,12 @@ def _check(path: str, surface: Surface) -> None:
     check(path, surface.p, surface.t)
 
 
-def _shapes(
-    scene: Scene, press: Press, creases: Sequence[Circle | Points]
-) -> list[Circle | Points]:
-    """Lines around pixels unless those are groups, edges of touches and `creases`."""
+def _grid(scene: Scene) -> list[Points]:
+    """Lines around pixels, shape (segment, 2, 2), unless those are groups."""
     x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
     across = [np.array([(line, y[0]), (line, y[-1])]) for line in x]
     along = [np.array([(x[0], line), (x[-1], line)]) for line in y]
-    grid = [] if scene.pixels.groups else [np.array([*across, *along])]
-    return [*grid, *edges_of_touches(scene, press, creases)]
+    return [] if scene.pixels.groups else [np.array([*across, *along])]
 
 
 def _grouped(path: str, surface: Surface, scene: Scene) -> Numbers:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from simulator.domain.arcs import NO_ARCS, Arcs, beside_chords, mapped
 from simulator.domain.triangles import edges_of
 from simulator.foam import pixel_lines, touched_box
-from simulator.planar import Circle, inside, sides
+from simulator.planar import Circle, inside, regular, sides
 from simulator.press import Disc, Place, Polygon, Press, Rectangle, Touch
 from simulator.scene import Scene
 
@@ -30,7 +30,8 @@ class Domain:
     (triangle,). covered: whether each of `sharp_touches` covers a triangle, shape (touch,
     triangle). foils: for each contact the numbers of points of its facets, ascending in each
     column, shape (2, facet). seams: likewise of the edges that were asked for, across which
-    something may jump. arcs: the edges that are not straight; none in space.
+    something may jump. arcs: the edges that are not straight; none in space. out_of_round: what
+    touches gain or lose of their effect by not being round, at most.
     """
 
     p: Points
@@ -40,6 +41,7 @@ class Domain:
     foils: dict[str, Numbers]
     seams: Numbers
     arcs: Arcs = NO_ARCS
+    out_of_round: float = 0.0
 
     @property
     def curvature(self) -> NDArray[np.float64]:
@@ -96,6 +98,14 @@ def polygon_of(scene: Scene, place: Angular) -> Points:
         return np.array(place.points, dtype=float)
     left, right, bottom, top = touched_box(scene, place)
     return np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
+
+
+def polygonal(place: Place, sides: int) -> Angular:
+    """The same place; a disc as the regular polygon of so many sides and the same area."""
+    if not isinstance(place, Disc):
+        return place
+    corners = regular(place.x, place.y, place.radius, sides)
+    return Polygon(tuple((x, y) for x, y in corners.tolist()), place.factor)
 
 
 def closed(shape: Circle | Points) -> Circle | Points:

@@ -32,6 +32,8 @@ def untangled(mesh: Domain) -> Domain:
 
     Raises ToleranceError where triangles would be halved without end.
     """
+    if not len(mesh.arcs.curvature):
+        return mesh
     for _ in range(MOST_ROUNDS):
         if not _tangled(mesh).size:
             return mesh
@@ -41,9 +43,25 @@ def untangled(mesh: Domain) -> Domain:
 
 
 def _tangled(mesh: Domain) -> Numbers:
+    """The triangles that their arcs turn over, and those that lie upon a neighbour."""
     curvature = mesh.curvature
     bent = np.flatnonzero(curvature.any(axis=0))
-    return bent[_upright(mesh, mesh.t[:, bent], curvature[:, bent]) < LEAST]
+    turned = bent[_upright(mesh, mesh.t[:, bent], curvature[:, bent]) < LEAST]
+    return np.union1d(turned, _folded(mesh))
+
+
+def _folded(mesh: Domain) -> Numbers:
+    """Of two triangles on the same side of their common edge the smaller one."""
+    edges, of_triangle = edges_of(mesh.t)
+    order = np.argsort(of_triangle.ravel(), kind="stable")
+    edge, triangle = of_triangle.ravel()[order], np.tile(np.arange(mesh.t.shape[1]), 3)[order]
+    first = np.flatnonzero(edge[:-1] == edge[1:])
+    pair, (start, stop) = triangle[[first, first + 1]], edges[:, edge[first]]
+    apex = mesh.t[:, pair].sum(axis=0) - start - stop
+    run = mesh.p[:, stop] - mesh.p[:, start]
+    side = _cross(run[:, None], mesh.p[:, apex] - mesh.p[:, start][:, None])
+    same = np.flatnonzero(side[0] * side[1] > 0)
+    return np.unique(pair[np.abs(side[:, same]).argmin(axis=0), same])
 
 
 def _upright(mesh: Domain, t: Numbers, curvature: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -68,29 +86,36 @@ def _turned(mesh: Domain) -> Domain:
         edges, of_triangle = edges_of(mesh.t)
         fixed = np.zeros(edges.shape[1], dtype=bool)
         fixed[edge_numbers(mesh.seams, edges)] = True
-        best, chosen = -np.inf, mesh
+        best, chosen = 0.0, mesh
         for number in of_triangle[:, triangle][~fixed[of_triangle[:, triangle]]]:
             pair = np.flatnonzero((of_triangle == number).any(axis=0))
-            found = _with_other_diagonal(mesh, pair, edges[:, number])
+            beyond = np.sort(mesh.t[:, pair].sum(axis=0) - edges[:, number].sum())
+            if edge_numbers(beyond[:, None], edges)[0] >= 0:
+                continue
+            found = _with_diagonal(mesh, pair, edges[:, number], beyond)
             gain = _gain(mesh, found, pair)
-            if gain > max(best, 0):
+            if gain > best:
                 best, chosen = gain, found
         mesh = chosen
     return mesh
 
 
 def _gain(mesh: Domain, other: Domain, pair: Numbers) -> float:
-    """By how much the worst of a pair of triangles is better in another mesh; -inf if it folds."""
-    areas = [np.abs(_area(each, each.t[:, pair])) for each in (mesh, other)]
-    folds = areas[1].sum() > areas[0].sum() * (1 + ROUNDING)
-    if folds or areas[1].min() < ROUNDING * areas[0].max():
+    """By how much the worst of a pair of triangles is better in another mesh.
+
+    Infinite where one no longer lies upon the other, negative so where it does.
+    """
+    before, after = (np.abs(_area(each, each.t[:, pair])) for each in (mesh, other))
+    if after.sum() > before.sum() * (1 + ROUNDING) or after.min() < ROUNDING * before.max():
         return -np.inf
-    before, after = (_upright(m, m.t[:, pair], m.curvature[:, pair]).min() for m in (mesh, other))
-    return float(after - before)
+    if after.sum() < before.sum() * (1 - ROUNDING):
+        return np.inf
+    worst = [_upright(m, m.t[:, pair], m.curvature[:, pair]).min() for m in (other, mesh)]
+    return float(worst[0] - worst[1])
 
 
-def _with_other_diagonal(mesh: Domain, pair: Numbers, edge: Numbers) -> Domain:
-    beyond = mesh.t[:, pair].sum(axis=0) - edge.sum()
+def _with_diagonal(mesh: Domain, pair: Numbers, edge: Numbers, beyond: Numbers) -> Domain:
+    """With the edge between `beyond` in place of that between a pair of triangles."""
     t = mesh.t.copy()
     t[:, pair] = np.sort([edge, np.full(2, beyond[0]), np.full(2, beyond[1])], axis=0)
     return replace(mesh, t=t)

@@ -7,10 +7,12 @@ their depth; beside these the deflection falls off over the length sqrt(T d / E)
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.domain.region import polygon_of
+from simulator.domain.region import polygon_of, polygonal
 from simulator.foam_properties import Mechanics
 from simulator.mechanics.limit import check_depths
 from simulator.mechanics.pressed import Pressed
@@ -52,11 +54,11 @@ def _spread(
     rtol: float,
 ) -> Pressed:
     from simulator.mechanics.adaptive import solved
-    from simulator.mechanics.ground import angular, ground
+    from simulator.mechanics.ground import straight_ground
 
-    angled, places = angular(scene, [touch.place for touch in press.indented], DISC_SIDES)
-    at_first = ground(angled, places)
-    kinks = tuple(_closed(polygon_of(scene, place)) for place in places)
+    places = [touch.place for touch in press.indented]
+    kinks = tuple(_closed(polygon_of(scene, polygonal(each, DISC_SIDES))) for each in places)
+    at_first = straight_ground(scene, places, DISC_SIDES)
     found = solved(press, at_first, mechanics, thickness, rtol)
     depth, force = tuple(found.rest.depth.tolist()), tuple(found.rest.force.tolist())
     return Pressed(
@@ -68,7 +70,8 @@ def _spread(
         found.error,
         kinks,
         None,
-        mean_error=found.mean_error,
+        closer=partial(pressed, scene, press),
+        unsure=found.surface.in_triangles(found.unsure),
     )
 
 

@@ -14,9 +14,9 @@ from skfem import MeshTri
 from simulator.contour import Curve
 from simulator.domain import Domain, domain
 from simulator.domain.refinement import refined
-from simulator.domain.region import Angular, shape_of
+from simulator.domain.region import polygon_of, polygonal, shape_of
 from simulator.planar import Circle, regular
-from simulator.press import Disc, Place, Polygon, Press, Touch
+from simulator.press import Disc, Place, Press, Touch
 from simulator.scene import Scene
 from simulator.sweeps import InputError
 
@@ -88,35 +88,34 @@ def ground(scene: Scene, places: Sequence[Place]) -> Ground:
     return laid
 
 
-def angular(scene: Scene, places: Sequence[Place], sides: int) -> tuple[Scene, list[Angular]]:
-    """A scene and places with polygons of the same area for circles and discs.
+def straight_ground(scene: Scene, places: Sequence[Place], sides: int) -> Ground:
+    """The same of straight triangles: a disc is a polygon of so many sides and of the same area.
 
-    sides: of a disc.
+    Its corners are so blunt that they count as none.
     """
-    polygons = [
-        Polygon(_corners(regular(place.x, place.y, place.radius, sides)), place.factor)
-        if isinstance(place, Disc)
-        else place
-        for place in places
-    ]
+    laid = ground(_angular(scene), [polygonal(place, sides) for place in places])
+    angular = [polygon_of(scene, place) for place in places if not isinstance(place, Disc)]
+    return replace(laid, sharp=np.concatenate([np.zeros((0, 2)), *angular]).T)
+
+
+def _angular(scene: Scene) -> Scene:
+    """With polygons for the circles of its outline."""
     outline = scene.skin.outline
     if outline is None:
-        return scene, polygons
+        return scene
     holes = tuple(Curve(points=_sides(hole)) for hole in outline.holes)
     changed = {"points": _sides(outline), "circle": None, "holes": holes}
     skin = scene.skin.model_copy(update={"outline": outline.model_copy(update=changed)})
-    return scene.model_copy(update={"skin": skin}), polygons
+    return scene.model_copy(update={"skin": skin})
+
+
+def _sides(curve: Curve) -> tuple[tuple[float, float], ...] | None:
+    if curve.circle is None:
+        return curve.points
+    return tuple((x, y) for x, y in regular(*curve.circle, RIM_SIDES).tolist())
 
 
 def _around(shape: Circle | NDArray[np.float64]) -> float:
     if isinstance(shape, Circle):
         return 2 * np.pi * shape.radius
     return float(np.linalg.norm(shape - np.roll(shape, 1, axis=0), axis=1).sum())
-
-
-def _sides(curve: Curve) -> tuple[tuple[float, float], ...] | None:
-    return _corners(regular(*curve.circle, RIM_SIDES)) if curve.circle else curve.points
-
-
-def _corners(polygon: NDArray[np.float64]) -> tuple[tuple[float, float], ...]:
-    return tuple((x, y) for x, y in polygon.tolist())

@@ -12,7 +12,7 @@ from simulator.domain import Domain, domain, finer, sharp_touches
 from simulator.frequency import penetration_depth
 from simulator.galerkin import Galerkin
 from simulator.materials import Materials
-from simulator.press import Press, Touch
+from simulator.press import Disc, Press, Touch
 from simulator.scene import Scene
 from simulator.sweeps import InputError, ToleranceError
 from simulator.varied.coefficients import Coefficients
@@ -30,6 +30,8 @@ more unknowns for 1e-2 than order 2 for 1e-3."""
 MOST_TRIANGLES = 60_000
 DEPTHS_PER_ORDER = 1.0
 """Longest edges at foils, of what a polynomial of that order follows at the highest frequency."""
+FALLS = 2.0
+"""How fast |V|² falls towards a touch, for the depth of the field."""
 
 
 class Triangles:
@@ -45,7 +47,7 @@ class Triangles:
     ) -> None:
         """pressed: what the touches do that have no factor."""
         self.scene, self.circuit, self.press = scene, circuit, press.sharp
-        self.pressed = pressed
+        self.pressed, self.rtol = pressed, rtol
         self.materials = Materials(scene)
         self.order = next(order for least, order in ORDERS if rtol >= least)
         self._before: Discretised | None = None
@@ -54,7 +56,7 @@ class Triangles:
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
         """The next one, for frequencies in Hz.
 
-        Raises ToleranceError where it would have more than MOST_TRIANGLES.
+        Raises ToleranceError where it would have more than MOST_TRIANGLES, or could not serve.
         """
         ends = np.unique(frequency[[0, -1]])
         if self._before is None or self._domain is None:
@@ -64,7 +66,10 @@ class Triangles:
         if found.t.shape[1] > MOST_TRIANGLES:
             raise ToleranceError(f"{found.t.shape[1]} triangles are too many")
         self._domain = found
-        self._before = self._discretised(found)
+        left_out = self._left_out(found, float(ends[-1]))
+        if left_out > self.rtol:
+            raise ToleranceError(f"what the press is taken for leaves out {left_out:.1e}")
+        self._before = self._discretised(found, left_out)
         return self._before
 
     def _first(self, frequency: float) -> Domain:
@@ -74,11 +79,21 @@ class Triangles:
         pixel = max(side / n for side, n in zip(skin.sides, scene.pixels.shape[::-1], strict=True))
         size = min(pixel, self.order * self.materials.shortest)
         found = domain(scene, self.press, size, [*creases, *self._kinks()])
+        return _fine_at_foils(found, DEPTHS_PER_ORDER * self.order * self._depth(frequency))
+
+    def _depth(self, frequency: float) -> float:
+        """How far from a foil the field reaches at a frequency in Hz, m."""
+        skin = self.scene.skin
         sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
-        depth = penetration_depth(
-            frequency, sheets, skin.foam.rest_capacitance_per_area, skin.foam.loss
-        )
-        return _fine_at_foils(found, DEPTHS_PER_ORDER * self.order * depth)
+        c = skin.foam.rest_capacitance_per_area
+        return penetration_depth(frequency, sheets, c, skin.foam.loss)
+
+    def _left_out(self, mesh: Domain, frequency: float) -> float:
+        """Relative error of Rs and Cp by touches and foam that are not quite what was asked."""
+        radii = [touch.radius for touch in self.press.touches if isinstance(touch, Disc)]
+        depths = max(radii, default=0.0) / self._depth(frequency)
+        by_foam = self.pressed.mean_error if self.pressed else 0.0
+        return by_foam + mesh.out_of_round * (1 + FALLS * depths) * bool(radii)
 
     def _kinks(self) -> list[NDArray[np.float64]]:
         """The lines at which maps have kinks, m, each of shape (2, 2)."""
@@ -87,7 +102,7 @@ class Triangles:
         across = [np.array([[line, 0.0], [line, width]]) for line in x]
         return [*across, *(np.array([[0.0, line], [length, line]]) for line in y)]
 
-    def _discretised(self, mesh: Domain) -> Discretised:
+    def _discretised(self, mesh: Domain, left_out: float) -> Discretised:
         factors = sharp_factors(self.press, mesh, self.scene.pixels.columns)
         coefficients = Coefficients(self.materials, factors, self.pressed, self.circuit.fields)
         coarse, fine = (self._solved(mesh, self.order + more, coefficients) for more in (0, 1))
@@ -98,7 +113,7 @@ class Triangles:
             coarse,
             fine,
             f"2-D elements, {self.circuit.told}, {mesh.t.shape[1]} triangles of order {self.order}",
-            self.pressed.mean_error if self.pressed else 0.0,
+            left_out,
         )
 
     def _solved(self, mesh: Domain, order: int, coefficients: Coefficients) -> Solved:
