@@ -12,6 +12,9 @@ from simulator.varied.discretised import Discretised
 
 FEW_CELLS = 12_000
 MOST_PARTS = 8
+INWARD = 0.01
+"""Of the way to the middle of a cell: where slopes are taken. Where a circle touches a line, a cell has no
+width at its corner, and no slope there."""
 CORNERS = ((0, 0), (0, 1), (1, 1), (1, 0))
 
 
@@ -28,8 +31,13 @@ class Sampler:
         cut = round((FEW_CELLS / self._elements.cells) ** 0.5)
         corners, parts = lattice(sides, min(max(cut, 1), MOST_PARTS))
         self._scene = scene
-        self._rule = rule_at(self._elements.element, corners, np.zeros(corners.shape[1]))
-        self.surface = self._elements.surface_at(self._rule, slice(None))
+        middle = corners.mean(axis=1, keepdims=True)
+        within = corners + INWARD * (middle - corners)
+        self._at, self._within = (
+            rule_at(self._elements.element, points, np.zeros(points.shape[1]))
+            for points in (corners, within)
+        )
+        self.surface = self._elements.surface_at(self._at, slice(None))
         first = corners.shape[1] * np.arange(self._elements.cells)
         self.parts = (parts[:, None, :] + first[:, None]).reshape(sides, -1)
 
@@ -39,7 +47,7 @@ class Sampler:
         if self._elements.in_space is None:
             return position(self._scene, self.surface.x)
         origin, along, across = self._elements.in_space
-        a, b = self._rule.points
+        a, b = self._at.points
         return origin + a * along + b * across
 
     def along_x_and_y(self, vectors: NDArray) -> NDArray:
@@ -59,12 +67,10 @@ class Sampler:
 
         Of 1 V between high and low. s: rad/s.
         """
-        found = [
-            interpolated(self._rule, self.surface, u)
-            for u in self._discretised.coefficients_of(self._discretised.fine, drive, s)
-        ]
-        potential, slope = zip(*found, strict=True)
-        return np.stack(potential), np.stack(slope)
+        fields = self._discretised.coefficients_of(self._discretised.fine, drive, s)
+        inner = self._elements.surface_at(self._within, slice(None))
+        slopes = [interpolated(self._within, inner, u)[1] for u in fields]
+        return np.stack([u.T @ self._at.values for u in fields]), np.stack(slopes)
 
 
 def lattice(sides: int, cut: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
