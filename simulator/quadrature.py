@@ -77,6 +77,14 @@ def triangle_rule(element: Element, degree: int) -> Rule:
     return rule_at(element, *get_quadrature(RefTri, degree))
 
 
+def divided(element: Element, rule: Rule) -> Rule:
+    """A rule on each of the four triangles that the reference triangle is halved into."""
+    half = rule.points / 2
+    turned = 0.5 - half
+    corners = [half, half + [[0.5], [0.0]], half + [[0.0], [0.5]]]
+    return rule_at(element, np.hstack([*corners, turned]), np.tile(rule.weights / 4, 4))
+
+
 def rule_at(element: Element, points: NDArray[np.float64], weights: NDArray[np.float64]) -> Rule:
     """The element's functions at these points of its reference cell, shape (2, point)."""
     basis = Basis(_reference_mesh(element), element, quadrature=(points, weights)).basis

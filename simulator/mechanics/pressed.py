@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +20,11 @@ class Pressed:
     What touches of a given factor add is not in it: they multiply it. thickness: of the foam, m.
     w: deflection in m at flat positions (2, ...) in m. depth [m], force [N]: of each applicator, in
     order. error: bound on the relative error of `factor` anywhere; mean_error: on its integral over
-    the skin, relative to that over the applicators. kinks: circles and closed
-    polylines (point, 2) in m, the edges of applicators, across which `factor` has a kink, or jumps
+    the skin, relative to that over the applicators. kinks: circles and closed polylines (point, 2)
+    in m, the edges of applicators, across which `factor` has a kink, or jumps
     where nothing is spread. sharp: there the same press with factors instead, unless applicators
-    overlap, else None.
+    overlap, else None. unsure: by how much w may be off, m, as w. closer: the
+    same press within another `error`.
     """
 
     mechanics: Mechanics | None
@@ -35,10 +36,19 @@ class Pressed:
     kinks: tuple[Circle | NDArray[np.float64], ...]
     sharp: Press | None
     mean_error: float = 0.0
+    unsure: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
+    closer: Callable[[float], Pressed] | None = None
 
     def deflection(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Of the upper electrode towards the lower at flat positions x (2, ...) in m; m, (...)."""
         return np.clip(self.w(x), 0.0, max(self.depth, default=0.0))
+
+    def deeper(self, times: float) -> Pressed:
+        """With the deflection larger by so many times what it may be off by."""
+        w, unsure = self.w, self.unsure
+        if unsure is None:
+            return self
+        return replace(self, w=lambda x: w(x) + times * unsure(x))
 
     def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Compressive strain of the foam at flat positions x (2, ...) in m, shape (...)."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
@@ -39,6 +41,17 @@ class Surface:
         for k, node in enumerate(self.nodes):
             found += self.element.lbasis(at, k)[0] * self.w[node[triangle]]
         return np.reshape(found, x.shape[1:])
+
+    def in_triangles(
+        self, values: NDArray[np.float64]
+    ) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+        """What is even in each triangle, shape (triangle,), at positions as of w."""
+
+        def at(x: NDArray[np.float64]) -> NDArray[np.float64]:
+            triangle, _ = self._located(np.reshape(x, (2, -1)))
+            return np.reshape(values[triangle], x.shape[1:])
+
+        return at
 
     def _located(self, x: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """The triangle (point,) that each point lies in, and where in it (2, point)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from simulator.unknowns import on_cells
 from simulator.varied.coefficients import Coefficients
 from simulator.varied.elements import Elements
 from simulator.varied.system import PressedSystem
+from simulator.varied.unsure import NEGLIGIBLE, changes, missed, of_rule
 
 LESS_GAINED = 2.0
 """How much less than on plain skins the next order may gain, at the worst of singularities: where a
@@ -36,8 +38,10 @@ class Solved:
 
 @dataclass(frozen=True)
 class Discretised:
-    """told: the mesh in words. error: relative, of the capacitance where it is pressed. coarser: of
-    an order less than `coarse`, where the one finer may agree with it by chance.
+    """told: the mesh in words. error: relative, of Rs and Cp, by what is not quite as asked.
+
+    coarser: of an order less than `coarse`, where the one finer may agree with it by chance. felt:
+    what Rs and Cp feel of the error of mechanics, relative, shape (2, interface, frequency).
     """
 
     circuit: Circuit
@@ -48,6 +52,7 @@ class Discretised:
     told: str
     error: float = 0.0
     coarser: Solved | None = None
+    felt: NDArray[np.float64] | float = 0.0
 
     def rung(self, frequency: NDArray[np.float64], rtol: float) -> Rung:
         """The answer at these frequencies in Hz, and its error.
@@ -68,7 +73,15 @@ class Discretised:
 
         Z, error = checked(sweep, frequency, rtol)
         both = np.sqrt(error * error.max(axis=0))
-        return Rung(self.told, self.coarse.space.inner, Z, LESS_GAINED * both + self.error)
+        told = LESS_GAINED * both + self.error + self.felt
+        if self.missed.max() > NEGLIGIBLE * rtol:
+            told += changes(self, of_rule(self.coefficients, self.missed), frequency, rtol)
+        return Rung(self.told, self.coarse.space.inner, Z, told)
+
+    @cached_property
+    def missed(self) -> NDArray[np.float64]:
+        """Part of each cell's capacitance that the rule is off by, shape (cell,)."""
+        return missed(self.coarse.elements, self.coefficients)
 
     def coefficients_of(self, solved: Solved, drive: int, s: complex) -> NDArray:
         """Potentials of 1 V at s in rad/s, real or complex, shape (field, function, cell)."""

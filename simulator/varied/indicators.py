@@ -20,14 +20,15 @@ def indicators(discretised: Discretised, frequency: NDArray[np.float64]) -> NDAr
 
     At s = omega instead of j omega potentials are real and reach as far. There the energy of what
     the next order adds is what it takes off Y. Beside the heat in the sheets it tells on Rs, beside
-    the energy in the foam on Cp.
+    the energy in the foam on Cp, and so does what is missed of the foam.
     """
     parts = np.zeros(discretised.fine.elements.cells)
     for s in (2 * np.pi * frequency).tolist():
         for drive in range(len(discretised.circuit.drives)):
             (v, slope), (w, steeper) = _potentials(discretised, drive, s)
             added = sum(_energies(discretised, s, w - v, steeper - slope))
-            parts += sum(added / whole.sum() for whole in _energies(discretised, s, w, steeper))
+            heat, stored = _energies(discretised, s, w, steeper)
+            parts += added / heat.sum() + (added + discretised.missed * stored) / stored.sum()
     return parts
 
 

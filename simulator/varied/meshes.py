@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -16,12 +19,15 @@ from simulator.sweeps import ToleranceError
 from simulator.varied.discretised import Discretised
 from simulator.varied.squares import Squares
 from simulator.varied.triangles import Triangles
+from simulator.varied.unsure import changes, of_deflection
 
 if TYPE_CHECKING:
     from simulator.mechanics import Pressed
 
 MECHANICS_SHARE = 0.3
-"""Of the tolerance: what the capacitance of a press may be off by."""
+"""Of the tolerance: what the mechanics of a press may leave of it."""
+LEAST_STEP = 0.1
+"""Of the mechanics' error, asked of the next ones, where Rs and Cp feel more of it than that."""
 FACTOR_SHARE, COARSEST_FACTOR = 30.0, 1e-2
 """Of the tolerance and at most: what its factor may be off by anywhere. It is at corners alone."""
 
@@ -51,6 +57,29 @@ class InTurn:
             return self.finer(frequency)
 
 
+class Spread:
+    """Triangles of what mechanics spreads, told as closely as Rs and Cp feel it."""
+
+    def __init__(self, triangles: Callable[[Pressed], Triangles], first: Pressed, rtol: float):
+        """triangles: of a press that mechanics spreads so."""
+        self._of, self._rtol = triangles, rtol
+        self._pressed, self._triangles = first, triangles(first)
+
+    def finer(self, frequency: NDArray[np.float64]) -> Discretised:
+        """As of `Meshes`."""
+        most = MECHANICS_SHARE * self._rtol
+        while True:
+            found = self._triangles.finer(frequency)
+            raised, closer = of_deflection(found.coefficients), self._pressed.closer
+            if raised is None or closer is None:
+                return found
+            error = changes(found, raised, frequency, self._rtol)
+            if error.max() <= most:
+                return replace(found, felt=error)
+            self._pressed = closer(max(LEAST_STEP, most / error.max()) * self._pressed.error)
+            self._triangles = self._of(self._pressed)
+
+
 def indented(scene: Scene, press: Press, rtol: float) -> tuple[Press, Pressed | None]:
     """Touches of a factor, and what mechanics makes of the others: factors too, if it can.
 
@@ -60,11 +89,7 @@ def indented(scene: Scene, press: Press, rtol: float) -> tuple[Press, Pressed | 
         return press, None
     from simulator.mechanics import pressed
 
-    anywhere = min(COARSEST_FACTOR, FACTOR_SHARE * rtol)
-    found = pressed(scene, press, anywhere)
-    while found.mean_error > MECHANICS_SHARE * rtol:
-        anywhere /= 10
-        found = pressed(scene, press, anywhere)
+    found = pressed(scene, press, min(COARSEST_FACTOR, FACTOR_SHARE * rtol))
     return (press.sharp, found) if found.sharp is None else (found.sharp, None)
 
 
@@ -74,8 +99,10 @@ def meshes(scene: Scene, press: Press, pressed: Pressed | None, rtol: float) -> 
     press, pressed: as of `indented`.
     """
     circuit, rectangular = circuit_of(scene), scene.skin.outline is None and scene.skin.mesh is None
-    triangles = Triangles(scene, circuit, press, rtol, pressed)
-    if rectangular and press.plain and pressed is None:
+    if pressed is not None:
+        return Spread(partial(Triangles, scene, circuit, press, rtol), pressed, rtol)
+    triangles = Triangles(scene, circuit, press, rtol)
+    if rectangular and press.plain:
         return InTurn(Squares(scene, circuit, press, rtol), triangles)
     return triangles
 
