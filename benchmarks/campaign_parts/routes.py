@@ -21,7 +21,7 @@ as sides^-2 at least, as sides^-4 where nothing cuts the circle."""
 CROSSED = 7.0
 """Over sides^3: the part of a disc by which a side that is cut is off at most, 2/3 pi² of it."""
 TURNS = (0.2, 1.3)
-GRIDS = (3, 5, 7)
+OTHER_GRID = (3, 2)
 Telling = Callable[[Problem], Problem]
 
 
@@ -59,16 +59,17 @@ def by_telling(problem: Problem, tell: Telling, share: float = OTHER_SHARE) -> R
 def elsewhere(rng: Rng, rectangle: Problem, share: float = OTHER_SHARE) -> Route:
     """By triangles on the rectangle as an outline, and discs as polygons.
 
-    It is turned, so that no two lines are the same, where it is even; otherwise all polygons and
-    discs get other pixels beside them.
+    It is turned, so that no two lines are the same, where it is even; otherwise it has none of its
+    pixels' lines.
     """
     even = not ({"stretch", "shape"} & rectangle.tables["skin"].keys()) and not any(
         "map" in rectangle.tables["skin"][part] for part in ("top", "bottom", "foam")
     )
-    (rows, columns), angle = rng.choice(GRIDS, 2).tolist(), rng.uniform(*TURNS)
+    angle, pixels = rng.uniform(*TURNS), rectangle.tables["pixels"]
+    grid = OTHER_GRID if pixels == {"rows": 1, "columns": 1} else (1, 1)
 
     def tell(problem: Problem) -> Problem:
         drawn = outlined(problem)
-        return turned(drawn, angle) if even else regridded(drawn, rows, columns)
+        return turned(drawn, angle) if even else regridded(drawn, *grid)
 
     return by_telling(rectangle, tell, share)
