@@ -2,14 +2,14 @@
 
 The answer is checked first: both must agree to 1e-13 of the largest entry.
 
-Run: python benchmarks/assembly.py
+Run: python benchmarks/assembly.py [--quick]
 """
 
 from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from bench import RESULTS, best_time, publish
+from bench import Run, best_time, launch, publish
 from numpy.typing import NDArray
 from skfem import BilinearForm
 from skfem.assembly import Basis
@@ -78,10 +78,12 @@ def measure(order: int, cells: int) -> dict[str, object]:
     }
 
 
-def main() -> None:
-    table = pd.DataFrame([measure(order, cells) for order, cells in CASES])
-    publish("assembly", "Refilling M(c) on the 5x5 sheet", table)
-    with chart(RESULTS / "assembly.png", 6, 3.6) as figure:
+def main(run: Run) -> None:
+    """Measure, publish and draw."""
+    cases = run.sized(CASES, CASES[::4])
+    table = pd.DataFrame([measure(order, cells) for order, cells in cases])
+    publish(run.results, "assembly", "Refilling M(c) on the 5x5 sheet", table)
+    with chart(run.results / "assembly.png", 6, 3.6) as figure:
         axes = figure.subplots()
         ways = ("scikit-fem (ms)", "numpy twin (ms)", "numba (ms)")
         places = np.arange(len(table))
@@ -100,4 +102,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    launch(main)

@@ -1,18 +1,77 @@
-"""What every benchmark does: time, say on which machine, write a table."""
+"""What every benchmark does: read its options, time, say on which machine, write a table."""
 
 from __future__ import annotations
 
+import argparse
 import os
 import platform
+import sys
+import tempfile
 import time
 from collections.abc import Callable
-from importlib.metadata import version
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
 from pathlib import Path
+from typing import TypeVar
 
 import pandas as pd
 
-RESULTS = Path(__file__).parent / "results"
+HERE = Path(__file__).parent
+RESULTS = HERE / "results"
 PACKAGES = ("rcskin", "numpy", "scipy", "scikit-fem", "numba", "scikit-rf")
+
+Size = TypeVar("Size")
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run of a benchmark. folder: for its pages; asked: the options of the command line.
+
+    quick: the same code and checks on the smallest sizes that still tell something. Rivals that are
+    not installed are left out of it, and it installs none.
+    """
+
+    quick: bool
+    folder: Path
+    asked: argparse.Namespace
+
+    @property
+    def results(self) -> Path:
+        """For tables and charts."""
+        return self.folder / "results"
+
+    def sized(self, whole: Size, least: Size) -> Size:
+        """What a quick pass does with less of."""
+        return least if self.quick else whole
+
+    def has(self, module: str) -> bool:
+        """Whether a rival's module takes part; a run that is not quick cannot do without."""
+        if not self.quick or find_spec(module) is not None:
+            return True
+        print(f"{module} is not installed and left out")
+        return False
+
+
+def launch(
+    main: Callable[[Run], int | None], parser: argparse.ArgumentParser | None = None
+) -> None:
+    """Run a benchmark as the command line asks and exit with the code that it returns."""
+    parser = parser or argparse.ArgumentParser()
+    parser.add_argument(
+        "--quick", action="store_true", help="smallest sizes, same checks, no figures kept"
+    )
+    parser.add_argument(
+        "--into", type=Path, metavar="FOLDER", help="for pages and results/ in place of benchmarks/"
+    )
+    asked = parser.parse_args()
+    if asked.quick and asked.into is not None and asked.into.resolve() == HERE.resolve():
+        parser.error("figures of a quick pass do not belong into benchmarks/")
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = asked.into or (Path(scratch) if asked.quick else HERE)
+        run = Run(asked.quick, folder, asked)
+        run.results.mkdir(parents=True, exist_ok=True)
+        sys.exit(main(run))
 
 
 def best_time(work: Callable[[], object], repetitions: int = 7) -> float:
@@ -26,21 +85,27 @@ def best_time(work: Callable[[], object], repetitions: int = 7) -> float:
     return min(times)
 
 
-def machine() -> str:
-    """Processor, Python and package versions, as one line."""
-    packages = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
+def machine(*more: str) -> str:
+    """Processor, Python and package versions, as one line. more: packages besides the usual."""
+    packages = ", ".join(f"{name} {_version(name)}" for name in (*PACKAGES, *more))
     return f"{_processor()}, {os.cpu_count()} cores; Python {platform.python_version()}, {packages}"
 
 
-def publish(name: str, title: str, table: pd.DataFrame) -> None:
-    """Print a table and write it to `results/NAME.md` and `results/NAME.csv`."""
+def publish(folder: Path, name: str, title: str, table: pd.DataFrame) -> None:
+    """Print a table and write it to NAME.md and NAME.csv."""
     header, *rows = [list(table.columns), *table.astype(str).to_numpy().tolist()]
     lines = [" | ".join(row) for row in [header, ["---"] * len(header), *rows]]
     text = "\n".join([f"# {title}", "", machine(), "", *(f"| {line} |" for line in lines), ""])
-    RESULTS.mkdir(exist_ok=True)
-    (RESULTS / f"{name}.md").write_text(text, encoding="utf-8")
-    table.to_csv(RESULTS / f"{name}.csv", index=False, lineterminator="\n")
+    (folder / f"{name}.md").write_text(text, encoding="utf-8")
+    table.to_csv(folder / f"{name}.csv", index=False, lineterminator="\n")
     print(text)
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "absent"
 
 
 def _processor() -> str:

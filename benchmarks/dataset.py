@@ -1,6 +1,6 @@
 """Sweeps a second of `rcskin dataset` against workers, peak memory, and whether bytes agree.
 
-Run: python benchmarks/dataset.py [SWEEPS]
+Run: python benchmarks/dataset.py [--quick] [SWEEPS]
 
 Memory is the sum over all processes of what each has for itself and its share of common pages,
 sampled ten times a second.
@@ -8,6 +8,7 @@ sampled ten times a second.
 
 from __future__ import annotations
 
+import argparse
 import shutil
 import subprocess
 import sys
@@ -20,10 +21,10 @@ from pathlib import Path
 
 import pandas as pd
 import psutil
-from bench import publish
+from bench import Run, launch, publish
 
 SCENE = "sheet-5x5"
-SWEEPS = 200_000
+SWEEPS, FEW_SWEEPS = 200_000, 500
 PROCESSES = (1, 2)
 MEGABYTE = 2**20
 
@@ -82,12 +83,12 @@ def digest(folder: Path) -> str:
     return found.hexdigest()
 
 
-def rows(sweeps: int, folder: Path) -> Iterator[dict[str, str]]:
+def rows(sweeps: int, counts: tuple[int, ...], folder: Path) -> Iterator[dict[str, str]]:
     """A row of the table for each kind and number of workers."""
     first = None
     kinds: dict[str, Callable] = {"processes": processes, "Dask cluster": cluster}
     for kind, made in kinds.items():
-        for workers in PROCESSES:
+        for workers in counts:
             output = folder / "out.zarr"
             with made(workers) as options:
                 run = measured(sweeps, options, output)
@@ -109,13 +110,17 @@ def rows(sweeps: int, folder: Path) -> Iterator[dict[str, str]]:
             }
 
 
-def main() -> None:
+def main(run: Run) -> None:
     """Measure, check and publish."""
-    sweeps = int(sys.argv[1]) if len(sys.argv) > 1 else SWEEPS
+    sweeps = run.asked.sweeps or run.sized(SWEEPS, FEW_SWEEPS)
+    counts = run.sized(PROCESSES, PROCESSES[1:])
     with tempfile.TemporaryDirectory() as folder:
-        table = pd.DataFrame(list(rows(sweeps, Path(folder))))
-    publish("dataset", f"Data sets of {SCENE} with readout noise: the same bytes each time", table)
+        table = pd.DataFrame(list(rows(sweeps, counts, Path(folder))))
+    title = f"Data sets of {SCENE} with readout noise: the same bytes each time"
+    publish(run.results, "dataset", title, table)
 
 
 if __name__ == "__main__":
-    main()
+    parser = argparse.ArgumentParser()
+    parser.add_argument("sweeps", nargs="?", type=int, metavar="SWEEPS")
+    launch(main, parser)

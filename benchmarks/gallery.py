@@ -1,29 +1,32 @@
 """The gallery: every picture of GALLERY.md, made by the command that stands beneath it.
 
-.venv/bin/python benchmarks/gallery.py            # all; names of pictures for some of them
+Run: python benchmarks/gallery.py [--quick] [PICTURE ...]
 """
 
 from __future__ import annotations
 
+import argparse
 import shlex
-import sys
 from pathlib import Path
 from typing import NamedTuple
 
+from bench import HERE, Run, launch
+
 from simulator.cli import app
 
-HERE = Path(__file__).parent
-FOLDER = HERE / "results" / "gallery"
-PAGE = HERE / "GALLERY.md"
 SHEET = "sheet-5x5-two-interfaces"
 
 
 class Picture(NamedTuple):
-    """A file, what `rcskin view` is told to make it, and what is to be seen."""
+    """A file, what `rcskin view` is told to make it, and what is to be seen.
+
+    quick: what it is told besides in a quick pass; None where that leaves the picture out.
+    """
 
     file: str
     arguments: str
     caption: str
+    quick: str | None = "--rtol 1e-2"
 
 
 PICTURES = (
@@ -45,6 +48,7 @@ PICTURES = (
         f"{SHEET} --what sensitivity-Rs --frequency 2e3 --frequency 2e4 --frequency 2e5",
         "What a press at each place does to Rs, from one solution: blue places lower it, red ones "
         "raise it, white ones leave it. At 200 kHz far places count for little.",
+        None,
     ),
     Picture(
         "sensitivity-Cp.png",
@@ -72,11 +76,13 @@ PICTURES = (
         "frequency.gif",
         f"{SHEET} --press 4,3 --what phase",
         "The phase between the sheets from 1 to 200 kHz, with lines of equal phase.",
+        "--rtol 1e-2 --frequency 1e3 --frequency 2e5",
     ),
     Picture(
         "period.gif",
         f"{SHEET} --press 4,3 --frequency 2e5 --what current --animate phase",
         "One period of the current at 200 kHz: it turns first at the foil and later far off.",
+        None,
     ),
 )
 
@@ -86,14 +92,13 @@ def command(picture: Picture) -> str:
     return f"rcskin view {picture.arguments} -o {picture.file}"
 
 
-def make(picture: Picture) -> None:
-    """Draw one picture into FOLDER."""
-    output = str(FOLDER / picture.file)
+def make(picture: Picture, output: Path, more: str) -> None:
+    """Draw one picture."""
     arguments = [
         str(HERE.parent / each) if each.startswith("benchmarks/") else each
-        for each in shlex.split(picture.arguments)
+        for each in shlex.split(f"{picture.arguments} {more}")
     ]
-    app(["view", *arguments, "-o", output], standalone_mode=False)
+    app(["view", *arguments, "-o", str(output)], standalone_mode=False)
 
 
 def page() -> str:
@@ -111,15 +116,19 @@ def page() -> str:
     return "\n".join([head, *parts])
 
 
-def main(names: list[str]) -> None:
-    """Make the pictures of these names, or all, and the page."""
-    FOLDER.mkdir(parents=True, exist_ok=True)
+def main(run: Run) -> None:
+    """Make the pictures that are named, or all, and the page."""
+    folder = run.results / "gallery"
+    folder.mkdir(parents=True, exist_ok=True)
     for picture in PICTURES:
-        if not names or picture.file in names:
+        more = run.sized("", picture.quick)
+        if more is not None and picture.file in (run.asked.pictures or [picture.file]):
             print(picture.file, flush=True)
-            make(picture)
-    PAGE.write_text(page(), encoding="utf-8")
+            make(picture, folder / picture.file, more)
+    (run.folder / "GALLERY.md").write_text(page(), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    parser = argparse.ArgumentParser()
+    parser.add_argument("pictures", nargs="*", metavar="PICTURE")
+    launch(main, parser)

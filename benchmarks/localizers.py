@@ -3,19 +3,19 @@
 Every data set is of skins drawn at random, session by session, read by the meter with noise. The
 last sessions are held back: nothing is trained, tuned or calibrated on them. No real skin is here.
 
-Run: python benchmarks/localizers.py [FOLDER]     data sets are made in FOLDER and used again
+Run: python benchmarks/localizers.py [--quick] [FOLDER]    data sets are kept in FOLDER
 """
 
 from __future__ import annotations
 
-import sys
+import argparse
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pandas as pd
 import xarray as xr
-from bench import RESULTS, publish
+from bench import Run, launch, publish
 from matplotlib.figure import Figure
 
 from localization.estimators import chosen, estimators
@@ -33,12 +33,13 @@ AGAINST_REST = ("dlnZ", "dphase")
 RTOL = 1e-3
 """Of the simulated sweeps; the meter's noise is three times that."""
 HELD_BACK = 0.25
+FEW = {"scene": "sheet-5x5", "sweeps": 320, "session": 80}
 COLOURS = {"paper": "#E69F00", "rest": "#0072B2"}
 
 
 @dataclass(frozen=True)
 class Case:
-    """What is asked of which sweeps. touches: chances of 0, 1, 2."""
+    """What is asked of which sweeps. touches: chances of 0, 1, 2. session: sweeps in each."""
 
     title: str
     scene: str
@@ -48,6 +49,7 @@ class Case:
     estimators: tuple[str, ...]
     sweeps: int
     place: str = "pixel"
+    session: int = 200
 
 
 CLASSIFIERS = ("ksvm-ovo", "ksvm-components", "knn", NAME)
@@ -93,8 +95,13 @@ CASES = (
 )
 
 
+def few_cases() -> tuple[Case, ...]:
+    """A few labels, both of two touches, and places; by one interface and of few sweeps."""
+    return tuple(replace(case, **FEW) for case in (CASES[0], *CASES[3:]))
+
+
 def drawn_scene(case: Case) -> Scene:
-    """The scene with the case's pixels and touches, in sessions of 200 sweeps."""
+    """The scene with the case's pixels and touches."""
     scene = load_scene(case.scene)
     drawn = scene.dataset
     press = drawn.press.model_copy(
@@ -105,7 +112,7 @@ def drawn_scene(case: Case) -> Scene:
             "cells_per_pixel": 2,
         }
     )
-    session = drawn.session.model_copy(update={"sweeps_per_session": 200})
+    session = drawn.session.model_copy(update={"sweeps_per_session": case.session})
     return scene.model_copy(
         update={
             "pixels": scene.pixels.model_copy(update={"rows": case.pixels, "columns": case.pixels}),
@@ -114,12 +121,12 @@ def drawn_scene(case: Case) -> Scene:
     )
 
 
-def sweeps_of(case: Case, folder: Path) -> xr.Dataset:
+def sweeps_of(case: Case, cases: tuple[Case, ...], folder: Path) -> xr.Dataset:
     """The case's data set, made where it is not in the folder; cases may share one."""
     kind = f"{case.scene}-{case.pixels}-{len(case.touches)}-{case.place}"
-    path = folder / f"{kind}.zarr"
+    most = max(each.sweeps for each in cases if same_data(each, case))
+    path = folder / f"{kind}-{most}.zarr"
     if not path.exists():
-        most = max(each.sweeps for each in CASES if same_data(each, case))
         generate(Plan(drawn_scene(case), most, 1, RTOL), path, processes=1)
     return read_some(path, case.sweeps)
 
@@ -163,9 +170,8 @@ def judged(case: Case, sweeps: xr.Dataset, name: str, quantities: tuple[str, ...
     }
 
 
-def compared(case: Case, folder: Path) -> list[dict]:
+def compared(case: Case, sweeps: xr.Dataset) -> list[dict]:
     """Every estimator against rest, and the reference on the paper's features."""
-    sweeps = sweeps_of(case, folder)
     rows = [judged(case, sweeps, name, AGAINST_REST) for name in case.estimators]
     if case.estimators[0] == "ksvm-ovo":
         rows.append(judged(case, sweeps, "ksvm-ovo", ("Rs", "Cp")))
@@ -198,18 +204,23 @@ def draw(table: pd.DataFrame) -> Figure:
     return figure
 
 
-def main() -> None:
+def main(run: Run) -> None:
     """Compare, and publish."""
+    cases = run.sized(CASES, few_cases())
     with tempfile.TemporaryDirectory() as made:
-        folder = Path(sys.argv[1] if len(sys.argv) > 1 else made)
-        table = pd.DataFrame([row for case in CASES for row in compared(case, folder)])
+        folder = run.asked.data or Path(made)
+        given = [(case, sweeps_of(case, cases, folder)) for case in cases]
+        table = pd.DataFrame([row for each in given for row in compared(*each)])
     publish(
+        run.results,
         "localizers",
         "Localizers on simulated skins never seen in training",
         table.drop(columns="value"),
     )
-    draw(table).savefig(RESULTS / "localizers.png", dpi=150)
+    draw(table).savefig(run.results / "localizers.png", dpi=150)
 
 
 if __name__ == "__main__":
-    main()
+    parser = argparse.ArgumentParser()
+    parser.add_argument("data", nargs="?", type=Path, metavar="FOLDER")
+    launch(main, parser)

@@ -8,14 +8,13 @@ Run: python benchmarks/reduction.py [--quick]
 
 from __future__ import annotations
 
-import argparse
-from importlib.metadata import version
+from pathlib import Path
 
 import pandas as pd
 import reduction_growth
 import reduction_rivals
 import reduction_targets
-from bench import RESULTS, machine
+from bench import Run, launch, machine
 from reduction_cases import RTOL
 from reduction_chart import draw
 
@@ -46,31 +45,28 @@ ERRORS = (
 )
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description="Benchmark of reduced models.")
-    parser.add_argument("--quick", action="store_true", help="small skins only, nothing written")
-    quick = parser.parse_args().quick
+def main(run: Run) -> None:
+    """Measure, print and write."""
     tables = {}
     with one_blas_thread():
         for name, table in TABLES.items():
-            tables[name] = table(quick)
+            tables[name] = table(run)
             print(titled(name, tables[name]), flush=True)
-    if not quick:
-        write(tables)
+    write(run.results, tables)
 
 
-def write(tables: dict[str, pd.DataFrame]) -> None:
+def write(folder: Path, tables: dict[str, pd.DataFrame]) -> None:
     """The tables as Markdown and in long form as CSV, and the chart."""
-    with whole_file(RESULTS / f"{NAME}.md") as unfinished:
+    with whole_file(folder / f"{NAME}.md") as unfinished:
         unfinished.write_text(told(tables), encoding="utf-8")
-    with whole_file(RESULTS / f"{NAME}.csv") as unfinished:
+    with whole_file(folder / f"{NAME}.csv") as unfinished:
         in_long_form(tables).to_csv(unfinished, index=False, lineterminator="\n")
-    draw(RESULTS / f"{NAME}.png", tables["pixels"], tables["size"], tables["ways"], RTOL)
+    draw(folder / f"{NAME}.png", tables["pixels"], tables["size"], tables["ways"], RTOL)
 
 
 def told(tables: dict[str, pd.DataFrame]) -> str:
     """For people: the machine, then every table."""
-    parts = ["# Reduced models", f"{machine()}, pymor {version('pymor')}"]
+    parts = ["# Reduced models", f"{machine('pymor')}"]
     return "\n\n".join([*parts, *(titled(*each) for each in tables.items())]) + "\n"
 
 
@@ -105,4 +101,4 @@ def in_long_form(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    main()
+    launch(main)

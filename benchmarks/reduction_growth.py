@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
-from bench import best_time
+from bench import Run, best_time
 from numpy.typing import NDArray
 from reduction_cases import (
     RTOL,
@@ -30,9 +30,9 @@ AGREEING = 2 * RTOL
 """Two answers within the tolerance of the truth differ by no more."""
 
 
-def by_pixels(quick: bool) -> pd.DataFrame:
+def by_pixels(run: Run) -> pd.DataFrame:
     """Times of both models on square sheets of more and more pixels."""
-    return pd.DataFrame([_cost(pixels) for pixels in (QUICK_PIXELS if quick else PIXELS)])
+    return pd.DataFrame([_cost(pixels) for pixels in run.sized(PIXELS, QUICK_PIXELS)])
 
 
 def _cost(pixels: int) -> dict[str, float]:
@@ -56,12 +56,12 @@ def _cost(pixels: int) -> dict[str, float]:
     }
 
 
-def by_size(quick: bool) -> pd.DataFrame:
+def by_size(run: Run) -> pd.DataFrame:
     """Error and certificate of the leading vectors of one large basis."""
     reduced = prepared(Skin(SHEET), LARGE_RTOL).reduced
     leading = turned(sharpened(reduced), Presses.drawn(reduced.scene, 200, seed=4))
-    presses = Presses.drawn(reduced.scene, 6 if quick else 30, seed=5)
-    sizes = sorted({*range(5, reduced.size, 20 if quick else 5), reduced.size})
+    presses = Presses.drawn(reduced.scene, run.sized(30, 6), seed=5)
+    sizes = sorted({*range(5, reduced.size, run.sized(5, 20)), reduced.size})
     rows = [against_exact(truncated(leading, size).skin(None), presses) for size in sizes]
     return pd.DataFrame(
         {

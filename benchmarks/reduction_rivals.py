@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 import pandas as pd
-from bench import best_time
+from bench import Run, best_time
 from numpy.typing import NDArray
 from reduction_cases import (
     FACTORS,
@@ -24,7 +24,7 @@ from reduction_cases import (
     unreduced,
     worst,
 )
-from rivals import ngspice_grid, pymor_basis, scikit_fem_script
+from rivals import ngspice_grid, scikit_fem_script
 from rivals.cells import Cells
 from rivals.scikit_fem_script import Elements
 
@@ -32,9 +32,10 @@ from simulator.fidelity import Solver
 from simulator.reduced import Reduced
 from simulator.reduction import MESH_DRAWS, pixel_touches
 
-PRESSES, SPICE_PRESSES = 30, 1
-TRAINED_BY, SHIFTS = 100, (40.0, 2.8e3, 200e3)
-"""Presses, and Hz: each press at each of them."""
+PRESSES, FEW_PRESSES, SPICE_PRESSES = 30, 4, 1
+TRAINED_BY, FEW_TRAINED_BY = 100, 4
+SHIFTS = (40.0, 2.8e3, 200e3)
+"""Hz: every press that is trained on at each of them."""
 GREEDY_RTOL = 2e-4
 """Of the field: about the coarsest that keeps 1e-5 of Rs and Cp on presses it is not trained on."""
 TURNS = {"real shifts": 2 * np.pi, "imaginary shifts": 2j * np.pi}
@@ -56,15 +57,15 @@ class Found:
     of_same: bool = False
 
 
-def table(quick: bool) -> pd.DataFrame:
+def table(run: Run) -> pd.DataFrame:
     """One row for each way: the true error, and that against the matrices that were reduced."""
     reduced = prepared(Skin("sheet-5x5")).reduced
-    presses = Presses.drawn(reduced.scene, PRESSES, seed=6)
+    presses = Presses.drawn(reduced.scene, run.sized(PRESSES, FEW_PRESSES), seed=6)
     truth = true_impedance(presses)[:, 0]
     skin = reduced.skin(None)
     exact = np.stack([unreduced(skin, *press)[0] for press in presses])
     rows = []
-    for found in _ways(reduced, presses, quick):
+    for found in _ways(reduced, presses, run):
         count = len(found.Z)
         rows.append(
             {
@@ -80,17 +81,19 @@ def table(quick: bool) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _ways(reduced: Reduced, presses: Presses, quick: bool) -> Iterator[Found]:
+def _ways(reduced: Reduced, presses: Presses, run: Run) -> Iterator[Found]:
     yield _reduced(reduced, presses)
     yield _full(presses)
     for order in (3, 4):
         way = partial(scikit_fem_script.impedance, elements=Elements(order, 1))
-        yield _script(f"scikit-fem Q{order}", "1x1 a pixel", way, presses, PRESSES)
-    ngspice_grid.ensure_ngspice()
-    way = partial(ngspice_grid.impedance, cells=Cells(40, 40))
-    yield _script("ngspice", "40x40", way, presses, SPICE_PRESSES)
-    for setting in ["real shifts"] if quick else TURNS:
-        yield _pymor(setting, reduced, presses)
+        yield _script(f"scikit-fem Q{order}", "1x1 a pixel", way, presses)
+    if not run.quick:
+        ngspice_grid.ensure_ngspice()
+    if run.has("ngspice"):
+        way = partial(ngspice_grid.impedance, cells=Cells(40, 40))
+        yield _script("ngspice", "40x40", way, presses, SPICE_PRESSES)
+    for setting in run.sized(list(TURNS), ["real shifts"]) if run.has("pymor") else ():
+        yield _pymor(setting, reduced, presses, run.sized(TRAINED_BY, FEW_TRAINED_BY))
 
 
 def _reduced(reduced: Reduced, presses: Presses) -> Found:
@@ -118,7 +121,11 @@ def _full(presses: Presses) -> Found:
 
 
 def _script(
-    name: str, setting: str, way: Callable[..., Impedance], presses: Presses, count: int
+    name: str,
+    setting: str,
+    way: Callable[..., Impedance],
+    presses: Presses,
+    count: int | None = None,
 ) -> Found:
     """A way that starts anew with every press."""
     given = [(presses.scene, press, FREQUENCIES) for press in presses.named()[:count]]
@@ -126,10 +133,12 @@ def _script(
     return Found(name, setting, 0.0, 1e6 * best_time(lambda: way(*given[0]), 2), Z)
 
 
-def _pymor(setting: str, reduced: Reduced, presses: Presses) -> Found:
+def _pymor(setting: str, reduced: Reduced, presses: Presses, trained_by: int) -> Found:
     """pyMOR's basis of the same matrices, from the presses that our training begins with."""
+    from rivals import pymor_basis
+
     start = time.perf_counter()
-    training = [(TURNS[setting] * f, c) for c in _training(reduced) for f in SHIFTS]
+    training = [(TURNS[setting] * f, c) for c in _training(reduced, trained_by) for f in SHIFTS]
     matrices = pymor_basis.Matrices.of_family(reduced.family)
     basis = pymor_basis.Basis(matrices, training, GREEDY_RTOL)
     preparation = time.perf_counter() - start
@@ -140,9 +149,9 @@ def _pymor(setting: str, reduced: Reduced, presses: Presses) -> Found:
     return Found("pyMOR", told, preparation, 1e6 * again / len(maps), Z, of_same=True)
 
 
-def _training(reduced: Reduced) -> list[NDArray[np.float64]]:
+def _training(reduced: Reduced, count: int) -> list[NDArray[np.float64]]:
     """c of each pixel over that at rest, of the presses that `reduction.reduce` draws first."""
     random, draw = np.random.default_rng(0), pixel_touches(reduced.scene, FACTORS)
-    cases = [draw(random) for _ in range(MESH_DRAWS + TRAINED_BY)][MESH_DRAWS:]
+    cases = [draw(random) for _ in range(MESH_DRAWS + count)][MESH_DRAWS:]
     skin = reduced.skin(None)
     return [skin.map_of(case.cells, case.rises).ravel() for case in cases]

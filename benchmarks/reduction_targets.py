@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
+from bench import Run
 from reduction_cases import (
     BATCH,
     RTOL,
@@ -21,6 +22,7 @@ from reduction_cases import (
 
 from simulator.reduced import Reduced
 
+FEW_PRESSES = 4
 CERTIFIED = 100
 """Random presses, of which the most doubtful are checked."""
 WRONG = 1e-3
@@ -50,10 +52,10 @@ TARGETS = (
 )
 
 
-def table(quick: bool) -> pd.DataFrame:
-    """One row for each target, or for those that are checked by many presses."""
-    chosen = [target for target in TARGETS if not (quick and target.presses < 30)]
-    return pd.DataFrame([measured(target) for target in chosen])
+def table(run: Run) -> pd.DataFrame:
+    """One row for each target."""
+    few = [replace(target, presses=FEW_PRESSES) for target in TARGETS[:2]]
+    return pd.DataFrame([measured(target) for target in run.sized(TARGETS, tuple(few))])
 
 
 def measured(target: Target) -> dict[str, str | float]:

@@ -3,19 +3,20 @@
 Answers are held against closed forms where there are any, and against triangles refined to a
 hundredth of the error asked elsewhere; an answer off by more than was asked ends the run.
 
-Run: OMP_NUM_THREADS=1 python benchmarks/skins.py
+Run: OMP_NUM_THREADS=1 python benchmarks/skins.py [--quick]
 """
 
 from __future__ import annotations
 
 import itertools
 import time
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from bench import RESULTS, best_time, publish
+from bench import Run, best_time, launch, publish
 from matplotlib.figure import Figure
-from skins_scenes import FREQUENCY, answered, cases
+from skins_scenes import FREQUENCY, Case, answered, cases
 
 from simulator.electrical import electrical_press
 from simulator.estimate import relative_difference
@@ -34,12 +35,12 @@ PREDICTION = (
 RTOLS = (1e-2, 1e-3, 1e-4, 1e-5)
 
 
-def measured() -> pd.DataFrame:
+def measured(cases: list[Case], rtols: tuple[float, ...]) -> pd.DataFrame:
     """Error asked, told and true, and time in ms from the scene to the answer."""
     rows = []
-    for case in cases():
+    for case in cases:
         truth = case.truth()
-        for rtol in RTOLS:
+        for rtol in rtols:
             start = time.perf_counter()
             Z, told, model, unknowns = answered(case, rtol)
             spent = time.perf_counter() - start
@@ -83,9 +84,9 @@ def plain_path() -> pd.DataFrame:
     return pd.DataFrame([{"what": k, "us": f"{1e6 * t:.3g}"} for k, t in times.items()])
 
 
-def draw(table: pd.DataFrame) -> None:
+def draw(path: Path, table: pd.DataFrame) -> None:
     """True error against time."""
-    with chart(RESULTS / "skins.png", 8.0, 4.0) as figure:
+    with chart(path, 8.0, 4.0) as figure:
         _drawn(figure, table)
 
 
@@ -103,16 +104,18 @@ def _drawn(figure: Figure, table: pd.DataFrame) -> None:
     figure.legend(loc="outside right upper")
 
 
-def main() -> None:
+def main(run: Run) -> None:
     """Measure, print, write the tables and the chart."""
     print(PREDICTION)
-    for case in cases()[:1]:
-        answered(case, RTOLS[0])
-    table = measured()
-    publish("skins", "Skins that vary, of any outline, stretched", table)
-    publish("skins_plain", "What a plain skin pays for those that vary", plain_path())
-    draw(table)
+    rtols = run.sized(RTOLS, RTOLS[:1])
+    every = cases(min(rtols))
+    answered(every[0], rtols[0])
+    table = measured(every, rtols)
+    publish(run.results, "skins", "Skins that vary, of any outline, stretched", table)
+    title = "What a plain skin pays for those that vary"
+    publish(run.results, "skins_plain", title, plain_path())
+    draw(run.results / "skins.png", table)
 
 
 if __name__ == "__main__":
-    main()
+    launch(main)

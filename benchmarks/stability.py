@@ -2,17 +2,18 @@
 
 True errors over dimensionless frequency, contact length, contrast of the sheets and pixel count.
 
-Run: python benchmarks/stability.py
+Run: python benchmarks/stability.py [--quick]
 """
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
-from bench import RESULTS, publish
+from bench import Run, launch, publish
 from numpy.typing import NDArray
 from rivals import (
     admittance_then_inverse,
@@ -84,6 +85,7 @@ WAYS: dict[str, Way] = {
     "rcskin, elements at 1e-6": lambda case: shipped(case, "sheet"),
     "rcskin at 1e-6": lambda case: shipped(case, "auto"),
 }
+NEEDS = {"ngspice, grid of R and C": "ngspice", "scikit-rf, cascaded lines": "skrf"}
 FITS = {
     "AAA fit of 20 exact samples": (rational_fit.aaa, None),
     "AAA fit of 20 readings": (rational_fit.aaa, DIGITS_OF_A_METER),
@@ -111,13 +113,18 @@ def errors(way: Way, case: Case) -> tuple[float, float]:
     return float(abs(Rs_off).max()), float(abs(Cp_off).max())
 
 
-def measured(axis: Axis) -> pd.DataFrame:
+def ways(run: Run) -> dict[str, Way]:
+    """All that take part."""
+    return {name: way for name, way in WAYS.items() if name not in NEEDS or run.has(NEEDS[name])}
+
+
+def measured(axis: Axis, ways: dict[str, Way]) -> pd.DataFrame:
     """Every way along one axis: way, value, Rs, Cp."""
     rows = [
         (name, value, *errors(way, case))
         for value in axis.values
         for case in [axis.case(value)]
-        for name, way in WAYS.items()
+        for name, way in ways.items()
     ]
     return pd.DataFrame(rows, columns=["way", "value", "Rs", "Cp"])
 
@@ -133,36 +140,47 @@ def told(error: float) -> str:
     return "fails" if error >= WRONG else f"{error:.0e}"
 
 
-def poles_off_axis(name: str) -> str:
+def ends(axis: Axis) -> Axis:
+    """The first and the last of the values that are told."""
+    few = tuple(dict.fromkeys((axis.told[0], axis.told[-1])))
+    return replace(axis, values=few, told=few)
+
+
+def poles_off_axis(name: str, along: Axis) -> str:
     """Over all frequencies: poles of a fit elsewhere than on s <= 0, and how many there are."""
     if name not in FITS:
         return ""
     fit, digits = FITS[name]
     fits = [
-        fit(*rational_fit.sampled(*case.given, digits))
-        for case in map(AXES[0].case, AXES[0].values)
+        fit(*rational_fit.sampled(*case.given, digits)) for case in map(along.case, along.values)
     ]
     off, every = sum(each.poles_off_axis for each in fits), sum(len(each.poles) for each in fits)
     return f"{off} of {every}"
 
 
-def summary(maps: dict[str, pd.DataFrame]) -> pd.DataFrame:
+def summary(axes: Iterable[Axis], maps: dict[str, pd.DataFrame], names: list[str]) -> pd.DataFrame:
     """The worse of Rs and Cp of every way at some values of every axis."""
-    table = pd.DataFrame({"way": list(WAYS)})
-    for axis in AXES:
+    table = pd.DataFrame({"way": names})
+    for axis in axes:
         rows = maps[axis.label].assign(worst=lambda rows: rows[["Rs", "Cp"]].max(axis=1))
         worst = rows.pivot(index="way", columns="value", values="worst")
         for value in axis.told:
-            table[f"{axis.label} {value:g}"] = [told(worst.loc[name, value]) for name in WAYS]
-    return table.assign(**{"poles off s <= 0": [poles_off_axis(name) for name in WAYS]})
+            table[f"{axis.label} {value:g}"] = [told(worst.loc[name, value]) for name in names]
+    return table.assign(**{"poles off s <= 0": [poles_off_axis(name, axes[0]) for name in names]})
 
 
-def main() -> None:
-    ngspice_grid.ensure_ngspice()
-    maps = {axis.label: measured(axis) for axis in AXES}
-    publish("stability", "Relative error, the worse of Rs and Cp", summary(maps))
-    draw(RESULTS / "stability.png", list(WAYS), maps, WRONG)
+def main(run: Run) -> None:
+    """Measure along every axis, publish and draw."""
+    if not run.quick:
+        ngspice_grid.ensure_ngspice()
+    taking_part = ways(run)
+    names = list(taking_part)
+    axes = run.sized(AXES, tuple(map(ends, AXES)))
+    maps = {axis.label: measured(axis, taking_part) for axis in axes}
+    title = "Relative error, the worse of Rs and Cp"
+    publish(run.results, "stability", title, summary(axes, maps, names))
+    draw(run.results / "stability.png", names, maps, WRONG)
 
 
 if __name__ == "__main__":
-    main()
+    launch(main)

@@ -3,7 +3,7 @@
 Random rectangles on `sheet-5x5`, one or two apart, of 3 to 50 % of its sides, factors from 1.3 to
 3; the truth is the full solver at 1e-8. All answers are checked before any is timed.
 
-Run: python benchmarks/touches.py
+Run: python benchmarks/touches.py [--quick]
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import time
 
 import numpy as np
 import pandas as pd
-from bench import RESULTS, best_time, publish
+from bench import Run, best_time, launch, publish
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -33,7 +33,9 @@ PREDICTION = (
 )
 SEED, PRESSES = 2026, 200
 FREQUENCY = np.geomspace(40, 200e3, 20)
+FEW_PRESSES = 12
 SIZES = (24, 38, 59, 92, 117, 143, 224, 349, 437, 546, 853)
+FEW_SIZES = (24, 117, 349)
 RTOLS = (1e-3, 1e-4, 1e-5)
 TARGETS = ((20.0, 1e-4), (150.0, 1e-5))
 """Microseconds a sweep, and largest error."""
@@ -162,10 +164,11 @@ def told(table: pd.DataFrame) -> pd.DataFrame:
     return shown.rename(columns=units)
 
 
-def main() -> None:
+def main(run: Run) -> None:
     """Check, time, and publish."""
-    scene = sheet()
-    presses = random_presses(scene, np.random.default_rng(SEED), PRESSES)
+    scene, sizes = sheet(), run.sized(SIZES, FEW_SIZES)
+    count = run.sized(PRESSES, FEW_PRESSES)
+    presses = random_presses(scene, np.random.default_rng(SEED), count)
     solver = Solver(scene, TRUTH)
     truth = np.stack([solver.solve(press).Z for press in presses])
     models = {rtol: Separable(scene, rtol) for rtol in RTOLS}
@@ -179,21 +182,21 @@ def main() -> None:
             f"- asked {rtol:g}: {chosen[rtol]} products, worst error {off.max():.1e}; certificate "
             f"over error {ratio.min():.2f} to {ratio.max():.1f}, median {np.median(ratio):.1f}"
         )
-    sized = [Separable(scene, 1e-4 if n < 200 else 1e-5, n) for n in SIZES]
-    rest = [model for model in models.values() if model.products.counts.sum() not in SIZES]
+    sized = [Separable(scene, 1e-4 if n < 200 else 1e-5, n) for n in sizes]
+    rest = [model for model in models.values() if model.products.counts.sum() not in sizes]
     every = sorted([*sized, *rest], key=lambda model: model.products.counts.sum())
     table = pd.DataFrame([row for model in every for row in measured(model, presses, truth)])
     full = full_solver(scene, presses, truth)
     for rtol, (microseconds, off) in zip(RTOLS, full, strict=True):
         summary.append(f"- full solver at {rtol:g}: {microseconds / 1e3:.1f} ms, error {off:.1e}")
     summary.append(slopes(table))
-    publish("touches", "Touches anywhere: errors and times of a sweep", told(table))
-    path = RESULTS / "touches.md"
+    publish(run.results, "touches", "Touches anywhere: errors and times of a sweep", told(table))
+    path = run.results / "touches.md"
     lines += ["*Measured.*", "", *summary, ""]
     path.write_text("\n".join([path.read_text(encoding="utf-8"), *lines]), encoding="utf-8")
-    draw(table, chosen, full).savefig(RESULTS / "touches.png", dpi=150)
+    draw(table, chosen, full).savefig(run.results / "touches.png", dpi=150)
     print("\n".join(lines))
 
 
 if __name__ == "__main__":
-    main()
+    launch(main)

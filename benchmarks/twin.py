@@ -5,7 +5,7 @@ of unequal strength, drift, and for one interface a floating pair of foils at th
 read through the virtual meter on TCP by the same driver and recorder as a skin would be. None of
 this is a measurement of a skin.
 
-Run: python benchmarks/twin.py [--skins N] [--only TRIAL] [--localizers NAME,...] [--processes N]
+Run: python benchmarks/twin.py [--quick] [--skins N] [--only TRIAL] [--localizers NAME,...]
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from bench import RESULTS, publish
+from bench import Run, launch, publish
 from joblib import Parallel, delayed
 from twin_chart import draw
 from twin_recording import recorded
 from twin_scenes import built
-from twin_trials import TRIALS, Trial, quantile
+from twin_trials import TRIALS, Trial, few_trials, quantile
 
 from localization.estimators import Registry, estimators
 from localization.given import read_some
@@ -41,8 +41,7 @@ from simulator.scene import Scene
 from simulator.templates import templates
 from simulator.twin import Twin
 
-SKINS, SEED = 20, 2026
-ANSWERS = RESULTS / "twin_skins.csv"
+SKINS, SEED, PROCESSES = 20, 2026, 2
 RTOL = 1e-3
 """Of the simulated sweeps: a third of the meter's noise."""
 CHANGE, WHOLE = ("dlnZ", "dphase"), ("dlnZ", "dphase", "lnZ0", "phase0")
@@ -205,16 +204,23 @@ def experiment(trial: Trial, skins: int, processes: int) -> pd.DataFrame:
     return pd.DataFrame([row for found in answers for row in found])
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description="Twin experiment.")
-    parser.add_argument("--skins", type=int, default=SKINS)
+def main(run: Run) -> None:
+    """Ask every trial and tell of it as soon as it is answered."""
+    asked, skins = run.asked, run.asked.skins or run.sized(SKINS, 1)
+    answers = run.results / "twin_skins.csv"
+    for trial in (limited(each, asked.localizers) for each in run.sized(TRIALS, few_trials())):
+        if trial.estimators and (not asked.only or asked.only in trial.name):
+            told(with_others(experiment(trial, skins, asked.processes), answers), run.results)
+
+
+def options() -> argparse.ArgumentParser:
+    """Of the command line."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--skins", type=int)
     parser.add_argument("--only", help="Trials whose name holds this; the others stay as they are.")
     parser.add_argument("--localizers", help="Only these of each trial, NAME,NAME.")
-    parser.add_argument("--processes", type=int, default=2)
-    asked = parser.parse_args()
-    for trial in (limited(each, asked.localizers) for each in TRIALS):
-        if trial.estimators and (not asked.only or asked.only in trial.name):
-            told(with_others(experiment(trial, asked.skins, asked.processes)))
+    parser.add_argument("--processes", type=int, default=PROCESSES)
+    return parser
 
 
 def limited(trial: Trial, names: str | None) -> Trial:
@@ -224,16 +230,17 @@ def limited(trial: Trial, names: str | None) -> Trial:
     return replace(trial, estimators=tuple(n for n in trial.estimators if n in names.split(",")))
 
 
-def told(table: pd.DataFrame) -> None:
+def told(table: pd.DataFrame, folder: Path) -> None:
     """Write all answers, their distributions, and the picture."""
-    publish("twin", "Twin experiment: localizers trained on simulation alone", summary(table))
-    table.to_csv(ANSWERS, index=False, lineterminator="\n")
-    draw(table, RESULTS / "twin.png")
+    title = "Twin experiment: localizers trained on simulation alone"
+    publish(folder, "twin", title, summary(table))
+    table.to_csv(folder / "twin_skins.csv", index=False, lineterminator="\n")
+    draw(table, folder / "twin.png")
 
 
-def with_others(table: pd.DataFrame) -> pd.DataFrame:
+def with_others(table: pd.DataFrame, answers: Path) -> pd.DataFrame:
     """With the answers of localizers that were asked before and not now, in the order of TRIALS."""
-    known = pd.read_csv(ANSWERS) if ANSWERS.exists() else table.head(0)
+    known = pd.read_csv(answers) if answers.exists() else table.head(0)
     by = ["trial", "localizer", "calibrated with"]
     asked = pd.MultiIndex.from_frame(table[by])
     whole = pd.concat([table, known[~pd.MultiIndex.from_frame(known[by]).isin(asked)]])
@@ -248,4 +255,4 @@ def with_others(table: pd.DataFrame) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    main()
+    launch(main, options())

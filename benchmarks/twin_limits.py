@@ -6,7 +6,7 @@ unknown, uneven, and drift besides, so that this bounds every localizer from abo
 
 Where a touch is, is told of twins that are drawn (see twin_places).
 
-Run: python benchmarks/twin_limits.py [--only places]
+Run: python benchmarks/twin_limits.py [--quick] [--only answers|places]
 """
 
 from __future__ import annotations
@@ -14,25 +14,27 @@ from __future__ import annotations
 import argparse
 
 import pandas as pd
-from bench import publish
+from bench import Run, launch, publish
 from twin_places import place_limits
-from twin_trials import TRIALS, Trial
+from twin_trials import TRIALS, Trial, few_trials
 
 from localization.rest import NEAREST
 from simulator.distribution import Normal
 from simulator.limits import hand_accuracy
 
-SAMPLES = (1000, 4000, 12_000)
+SAMPLES, FEW_SAMPLES = (1000, 4000, 12_000), (50, 100)
 """Presses of each hypothesis that are summed over: how they close in on the limit."""
+DRAWS, FEW_DRAWS = 2000, 100
+SKINS = 60
 
 
-def limits(trial: Trial) -> list[dict[str, object]]:
+def limits(trial: Trial, counts: tuple[int, ...], draws: int) -> list[dict[str, object]]:
     """The limit of a trial's question, by more and more samples."""
-    whole = _accuracy(trial, 0.0, SAMPLES[-1])
-    return [whole, *(_accuracy(trial, trial.hand.offset, samples) for samples in SAMPLES)]
+    whole = _accuracy(trial, 0.0, counts[-1], draws)
+    return [whole, *(_accuracy(trial, trial.hand.offset, count, draws) for count in counts)]
 
 
-def _accuracy(trial: Trial, offset: float, samples: int) -> dict[str, object]:
+def _accuracy(trial: Trial, offset: float, samples: int, draws: int) -> dict[str, object]:
     presses = Normal(mean=2.0, deviation=trial.hand.strength)
     found = hand_accuracy(
         trial.believed,
@@ -40,7 +42,7 @@ def _accuracy(trial: Trial, offset: float, samples: int) -> dict[str, object]:
         presses,
         offset=offset,
         samples=samples,
-        draws=2000,
+        draws=draws,
         against_rest=NEAREST,
     )
     least, most, error = (100 * value for value in found)
@@ -61,18 +63,23 @@ def _row(
     }
 
 
-def main() -> None:
+def main(run: Run) -> None:
     """Compute, and publish."""
-    parser = argparse.ArgumentParser(description="Limits of the twin experiment.")
-    parser.add_argument("--only", choices=("answers", "places"))
-    asked = parser.parse_args()
-    if asked.only != "places":
-        rows = [row for trial in TRIALS if not trial.placed for row in limits(trial)]
-        publish("twin_limits", "At most, on a skin that is known", pd.DataFrame(rows))
-    if asked.only != "answers":
-        rows = [row for trial in TRIALS if trial.placed for row in place_limits(trial)]
-        publish("twin_places", "At most, within the goal of a touch", pd.DataFrame(rows))
+    trials = run.sized(TRIALS, few_trials())
+    placed = [trial for trial in trials if trial.placed]
+    labelled = [trial for trial in trials if not trial.placed]
+    if run.asked.only != "places":
+        sizes = run.sized((SAMPLES, DRAWS), (FEW_SAMPLES, FEW_DRAWS))
+        rows = [row for trial in labelled for row in limits(trial, *sizes)]
+        publish(run.results, "twin_limits", "At most, on a skin that is known", pd.DataFrame(rows))
+    if run.asked.only != "answers":
+        skins = run.sized(SKINS, 1)
+        rows = [row for trial in placed for row in place_limits(trial, skins)]
+        title = "At most, within the goal of a touch"
+        publish(run.results, "twin_places", title, pd.DataFrame(rows))
 
 
 if __name__ == "__main__":
-    main()
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--only", choices=("answers", "places"))
+    launch(main, parser)

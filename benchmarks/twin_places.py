@@ -38,7 +38,7 @@ RESTS, DRIFT = 13, 6e-4
 """Sweeps at rest of a recording, and what drift the best use of them leaves between two of them."""
 
 
-def place_limits(trial: Trial, skins: int = 60, processes: int = 2) -> list[dict[str, object]]:
+def place_limits(trial: Trial, skins: int, processes: int = 2) -> list[dict[str, object]]:
     """A row, over all touches of all skins."""
     family = reduced(built(trial.believed), RTOL)
     work = (delayed(_of_skin)(trial, family, number) for number in range(skins))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -17,6 +17,7 @@ from simulator.scene import Scene
 from simulator.twin import Hand
 
 ONE, TWO = "sheet-5x5", "sheet-5x5-two-interfaces"
+FEW_SWEEPS = 600
 BETWEEN_RESTS = 5
 """Presses, after which the skin is read at rest."""
 SINGLE, DOUBLE = (0.15, 0.85, 0.0), (0.15, 0.15, 0.7)
@@ -148,6 +149,26 @@ TRIALS = (
         hand=Hand(offset=0.02, size=0.02),
     ),
 )
+
+
+def few_trials() -> tuple[Trial, ...]:
+    """Touches that calibrate, two touches, and a place, all by one interface.
+
+    Networks are trained for places alone: for pairs they take minutes of however few sweeps. The
+    inverted simulator tells places in the benchmark of limits.
+    """
+    calibrated, two, place = TRIALS[3:]
+    few = (
+        replace(calibrated, believed=believed(ONE, 3, SINGLE), order=every_pixel(1)),
+        replace(two, believed=believed(ONE, 2, DOUBLE), estimators=two.estimators[1:]),
+        replace(
+            place,
+            believed=believed(ONE, 3, SINGLE, anywhere=True),
+            order=anywhere(5),
+            estimators=place.estimators[:3],
+        ),
+    )
+    return tuple(replace(trial, training=FEW_SWEEPS) for trial in few)
 
 
 def quantile(scores: NDArray[np.float64], part: float) -> float:

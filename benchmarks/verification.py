@@ -3,18 +3,15 @@
 Code verification, solution verification, cross-code comparison and the limits of the model, as
 ASME V&V 10 and NAFEMS keep them apart. Writes VERIFICATION.md; exits with 1 where a line fails.
 
-Run: python benchmarks/verification.py
+Run: python benchmarks/verification.py [--quick]
 """
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable
-from functools import partial
-from pathlib import Path
 
-from bench import RESULTS, machine
+from bench import Run, launch, machine
 from verification_parts import (
     closed_forms,
     cross_code,
@@ -27,16 +24,15 @@ from verification_parts.report import Section
 
 from simulator.sweeps import whole_file
 
-PAGE = Path(__file__).parent / "VERIFICATION.md"
 COMMAND = ".venv/bin/python benchmarks/verification.py"
 
-Chapter = tuple[str, str, tuple[Callable[[], Section], ...]]
+Chapter = tuple[str, str, tuple[Callable[[Run], Section], ...]]
 CHAPTERS: tuple[Chapter, ...] = (
     (
         "Code verification",
         "Are the equations solved right? Errors against known solutions, and how they fall.",
         (
-            partial(orders.section, RESULTS),
+            orders.section,
             closed_forms.section,
             varying.manufactured,
             varying.round_skins,
@@ -45,7 +41,7 @@ CHAPTERS: tuple[Chapter, ...] = (
     (
         "Solution verification",
         "Is the error of an answer known where no formula is? The solver's own estimate, judged.",
-        (partial(estimates.section, RESULTS),),
+        (estimates.section,),
     ),
     (
         "Cross-code comparison",
@@ -61,11 +57,12 @@ CHAPTERS: tuple[Chapter, ...] = (
 )
 
 
-def main() -> int:
+def main(run: Run) -> int:
     """Run every chapter, write the page, and say whether all passed."""
     start = time.perf_counter()
-    RESULTS.mkdir(exist_ok=True)
-    chapters = [(title, says, [told(each()) for each in parts]) for title, says, parts in CHAPTERS]
+    chapters = [
+        (title, says, [told(each(run)) for each in parts]) for title, says, parts in CHAPTERS
+    ]
     sections = [section for *_, found in chapters for section in found]
     checks = [check for section in sections for check in section.checks]
     failed = [check for check in checks if not check.passed]
@@ -74,7 +71,7 @@ def main() -> int:
     for title, says, found in chapters:
         lines += [f"## {title}", "", says, ""]
         lines += [line for section in found for line in section.lines()]
-    with whole_file(PAGE) as unfinished:
+    with whole_file(run.folder / "VERIFICATION.md") as unfinished:
         unfinished.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
     print(f"{verdict} {time.perf_counter() - start:.0f} s")
     return 1 if failed else 0
@@ -87,4 +84,4 @@ def told(section: Section) -> Section:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    launch(main)

@@ -4,20 +4,20 @@ Three skins, from easy to hard; every way is timed from the scene to Z, with all
 The solver of this project is timed once more for each further press on the same skin. Starting
 ngspice counts, for it is a program of its own; starting Python does not.
 
-Run: python benchmarks/work_precision.py
+Run: python benchmarks/work_precision.py [--quick]
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeVar
 
 import numpy as np
 import pandas as pd
-from bench import RESULTS, publish
+from bench import Run, launch, publish
 from numpy.typing import NDArray
 from rivals import (
     lumped_ladder,
@@ -40,8 +40,12 @@ FREQUENCIES = load_scene("sheet-5x5").sweep
 FACTOR = 2.0
 TAB = 20e-3
 RTOLS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+FEW_RTOLS = (1e-3, 1e-5)
 OURS, OURS_AGAIN, NGSPICE = "rcskin", "rcskin, each further press", "ngspice"
 SHEET = "sheet-5x5, pixel 2,3 pressed"
+SECTIONS = (20, 80, 320, 1280)
+CELLS = {1: (2, 4, 8, 16), 2: (1, 2, 4, 8), 3: (1, 2, 4), 4: (1, 2, 4)}
+"""Of a ladder; along a pixel's side, for each order of the elements."""
 LEAST, ENOUGH = 0.2, 1.0
 """Seconds to fill with at least three runs; seconds after which a run is not repeated."""
 ROUNDING = 1e-12
@@ -56,7 +60,8 @@ Way = Callable[[], Impedance]
 class Skin:
     """A scene and presses on it; the elements of two references that must agree; rivals' cells.
 
-    others: presses that are asked for once the first is answered.
+    others: presses that are asked for once the first is answered. quick_references: for errors no
+    smaller than those of a quick pass.
     """
 
     title: str
@@ -64,7 +69,17 @@ class Skin:
     press: Press
     others: tuple[Press, ...]
     references: tuple[Elements, Elements]
+    quick_references: tuple[Elements, Elements]
     spice: tuple[Cells, ...]
+
+    def quick(self) -> Skin:
+        """With less of everything."""
+        return replace(
+            self,
+            others=self.others[:1],
+            references=self.quick_references,
+            spice=self.spice[:1],
+        )
 
 
 def skins() -> list[Skin]:
@@ -87,6 +102,7 @@ def skins() -> list[Skin]:
             pressed("1,3"),
             tuple(map(pressed, ("1,1", "1,2", "1,4", "1,5"))),
             (Elements(10, 2), Elements(8, 2)),
+            (Elements(10, 2), Elements(8, 2)),
             (Cells(80, 16), Cells(160, 32)),
         ),
         Skin(
@@ -95,6 +111,7 @@ def skins() -> list[Skin]:
             pressed("2,3"),
             elsewhere,
             (Elements(10, 4), Elements(10, 3)),
+            (Elements(8, 2), Elements(8, 1)),
             (Cells(40, 40), Cells(80, 80)),
         ),
         Skin(
@@ -103,23 +120,24 @@ def skins() -> list[Skin]:
             pressed("2,3"),
             elsewhere,
             (Elements(12, 1, 5), Elements(11, 1, 6)),
+            (Elements(8, 1, 4), Elements(7, 1, 4)),
             (Cells(24, 24), Cells(60, 60)),
         ),
     ]
 
 
-def ways(skin: Skin) -> Iterator[tuple[str, str, Way]]:
+def ways(skin: Skin, run: Run) -> Iterator[tuple[str, str, Way]]:
     """Name, setting and work of everything that is compared, apart from this project's solver."""
     given = skin.scene, skin.press, skin.scene.frequencies
-    for sections in (20, 80, 320, 1280):
+    for sections in run.sized(SECTIONS, SECTIONS[:1]):
         yield "RC ladder", f"{sections}", partial(lumped_ladder.impedance, *given, sections)
-    if skin.scene.pixels.rows == 1:
+    if skin.scene.pixels.rows == 1 and run.has("skrf"):
         yield "scikit-rf lines", "5", partial(packaged_line.impedance, *given)
-    for order, sizes in {1: (2, 4, 8, 16), 2: (1, 2, 4, 8), 3: (1, 2, 4), 4: (1, 2, 4)}.items():
-        for cells in sizes:
+    for order, sizes in CELLS.items():
+        for cells in run.sized(sizes, sizes[:1]):
             script = partial(scikit_fem_script.impedance, *given, Elements(order, cells))
             yield f"scikit-fem Q{order}", f"{cells}x{cells} a pixel", script
-    for cells in skin.spice:
+    for cells in skin.spice if run.has(NGSPICE) else ():
         spice = partial(ngspice_grid.impedance, *given, cells)
         yield NGSPICE, f"{cells.along}x{cells.across}", spice
 
@@ -148,17 +166,17 @@ def further(skin: Skin, rtol: float) -> float:
     return float(np.median([timed(partial(solver.solve, press))[0] for press in skin.others]))
 
 
-def measured(skin: Skin) -> tuple[pd.DataFrame, float]:
+def measured(skin: Skin, run: Run) -> tuple[pd.DataFrame, float]:
     """Every way on one skin: way, setting, error, time in s; how far two references differ."""
     f = skin.scene.frequencies
     truth, other = (
         over_resolved.impedance(skin.scene, skin.press, f, elements) for elements in skin.references
     )
     rows = []
-    for name, setting, work in ways(skin):
+    for name, setting, work in ways(skin, run):
         seconds, Z = timed(work)
         rows.append((name, setting, error(Z, truth, f), seconds))
-    for rtol in RTOLS:
+    for rtol in run.sized(RTOLS, FEW_RTOLS):
         seconds, Z = timed(lambda rtol=rtol: Solver(skin.scene, rtol).solve(skin.press).Z[0])
         off = error(Z, truth, f)
         rows.append((OURS, f"{rtol:g}", off, seconds))
@@ -174,7 +192,7 @@ def measured(skin: Skin) -> tuple[pd.DataFrame, float]:
 def comparison(table: pd.DataFrame) -> str:
     """This project's times on the sheet, and how much longer ngspice takes for the same error."""
     by_way = {
-        name: table.set_index("way").loc[[name]].set_index("setting")
+        name: table[table["way"] == name].set_index("setting")
         for name in (OURS, OURS_AGAIN, NGSPICE)
     }
     first, again = by_way[OURS], by_way[OURS_AGAIN]["seconds"]
@@ -193,13 +211,17 @@ def comparison(table: pd.DataFrame) -> str:
     return "\n".join(lines)
 
 
-def main() -> None:
-    ngspice_grid.ensure_ngspice()
-    results = {skin.title: measured(skin) for skin in skins()}
+def main(run: Run) -> None:
+    """Measure on every skin, publish, compare and draw."""
+    if not run.quick:
+        ngspice_grid.ensure_ngspice()
+    asked = [skin.quick() if run.quick else skin for skin in skins()]
+    results = {skin.title: measured(skin, run) for skin in asked}
     tables = {title: table for title, (table, _) in results.items()}
     known = ", ".join(f"{doubt:.0e}" for _, doubt in results.values())
     whole = pd.concat([table.assign(skin=title) for title, table in tables.items()])
     publish(
+        run.results,
         "work_precision",
         f"20 frequencies, one press: error and time (references known to {known})",
         pd.DataFrame(
@@ -213,8 +235,8 @@ def main() -> None:
         ),
     )
     print(comparison(tables[SHEET]))
-    draw(RESULTS / "work_precision.png", tables, (OURS, OURS_AGAIN))
+    draw(run.results / "work_precision.png", tables, (OURS, OURS_AGAIN))
 
 
 if __name__ == "__main__":
-    main()
+    launch(main)

@@ -50,7 +50,7 @@ def _looks(others: list[str], ours: tuple[str, ...]) -> dict[str, dict]:
     colours = [*COLOURS, "0.45"]
     looks: dict[str, dict] = {
         name: {"color": colour, "marker": marker, "linewidth": 1.1}
-        for name, colour, marker in zip(others, colours, MARKERS, strict=True)
+        for name, colour, marker in zip(others, colours, MARKERS, strict=False)
     }
     for name, style in zip(ours, ("-", ":"), strict=True):
         looks[name] = {"color": AT_REST, "marker": ".", "linestyle": style, "linewidth": 2}

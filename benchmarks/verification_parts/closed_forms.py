@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from bench import Run
 from numpy.typing import NDArray
 from random_scenes import random_press, random_scene
 from stability_cases import varied
@@ -32,20 +33,21 @@ from verification_parts.report import Check, Section, below
 
 RTOL = 1e-8
 EVERY_U = 10.0 ** np.arange(-9, 10)
-U_OF_FORMULAS = EVERY_U[EVERY_U >= 1e-4]
-"""Where the formulas themselves keep the digits of Rs, which is u/3 of |X| at low frequency."""
-TINY_U = EVERY_U[EVERY_U <= 1e-6]
+FEW_U = 10.0 ** np.arange(-9, 4, 3)
+LEAST_OF_FORMULAS, TINY = 1e-4, 1e-6
+"""u from which on formulas themselves keep the digits of Rs, u/3 of |X| at low frequency; u up to
+which the limit at low frequency holds."""
 COLUMNS = {"pixels": {"rows": 1, "columns": 5}}
 PRESSES = ("1,1:2", "1,5:0.1", "1,2:3+1,4:50")
 ENDS = ((45e3, 1e7), (89e3, 1e9), (90e3 / (1 + 1e-6), 1e9))
 """R_t of 90 kohm/sq for both sheets, and the highest u: where equal sheets share the current, Cp is
 so small a part of Y that more is rounding."""
 STEP = 1e-2
-RANDOM_SKINS = 20
+RANDOM_SKINS, FEW_SKINS = 20, 4
 SEED = 20
 
 
-def section() -> Section:
+def section(run: Run) -> Section:
     """Oracles 1 to 7 and 9."""
     return Section(
         "Closed forms and laws",
@@ -53,19 +55,19 @@ def section() -> Section:
         "u = ωRCL² from 1e-9 to 1e9 where nothing else is said. Elements are told apart from the "
         "exact line, which the solver prefers where it applies; the laws are checked on random "
         "skins and on the paper's.",
-        tuple(checks()),
+        tuple(checks(run.sized(EVERY_U, FEW_U), run.sized(RANDOM_SKINS, FEW_SKINS))),
     )
 
 
-def checks() -> Iterator[Check]:
+def checks(u: NDArray, skins: int) -> Iterator[Check]:
     """All lines of the table."""
-    yield from uniform_line()
-    yield from pressed_line()
-    yield from ends()
+    yield from uniform_line(u)
+    yield from pressed_line(u[u >= LEAST_OF_FORMULAS])
+    yield from ends(u)
     yield five_pixels()
     yield sensitivity()
     yield from symmetries()
-    yield from passivity()
+    yield from passivity(skins)
 
 
 def shipped(scene: Scene, press: Press, model: ModelName = "auto") -> NDArray[np.complex128]:
@@ -73,9 +75,9 @@ def shipped(scene: Scene, press: Press, model: ModelName = "auto") -> NDArray[np
     return Solver(scene, RTOL, model).solve(press).Z[0]
 
 
-def uniform_line() -> Iterator[Check]:
+def uniform_line(u: NDArray) -> Iterator[Check]:
     """R coth(q)/q, and the same as Foster's sum of poles."""
-    scene = varied("sheet-5x5", EVERY_U, ONE_PIXEL)
+    scene = varied("sheet-5x5", u, ONE_PIXEL)
     R1, R2, C = totals(scene)
     s = variable(scene)
     Z = shipped(scene, Press())
@@ -86,9 +88,9 @@ def uniform_line() -> Iterator[Check]:
         yield below(f"{title}, elements", RTOL, *errors)
 
 
-def pressed_line() -> Iterator[Check]:
+def pressed_line(u: NDArray) -> Iterator[Check]:
     """Chains of segments."""
-    scene = varied("sheet-5x5", U_OF_FORMULAS, COLUMNS)
+    scene = varied("sheet-5x5", u, COLUMNS)
     R1, R2, C = totals(scene)
     ways: list[tuple[str, ModelName, float]] = [
         ("exact line", "auto", 1e-10),
@@ -104,8 +106,9 @@ def pressed_line() -> Iterator[Check]:
         yield below(f"3 pressed line, {title}, u from 1e-4", limit, *np.max(errors, axis=0))
 
 
-def ends() -> Iterator[Check]:
+def ends(every_u: NDArray) -> Iterator[Check]:
     """The sheets fed from opposite ends: formula and low-frequency limit, three contrasts."""
+    of_formulas = every_u[every_u >= LEAST_OF_FORMULAS]
     for top, highest in ENDS:
         skin = OPPOSITE["skin"] | {
             "top": {"sheet_resistance": top},
@@ -114,8 +117,8 @@ def ends() -> Iterator[Check]:
         title = f"7 opposite ends, R_t/R_b = {top / (90e3 - top):.3g}"
         changes = ONE_PIXEL | OPPOSITE | {"skin": skin}
         for u, formula, where in (
-            (U_OF_FORMULAS[U_OF_FORMULAS <= highest], opposite_ends, f"from 1e-4 to {highest:.0e}"),
-            (TINY_U, at_low_frequency, "to 1e-6"),
+            (of_formulas[of_formulas <= highest], opposite_ends, f"from 1e-4 to {highest:.0e}"),
+            (every_u[every_u <= TINY], at_low_frequency, "to 1e-6"),
         ):
             scene = varied("sheet-5x5", u, changes)
             truth = formula(*totals(scene), variable(scene))
@@ -169,10 +172,10 @@ def symmetries() -> Iterator[Check]:
     yield below("9 crossed feed at u = 1e-9", RTOL, *worst(scene, shipped(scene, Press()), truth))
 
 
-def passivity() -> Iterator[Check]:
+def passivity(skins: int) -> Iterator[Check]:
     """Phase, Rs, Cp and Cs of random skins; their capacitance at zero frequency."""
     broken, off, answered = 0, [], 0
-    for seed in range(SEED, SEED + RANDOM_SKINS):
+    for seed in range(SEED, SEED + skins):
         rng = np.random.default_rng(seed)
         scene = random_scene(rng)
         press = random_press(rng, scene)
@@ -187,7 +190,7 @@ def passivity() -> Iterator[Check]:
         total = capacitance_map(scene, press).mean() * scene.skin.length * scene.skin.width
         off.append(abs(parallel_capacitance(Z, scene.frequencies)[0, 0] / total - 1))
     what = f"4 laws of passive networks, {answered} random skins, u from 1e-6 to 30"
-    yield Check(what, "0 broken", f"{broken} broken", broken == 0 and answered > RANDOM_SKINS / 2)
+    yield Check(what, "0 broken", f"{broken} broken", broken == 0 and answered > skins / 2)
     yield below("4 Cp(0) is the total capacitance, same skins (Cp only)", 1e-4, max(off))
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from bench import Run
 from numpy.typing import NDArray
 from stability_cases import varied
 
@@ -25,6 +26,9 @@ U = 100.0
 STALLING_CELLS = (1, 2, 4, 8)
 GAIN_OF_AN_ORDER = 0.2
 ORDERS_WITH_RINGS = (2, 3, 4, 5, 6, 7, 8)
+FEW_ORDERS_WITH_RINGS = (2, 3, 4, 5)
+FINEST, FINE = Resolution(order=12, layers=18), Resolution(order=9, layers=14)
+"""What singular fields are judged by: true to some 1e-10, and 1e-7."""
 CHART = "verification_orders.png"
 ONE_PIXEL = {"pixels": {"rows": 1, "columns": 1}}
 
@@ -67,17 +71,16 @@ def fed_from_opposite_ends() -> Case:
     return Case("opposite ends", scene, Press(), Z)
 
 
-def foil_on_part_of_an_edge() -> Case:
-    """Both sheets by foils along the middle of the left edge; true to some 1e-10."""
+def foil_on_part_of_an_edge(truth: Resolution) -> Case:
+    """Both sheets by foils along the middle of the left edge."""
     foils = [
         {"name": sheet, "electrode": sheet, "edge": "left", "span": (0.3, 0.7)}
         for sheet in ("top", "bottom")
     ]
     meter = {"name": "meter", "high": ("top",), "low": ("bottom",)}
     scene = varied("sheet-5x5", [10.0], ONE_PIXEL | {"contact": foils, "interface": [meter]})
-    finest = Resolution(order=12, layers=18)
     circuit = one_field(scene) or two_fields(scene)
-    Z = Sheet(scene, circuit, finest).impedance(Press(), scene.frequencies)[0]
+    Z = Sheet(scene, circuit, truth).impedance(Press(), scene.frequencies)[0]
     return Case("foil on part of an edge", scene, Press(), Z)
 
 
@@ -97,27 +100,25 @@ OPPOSITE = {
 }
 
 
-def section(results: Path) -> Section:
+def section(run: Run) -> Section:
     """Smooth fields converge as h^2p; a singular one as h, or exponentially with rings."""
     cases = (line, pressed_columns, fed_from_opposite_ends)
     checks = [check for case in cases for check in smooth(case())]
-    singular = foil_on_part_of_an_edge()
-    stalled = {
-        order: [singular.errors(Resolution(order, cells)) for cells in STALLING_CELLS]
-        for order in ORDERS
+    singular = foil_on_part_of_an_edge(run.sized(FINEST, FINE))
+    cells = run.sized(STALLING_CELLS, STALLING_CELLS[-2:])
+    stalled = {order: [singular.errors(Resolution(order, n)) for n in cells] for order in ORDERS}
+    with_rings = {
+        order: singular.errors(Resolution(order, layers=math.ceil(1.2 * order) + 3))
+        for order in run.sized(ORDERS_WITH_RINGS, FEW_ORDERS_WITH_RINGS)
     }
-    with_rings = [
-        singular.errors(Resolution(order, layers=math.ceil(1.2 * order) + 3))
-        for order in ORDERS_WITH_RINGS
-    ]
-    draw(results / CHART, stalled, with_rings)
+    draw(run.results / CHART, cells, stalled, with_rings)
     return Section(
         "Observed order of convergence",
         "Elements of order 1 to 6 on ever smaller cells, against closed forms: an output from the "
         "variational form must gain twice the order, h^2p, to within a tenth. At the end of a foil "
         "within an edge the field goes as the root of the distance, so that every order falls to "
         "h; rings around that point must restore exponential convergence in the order.",
-        (*checks, *stalls(singular.title, stalled), *gains(singular.title, with_rings)),
+        (*checks, *stalls(singular.title, cells, stalled), *gains(singular.title, with_rings)),
         CHART,
     )
 
@@ -139,9 +140,11 @@ def observed(errors: list[tuple[float, float]], cells: tuple[int, ...]) -> tuple
     return float(Rs), float(Cp)
 
 
-def stalls(title: str, errors: dict[int, list[tuple[float, float]]]) -> list[Check]:
+def stalls(
+    title: str, cells: tuple[int, ...], errors: dict[int, list[tuple[float, float]]]
+) -> list[Check]:
     """That without rings every order converges as h and no faster."""
-    found = [observed(each, STALLING_CELLS) for each in errors.values()]
+    found = [observed(each, cells) for each in errors.values()]
     return [
         Check(
             f"{title}, no rings: slope of {name}, orders 1 to 6",
@@ -153,13 +156,13 @@ def stalls(title: str, errors: dict[int, list[tuple[float, float]]]) -> list[Che
     ]
 
 
-def gains(title: str, errors: list[tuple[float, float]]) -> list[Check]:
+def gains(title: str, errors: dict[int, tuple[float, float]]) -> list[Check]:
     """That with rings every further order leaves a small part of the error."""
     checks = []
-    for name, each in zip(("Rs", "Cp"), np.array(errors).T, strict=True):
+    orders = f"orders {min(errors)} to {max(errors)}"
+    for name, each in zip(("Rs", "Cp"), np.array(list(errors.values())).T, strict=True):
         factor = (each[-1] / each[0]) ** (1 / (len(each) - 1))
         told = ", ".join(f"{error:.0e}" for error in each)
-        orders = f"orders {ORDERS_WITH_RINGS[0]} to {ORDERS_WITH_RINGS[-1]}"
         checks.append(
             Check(
                 f"{title}, 1.2 p + 3 rings: error of {name}, {orders}",
@@ -171,16 +174,21 @@ def gains(title: str, errors: list[tuple[float, float]]) -> list[Check]:
     return checks
 
 
-def draw(path: Path, stalled: dict[int, list[tuple[float, float]]], with_rings: list) -> None:
+def draw(
+    path: Path,
+    sizes: tuple[int, ...],
+    stalled: dict[int, list[tuple[float, float]]],
+    with_rings: dict[int, tuple[float, float]],
+) -> None:
     """Error at the end of a foil against the order, for cells of each size and for rings."""
     with chart(path, 6, 3.6) as figure:
         axes = figure.subplots()
-        for index, cells in enumerate(STALLING_CELLS):
+        for index, cells in enumerate(sizes):
             worse = [max(errors[index]) for errors in stalled.values()]
             label = f"{cells}x{cells} cells between lines, no rings"
             axes.semilogy(list(stalled), worse, "o-", color=COLOURS[index], label=label)
-        rings = [max(errors) for errors in with_rings]
-        axes.semilogy(ORDERS_WITH_RINGS, rings, "ks-", label="1x1 cells, 1.2 p + 3 rings")
+        rings = [max(errors) for errors in with_rings.values()]
+        axes.semilogy(list(with_rings), rings, "ks-", label="1x1 cells, 1.2 p + 3 rings")
         axes.set_xlabel("Order of the elements, p")
         axes.set_ylabel("Relative error, the worse of Rs and Cp")
         axes.set_title("A foil on part of an edge", loc="left")

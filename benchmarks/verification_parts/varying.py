@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
+from bench import Run
 
 from simulator.estimate import relative_difference
 from verification_parts import discs
@@ -18,14 +19,19 @@ from verification_parts.manufactured import (
 from verification_parts.report import Check, Section, below, slopes
 
 R1, R2 = 0.3, 1.0
+FEW_ORDERS = 2
 TENSORS = 4
 """The highest order judged on tensors: beyond it slopes of the current scatter on few cells."""
 U = np.geomspace(1e-3, 1e3, 7)
 BENT = ((4, 4, 5e-3), (6, 4, 1e-4), (8, 3, 1e-6), (10, 3, 1e-9))
 """Order, cells and the largest error that is expected."""
+ANNULI = (
+    ("annulus, Q10 on curved cells", discs.annulus, 4),
+    ("annulus unrolled, Q10, varying c", discs.unrolled_annulus, 3),
+)
 
 
-def manufactured() -> Section:
+def manufactured(run: Run) -> Section:
     """Orders for every problem and mesh."""
     return Section(
         "Manufactured solutions",
@@ -35,14 +41,14 @@ def manufactured() -> Section:
         "p = 1 to 6 (4 for tensors) and triangles of order 1 to 4 must find them with errors of "
         "h^(p+1) in the mean square (L2), h^p in the gradient (H1) and h^2p in the foil's current, "
         "to within a tenth.",
-        tuple(_orders()),
+        tuple(_orders(run.sized(max(ORDERS.values()), FEW_ORDERS))),
     )
 
 
-def _orders() -> Iterator[Check]:
+def _orders(most: int) -> Iterator[Check]:
     for title, problem in PROBLEMS.items():
         for mesh, up_to in ORDERS.items():
-            highest = min(up_to, TENSORS) if "tensor" in title else up_to
+            highest = min(up_to, most, TENSORS if "tensor" in title else most)
             orders = range(1, highest + 1)
             measured = [observed_orders(problem, mesh, order) for order in orders]
             for quantity, theory in QUANTITIES.items():
@@ -51,32 +57,34 @@ def _orders() -> Iterator[Check]:
                 yield slopes(what, map(theory, orders), found)
 
 
-def round_skins() -> Section:
+def round_skins(run: Run) -> Section:
     """Bessel functions."""
     return Section(
         "Discs and annuli",
         "Skins fed at a whole round rim, on cells with curved edges, against Bessel functions for "
         "u = ωRCa² from 1e-3 to 1e3. An annulus is also solved as a rectangle in ln(r) and the "
         "angle, whose capacitance grows as r² within every cell.",
-        tuple(_round()),
+        tuple([*_discs(run.sized(BENT, BENT[:2])), *_annuli(run.sized(ANNULI, ANNULI[1:]))]),
     )
 
 
-def _round() -> Iterator[Check]:
+def _discs(meshes: tuple[tuple[int, int, float], ...]) -> Iterator[Check]:
     s = 1j * U
-    annulus = discs.annulus_formula(s, R1, R2)
-    for order, n, limit in BENT:
+    for order, n, limit in meshes:
         skin = discs.disc(n, order)
         Z = discs.impedance(skin, 1.0, order, s)
         errors = relative_difference(Z, discs.disc_formula(s), U).max(axis=1)
         cells = skin.mesh.nelements
         yield below(f"8 disc, Q{order} on {cells} curved cells: Rs, Cp", limit, *errors)
-    for title, skin in (
-        ("annulus, Q10 on curved cells", discs.annulus(4, 10, R1, R2)),
-        ("annulus unrolled, Q10, varying c", discs.unrolled_annulus(3, 10, R1, R2)),
-    ):
-        errors = relative_difference(discs.impedance(skin, R1, 10, s), annulus, U).max(axis=1)
-        yield below(f"8 {title}: Rs, Cp", 1e-9, *errors)
     skin = discs.disc(2, 10)
     Rs = complex(discs.impedance(skin, 1.0, 10, np.array([1e-6j]))[0]).real
     yield below("8 disc, Rs(0) = R/(8 pi)", 1e-10, abs(Rs * 8 * math.pi - 1))
+
+
+def _annuli(kinds: tuple[tuple[str, Callable[..., discs.Curved], int], ...]) -> Iterator[Check]:
+    s = 1j * U
+    truth = discs.annulus_formula(s, R1, R2)
+    for title, made, n in kinds:
+        skin = made(n, 10, R1, R2)
+        errors = relative_difference(discs.impedance(skin, R1, 10, s), truth, U).max(axis=1)
+        yield below(f"8 {title}: Rs, Cp", 1e-9, *errors)
