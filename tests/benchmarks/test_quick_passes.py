@@ -1,0 +1,68 @@
+"""Every benchmark still runs: its quick pass ends well and leaves the published figures alone."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.slow
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+NEEDS = {"dataset": "psutil"}
+OWN_OPTIONS = {"campaign": "takes no --quick yet"}
+TIMEOUT = 400
+"""s, on a machine that does much besides."""
+
+
+def programs():
+    """Names of all scripts that are run."""
+    return sorted(
+        path.stem
+        for path in BENCHMARKS.glob("*.py")
+        if 'if __name__ == "__main__"' in path.read_text(encoding="utf-8")
+    )
+
+
+def published():
+    """Pages and results as they stand: when each was written last, and its size."""
+    paths = [*BENCHMARKS.glob("*.md"), *(BENCHMARKS / "results").rglob("*")]
+    return {path: (path.stat().st_mtime_ns, path.stat().st_size) for path in paths}
+
+
+def quick_pass(name, *options):
+    """The ended process."""
+    command = [sys.executable, str(BENCHMARKS / f"{name}.py"), "--quick", *options]
+    return subprocess.run(
+        command, cwd=BENCHMARKS.parent, capture_output=True, text=True, timeout=TIMEOUT
+    )
+
+
+def marked(name):
+    """As a parameter, expected to fail where there is no quick pass."""
+    reason = OWN_OPTIONS.get(name)
+    return pytest.param(name, marks=pytest.mark.xfail(reason=reason, strict=True) if reason else ())
+
+
+@pytest.mark.parametrize("name", [marked(name) for name in programs()])
+def test_quick_pass(name):
+    if name in NEEDS:
+        pytest.importorskip(NEEDS[name])
+    before = published()
+    done = quick_pass(name)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    assert published() == before
+
+
+def test_figures_of_a_quick_pass_are_not_published():
+    done = quick_pass("assembly", "--into", str(BENCHMARKS))
+    assert done.returncode == 2
+    assert "do not belong" in done.stderr
+
+
+def test_folder_for_the_figures(tmp_path):
+    assert quick_pass("assembly", "--into", str(tmp_path)).returncode == 0
+    assert {path.name for path in (tmp_path / "results").iterdir()} == {
+        "assembly.md",
+        "assembly.csv",
+        "assembly.png",
+    }
