@@ -97,9 +97,10 @@ def _conforming(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
 
 def _cut_as_seen(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
     """A mesh in space cut along segments (segment, 2, 2) as they are seen along z."""
-    segments = np.concatenate([each for each in shapes if not isinstance(each, Circle)])
-    if not len(segments):
+    straight = [each for each in shapes if not isinstance(each, Circle)]
+    if not straight:
         return mesh
+    segments = np.concatenate(straight)
     same = SAME * float(np.ptp(mesh.p, axis=1).max())
     lines = arranged(segments, same)
     pieces = lines.points[lines.pieces]
