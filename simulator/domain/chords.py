@@ -30,11 +30,14 @@ class Chords(NamedTuple):
     curvature: NDArray[np.float64]
 
 
-def chords(shapes: Sequence[Circle | Points], marks: Points, same: float) -> list[Chords]:
+def chords(
+    shapes: Sequence[Circle | Points], marks: Points, same: float, widest: float = WIDEST
+) -> list[Chords]:
     """Those of circles and of straight segments, shape (segment, end, 2); m.
 
     marks: points at which circles are divided if they lie on them, shape (point, 2). same: what is
-    nearer than that [m] to a circle lies on it. A circle that comes again has no chords.
+    nearer than that [m] to a circle lies on it. widest: angle of an arc at most. A circle that
+    comes again has no chords.
     """
     straight = np.concatenate(
         [np.empty((0, 2, 2)), *(shape for shape in shapes if not isinstance(shape, Circle))]
@@ -42,7 +45,7 @@ def chords(shapes: Sequence[Circle | Points], marks: Points, same: float) -> lis
     circles = [shape for shape in shapes if isinstance(shape, Circle)]
     first = [circle for k, circle in enumerate(circles) if not _known(circle, circles[:k], same)]
     points = np.concatenate([straight.reshape(-1, 2), marks])
-    divided = _divided(first, straight, points, same)
+    divided = _divided(first, straight, points, same, widest)
     found = {circle: _around(circle, at) for circle, at in zip(first, divided, strict=True)}
     none = np.empty((0, 2, 2))
     return [
@@ -64,7 +67,7 @@ def _around(circle: Circle, angles: Angles) -> Chords:
 
 
 def _divided(
-    circles: Sequence[Circle], segments: Points, points: Points, same: float
+    circles: Sequence[Circle], segments: Points, points: Points, same: float, widest: float
 ) -> list[Angles]:
     """The angles of the points that divide each circle, ascending, rad."""
     found = []
@@ -77,7 +80,8 @@ def _divided(
             *_with_middles(pairs),
             _near(circle, np.concatenate(beside), CLOSE * circle.radius),
         ]
-        found.append(_filled(_distinct(np.concatenate(first), same / circle.radius)))
+        apart = _distinct(np.concatenate(first), same / circle.radius)
+        found.append(_filled(apart, widest))
     for _ in range(MOST_ROUNDS):
         before = sum(map(len, found))
         for k, circle in enumerate(circles):
@@ -157,11 +161,11 @@ def _distinct(angles: Sequence[float] | Angles, same: float) -> Angles:
     return np.array(kept)
 
 
-def _filled(angles: Angles) -> Angles:
-    """With evenly spaced ones between those that are more than WIDEST apart, ascending."""
+def _filled(angles: Angles, widest: float) -> Angles:
+    """With evenly spaced ones between those that are further apart than that, ascending."""
     start = np.sort(angles) if len(angles) else np.zeros(1)
     gaps = np.diff(np.append(start, start[0] + 2 * np.pi))
-    parts = np.ceil(gaps / WIDEST - 1e-9).astype(int)
+    parts = np.ceil(gaps / widest - 1e-9).astype(int)
     every = [at + gap * np.arange(n) / n for at, gap, n in zip(start, gaps, parts, strict=True)]
     return np.sort(np.concatenate(every) % (2 * np.pi))
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from simulator.domain.arrangement import arranged
 from simulator.domain.bending import bent
-from simulator.domain.chords import chords
+from simulator.domain.chords import WIDEST, chords
 from simulator.domain.collapsing import collapsed, compressed
 from simulator.domain.cutting import cut
 from simulator.domain.flipping import edges_along, flipped
@@ -33,7 +33,7 @@ from simulator.mesh_file import Surface, foil_lines, read_surface
 from simulator.planar import Circle, distance
 from simulator.press import Press, place_of
 from simulator.scene import Scene
-from simulator.sweeps import InputError
+from simulator.sweeps import InputError, ToleranceError
 
 SAME = 1e-8
 """What is nearer than this times the mesh's extent to a line lies on it."""
@@ -45,6 +45,7 @@ SIDES_IN_SPACE = 128
 OUT_OF_ROUND = 2 * (np.pi / SIDES_IN_SPACE) ** 3 / 3
 """How far it is from the circle at most, over the radius, for the part of a radius that a side is
 long: what is in excess at its corners lacks at its middle."""
+WIDEST_ARCS = (WIDEST, WIDEST / 4, WIDEST / 16)
 COARSEST = 2.0
 """Longest edges of triangles over the length of what they are cut along."""
 
@@ -71,12 +72,25 @@ def imported(scene: Scene, press: Press, creases: Sequence[Circle | Points]) -> 
 
 
 def _conforming(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
-    """The mesh cut along circles and segments (segment, 2, 2); a flat one is kept well shaped."""
+    """The mesh cut along circles and segments (segment, 2, 2); a flat one is kept well shaped.
+
+    Where one of its points is caught between a chord and its arc, circles are divided more finely.
+    """
     if not len(shapes):
         return mesh
+    for widest in WIDEST_ARCS[:-1]:
+        try:
+            return _conforming_by(mesh, shapes, widest)
+        except ToleranceError:
+            continue
+    return _conforming_by(mesh, shapes, WIDEST_ARCS[-1])
+
+
+def _conforming_by(mesh: Domain, shapes: Sequence[Circle | Points], widest: float) -> Domain:
+    """The same by arcs of that angle at most; raises ToleranceError where they do not serve."""
     same = SAME * float(np.ptp(mesh.p, axis=1).max())
     kept = mesh.p[:, _kept_edges(mesh)].transpose(2, 1, 0)
-    drawn = chords([*shapes, kept], np.empty((0, 2)), same)[:-1]
+    drawn = chords([*shapes, kept], np.empty((0, 2)), same, widest)[:-1]
     segments, curvature = (np.concatenate(part) for part in zip(*drawn, strict=True))
     lines = arranged(segments, same)
     pieces = lines.points[lines.pieces]

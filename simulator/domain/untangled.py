@@ -19,7 +19,7 @@ LEAST = 1e-3
 """Area of a bent triangle over that of the straight one, but at its corners: where a circle touches
 a line it falls evenly from 1 to 0 there."""
 ROUNDING = 1e-6
-MOST_ROUNDS = 30
+MOST_ROUNDS = 10
 
 
 def finer(mesh: Domain, marked: ArrayLike) -> Domain:
