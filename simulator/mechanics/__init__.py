@@ -17,12 +17,15 @@ from simulator.foam_properties import Mechanics
 from simulator.mechanics.limit import check_depths
 from simulator.mechanics.pressed import Pressed
 from simulator.mechanics.stamps import stamped
-from simulator.press import Press
+from simulator.press import Disc, Press
 from simulator.scene import Scene
 from simulator.scene_file import check_press
 
 DISC_SIDES = 128
 """Of the polygon of the same area that a disc is to the membrane."""
+OUT_OF_ROUND = 0.02 * (np.pi / DISC_SIDES) ** 3
+"""What that changes of Rs and Cp: it falls with the cube of the sides; a third of it was seen, all
+of it far above cut-off."""
 
 __all__ = ["Pressed", "pressed"]
 
@@ -70,6 +73,7 @@ def _spread(
         found.error,
         kinks,
         None,
+        out_of_round=OUT_OF_ROUND * any(isinstance(each, Disc) for each in places),
         closer=partial(pressed, scene, press),
         unsure=found.surface.in_triangles(found.unsure),
     )

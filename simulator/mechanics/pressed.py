@@ -19,12 +19,12 @@ class Pressed:
 
     What touches of a given factor add is not in it: they multiply it. thickness: of the foam, m.
     w: deflection in m at flat positions (2, ...) in m. depth [m], force [N]: of each applicator, in
-    order. error: bound on the relative error of `factor` anywhere; mean_error: on its integral over
-    the skin, relative to that over the applicators. kinks: circles and closed polylines (point, 2)
-    in m, the edges of applicators, across which `factor` has a kink, or jumps
+    order. error: bound on the relative error of `factor` anywhere. kinks: circles and closed
+    polylines (point, 2) in m, the edges of applicators, across which `factor` has a kink, or jumps
     where nothing is spread. sharp: there the same press with factors instead, unless applicators
-    overlap, else None. unsure: by how much w may be off, m, as w. closer: the
-    same press within another `error`.
+    overlap, else None. out_of_round: relative error of Rs and Cp by applicators that are polygons
+    in place of discs. unsure: by how much w may be off, m, as w. closer: the same press within
+    another `error`.
     """
 
     mechanics: Mechanics | None
@@ -35,7 +35,7 @@ class Pressed:
     error: float
     kinks: tuple[Circle | NDArray[np.float64], ...]
     sharp: Press | None
-    mean_error: float = 0.0
+    out_of_round: float = 0.0
     unsure: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
     closer: Callable[[float], Pressed] | None = None
 

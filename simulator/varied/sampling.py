@@ -13,8 +13,8 @@ from simulator.varied.discretised import Discretised
 FEW_CELLS = 12_000
 MOST_PARTS = 8
 INWARD = 0.01
-"""Of the way to the middle of a cell: where slopes are taken. Where a circle touches a line, a cell has no
-width at its corner, and no slope there."""
+"""Of the way to the middle of a cell: where slopes are taken. Where a circle touches a line, a cell
+has no width at its corner, and no slope there."""
 CORNERS = ((0, 0), (0, 1), (1, 1), (1, 0))
 
 

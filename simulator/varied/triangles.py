@@ -92,7 +92,7 @@ class Triangles:
         """Relative error of Rs and Cp by touches and foam that are not quite what was asked."""
         radii = [touch.radius for touch in self.press.touches if isinstance(touch, Disc)]
         depths = max(radii, default=0.0) / self._depth(frequency)
-        by_foam = self.pressed.mean_error if self.pressed else 0.0
+        by_foam = self.pressed.out_of_round if self.pressed else 0.0
         return by_foam + mesh.out_of_round * (1 + FALLS * depths) * bool(radii)
 
     def _kinks(self) -> list[NDArray[np.float64]]:
