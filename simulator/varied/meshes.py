@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 MECHANICS_SHARE = 0.3
 """Of the tolerance: what the mechanics of a press may leave of it."""
-LEAST_STEP = 0.1
+LEAST_STEP = 0.3
 """Of the mechanics' error, asked of the next ones, where Rs and Cp feel more of it than that."""
 FACTOR_SHARE, COARSEST_FACTOR = 30.0, 1e-2
 """Of the tolerance and at most: what its factor may be off by anywhere. It is at corners alone."""
