@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
+from shutil import which
 from typing import TypeVar
 
 import pandas as pd
@@ -45,11 +46,11 @@ class Run:
         """What a quick pass does with less of."""
         return least if self.quick else whole
 
-    def has(self, module: str) -> bool:
-        """Whether a rival's module takes part; a run that is not quick cannot do without."""
-        if not self.quick or find_spec(module) is not None:
+    def has(self, rival: str) -> bool:
+        """Whether a module or program takes part; a run that is not quick cannot do without."""
+        if not self.quick or find_spec(rival) is not None or which(rival) is not None:
             return True
-        print(f"{module} is not installed and left out")
+        print(f"{rival} is not installed and left out")
         return False
 
 
