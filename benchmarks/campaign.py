@@ -3,9 +3,9 @@
 Run: python benchmarks/campaign.py -o LINES [--kinds KIND,KIND] [--seeds A:B] [--workers N]
 
 Each scene is answered at a tolerance drawn with it, and by another route that shares no mesh with
-the first: another telling of the same skin, polygons for discs, a formula, or elements far closer.
-Verdicts go to LINES as they come, so that a campaign that was ended goes on where it was; what is
-asked for whole goes to results/campaign.csv then, of which verification.py makes its section.
+the first: another telling of the same skin, polygons for discs, a formula, or a finer file.
+Verdicts go to LINES as they come, so that a campaign that was ended goes on where it was. One of
+all kinds and SEEDS ends in results/campaign.csv, of which verification.py makes its section.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import sys
 import time
 from pathlib import Path
 
-from bench import RESULTS
+from bench import Run, launch
 from campaign_parts import record
 from campaign_parts.judging import drawn
 from campaign_parts.kinds import KINDS
@@ -24,28 +24,34 @@ from campaign_parts.verdict import Verdict
 
 from simulator.scene_file import scene_text
 
-SEEDS = range(10)
+SEEDS = range(9)
 TIMEOUT = 90.0
-TABLE = RESULTS / "campaign.csv"
+TABLE = "campaign.csv"
+QUICK = (
+    ("foils", 0),
+    ("films", 0),
+)
+"""Scenes of a second."""
 
 
-def main() -> int:
-    """Judge what is not judged yet; 1 where any tolerance is broken, or an error was none told."""
-    asked = _arguments()
-    cases = [(kind, seed) for seed in asked.seeds for kind in asked.kinds]
+def main(run: Run) -> int:
+    """Judge what is not judged yet; 1 where a tolerance is broken or anything fails."""
+    asked = run.asked
+    cases = run.sized([(kind, seed) for seed in asked.seeds for kind in asked.kinds], list(QUICK))
     if asked.show:
-        return _shown(cases)
-    known = {(each.kind, each.seed): each for each in record.read(asked.output)}
+        return shown(cases)
+    lines = asked.output or run.folder / "campaign.jsonl"
+    known = {(each.kind, each.seed): each for each in record.read(lines)}
     left = [case for case in cases if case not in known]
     start = time.perf_counter()
     for count, verdict in enumerate(verdicts(left, asked.workers, asked.timeout), 1):
-        record.appended(asked.output, verdict)
+        record.appended(lines, verdict)
         known[verdict.kind, verdict.seed] = verdict
         told(verdict)
         print(f"{count} of {len(left)}, {time.perf_counter() - start:.0f} s", file=sys.stderr)
     found = [known[case] for case in cases]
-    if set(cases) >= {(kind, seed) for kind in KINDS for seed in SEEDS}:
-        record.publish(TABLE, found)
+    if run.quick or set(cases) >= {(kind, seed) for kind in KINDS for seed in SEEDS}:
+        record.publish(run.results / TABLE, found)
     print(summary(found))
     return int(any(each.broken or each.outcome == "failed" for each in found))
 
@@ -69,7 +75,8 @@ def summary(found: list[Verdict]) -> str:
     return ", ".join(f"{count} {name}" for name, count in counts.items())
 
 
-def _shown(cases: list[tuple[str, int]]) -> int:
+def shown(cases: list[tuple[str, int]]) -> int:
+    """The scenes, with what to press and to ask."""
     for kind, seed in cases:
         case = drawn(kind, seed)
         print(f"# {kind} seed {seed}: --press '{case.problem.press}' --rtol {case.rtol:g}")
@@ -77,20 +84,18 @@ def _shown(cases: list[tuple[str, int]]) -> int:
     return 0
 
 
-def _arguments() -> argparse.Namespace:
+def options() -> argparse.ArgumentParser:
+    """Of the command line, beside those of all benchmarks."""
     parser = argparse.ArgumentParser(description="Campaign of scenes drawn at random.")
-    parser.add_argument("-o", "--output", type=Path, help="lines of JSON, continued where there")
+    parser.add_argument(
+        "-o", "--output", type=Path, help="lines of JSON, continued; campaign.jsonl beside results/"
+    )
     parser.add_argument("--kinds", type=_kinds, default=list(KINDS), help=", ".join(KINDS))
     parser.add_argument("--seeds", type=_seeds, default=SEEDS, help="A:B, B not among them")
     parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument(
-        "--timeout", type=float, default=TIMEOUT, help="of a scene, s of a processor"
-    )
+    parser.add_argument("--timeout", type=float, default=TIMEOUT, help="s of a processor a scene")
     parser.add_argument("--show", action="store_true", help="print the scenes instead")
-    asked = parser.parse_args()
-    if not (asked.show or asked.output):
-        parser.error("-o is needed")
-    return asked
+    return parser
 
 
 def _kinds(text: str) -> list[str]:
@@ -107,4 +112,4 @@ def _seeds(text: str) -> range:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    launch(main, options())

@@ -5,18 +5,19 @@ The time is the processor's, so that what becomes of a case is not up to what el
 
 from __future__ import annotations
 
+import math
 import multiprocessing
+import resource
+import signal
+import time
 from collections.abc import Iterable, Iterator
 from multiprocessing.connection import Connection, wait
 
-import psutil
 from threadpoolctl import threadpool_limits
 
 from campaign_parts.judging import drawn, judged
-from campaign_parts.verdict import Outcome, Verdict
+from campaign_parts.verdict import Verdict
 
-LOOK = 1.0
-"""Seconds between looks at the time."""
 Named = tuple[str, int]
 _spawn = multiprocessing.get_context("spawn")
 
@@ -24,17 +25,14 @@ _spawn = multiprocessing.get_context("spawn")
 def verdicts(cases: Iterable[Named], workers: int, timeout: float) -> Iterator[Verdict]:
     """Of cases by kind and seed, as they end; `timeout`: seconds of a processor for each."""
     left = iter(cases)
-    busy = [worker for worker in (Worker() for _ in range(workers)) if worker.took(left)]
+    busy = [worker for worker in (Worker(timeout) for _ in range(workers)) if worker.took(left)]
     try:
         while busy:
-            wait([worker.answers for worker in busy], timeout=LOOK)
-            for worker in list(busy):
-                verdict = worker.ended(timeout)
-                if verdict is not None:
-                    yield verdict
-                    if not worker.took(left):
-                        worker.stop()
-                        busy.remove(worker)
+            ready = wait([worker.answers for worker in busy])
+            for worker in [each for each in busy if each.answers in ready]:
+                yield worker.verdict()
+                if not worker.took(left):
+                    busy.remove(worker)
     finally:
         for worker in busy:
             worker.stop()
@@ -43,61 +41,57 @@ def verdicts(cases: Iterable[Named], workers: int, timeout: float) -> Iterator[V
 class Worker:
     """A process that judges one case after the other, and is replaced where it takes too long."""
 
-    def __init__(self) -> None:
-        self._case: Named = "", 0
+    def __init__(self, timeout: float) -> None:
+        self._timeout, self._case = timeout, ("", 0)
         self._start()
 
     def took(self, left: Iterator[Named]) -> bool:
-        """Whether there was another case to begin with."""
+        """Whether there was another case to begin with; the process ends where there was none."""
         following = next(left, None)
         if following is None:
+            self.stop()
             return False
-        self._case, self._began = following, self._used
+        self._case = following
         self.answers.send(following)
         return True
 
-    def ended(self, timeout: float) -> Verdict | None:
-        """What became of the case, None while it is not known."""
-        if self.answers.poll():
-            try:
-                return self.answers.recv()
-            except EOFError:
-                return self._given_up("failed", "the process ended")
-        if self._used - self._began > timeout:
-            return self._given_up("not judged", f"took longer than {timeout:g} s")
-        return None
-
-    @property
-    def _used(self) -> float:
-        """Seconds of a processor since the process began."""
-        times = psutil.Process(self._process.pid).cpu_times()
-        return times.user + times.system
+    def verdict(self) -> Verdict:
+        """What became of the case; waits for it."""
+        try:
+            return self.answers.recv()
+        except EOFError:
+            self._process.join()
+        late = self._process.exitcode == -signal.SIGXCPU
+        self._start()
+        kind, seed = self._case
+        rtol = drawn(kind, seed).rtol
+        if late:
+            reason = f"took longer than {self._timeout:g} s"
+            return Verdict(kind, seed, rtol, "not judged", reason)
+        return Verdict(kind, seed, rtol, "failed", "the process ended")
 
     def stop(self) -> None:
         """End the process."""
         self._process.kill()
         self._process.join()
-        self.answers.close()
-
-    def _given_up(self, outcome: Outcome, reason: str) -> Verdict:
-        kind, seed = self._case
-        self.stop()
-        self._start()
-        return Verdict(kind, seed, drawn(kind, seed).rtol, outcome, reason)
 
     def _start(self) -> None:
         self.answers, theirs = _spawn.Pipe()
-        self._process = _spawn.Process(target=_judge, args=(theirs,), daemon=True)
+        self._process = _spawn.Process(target=_judge, args=(theirs, self._timeout), daemon=True)
         self._process.start()
         theirs.close()
 
 
-def _judge(questions: Connection) -> None:
+def _judge(questions: Connection, timeout: float) -> None:
     """Until the other end closes; on one thread."""
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    most = resource.getrlimit(resource.RLIMIT_CPU)[1]
     with threadpool_limits(1):
         while True:
             try:
                 kind, seed = questions.recv()
             except (EOFError, KeyboardInterrupt):
                 return
+            until = math.ceil(time.process_time() + timeout)
+            resource.setrlimit(resource.RLIMIT_CPU, (until, most))
             questions.send(judged(kind, seed))
