@@ -9,7 +9,6 @@ import pytest
 pytestmark = pytest.mark.slow
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 NEEDS = {"dataset": "psutil"}
-OWN_OPTIONS = {"campaign": "takes no --quick yet"}
 TIMEOUT = 400
 """s, on a machine that does much besides."""
 
@@ -37,13 +36,7 @@ def quick_pass(name, *options):
     )
 
 
-def marked(name):
-    """As a parameter, expected to fail where there is no quick pass."""
-    reason = OWN_OPTIONS.get(name)
-    return pytest.param(name, marks=pytest.mark.xfail(reason=reason, strict=True) if reason else ())
-
-
-@pytest.mark.parametrize("name", [marked(name) for name in programs()])
+@pytest.mark.parametrize("name", programs())
 def test_quick_pass(name):
     if name in NEEDS:
         pytest.importorskip(NEEDS[name])
