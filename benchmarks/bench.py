@@ -19,6 +19,7 @@ from typing import TypeVar
 import pandas as pd
 
 HERE = Path(__file__).parent
+RESULTS = HERE / "results"
 PACKAGES = ("rcskin", "numpy", "scipy", "scikit-fem", "numba", "scikit-rf")
 
 Size = TypeVar("Size")
