@@ -68,7 +68,9 @@ class Worker:
         if late:
             reason = f"took longer than {self._timeout:g} s"
             return Verdict(kind, seed, rtol, "not judged", reason)
-        return Verdict(kind, seed, rtol, "failed", "the process ended")
+        return Verdict(
+            kind, seed, rtol, "failed", f"the process ended with code {self._process.exitcode}"
+        )
 
     def stop(self) -> None:
         """End the process."""

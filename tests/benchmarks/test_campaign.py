@@ -1,0 +1,167 @@
+"""A few scenes of each kind of the campaign: none is further off than was asked, or than told."""
+
+import importlib
+import itertools
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+CHEAP = {
+    "rectangles": (1,),
+    "discs": (0,),
+    "polygons": (2,),
+    "foils": (0,),
+    "films": (0,),
+    "one-sheet": (2,),
+    "lossy": (2,),
+    "behind-leads": (2,),
+    "of-varied-elements": (1,),
+    "anisotropic": (0,),
+    "anisotropic-touched-anyhow": (1,),
+    "gauges": (1,),
+    "gauges-touched-anyhow": (0,),
+    "gradients-and-random-fields": (1,),
+    "grids": (0,),
+    "maps-touched-anyhow": (1,),
+    "stretched": (0,),
+    "stretched-and-varied": (0,),
+    "draped": (0,),
+    "depths": (1,),
+    "forces": (0,),
+    "gauges-under-depths": (0,),
+    "overlapping-depths": (0,),
+    "spread-pairs": (1,),
+    "fed-all-around": (0,),
+    "holes": (1,),
+    "discs-cut-by-the-edge": (1,),
+    "outlines": (0,),
+    "rectangles-from-files": (1,),
+    "ls-from-files": (0,),
+    "bent-from-files": (0,),
+    "curved-from-files": (1,),
+}
+"""Seeds of kinds that take seconds."""
+DEAR = {"spread-depths", "spread-forces", "fed-along-arcs", "annuli-from-files"}
+"""Kinds of which every scene takes a quarter of a minute or more: the campaign itself has them."""
+
+
+@pytest.fixture(scope="module")
+def part():
+    """A function from a name to the module of `benchmarks/campaign_parts` of that name."""
+    sys.path.insert(0, str(BENCHMARKS))
+    yield lambda name: importlib.import_module(f"campaign_parts.{name}")
+    sys.path.remove(str(BENCHMARKS))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", CHEAP)
+def test_asked_and_told_are_kept(part, kind):
+    for seed in CHEAP[kind]:
+        verdict = part("judging").judged(kind, seed)
+        assert verdict.outcome == "judged", verdict.line()
+        assert not verdict.broken and not verdict.boasted, verdict.line()
+
+
+def test_no_kind_is_left_out(part):
+    assert set(CHEAP) | DEAR == set(part("kinds").KINDS)
+
+
+def test_the_same_seed_is_the_same_scene(part):
+    drawn = part("judging").drawn
+    first, again, other = (drawn("rectangles", seed) for seed in (1, 1, 2))
+    assert first.problem.tables == again.problem.tables
+    assert (first.problem.press, first.rtol) == (again.problem.press, again.rtol)
+    assert first.problem.tables != other.problem.tables
+
+
+def test_what_is_off_is_found(part, monkeypatch):
+    """An answer that is wrong by twice its tolerance, and one that is wrong by what was told."""
+    judging = part("judging")
+    case = judging.drawn("foils", 0)
+
+    def off_by(error):
+        class Wrong(judging.Solver):
+            def solve(self, press):
+                answer = super().solve(press)
+                return replace(answer, Z=(1 + error) * answer.Z)
+
+        monkeypatch.setattr(judging, "Solver", Wrong)
+        return judging.judged("foils", 0)
+
+    kept, wrong = off_by(0.0), off_by(2 * case.rtol)
+    assert (kept.outcome, kept.broken, kept.boasted) == ("judged", False, False)
+    assert (wrong.outcome, wrong.broken, wrong.boasted) == ("judged", True, True)
+    assert wrong.line().startswith(f"broken: foils seed 0 rtol {case.rtol:g}: ")
+    told = max(np.max(kept.told), 1e-12)
+    boasted = off_by(1.5 * told)
+    assert boasted.boasted
+
+
+def test_an_exception_is_a_failure_and_told(part, monkeypatch):
+    judging = part("judging")
+
+    class Broken(judging.Solver):
+        def solve(self, press):
+            raise ZeroDivisionError("division by zero")
+
+    monkeypatch.setattr(judging, "Solver", Broken)
+    verdict = judging.judged("foils", 0)
+    assert verdict.outcome == "failed"
+    assert "ZeroDivisionError" in verdict.line()
+
+
+def test_doubt_of_the_reference_is_set_aside(part):
+    Verdict = part("verdict").Verdict
+    errors = {"told": [[[1e-5]], [[1e-5]]], "frequency": (1.0,)}
+    for true, doubt, broken in ((1.2e-4, 1e-5, True), (1.2e-4, 3e-5, False)):
+        values = {"true": [[[true]], [[0.0]]], "doubt": [[[doubt]], [[doubt]]]}
+        verdict = Verdict("foils", 0, 1e-4, "judged", **errors, **values)
+        assert verdict.broken is broken
+        assert verdict.boasted
+
+
+def test_a_record_is_read_as_it_was_written(part, tmp_path):
+    record, Verdict = part("record"), part("verdict").Verdict
+    errors = {name: [[[1e-5, 2e-6]]] * 2 for name in ("true", "told", "doubt")}
+    judged = Verdict("foils", 1, 1e-4, "judged", "", "elements", (1.0, 20.0), **errors)
+    refused = Verdict("foils", 2, 1e-6, "refused", "too many triangles, too few")
+    lines, table = tmp_path / "lines.jsonl", tmp_path / "table.csv"
+    for verdict in (judged, refused):
+        record.appended(lines, verdict)
+    with lines.open("a") as unfinished:
+        unfinished.write('{"kind": "foi')
+    read = list(record.read(lines))
+    record.publish(table, read)
+    for found in (read, record.published(table)):
+        assert [(each.line(), each.broken) for each in found] == [
+            (each.line(), each.broken) for each in (judged, refused)
+        ]
+        np.testing.assert_array_equal(found[0].errors, judged.errors)
+
+
+@pytest.mark.slow
+def test_a_case_that_takes_too_long_is_given_up(part):
+    cases = [("gauges", 0), ("foils", 0)]
+    given_up, judged = part("running").verdicts(cases, workers=1, timeout=5.0)
+    assert (given_up.outcome, judged.outcome) == ("not judged", "judged")
+
+
+def test_laws_of_foam_are_those_of_the_simulator(part):
+    """The campaign writes them once more, from what the pages say."""
+    from simulator.foam_properties import Mechanics
+
+    laws = part("foam_laws")
+    kinds = ("looyenga", "lichtenecker", "maxwell-garnett", "bruggeman", "constant")
+    for law, strain in itertools.product(kinds, (0.1, 0.6)):
+        tables = {"porosity": 0.7, "effective_medium": law, "modulus": 3e4}
+        tables |= {"densification_strain": 0.65}
+        if law != "constant":
+            tables["solid_permittivity"] = 3.0
+        mechanics = Mechanics.model_validate(tables)
+        at = np.array(strain)
+        assert laws.capacitance_factor(tables, strain) == pytest.approx(mechanics.factor(at))
+        assert laws.stress(tables, strain) == pytest.approx(mechanics.elastic.stress(at))
