@@ -7,36 +7,37 @@ least factor on its conductance another.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
 
+from simulator.circuit import Circuit
 from simulator.family import weights_of
+from simulator.galerkin import Galerkin
+from simulator.scene import Scene
 from simulator.sweeps import InputError
-
-if TYPE_CHECKING:
-    from simulator.reduced import ReducedSkin
+from simulator.system import PixelSystem
+from simulator.variation import Variation
 
 
 def certificate(
-    skin: ReducedSkin,
-    cells: NDArray[np.int64],
-    rises: NDArray[np.float64],
+    space: Galerkin,
+    system: PixelSystem,
+    mass: csc_matrix,
+    solved: Iterable[tuple[NDArray[np.complex128], NDArray[np.complex128]]],
     s: NDArray[np.complex128],
+    least: float,
 ) -> NDArray[np.float64]:
     """Bound on the relative errors of Rs and Cp, shape (2, interface, s); of the reduction alone.
 
-    cells, rises: of one press, as in `ReducedSkin.sweeps`. s: rad/s.
+    system, mass: K of the skin and M of the press, in F. solved: of each interface, potentials of 1
+    V in the full space, shape (unknown, s), and Y in S. s: rad/s. least: as `least_conductance`.
     """
-    family, W = skin.reduced.family, skin.reduced.coordinates
-    space = family.space
-    mass = space.restricted(family.mass(skin.map_of(cells, rises)))
-    system = family.system if skin.variation is None else family.varied(skin.variation)
-    least = least_conductance(skin)
+    mass = space.restricted(mass)
     bounds = []
-    for reduced, Y in skin.solved(cells, rises, s):
-        u = W @ reduced
+    for u, Y in solved:
         current = space.currents(u, system.sheets, system.films)
         residual = current + s * (mass @ u)[: space.inner]
         power = sum((part * space.solve(part)).sum(axis=0) for part in _parts(residual))
@@ -44,14 +45,15 @@ def certificate(
     return np.stack(bounds, axis=1)
 
 
-def least_conductance(skin: ReducedSkin) -> float:
+def least_conductance(
+    variation: Variation | None, scene: Scene, circuit: Circuit, modes_of_sheet: int
+) -> float:
     """A lower bound of the factor on K anywhere. Raises InputError where it is not above zero."""
-    if skin.variation is None:
+    if variation is None:
         return 1.0
-    reduced = skin.reduced
-    weights = weights_of(skin.variation, reduced.scene, reduced.circuit)
-    count = reduced.circuit.fields * reduced.modes
-    modes, films = weights[:count].reshape(-1, reduced.modes), weights[count:]
+    weights = weights_of(variation, scene, circuit)
+    count = circuit.fields * modes_of_sheet
+    modes, films = weights[:count].reshape(-1, modes_of_sheet), weights[count:]
     least = min([*(modes[:, 0] - np.abs(modes[:, 1:]).sum(axis=1)), *films])
     if not least > 0:
         raise InputError(f"conductance must stay above zero everywhere, got {least:g} of nominal")

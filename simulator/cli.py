@@ -72,20 +72,19 @@ def sweep(
     from simulator.fidelity import Solver, checked_model
     from simulator.press import parse_press
     from simulator.progress import on_terminal
-    from simulator.scene_file import check_press, load_scene
+    from simulator.scene_file import check_press, load_scene, strength_of
     from simulator.simulate import gather
     from simulator.sweeps import checked_output, write
     from simulator.validity import warnings
-    from simulator.wiring import driven_by_touch
 
     checked_output(output)
     loaded = load_scene(scene)
-    strength = loaded.press.strength
+    strength = strength_of(loaded.press)
     presses = [parse_press(text, strength) for text in press or []] or every_press(loaded)
     for asked in presses:
         check_press(asked, loaded)
     solver = Solver(loaded, rtol, checked_model(model))
-    wiring = driven_by_touch(loaded)
+    wiring = loaded.driven_by_touch
     for warning in (*wiring, *warnings(electrical(loaded))):
         typer.echo(f"rcskin: warning: {scene}: {warning}", err=True)
     with on_terminal() as track:

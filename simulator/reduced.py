@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from simulator.certificate import certificate
+from simulator.certificate import certificate, least_conductance
 from simulator.circuit import Circuit
 from simulator.driven import Driven, driven_by
 from simulator.family import Family, weights_of
@@ -31,6 +31,7 @@ from simulator.reduced_kernel import Feed, Rest, swept
 from simulator.scene import Scene
 from simulator.sheet import one_blas_thread
 from simulator.sweeps import ToleranceError
+from simulator.system import PixelSystem
 from simulator.variation import Variation, nominal
 
 KRYLOV_SHARE = 0.03
@@ -116,7 +117,7 @@ class ReducedSkin:
         K = self._stiffness()
         rows = (np.sqrt(self.rest_factors)[:, None, None] * reduced.factors).reshape(-1, len(K))
         M = rows.T @ rows
-        conductance, self.turn = _own_coordinates(K, M, reduced.terminal_field)
+        conductance, self.turn = own_coordinates(K, M, reduced.terminal_field)
         terminals, M = len(conductance), self.turn.T @ M @ self.turn
         self.rest = Rest(
             np.ascontiguousarray(M[:terminals]),
@@ -156,8 +157,23 @@ class ReducedSkin:
 
         Of shape (2, interface, s); s in rad/s, by default of the scene's frequencies.
         """
+        s, family = self.s if s is None else s, self.reduced.family
+        mass = family.mass(self.map_of(cells, rises))
         with one_blas_thread():
-            return certificate(self, cells, rises, self.s if s is None else s)
+            solved = ((self.reduced.coordinates @ u, Y) for u, Y in self.solved(cells, rises, s))
+            return certificate(family.space, self.system, mass, solved, s, self.least_conductance)
+
+    @property
+    def system(self) -> PixelSystem:
+        """K of the skin in the full space."""
+        family = self.reduced.family
+        return family.system if self.variation is None else family.varied(self.variation)
+
+    @property
+    def least_conductance(self) -> float:
+        """A lower bound of the factor on K anywhere; raises InputError unless above zero."""
+        reduced = self.reduced
+        return least_conductance(self.variation, reduced.scene, reduced.circuit, reduced.modes)
 
     def exact(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Z in ohm of one press by the full system, shape (interface, frequency).
@@ -227,7 +243,7 @@ def touched_cells(scene: Scene, press: Press) -> tuple[NDArray[np.int64], NDArra
     return cells, rises[cells]
 
 
-def _own_coordinates(
+def own_coordinates(
     K: NDArray[np.float64], M: NDArray[np.float64], terminal_field: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Conductance between terminals, S, and the turn to where K is 1 and M diagonal."""

@@ -24,7 +24,6 @@ from simulator.leads import Leads
 from simulator.maps import Map
 from simulator.measuring import Experiment, Readout, Sweep
 from simulator.mesh_file import absolute
-from simulator.press import Depth, Force, Press, Strength, Touch, touch_at
 from simulator.randomisation import Randomisation
 from simulator.shape import Shape, Stretch
 from simulator.table import Table
@@ -36,7 +35,7 @@ from simulator.validation import (
     single_line,
     whole_within_rounding,
 )
-from simulator.wiring import check_wiring
+from simulator.wiring import DrivenByTouch, check_wiring, driven_by_touch
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
 PRESSED_BY = ("capacitance_factor", "depth", "force")
@@ -45,7 +44,6 @@ Metre = Annotated[Number, above_zero("m")]
 Fraction = Annotated[Number, Field(ge=0, le=1), AfterValidator(whole_within_rounding)]
 Name = Annotated[str, Field(min_length=1), AfterValidator(single_line)]
 Electrode = Literal["top", "bottom"]
-Edge = Literal["left", "right", "bottom", "top"]
 MeshPath = Annotated[Name, AfterValidator(absolute)]
 
 
@@ -192,8 +190,8 @@ class Skin(Table):
 class Contact(Table):
     """A foil strip on one electrode: an equipotential terminal along part of an edge.
 
-    edge: one of Edge on a rectangle; "outline", "outline.3" (its third side), "hole1" or "hole1.2"
-    on an outline; the name of a group of boundary lines on a mesh.
+    edge: left, right, bottom or top on a rectangle; "outline", "outline.3" (its third side),
+    "hole1" or "hole1.2" on an outline; the name of a group of boundary lines on a mesh.
     """
 
     name: Name
@@ -277,13 +275,6 @@ class Pressing(Table):
     force: Annotated[Number, above_zero("N")] | None = None
 
     @property
-    def strength(self) -> Strength:
-        """How strongly a touch presses that does not say so."""
-        if self.depth is not None:
-            return Depth(self.depth)
-        return self.capacitance_factor if self.force is None else Force(self.force)
-
-    @property
     def plain(self) -> bool:
         """Whether pixels are pressed by a capacitance factor."""
         return self.depth is None and self.force is None
@@ -348,15 +339,14 @@ class Scene(Table):
         """Whether uniform sheets and foam on a rectangle at rest are all there is."""
         return self.beyond_plain is None
 
+    @property
+    def driven_by_touch(self) -> list[DrivenByTouch]:
+        """Its contacts that float but touch driven ones; raises InputError for a mesh not read."""
+        return driven_by_touch(self.contacts, self.interfaces, self.skin)
+
     def contact(self, name: str) -> Contact:
         """The contact of that name."""
         return next(contact for contact in self.contacts if contact.name == name)
-
-    def every_press(self) -> list[Press]:
-        """The skin at rest, then every pixel alone, row by row."""
-        strength = self.press.strength
-        pixels = [Touch(i + 1, j + 1, 1.0) for i, j in np.ndindex(*self.pixels.shape)]
-        return [Press(), *(Press((touch_at(pixel, strength),)) for pixel in pixels)]
 
     @model_validator(mode="after")
     def _mechanics_for_depth_and_force(self) -> Self:
@@ -366,5 +356,5 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _contacts_and_interfaces_agree(self) -> Self:
-        check_wiring(self)
+        check_wiring(self.contacts, self.interfaces, self.skin)
         return self

@@ -12,8 +12,19 @@ from pydantic import ValidationError
 from simulator.contour import check_simple
 from simulator.grid import SAME_LINE
 from simulator.map_file import with_grids
-from simulator.press import Disc, Polygon, Press, Rectangle, Touch, place_of
-from simulator.scene import Scene
+from simulator.press import (
+    Depth,
+    Disc,
+    Force,
+    Polygon,
+    Press,
+    Rectangle,
+    Strength,
+    Touch,
+    place_of,
+    touch_at,
+)
+from simulator.scene import Pressing, Scene
 from simulator.sweeps import InputError
 from simulator.validation import one_line
 
@@ -72,6 +83,20 @@ def parse_scene(text: str, source: str, folder: Path = Path()) -> Scene:
 def scene_text(scene: Scene) -> str:
     """The scene as TOML; `parse_scene` gives the same scene back."""
     return tomli_w.dumps(scene.model_dump(by_alias=True, exclude_none=True))
+
+
+def strength_of(pressing: Pressing) -> Strength:
+    """How strongly a touch presses that does not say so."""
+    if pressing.depth is not None:
+        return Depth(pressing.depth)
+    return pressing.capacitance_factor if pressing.force is None else Force(pressing.force)
+
+
+def pixel_by_pixel(scene: Scene) -> list[Press]:
+    """The skin at rest, then every pixel alone, row by row."""
+    strength = strength_of(scene.press)
+    pixels = [Touch(i + 1, j + 1, 1.0) for i, j in np.ndindex(*scene.pixels.shape)]
+    return [Press(), *(Press((touch_at(pixel, strength),)) for pixel in pixels)]
 
 
 def check_press(press: Press, scene: Scene) -> Press:

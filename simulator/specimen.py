@@ -10,7 +10,7 @@ from simulator.fidelity import Solver
 from simulator.press import Press, parse_press
 from simulator.readout import Meter
 from simulator.scene import Scene
-from simulator.scene_file import check_press
+from simulator.scene_file import check_press, strength_of
 from simulator.sweeps import InputError
 
 READINGS_KEPT = 4096
@@ -35,7 +35,7 @@ class Specimen:
         return self._impedance(self._parsed(press), frequency)
 
     def _parsed(self, press: str) -> Press:
-        return parse_press(press, self.scene.press.strength)
+        return parse_press(press, strength_of(self.scene.press))
 
     def _new_impedance(self, press: Press, frequency: float) -> complex:
         return complex(self._solver(frequency).solve(press).Z[self._number, 0])

@@ -112,16 +112,15 @@ def _stage(
 ) -> Stage:
     from simulator.fields import fields
     from simulator.press import parse_press
-    from simulator.scene_file import check_press, load_scene
+    from simulator.scene_file import check_press, load_scene, strength_of
     from simulator.specimen import checked_interface
     from simulator.view.scenery import Stage
-    from simulator.wiring import driven_by_touch
 
     scene = load_scene(name)
-    pressed = check_press(parse_press(press, scene.press.strength), scene)
+    pressed = check_press(parse_press(press, strength_of(scene.press)), scene)
     chosen = checked_interface(interface, scene)
     frequencies = _frequencies(frequency, scene, every)
-    for one_terminal in driven_by_touch(scene):
+    for one_terminal in scene.driven_by_touch:
         if one_terminal.interface == chosen:
             typer.echo(f"rcskin: warning: {name}: {one_terminal}", err=True)
     found = fields(scene, pressed, frequencies, chosen, rtol)

@@ -14,7 +14,7 @@ from simulator.contour import check_edge, section
 from simulator.mesh_file import foil_lines, read_surface
 
 if TYPE_CHECKING:
-    from simulator.scene import Contact, Interface, Scene, Skin
+    from simulator.scene import Contact, Interface, Skin
 
 
 LEAST_GAP = 5e-6
@@ -71,18 +71,20 @@ class DrivenByTouch(NamedTuple):
         )
 
 
-def driven_by_touch(scene: Scene) -> list[DrivenByTouch]:
+def driven_by_touch(
+    contacts: Sequence[Contact], interfaces: Sequence[Interface], skin: Skin
+) -> list[DrivenByTouch]:
     """Where floating contacts are driven after all, by interface.
 
-    Raises InputError where the scene's mesh cannot be read.
+    Raises InputError where the skin's mesh cannot be read.
     """
-    group = joined(scene.contacts, scene.skin)
+    group = joined(contacts, skin)
     terminals = [
-        [c for c, own in zip(scene.contacts, group, strict=True) if own == leader]
+        [c for c, own in zip(contacts, group, strict=True) if own == leader]
         for leader in sorted(set(group))
     ]
-    each = itertools.product(scene.interfaces, terminals)
-    found = [_driven_by_touch(interface, foils, scene.skin) for interface, foils in each]
+    each = itertools.product(interfaces, terminals)
+    found = [_driven_by_touch(interface, foils, skin) for interface, foils in each]
     return [one for one in found if one.driven]
 
 
@@ -98,24 +100,24 @@ def _driven_by_touch(interface: Interface, foils: Sequence[Contact], skin: Skin)
     return DrivenByTouch(interface.name, tuple(foil.name for foil in floating), driven)
 
 
-def check_wiring(scene: Scene) -> None:
+def check_wiring(contacts: Sequence[Contact], interfaces: Sequence[Interface], skin: Skin) -> None:
     """Raise ValueError for names that repeat or do not exist, foils that overlap, and shorts."""
-    _check_distinct("contact", [contact.name for contact in scene.contacts])
-    _check_distinct("interface", [interface.name for interface in scene.interfaces])
-    if scene.skin.mesh is not None and not Path(scene.skin.mesh).exists():
+    _check_distinct("contact", [contact.name for contact in contacts])
+    _check_distinct("interface", [interface.name for interface in interfaces])
+    if skin.mesh is not None and not Path(skin.mesh).exists():
         return  # told where the mesh is needed; sweeps are read without it
-    _check_edges(scene.contacts, scene.skin)
-    for first, second in itertools.combinations(scene.contacts, 2):
-        if _overlap(first, second, scene.skin):
+    _check_edges(contacts, skin)
+    for first, second in itertools.combinations(contacts, 2):
+        if _overlap(first, second, skin):
             raise ValueError(f"contacts {first.name!r} and {second.name!r} overlap")
-        if scene.skin.mesh is None and _nearly_touch(first, second, scene.skin):
+        if skin.mesh is None and _nearly_touch(first, second, skin):
             raise ValueError(
                 f"contacts {first.name!r} and {second.name!r} must touch, or end at least "
                 f"{LEAST_GAP:g} of the skin's longer side apart"
             )
-    names = [contact.name for contact in scene.contacts]
-    terminal = dict(zip(names, joined(scene.contacts, scene.skin), strict=True))
-    for interface in scene.interfaces:
+    names = [contact.name for contact in contacts]
+    terminal = dict(zip(names, joined(contacts, skin), strict=True))
+    for interface in interfaces:
         for name in (*interface.high, *interface.low):
             if name not in terminal:
                 raise ValueError(

@@ -14,7 +14,7 @@ from simulator.fidelity import ModelName, Solver
 from simulator.foam import capacitance_map
 from simulator.press import Press, Touch, parse_press
 from simulator.scene import Scene
-from simulator.scene_file import load_scene
+from simulator.scene_file import load_scene, pixel_by_pixel
 from simulator.sweeps import UNPRESSED, ToleranceError, build, parallel_capacitance, violations
 from verification_parts.formulas import (
     Rs_at_zero,
@@ -130,7 +130,7 @@ def five_pixels() -> Check:
     scene = varied("sheet-5x5", [1e-9], COLUMNS)
     R1, R2, _ = totals(scene)
     errors = []
-    for press in scene.every_press():
+    for press in pixel_by_pixel(scene):
         c = capacitance_map(scene, press)[0]
         Rs = shipped(scene, press, "sheet").real[0]
         errors.append(abs(Rs / Rs_at_zero((R1 + R2) / 5, list(c)) - 1))
@@ -164,7 +164,7 @@ def symmetries() -> Iterator[Check]:
     ):
         scene = load_scene(name)
         solver = Solver(scene, RTOL)
-        answers = {press.pixel: solver.solve(press).Z[0] for press in scene.every_press()[1:]}
+        answers = {press.pixel: solver.solve(press).Z[0] for press in pixel_by_pixel(scene)[1:]}
         errors = [worst(scene, Z, answers[image(*pixel)]) for pixel, Z in answers.items()]
         yield below(title, RTOL, *np.max(errors, axis=0))
     scene = varied("sheet-5x5-crossed", [1e-9], {})

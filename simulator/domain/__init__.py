@@ -13,6 +13,7 @@ from simulator.domain.untangled import finer
 from simulator.planar import Circle
 from simulator.press import Press
 from simulator.scene import Scene
+from simulator.scene_file import pixel_by_pixel
 
 __all__ = ["Domain", "domain", "every_press", "finer", "sharp_touches"]
 
@@ -37,7 +38,7 @@ def domain(
 
 def every_press(scene: Scene) -> list[Press]:
     """The skin at rest, then every pixel alone that has a part of the skin in it, row by row."""
-    presses = scene.every_press()
+    presses = pixel_by_pixel(scene)
     if scene.skin.outline is None and scene.skin.mesh is None:
         return presses
     there = np.unique(domain(scene, Press(), max(scene.skin.sides)).pixel)

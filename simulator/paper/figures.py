@@ -17,6 +17,7 @@ from simulator.paper.rehearsal import Rehearsal, at_frequencies
 from simulator.paper.studies import crossed_cap
 from simulator.plot import AT_REST, COLOURS, LINE_STYLES, chart, frequency_axis
 from simulator.scene import Scene
+from simulator.scene_file import pixel_by_pixel
 from simulator.simulate import simulate
 
 if TYPE_CHECKING:
@@ -143,7 +144,7 @@ def _decibel(amplitude: NDArray[np.float64] | float) -> NDArray[np.float64]:
 def _curves(scene: Scene) -> xr.Dataset:
     band = scene.frequencies
     dense = at_frequencies(scene, np.geomspace(band[0], band[-1], CURVE_POINTS))
-    return simulate(Solver(dense), dense.every_press())
+    return simulate(Solver(dense), pixel_by_pixel(dense))
 
 
 def _draw_quantity(axes: Axes, quantity: str, curves: xr.Dataset, measured: xr.Dataset) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.certificate import least_conductance, relative_bound
+from simulator.certificate import relative_bound
 from simulator.family import Family
 from simulator.lanczos import potentials
 from simulator.reduced import Reduced, ReducedSkin
@@ -38,14 +38,13 @@ def _on_skin(
     u = skin.turn @ np.hstack([each for each, _ in solved])
     Y = np.stack([each for _, each in solved])
     potential = reduced.coordinates @ np.hstack([u.real, u.imag])
-    system = family.system if skin.variation is None else family.varied(skin.variation)
-    current = family.space.currents(potential, system.sheets, system.films)
+    current = family.space.currents(potential, skin.system.sheets, skin.system.films)
     charge = _charges(family, [case.map_on(reduced.scene) for case in cases], potential)
     s, (real, imag) = np.tile(s, len(solved)), np.split(charge, 2, axis=1)
     turned = np.hstack([s.real * real - s.imag * imag, s.real * imag + s.imag * real])
     residual = current + turned
     power = (residual * family.space.solve(residual)).sum(axis=0).reshape(2, *Y.shape).sum(axis=0)
-    bound = relative_bound(Y, np.sqrt(2) * power / least_conductance(skin))
+    bound = relative_bound(Y, np.sqrt(2) * power / skin.least_conductance)
     return bound.max(axis=0).reshape(len(cases), -1).max(axis=1)
 
 

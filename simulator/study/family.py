@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from simulator.fidelity import Solver
 from simulator.press import Press, Touch
 from simulator.scene import Scene, Sweep
+from simulator.scene_file import pixel_by_pixel
 from simulator.study.curve import Curve, trace
 from simulator.study.point import Trial
 from simulator.study.scaling import Scaling, Skin
@@ -103,7 +104,7 @@ def member_curves(
 ) -> Iterator[tuple[int, dict[Pixel, Curve]]]:
     """Each member's index and the curves of all its pixels at its own frequencies."""
     of, joined = representative(family.leader), _joined(family, scenes)
-    pixels = [press.pixel for press in family.leader.every_press()]
+    pixels = [press.pixel for press in pixel_by_pixel(family.leader)]
     for point, law in family.members.items():
         wanted = law.frequency * scenes[point].frequencies
         places = np.abs(joined[:, np.newaxis] - wanted).argmin(axis=0)

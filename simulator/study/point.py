@@ -14,6 +14,7 @@ from simulator.experiment import METER, PRESSES, planned_presses
 from simulator.press import Press
 from simulator.readout import read_out
 from simulator.scene import Scene
+from simulator.scene_file import pixel_by_pixel
 from simulator.study.curve import Curve
 from simulator.study.separation import (
     TARGETS,
@@ -80,7 +81,7 @@ class Trial:
 
     def nominal(self, scene: Scene) -> list[Press]:
         """One press of the nominal strength for each pixel, and rest where that is a class."""
-        return scene.every_press()[0 if scene.experiment.unpressed else 1 :]
+        return pixel_by_pixel(scene)[0 if scene.experiment.unpressed else 1 :]
 
     def factors(self, scene: Scene) -> dict[Pixel, set[float]]:
         """Every strength at which each pixel is pressed."""

@@ -20,7 +20,6 @@ from simulator.study.keys import with_values
 from simulator.study.point import CrossValidate, Findings, Trial, judge
 from simulator.study.symmetry import Pixel
 from simulator.validity import warnings
-from simulator.wiring import driven_by_touch
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,7 +51,7 @@ def scenes_of(table: Mapping[str, Any], axes: Sequence[Axis], trial: Trial) -> l
 
 def warnings_of(scenes: Sequence[Scene]) -> list[str]:
     """How many points drive floating foils, or leave the model's range, and the first that does."""
-    of_points = (list(map(driven_by_touch, scenes)), list(map(warnings, scenes)))
+    of_points = ([scene.driven_by_touch for scene in scenes], list(map(warnings, scenes)))
     told = [[found[0] for found in each if found] for each in of_points]
     return [f"{len(each)} of {len(scenes)} points, the first: {each[0]}" for each in told if each]
 

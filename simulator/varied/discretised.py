@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from simulator.answer import Rung
 from simulator.circuit import Circuit
-from simulator.estimate import Swept, checked
+from simulator.estimate import KRYLOV_SHARE, Swept, checked, relative_difference
 from simulator.frequency import Loss, laplace_variable
 from simulator.galerkin import Galerkin
 from simulator.sheet import one_blas_thread, swept
 from simulator.unknowns import on_cells
 from simulator.varied.coefficients import Coefficients
 from simulator.varied.elements import Elements
-from simulator.varied.system import PressedSystem
-from simulator.varied.unsure import NEGLIGIBLE, changes, missed, of_rule
+from simulator.varied.system import PressedSystem, pressed_system
+from simulator.varied.unsure import NEGLIGIBLE, Raised, missed, of_rule
 
 LESS_GAINED = 2.0
 """How much less than on plain skins the next order may gain, at the worst of singularities: where a
@@ -75,8 +75,24 @@ class Discretised:
         both = np.sqrt(error * error.max(axis=0))
         told = LESS_GAINED * both + self.error + self.felt
         if self.missed.max() > NEGLIGIBLE * rtol:
-            told += changes(self, of_rule(self.coefficients, self.missed), frequency, rtol)
+            told += self.changes(of_rule(self.coefficients, self.missed), frequency, rtol)
         return Rung(self.told, self.coarse.space.inner, Z, told)
+
+    def changes(
+        self, raised: Raised, frequency: NDArray[np.float64], rtol: float
+    ) -> NDArray[np.float64]:
+        """Of Rs and Cp, relatively, by raised coefficients, shape (2, interface, frequency)."""
+        own = self.coarse
+        system = pressed_system(self.circuit, own.elements, raised)
+        space = Galerkin(system, self.circuit, own.elements.order)
+        s, drives = laplace_variable(frequency, self.loss), self.circuit.drives
+        pairs: list[tuple[Galerkin, PressedSystem]] = [(own.space, own.system), (space, system)]
+        with one_blas_thread():
+            Z, other = (
+                swept(each, of.mass, drives, s, KRYLOV_SHARE * rtol)[0] for each, of in pairs
+            )
+        off = relative_difference(Z, other, 2 * np.pi * frequency)
+        return np.sqrt(off * off.max(axis=0))
 
     @cached_property
     def missed(self) -> NDArray[np.float64]:

@@ -19,7 +19,7 @@ from simulator.sweeps import ToleranceError
 from simulator.varied.discretised import Discretised
 from simulator.varied.squares import Squares
 from simulator.varied.triangles import Triangles
-from simulator.varied.unsure import changes, of_deflection
+from simulator.varied.unsure import of_deflection
 
 if TYPE_CHECKING:
     from simulator.mechanics import Pressed
@@ -73,7 +73,7 @@ class Spread:
             raised, closer = of_deflection(found.coefficients), self._pressed.closer
             if raised is None or closer is None:
                 return found
-            error = changes(found, raised, frequency, self._rtol)
+            error = found.changes(raised, frequency, self._rtol)
             if error.max() <= most:
                 return replace(found, felt=error)
             self._pressed = closer(max(LEAST_STEP, most / error.max()) * self._pressed.error)

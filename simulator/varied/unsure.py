@@ -12,18 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.estimate import KRYLOV_SHARE, relative_difference
-from simulator.frequency import laplace_variable
-from simulator.galerkin import Galerkin
 from simulator.quadrature import Rule, divided
-from simulator.sheet import one_blas_thread, swept
 from simulator.varied.coefficients import Coefficients
 from simulator.varied.elements import Elements
-from simulator.varied.system import PressedSystem, pressed_system
 
 if TYPE_CHECKING:
     from simulator.mechanics import Pressed
-    from simulator.varied.discretised import Discretised
 
 NEGLIGIBLE = 1e-2
 """Of the tolerance: what a coefficient may be off by unasked."""
@@ -94,21 +88,6 @@ def missed(elements: Elements, known: Coefficients) -> NDArray[np.float64]:
         for rule in (elements.rule, divided(elements.element, elements.rule))
     )
     return TWICE * np.abs(coarse / fine - 1)
-
-
-def changes(
-    discretised: Discretised, raised: Raised, frequency: NDArray[np.float64], rtol: float
-) -> NDArray[np.float64]:
-    """Of Rs and Cp, relatively, by raised coefficients, shape (2, interface, frequency)."""
-    own = discretised.coarse
-    system = pressed_system(discretised.circuit, own.elements, raised)
-    space = Galerkin(system, discretised.circuit, own.elements.order)
-    s, drives = laplace_variable(frequency, discretised.loss), discretised.circuit.drives
-    pairs: list[tuple[Galerkin, PressedSystem]] = [(own.space, own.system), (space, system)]
-    with one_blas_thread():
-        Z, other = (swept(each, of.mass, drives, s, KRYLOV_SHARE * rtol)[0] for each, of in pairs)
-    off = relative_difference(Z, other, 2 * np.pi * frequency)
-    return np.sqrt(off * off.max(axis=0))
 
 
 def _integrated(elements: Elements, known: Coefficients, rule: Rule) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ from simulator.frequency import penetration_depth
 from simulator.line import Line
 from simulator.mesh import Resolution, singular_ends
 from simulator.press import Press, parse_press
-from simulator.scene_file import load_scene
+from simulator.scene_file import load_scene, pixel_by_pixel
 from simulator.sheet import Sheet
 from simulator.simulate import simulate
 from simulator.sweeps import ToleranceError, parallel_capacitance
@@ -189,7 +189,7 @@ def test_a_mere_resistor_is_answered(make_scene):
 @pytest.mark.parametrize("name", ["strip-1x3", "strip-1x4", "strip-1x5"])
 def test_the_line_is_chosen_where_it_is_exact(name):
     scene = load_scene(name)
-    for press in scene.every_press():
+    for press in pixel_by_pixel(scene):
         answer = Solver(scene, 1e-9).solve(press)
         assert answer.model == "exact line"
         assert not answer.rejected
@@ -210,5 +210,5 @@ def test_a_tolerance_out_of_reach_is_not_answered(make_scene):
 
 def test_the_same_bits_on_a_second_run():
     scene = load_scene("sheet-3x3")
-    first, second = (simulate(Solver(scene), scene.every_press()) for _ in range(2))
+    first, second = (simulate(Solver(scene), pixel_by_pixel(scene)) for _ in range(2))
     assert first.identical(second)

@@ -6,7 +6,7 @@ import pytest
 from simulator.fidelity import Solver
 from simulator.line import Line
 from simulator.press import Press, parse_press
-from simulator.scene_file import load_scene, parse_scene
+from simulator.scene_file import load_scene, parse_scene, pixel_by_pixel
 from simulator.simulate import simulate
 from simulator.sweeps import InputError, ToleranceError, check
 
@@ -75,7 +75,7 @@ def test_answers_are_shaped_by_interface_and_frequency(make_scene):
 
 def test_sweeps_carry_what_made_them():
     scene = load_scene("strip-1x3")
-    sweeps = check(simulate(Solver(scene, 1e-6), scene.every_press()))
+    sweeps = check(simulate(Solver(scene, 1e-6), pixel_by_pixel(scene)))
     assert sweeps["press"].values.tolist() == ["none", "1,1:2.0", "1,2:2.0", "1,3:2.0"]
     assert sweeps["column"].values.tolist() == [0, 1, 2, 3]
     assert sweeps.attrs["model"] == "exact line"

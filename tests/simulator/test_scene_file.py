@@ -10,6 +10,7 @@ from simulator.scene_file import (
     builtin_names,
     load_scene,
     parse_scene,
+    pixel_by_pixel,
     read_scene,
     scene_text,
 )
@@ -50,7 +51,7 @@ def test_defaults(make_scene):
 
 
 def test_every_press_is_rest_and_each_pixel_row_by_row():
-    presses = load_scene("sheet-3x3").every_press()
+    presses = pixel_by_pixel(load_scene("sheet-3x3"))
     assert [press.pixel for press in presses][:5] == [(0, 0), (1, 1), (1, 2), (1, 3), (2, 1)]
     assert len(presses) == 1 + 9
     assert {touch.factor for press in presses for touch in press.touches} == {2.0}

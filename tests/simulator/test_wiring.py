@@ -9,7 +9,7 @@ from simulator.fidelity import Solver
 from simulator.mesh import singular_ends
 from simulator.press import Press
 from simulator.scene_file import builtin_names, load_scene
-from simulator.wiring import driven_by_touch, joined
+from simulator.wiring import joined
 
 
 @pytest.mark.parametrize(
@@ -116,12 +116,12 @@ PAIRS = {f"{sheet}-{edge}": {} for edge in ("left", "bottom") for sheet in ("top
 def test_a_floating_foil_that_touches_a_driven_one_is_told(make_scene, contacts, driven, told):
     far = dict.fromkeys({"bottom-right", "top-right"} - contacts.keys(), {"span": (0.4, 1.0)})
     scene = make_scene({**contacts, **far}, {"meter": driven})
-    assert [str(found) for found in driven_by_touch(scene)] == told
+    assert [str(found) for found in scene.driven_by_touch] == told
 
 
 def test_each_interface_has_floating_foils_of_its_own(make_scene):
     meters = {"left": ("top-left", "bottom-left"), "bottom": ("top-bottom", "bottom-bottom")}
-    found = [(each.interface, each.floating) for each in driven_by_touch(make_scene(PAIRS, meters))]
+    found = [(each.interface, each.floating) for each in make_scene(PAIRS, meters).driven_by_touch]
     assert found == [
         ("left", ("top-bottom",)),
         ("left", ("bottom-bottom",)),
@@ -153,4 +153,4 @@ def test_what_is_told_is_what_is_solved(make_scene):
 
 @pytest.mark.parametrize("name", builtin_names())
 def test_no_foil_of_a_built_in_scene_is_driven_by_touch(name):
-    assert driven_by_touch(load_scene(name)) == []
+    assert load_scene(name).driven_by_touch == []

@@ -11,7 +11,7 @@ from simulator.experiment import planned_presses
 from simulator.fidelity import Solver
 from simulator.parameters import scene_with
 from simulator.readout import read_out
-from simulator.scene_file import load_scene, scene_text
+from simulator.scene_file import load_scene, pixel_by_pixel, scene_text
 from simulator.simulate import simulate
 from simulator.sweeps import read, write
 
@@ -73,7 +73,7 @@ def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
 ):
     monkeypatch.setattr("localization.gap.report.charts_of", lambda *given: [])
     bare = tmp_path / "bare.nc"
-    exact = simulate(Solver(load_scene("strip-1x3")), load_scene("strip-1x3").every_press())
+    exact = simulate(Solver(load_scene("strip-1x3")), pixel_by_pixel(load_scene("strip-1x3")))
     write(exact.isel(frequency=slice(None, None, 2)).assign_attrs(scene=""), bare)
     code, out, _ = run(bare, files[1], "-o", tmp_path, "--scene", "strip-1x3", "--draws", 1)
     assert code == 0

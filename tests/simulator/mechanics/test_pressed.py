@@ -5,6 +5,7 @@ import pytest
 
 from simulator.mechanics import pressed
 from simulator.press import Press, parse_press
+from simulator.scene_file import pixel_by_pixel
 from simulator.sweeps import InputError
 from simulator.sweeps.errors import ToleranceError
 
@@ -155,5 +156,5 @@ def test_depths_need_mechanics(make_scene):
 
 def test_every_press_is_as_the_scene_says(foam_scene):
     scene = foam_scene(press={"depth": 2e-3})
-    assert list(map(str, scene.every_press()))[:2] == ["none", "1,1:0.002m"]
-    assert foam_scene(press={"force": 3.0}).every_press()[3] == Press(press_of("1,3:3N").touches)
+    assert list(map(str, pixel_by_pixel(scene)))[:2] == ["none", "1,1:0.002m"]
+    assert pixel_by_pixel(foam_scene(press={"force": 3.0}))[3] == Press(press_of("1,3:3N").touches)

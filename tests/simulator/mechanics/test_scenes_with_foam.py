@@ -7,7 +7,7 @@ import pytest
 
 from simulator import sweeps
 from simulator.press import Depth, Force
-from simulator.scene_file import BUILTIN, parse_scene, scene_text
+from simulator.scene_file import BUILTIN, parse_scene, scene_text, strength_of
 from simulator.sweeps import InputError
 
 BUILT_IN = (BUILTIN / "strip-1x3.toml").read_text()
@@ -37,7 +37,7 @@ def test_a_scene_is_read_back_as_it_was_written(press):
     ("press", "strength"), [("depth = 2e-3", Depth(2e-3)), ("force = 3.0", Force(3.0)), ("", 2.0)]
 )
 def test_how_strongly_a_scene_presses(press, strength):
-    assert parse_scene(text_of(press=press), "scene").press.strength == strength
+    assert strength_of(parse_scene(text_of(press=press), "scene").press) == strength
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from simulator.sweeps import parallel_capacitance
 from simulator.varied.meshes import circuit_of
 from simulator.varied.system import pressed_system
 from simulator.varied.triangles import Triangles
-from simulator.varied.unsure import changes, of_deflection
+from simulator.varied.unsure import of_deflection
 
 PARTS = 6
 CLOSED = 0.67 * 4e-3
@@ -68,7 +68,7 @@ def test_what_is_felt_of_the_error_of_mechanics(foam_scene, place):
     press, f = parse_press(f"{place}:2.5mm", 2.0), np.array([1e1, 1e4, 1e6])
     circuit, coarse, close = circuit_of(scene), *(pressed(scene, press, e) for e in (1e-2, 1e-3))
     found = Triangles(scene, circuit, press, 1e-3, coarse).finer(f)
-    felt = changes(found, of_deflection(found.coefficients), f, 1e-5)
+    felt = found.changes(of_deflection(found.coefficients), f, 1e-5)
     other = replace(found.coefficients, pressed=close, _spread={})
     Z = [impedance(found, each, f) for each in (found.coefficients, other)]
     assert (relative_difference(*Z, 2 * np.pi * f) <= felt + 1e-8).all()
