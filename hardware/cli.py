@@ -57,7 +57,7 @@ def meter_app(simulation: Simulation) -> typer.Typer:
             control_port,
         )
 
-    app.command()(record_command(simulation))
+    app.command()(record_command(simulation.scene))
     _add_small_commands(app)
     return app
 

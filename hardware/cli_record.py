@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hardware.cli_options import Accuracy, Baud, Interface, Resource, Timeout
-from hardware.given import Simulation
+from hardware.given import SceneData
 
 if TYPE_CHECKING:
     from hardware.journal import Entry
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from hardware.order import Step
 
 
-def record_command(simulation: Simulation) -> Callable[..., None]:
-    """The command, recording scenes of a simulation."""
+def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callable[..., None]:
+    """The command. scene_data: of a name or path, and an interface (None: the first)."""
 
     def record(
         scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
@@ -58,7 +58,7 @@ def record_command(simulation: Simulation) -> Callable[..., None]:
         from simulator.sweeps import checked_output, write
 
         checked_output(output)
-        data = simulation.scene(scene, interface)
+        data = scene_data(scene, interface)
         table = read_table(accuracy or DERIVED)
         steps = _steps(order, data.rows, data.columns, repetitions)
         settings = _settings(speed, averaging, level, amplitude, range_, delay, cable)

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from hardware.virtual.instrument import Instrument
 from hardware.virtual.language import Command
 from hardware.virtual.numbers import whole
 from hardware.virtual.registers import Standard
-
-if TYPE_CHECKING:
-    from hardware.virtual.instrument import Instrument
 
 
 def _set_mask(name: str, text: str, meter: Instrument) -> None:

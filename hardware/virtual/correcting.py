@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import asyncio
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import Protocol
 
+from hardware.virtual.faults import Faults
 from hardware.virtual.parser import ExecutionError
-from hardware.virtual.registers import Measuring
-
-if TYPE_CHECKING:
-    from hardware.virtual.instrument import Instrument
+from hardware.virtual.registers import Measuring, Registers
+from hardware.virtual.settings import Settings
 
 SECONDS = {"ALL": 4.0, "SPOT": 1.0}
 SETTINGS = {"OPEN": "open_correction", "SHORT": "short_correction"}
+
+
+class Corrected(Protocol):
+    """What correcting touches of a meter."""
+
+    pace: float
+    settings: Settings
+    registers: Registers
+    faults: Faults
 
 
 @dataclass
@@ -23,7 +31,7 @@ class Corrections:
     under_way: dict[str, asyncio.Task] = field(default_factory=dict)
     errors: dict[str, int] = field(default_factory=lambda: {"OPEN": 0, "SHORT": 0})
 
-    def start(self, meter: Instrument, kind: str, extent: str) -> None:
+    def start(self, meter: Corrected, kind: str, extent: str) -> None:
         """Acquire a correction. Raises ExecutionError under internal trigger, or if one runs."""
         if meter.settings.trigger != "EXTERNAL" or self.busy:
             raise ExecutionError(kind)
@@ -47,12 +55,12 @@ class Corrections:
         """Whether one is being acquired."""
         return bool(self.under_way)
 
-    async def finished(self, meter: Instrument) -> None:
+    async def finished(self) -> None:
         """Wait until nothing is being acquired."""
         while self.busy:
             await asyncio.wait(self.under_way.values())
 
-    async def _acquire(self, meter: Instrument, kind: str, extent: str) -> None:
+    async def _acquire(self, meter: Corrected, kind: str, extent: str) -> None:
         await asyncio.sleep(meter.pace * SECONDS[extent])
         failed = meter.faults.take("correction") is not None
         self.errors[kind] = int(failed)

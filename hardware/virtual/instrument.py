@@ -1,15 +1,13 @@
-"""The virtual meter itself: its settings, its registers, its trigger, and its answer to a line."""
+"""The virtual meter itself: its settings, its registers, its trigger and its readings."""
 
 from __future__ import annotations
 
 import asyncio
-import inspect
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 from hardware.virtual.correcting import Corrections
 from hardware.virtual.faults import Faults
-from hardware.virtual.language import Command, find
 from hardware.virtual.measurement import (
     NOTHING,
     OVERFLOW,
@@ -19,8 +17,8 @@ from hardware.virtual.measurement import (
     conditions,
     written,
 )
-from hardware.virtual.parser import CommandError, ExecutionError, Message, messages
-from hardware.virtual.registers import Measuring, Registers, Standard
+from hardware.virtual.parser import ExecutionError
+from hardware.virtual.registers import Measuring, Registers
 from hardware.virtual.settings import Settings
 
 UNPRESSED = "none"
@@ -60,19 +58,6 @@ class Instrument:
         """The answer to `*IDN?`."""
         return f"HIOKI,{self.model},{self.serial},V1.00"
 
-    async def answer(self, line: str) -> str:
-        """What the meter answers to a line, empty where it stays silent."""
-        answers: list[str] = []
-        if self.faults.take("forget"):
-            self.restart()
-        try:
-            for message in messages(line):
-                self.waiting = bool(answers)
-                answers += await self._executed(message)
-        except CommandError:
-            self.registers.note(Standard.CME)
-        return ";".join(answers)
-
     async def trigger(self) -> None:
         """`*TRG`: start a measurement. Raises ExecutionError where the trigger is internal."""
         if self.settings.trigger != "EXTERNAL":
@@ -91,7 +76,7 @@ class Instrument:
         if self.settings.trigger == "INTERNAL":
             await asyncio.sleep(max(0.0, self.fresh_from - self.now))
         await self.settle()
-        await self.corrections.finished(self)
+        await self.corrections.finished()
 
     async def settle(self) -> None:
         """Finish the measurement under way, if there is one, and keep what it gave."""
@@ -128,25 +113,6 @@ class Instrument:
     def now(self) -> float:
         """Seconds of the loop's clock."""
         return asyncio.get_running_loop().time()
-
-    async def _executed(self, message: Message) -> list[str]:
-        command = find(message.words, self.model, self.settings.compatible)
-        act = command and (command.ask if message.query else command.tell)
-        if command is None or act is None:
-            raise CommandError(message.words)
-        if not command.fits(message):
-            raise CommandError(message.arguments)
-        try:
-            said = act(self, *message.arguments)
-            said = await said if inspect.isawaitable(said) else said
-        except ExecutionError:
-            self.registers.note(Standard.EXE)
-            return []
-        return [self._headed(command, str(said))] if message.query else []
-
-    def _headed(self, command: Command, said: str) -> str:
-        named = self.settings.header and command.named
-        return f"{command.header.upper()} {said}" if named else said
 
     def _keep(self, result: Result) -> None:
         self.latest = result

@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from hardware.virtual.parser import Message
 from hardware.virtual.words import forms
-
-if TYPE_CHECKING:
-    pass
 
 Act = Callable[..., Any]
 SIMPLE = "IM3523"

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from hardware.virtual.correcting import SETTINGS
+from hardware.virtual.instrument import Instrument
 from hardware.virtual.language import Command
 from hardware.virtual.numbers import whole
 from hardware.virtual.parser import CommandError
 from hardware.virtual.words import chosen
-
-if TYPE_CHECKING:
-    from hardware.virtual.instrument import Instrument
 
 
 def _set_items(meter: Instrument, first: str, second: str) -> None:

@@ -12,6 +12,7 @@ from hardware.virtual.clients import Client, Clients, open_port
 from hardware.virtual.control import Control
 from hardware.virtual.faults import ON_ANSWERS, Fault
 from hardware.virtual.instrument import Instrument
+from hardware.virtual.interpreter import answer
 from hardware.virtual.registers import Standard
 
 LOOPBACK = "127.0.0.1"
@@ -83,7 +84,7 @@ async def _converse(instrument: Instrument, client: Client) -> None:
         if line is None:
             instrument.registers.note(Standard.CME)
             continue
-        said = await instrument.answer(line)
+        said = await answer(instrument, line)
         if said:
             end = "\r" if instrument.settings.carriage_return_only else "\r\n"
             fault = instrument.faults.take(*ON_ANSWERS)

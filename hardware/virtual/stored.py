@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from hardware.accuracy import RANGES
+from hardware.virtual.instrument import Instrument
 from hardware.virtual.language import Command
 from hardware.virtual.measurement import PARAMETERS
 from hardware.virtual.numbers import engineering, number, whole
 from hardware.virtual.parser import CommandError
 from hardware.virtual.settings import SPEEDS
 from hardware.virtual.words import chosen
-
-if TYPE_CHECKING:
-    from hardware.virtual.instrument import Instrument
 
 Read = Callable[[str], Any]
 Show = Callable[[Any], str]

@@ -17,11 +17,6 @@ def forms(header: str) -> set[tuple[str, ...]]:
     return set(product(*({short(word), word.upper()} for word in words)))
 
 
-def long(header: str) -> str:
-    """`:LEVel:VOLTage` -> `:LEVEL:VOLTAGE`."""
-    return header.upper()
-
-
 def chosen(text: str, words: Iterable[str]) -> str | None:
     """The one of `words` that the text writes in short or long form, in its long form."""
     given = text.upper()

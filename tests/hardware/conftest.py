@@ -15,6 +15,7 @@ from hardware.accuracy import read_table
 from hardware.hioki import open_meter
 from hardware.virtual.control import Control
 from hardware.virtual.instrument import Instrument
+from hardware.virtual.interpreter import answer
 from hardware.virtual.measurement import Bench
 from hardware.virtual.server import running
 from hardware.virtual.skin import exact
@@ -92,7 +93,7 @@ def say(instrument):
 
     def say(*lines, to=None):
         async def all_lines():
-            return [await (to or instrument).answer(line) for line in lines]
+            return [await answer(to or instrument, line) for line in lines]
 
         return asyncio.run(all_lines())
 

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hardware.virtual.interpreter import answer
 from hardware.virtual.language import _commands
 from hardware.virtual.parser import CommandError, messages
 from hardware.virtual.words import chosen, forms, short
@@ -115,8 +116,8 @@ def test_settings_are_told_as_they_were_set(say):
         ":CORRection:CABLe 1": (":CORR:CABL?", "1"),
         ":CORR:LOAD ON": (":CORR:LOAD?", "ON"),
     }
-    for told, (asked, answer) in lines.items():
-        assert say(told, asked) == ["", answer]
+    for told, (asked, said) in lines.items():
+        assert say(told, asked) == ["", said]
     assert esr(say("*ESR?")[0]) == 0
 
 
@@ -187,8 +188,8 @@ def test_no_line_harms_the_meter(make_instrument, line):
     meter = make_instrument()
 
     async def both():
-        await asyncio.wait_for(meter.answer(line), 5)
-        return await meter.answer("*IDN?")
+        await asyncio.wait_for(answer(meter, line), 5)
+        return await answer(meter, "*IDN?")
 
     again = asyncio.run(both())
     assert again.endswith("HIOKI,IM3523,000000000,V1.00")

@@ -1,0 +1,45 @@
+"""What the virtual meter answers to a line: each of its messages carried out in turn."""
+
+from __future__ import annotations
+
+import inspect
+
+from hardware.virtual.instrument import Instrument
+from hardware.virtual.language import Command, find
+from hardware.virtual.parser import CommandError, ExecutionError, Message, messages
+from hardware.virtual.registers import Standard
+
+
+async def answer(meter: Instrument, line: str) -> str:
+    """What the meter answers to a line, empty where it stays silent."""
+    answers: list[str] = []
+    if meter.faults.take("forget"):
+        meter.restart()
+    try:
+        for message in messages(line):
+            meter.waiting = bool(answers)
+            answers += await _executed(meter, message)
+    except CommandError:
+        meter.registers.note(Standard.CME)
+    return ";".join(answers)
+
+
+async def _executed(meter: Instrument, message: Message) -> list[str]:
+    command = find(message.words, meter.model, meter.settings.compatible)
+    act = command and (command.ask if message.query else command.tell)
+    if command is None or act is None:
+        raise CommandError(message.words)
+    if not command.fits(message):
+        raise CommandError(message.arguments)
+    try:
+        said = act(meter, *message.arguments)
+        said = await said if inspect.isawaitable(said) else said
+    except ExecutionError:
+        meter.registers.note(Standard.EXE)
+        return []
+    return [_headed(meter, command, str(said))] if message.query else []
+
+
+def _headed(meter: Instrument, command: Command, said: str) -> str:
+    named = meter.settings.header and command.named
+    return f"{command.header.upper()} {said}" if named else said
