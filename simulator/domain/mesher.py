@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from simulator.domain.arcs import centres
 from simulator.domain.spacing import spacings
 from simulator.domain.triangles import edge_numbers, edges_of
+from simulator.planar import Points
 from simulator.sweeps import InputError
 
 EXTENT = 1024.0
@@ -33,7 +34,6 @@ OPTIONS = {
     "Mesh.MeshSizeMin": 0,
 }
 
-Points = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
 
