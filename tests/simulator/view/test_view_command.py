@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-import simulator.fields
+from simulator import fields as solver_fields
 from simulator.scene_file import scene_text
 
 
@@ -19,7 +19,7 @@ def solved(monkeypatch, fields):
         asked.append((str(press), list(frequencies), interface, rtol))
         return fields(frequencies=frequencies)
 
-    monkeypatch.setattr(simulator.fields, "fields", answer)
+    monkeypatch.setattr(solver_fields, "fields", answer)
     return asked
 
 
