@@ -11,20 +11,13 @@ import numpy as np
 import pandas as pd
 from bench import Run, best_time, launch, publish
 from numpy.typing import NDArray
+from rcskin.simulator.charts import COLOURS, chart
+from rcskin.simulator.fem.assembly import element_pairs, fill, fill_readable, groups, quadrilateral
+from rcskin.simulator.fem.pattern import Pattern, pattern_of_pairs
+from rcskin.simulator.mesh.quadrilaterals import Resolution, pixel_mesh
+from rcskin.simulator.scene.files import load_scene
 from skfem import BilinearForm
 from skfem.assembly import Basis
-
-from simulator.assembly import (
-    element_pairs,
-    fill,
-    fill_readable,
-    groups,
-    quadrilateral,
-)
-from simulator.mesh import Resolution, pixel_mesh
-from simulator.pattern import Pattern, pattern_of_pairs
-from simulator.plot import COLOURS, chart
-from simulator.scene_file import load_scene
 
 CASES = [(1, 4), (1, 16), (2, 2), (2, 8), (3, 1), (3, 4), (4, 1), (4, 4)]
 AGREEMENT = 1e-13

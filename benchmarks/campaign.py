@@ -21,8 +21,7 @@ from campaign_parts.judging import drawn
 from campaign_parts.kinds import KINDS
 from campaign_parts.running import verdicts
 from campaign_parts.verdict import Verdict
-
-from simulator.scene_file import scene_text
+from rcskin.simulator.scene.files import scene_text
 
 SEEDS = range(9)
 TIMEOUT = 90.0

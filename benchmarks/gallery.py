@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bench import HERE, Run, launch
-
-from simulator.cli import app
+from rcskin.simulator.cli import app
 
 SHEET = "sheet-5x5-two-interfaces"
 

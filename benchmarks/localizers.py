@@ -17,17 +17,16 @@ import pandas as pd
 import xarray as xr
 from bench import Run, launch, publish
 from matplotlib.figure import Figure
-
-from localization.estimators import chosen, estimators
-from localization.evaluation import ClassScore, score
-from localization.given import read_some
-from localization.learning import learn_classes, learn_positions
-from localization.model_based import NAME, model_based
-from localization.samples import samples_of
-from simulator.dataset import Plan, generate
-from simulator.scene import Scene
-from simulator.scene_file import load_scene
-from simulator.templates import templates
+from rcskin.localization.evaluation.evaluation import ClassScore, score
+from rcskin.localization.inputs.reading import read_some
+from rcskin.localization.inputs.samples import samples_of
+from rcskin.localization.inversion.registered import NAME, model_based
+from rcskin.localization.learners.registry import chosen, estimators
+from rcskin.localization.trust.fitting import learn_classes, learn_positions
+from rcskin.simulator.dataset import Plan, generate
+from rcskin.simulator.inversion.tables import templates
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene import Scene
 
 AGAINST_REST = ("dlnZ", "dphase")
 RTOL = 1e-3

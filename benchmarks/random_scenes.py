@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-
-from simulator.press import Press, Touch
-from simulator.scene import Scene
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Touch
+from rcskin.simulator.scene.scene import Scene
 
 EDGES = ("left", "right", "bottom", "top")
 SPANS = ((0.0, 1.0), (0.0, 1.0), (0.2, 0.7), (0.5, 1.0), (0.31, 0.34))

@@ -15,11 +15,10 @@ import reduction_growth
 import reduction_rivals
 import reduction_targets
 from bench import Run, launch, machine
+from rcskin.simulator.fem.galerkin import one_blas_thread
+from rcskin.simulator.sweeps import whole_file
 from reduction_cases import RTOL
 from reduction_chart import draw
-
-from simulator.sheet import one_blas_thread
-from simulator.sweeps import whole_file
 
 NAME = "reduction"
 TITLES = {

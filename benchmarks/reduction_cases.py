@@ -13,14 +13,15 @@ from functools import cache
 import numpy as np
 from bench import best_time
 from numpy.typing import NDArray
-
-from simulator.estimate import relative_difference
-from simulator.fidelity import Solver
-from simulator.press import Press, Touch
-from simulator.reduced import Reduced, ReducedSkin
-from simulator.reduction import pixel_touches, reduce
-from simulator.scene import Scene
-from simulator.scene_file import load_scene
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.models.reduced.cases import pixel_touches
+from rcskin.simulator.models.reduced.greedy import reduce
+from rcskin.simulator.models.reduced.model import Reduced, ReducedSkin
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Touch
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene import Scene
 
 FREQUENCIES = np.geomspace(40.0, 200e3, 20)
 FACTORS = (1.2, 3.0)

@@ -8,6 +8,8 @@ import numpy as np
 import pandas as pd
 from bench import Run, best_time
 from numpy.typing import NDArray
+from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.solver import Solver
 from reduction_cases import (
     RTOL,
     Presses,
@@ -18,9 +20,6 @@ from reduction_cases import (
     sharpened,
     worst,
 )
-
-from simulator.fidelity import Solver
-from simulator.reduced import Reduced
 
 SHEET = "sheet-5x5"
 PIXELS = (2, 4, 8, 16, 20, 32)

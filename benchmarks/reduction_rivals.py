@@ -11,6 +11,10 @@ import numpy as np
 import pandas as pd
 from bench import Run, best_time
 from numpy.typing import NDArray
+from rcskin.simulator.models.reduced.cases import pixel_touches
+from rcskin.simulator.models.reduced.greedy import MESH_DRAWS
+from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.solver import Solver
 from reduction_cases import (
     FACTORS,
     FREQUENCIES,
@@ -27,10 +31,6 @@ from reduction_cases import (
 from rivals import ngspice_grid, scikit_fem_script
 from rivals.cells import Cells
 from rivals.scikit_fem_script import Elements
-
-from simulator.fidelity import Solver
-from simulator.reduced import Reduced
-from simulator.reduction import MESH_DRAWS, pixel_touches
 
 PRESSES, FEW_PRESSES, SPICE_PRESSES = 30, 4, 1
 TRAINED_BY, FEW_TRAINED_BY = 100, 4

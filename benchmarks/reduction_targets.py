@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 from bench import Run
+from rcskin.simulator.models.reduced.model import Reduced
 from reduction_cases import (
     BATCH,
     RTOL,
@@ -19,8 +20,6 @@ from reduction_cases import (
     true_impedance,
     worst,
 )
-
-from simulator.reduced import Reduced
 
 FEW_PRESSES = 4
 CERTIFIED = 100

@@ -16,16 +16,15 @@ import numpy as np
 import pandas as pd
 from bench import Run, best_time, launch, publish
 from matplotlib.figure import Figure
+from rcskin.simulator.charts import COLOURS, LINE_STYLES, chart
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.models.plain import electrical_press
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied.meshes import circuit_of, indented
+from rcskin.simulator.models.varied.squares import Squares
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.files import load_scene
 from skins_scenes import FREQUENCY, Case, answered, cases
-
-from simulator.electrical import electrical_press
-from simulator.estimate import relative_difference
-from simulator.fidelity import Solver
-from simulator.plot import COLOURS, LINE_STYLES, chart
-from simulator.press import parse_press
-from simulator.scene_file import load_scene
-from simulator.varied.meshes import circuit_of, indented
-from simulator.varied.squares import Squares
 
 PREDICTION = (
     "Triangles of order 3 that are halved where the next order changes most gain h^6 of their own "

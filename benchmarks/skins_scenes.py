@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied.meshes import circuit_of
+from rcskin.simulator.models.varied.triangles import Triangles
+from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.scene.scene import Scene
 from scipy.special import iv, ive, kv
-
-from simulator.fidelity import Solver
-from simulator.press import Press, parse_press
-from simulator.scene import Scene
-from simulator.varied.meshes import circuit_of
-from simulator.varied.triangles import Triangles
 
 SHEETS, C, SIDE = 1e5, 4.861e-9, 0.12
 FREQUENCY = np.geomspace(1e2, 1e6, 9)

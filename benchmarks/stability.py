@@ -15,6 +15,8 @@ import numpy as np
 import pandas as pd
 from bench import Run, launch, publish
 from numpy.typing import NDArray
+from rcskin.simulator.models.solver import ModelName, Solver
+from rcskin.simulator.sweeps import ToleranceError, parallel_capacitance
 from rivals import (
     admittance_then_inverse,
     deviation_form,
@@ -29,9 +31,6 @@ from rivals import (
 from rivals.scikit_fem_script import Elements
 from stability_cases import AXES, Axis, Case
 from stability_map import FAILED, REFUSED, draw
-
-from simulator.fidelity import ModelName, Solver
-from simulator.sweeps import ToleranceError, parallel_capacitance
 
 RTOL = 1e-6
 DIGITS_OF_A_METER = 6

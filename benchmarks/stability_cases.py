@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.press.touch import Touch
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene import Scene
 from rivals import over_resolved
 from rivals.cells import Cells
 from rivals.scikit_fem_script import Elements
-
-from simulator.line import Line
-from simulator.press import Press, Touch, parse_press
-from simulator.scene import Scene
-from simulator.scene_file import load_scene
 
 FACTOR = 2.0
 AROUND_THE_KNEE = (0.1, 1.0, 10.0)

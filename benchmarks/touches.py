@@ -15,14 +15,13 @@ import pandas as pd
 from bench import Run, best_time, launch, publish
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
-
-from simulator.estimate import relative_difference
-from simulator.fidelity import Solver
-from simulator.press import Press
-from simulator.scene import Scene
-from simulator.scene_file import load_scene
-from simulator.separable import Separable
-from simulator.separable_pieces import pieces, random_presses
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.models.separable.model import Separable
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.pieces import pieces, random_presses
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene import Scene
 
 PREDICTION = (
     "A jump of c leaves coefficients that fall as 1/i² along either side, and Y errs by the square "

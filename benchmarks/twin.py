@@ -22,24 +22,23 @@ import pandas as pd
 import xarray as xr
 from bench import Run, launch, publish
 from joblib import Parallel, delayed
+from rcskin.localization.inputs.reading import read_some
+from rcskin.localization.inversion.registered import model_based
+from rcskin.localization.learners.registry import Registry, estimators
+from rcskin.localization.model.model import Model, train
+from rcskin.simulator.calibration import Options, calibrate
+from rcskin.simulator.dataset import Plan, generate
+from rcskin.simulator.dataset.model import Training, reduced
+from rcskin.simulator.inversion.tables import templates
+from rcskin.simulator.models.reduced.file import load, save
+from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.scene.randomisation import Lognormal, Normal
+from rcskin.simulator.scene.scene import Scene
 from twin_chart import draw
 from twin_recording import recorded
 from twin_scenes import built
+from twin_skin import Twin
 from twin_trials import TRIALS, Trial, few_trials, quantile
-
-from localization.estimators import Registry, estimators
-from localization.given import read_some
-from localization.model import Model, train
-from localization.model_based import model_based
-from simulator.calibration import Options, calibrate
-from simulator.dataset import Plan, generate
-from simulator.dataset.model import Training, reduced
-from simulator.distribution import Lognormal, Normal
-from simulator.reduced import Reduced
-from simulator.reduced_file import load, save
-from simulator.scene import Scene
-from simulator.templates import templates
-from simulator.twin import Twin
 
 SKINS, SEED, PROCESSES = 20, 2026, 2
 RTOL = 1e-3

@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-
-from simulator.plot import COLOURS
+from rcskin.simulator.charts import COLOURS
 
 SPREAD = 0.18
 LEGEND = (

@@ -15,12 +15,11 @@ import argparse
 
 import pandas as pd
 from bench import Run, launch, publish
+from rcskin.localization.inputs.rest import NEAREST
+from rcskin.simulator.limits import hand_accuracy
+from rcskin.simulator.scene.randomisation import Normal
 from twin_places import place_limits
 from twin_trials import TRIALS, Trial, few_trials
-
-from localization.rest import NEAREST
-from simulator.distribution import Normal
-from simulator.limits import hand_accuracy
 
 SAMPLES, FEW_SAMPLES = (1000, 4000, 12_000), (50, 100)
 """Presses of each hypothesis that are summed over: how they close in on the limit."""

@@ -14,24 +14,23 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from joblib import Parallel, delayed
+from rcskin.localization.inputs.features import features
+from rcskin.localization.inputs.targets import positions
+from rcskin.localization.inversion.adapted import QUANTITIES, AdaptedPosition
+from rcskin.localization.inversion.position import ModelBasedPosition
+from rcskin.simulator.dataset.model import reduced
+from rcskin.simulator.inversion.tables import templates
+from rcskin.simulator.measure.readout import Meter
+from rcskin.simulator.models.reduced.model import Reduced, touched_cells
+from rcskin.simulator.press.press import Press, check_press, parse_press
+from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.scene.frequency import laplace_variable
+from rcskin.simulator.scene.randomisation import Normal
+from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.sweeps import build
 from twin_scenes import built
+from twin_skin import Twin
 from twin_trials import Trial
-
-from localization.features import features
-from localization.inversion_adapted import QUANTITIES, AdaptedPosition
-from localization.inversion_position import ModelBasedPosition
-from localization.targets import positions
-from simulator.dataset.model import reduced
-from simulator.distribution import Normal
-from simulator.frequency import laplace_variable
-from simulator.press import Press, parse_press
-from simulator.readout import Meter
-from simulator.reduced import Reduced, touched_cells
-from simulator.scene import Scene
-from simulator.scene_file import check_press, scene_text
-from simulator.sweeps import build
-from simulator.templates import templates
-from simulator.twin import Twin
 
 SEED, RTOL = 777, 1e-3
 RESTS, DRIFT = 13, 6e-4

@@ -7,23 +7,22 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import xarray as xr
+from rcskin.hardware.meter.accuracy import DERIVED, read_table
+from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.record.dataset import gather
+from rcskin.hardware.record.operators import Machine, pressing_virtually
+from rcskin.hardware.record.order import parse_step
+from rcskin.hardware.record.recorder import Task, record
+from rcskin.hardware.record.terminal import Screen
+from rcskin.hardware.scene_data import SceneData
+from rcskin.hardware.virtual.control import Control
+from rcskin.hardware.virtual.server import running
+from rcskin.hardware.virtual.serving import instrument, simulated
+from rcskin.simulator.measure.specimen import SessionErrors
+from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.sweeps import side_by_side
 from rich.console import Console
-
-from hardware.accuracy import DERIVED, read_table
-from hardware.gather import gather
-from hardware.given import SceneData
-from hardware.hioki import open_meter
-from hardware.operators import Machine, pressing_virtually
-from hardware.order import parse_step
-from hardware.recorder import Task, record
-from hardware.serving import instrument, simulated
-from hardware.terminal import Screen
-from hardware.virtual.control import Control
-from hardware.virtual.server import running
-from simulator.scene_file import scene_text
-from simulator.specimen import SessionErrors
-from simulator.sweeps import side_by_side
-from simulator.twin import Twin
+from twin_skin import Twin
 
 TIMEOUT = 5.0
 

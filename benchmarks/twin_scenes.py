@@ -6,10 +6,18 @@ scene knows nothing of; with two interfaces the pair that is not driven floats, 
 
 from __future__ import annotations
 
-from simulator.distribution import Fixed, Lognormal, Normal, Uniform
-from simulator.randomisation import DrawnPress, Randomisation, Session
-from simulator.scene import Contact, Pixels, Scene
-from simulator.scene_file import load_scene
+from rcskin.simulator.scene.contacts import Contact
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.randomisation import (
+    DrawnPress,
+    Fixed,
+    Lognormal,
+    Normal,
+    Randomisation,
+    Session,
+    Uniform,
+)
+from rcskin.simulator.scene.scene import Pixels, Scene
 
 SWEEPS_PER_SESSION = 60
 STRENGTH = Normal(mean=2.0, deviation=0.15)

@@ -9,12 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from rcskin.localization.inputs.targets import labels, positions
+from rcskin.localization.model.model import Model
+from rcskin.simulator.scene.scene import Scene
 from twin_scenes import PLACED_SIZE, believed
-
-from localization.model import Model
-from localization.targets import labels, positions
-from simulator.scene import Scene
-from simulator.twin import Hand
+from twin_skin import Hand
 
 ONE, TWO = "sheet-5x5", "sheet-5x5-two-interfaces"
 FEW_SWEEPS = 600

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable
 
 from bench import Run, launch, machine
+from rcskin.simulator.sweeps import whole_file
 from verification_parts import (
     closed_forms,
     cross_code,
@@ -21,8 +22,6 @@ from verification_parts import (
     varying,
 )
 from verification_parts.report import Section
-
-from simulator.sweeps import whole_file
 
 COMMAND = ".venv/bin/python benchmarks/verification.py"
 

@@ -19,6 +19,11 @@ import numpy as np
 import pandas as pd
 from bench import Run, launch, publish
 from numpy.typing import NDArray
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.sweeps import parallel_capacitance
 from rivals import (
     lumped_ladder,
     ngspice_grid,
@@ -29,12 +34,6 @@ from rivals import (
 from rivals.cells import Cells
 from rivals.scikit_fem_script import Elements
 from work_precision_chart import draw
-
-from simulator.fidelity import Solver
-from simulator.press import Press, parse_press
-from simulator.scene import Scene
-from simulator.scene_file import load_scene
-from simulator.sweeps import parallel_capacitance
 
 FREQUENCIES = load_scene("sheet-5x5").sweep
 FACTOR = 2.0

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-
-from simulator.plot import AT_REST, COLOURS, chart
+from rcskin.simulator.charts import AT_REST, COLOURS, chart
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

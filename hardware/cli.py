@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hardware.cli_options import Accuracy, Baud, ControlAddress, Interface, Resource, Timeout
-from hardware.cli_record import record_command
-from hardware.given import Simulation
+from .options import Accuracy, Baud, ControlAddress, Interface, Resource, Timeout
+from .record.command import record_command
+from .virtual.skin import Simulation
 
 if TYPE_CHECKING:
-    from hardware.serving import Exhibit
+    from .virtual.serving import Exhibit
 
 CONTROL = "127.0.0.1:3501"
 
@@ -42,8 +42,8 @@ def meter_app(simulation: Simulation) -> typer.Typer:
         accuracy: Accuracy = None,
     ) -> None:
         """Serve a virtual IM3523 on TCP until interrupted."""
-        from hardware import serving
-        from hardware.accuracy import DERIVED
+        from .meter.accuracy import DERIVED
+        from .virtual import serving
 
         exhibit = _exhibit(simulation, scene, recorded, interface, seed)
         pressing = serving.routines(exhibit, script, random, seed)
@@ -72,7 +72,7 @@ def _add_small_commands(app: typer.Typer) -> None:
         baud: Baud = 9600,
     ) -> None:
         """Tell which meters answer, and at what resources."""
-        from hardware.finding import answering, found_resources
+        from .meter.finding import answering, found_resources
 
         names = resources or found_resources()
         answers = [(name, answering(name, timeout, baud)) for name in names]
@@ -92,8 +92,8 @@ def _add_small_commands(app: typer.Typer) -> None:
         baud: Baud = 9600,
     ) -> None:
         """Acquire open or short correction, or end it."""
-        from hardware.correction import correct as acquire
-        from hardware.hioki import open_meter
+        from .meter.correction import correct as acquire
+        from .meter.hioki import open_meter
 
         with open_meter(resource, timeout, baud) as meter:
             acquire(meter, kind.lower(), extent.upper())
@@ -106,7 +106,7 @@ def _add_small_commands(app: typer.Typer) -> None:
         control: ControlAddress = CONTROL,
     ) -> None:
         """Press the skin of a virtual meter that is being served, until the next press."""
-        from hardware.virtual.steer import ask
+        from .steer import ask
 
         typer.echo(ask(control, "press", press=press))
 
@@ -122,7 +122,7 @@ def _add_small_commands(app: typer.Typer) -> None:
         control: ControlAddress = CONTROL,
     ) -> None:
         """Have a virtual meter misbehave at its next answers."""
-        from hardware.virtual.steer import ask
+        from .steer import ask
 
         ask(control, "misbehave", kind=kind, times=times, seconds=seconds, status=status)
 
@@ -134,8 +134,8 @@ def _exhibit(
     interface: str | None,
     seed: int,
 ) -> Exhibit:
-    from hardware import serving
-    from simulator.sweeps import InputError, read
+    from ..simulator.sweeps import InputError, read
+    from .virtual import serving
 
     if (scene is None) == (recorded is None):
         raise InputError("serve needs either --scene or --recorded")

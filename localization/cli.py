@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from localization.evaluate_command import evaluate_command
-from localization.localize_command import localize_command
-from localization.train_command import train_command
+from .commands.evaluate import evaluate_command
+from .commands.localize import localize_command
+from .commands.train import train_command
 
 if TYPE_CHECKING:
-    from localization.estimators import Estimator
+    from .learners.registry import Estimator
 
 
 def add_commands(app: typer.Typer, extra: Callable[[], Iterable[Estimator]] = tuple) -> None:

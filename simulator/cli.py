@@ -9,11 +9,12 @@ from typing import Annotated
 
 import typer
 
-from simulator.calibration_command import calibrate
-from simulator.data_commands import check, dataset, export, import_sweeps
-from simulator.limits.command import limits
-from simulator.limits.frequencies_command import frequencies
-from simulator.view_command import view
+from .calibration.command import calibrate
+from .check.command import check, import_sweeps
+from .dataset.command import dataset, export
+from .limits.command import limits
+from .limits.frequencies_command import frequencies
+from .view.command import view
 
 BAD_INPUT, FAILURE, INTERRUPTED = 2, 1, 130
 
@@ -32,7 +33,7 @@ def scenes() -> None:
     from rich.console import Console
     from rich.table import Column, Table
 
-    from simulator.scene_file import builtin_names, load_scene
+    from .scene.files import builtin_names, load_scene
 
     table = Table(Column("name", no_wrap=True), "skin (mm)", "frequencies", "description", box=None)
     for name in builtin_names():
@@ -67,15 +68,15 @@ def sweep(
     ] = False,
 ) -> None:
     """Simulate sweeps, noise-free, and write them with their estimated errors."""
-    from simulator.domain import every_press
-    from simulator.electrical import electrical
-    from simulator.fidelity import Solver, checked_model
-    from simulator.press import parse_press
-    from simulator.progress import on_terminal
-    from simulator.scene_file import check_press, load_scene, strength_of
-    from simulator.simulate import gather
-    from simulator.sweeps import checked_output, write
-    from simulator.validity import warnings
+    from .measure.experiment import every_press
+    from .measure.simulate import gather
+    from .models.plain import electrical
+    from .models.solver import Solver, checked_model
+    from .models.validity import warnings
+    from .press.press import check_press, parse_press, strength_of
+    from .progress import on_terminal
+    from .scene.files import load_scene
+    from .sweeps import checked_output, write
 
     checked_output(output)
     loaded = load_scene(scene)
@@ -112,7 +113,7 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
 
     failures: further errors whose message says all there is to say.
     """
-    from simulator.sweeps.errors import InputError, ToleranceError
+    from .sweeps.errors import InputError, ToleranceError
 
     try:
         code = app(standalone_mode=False)

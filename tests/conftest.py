@@ -9,9 +9,9 @@ import pytest
 from hypothesis import Phase, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
-
-from simulator.press import Press, Touch
-from simulator.scene import Scene
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Touch
+from rcskin.simulator.scene.scene import Scene
 
 settings.register_profile(
     "reproducible",

@@ -7,14 +7,14 @@ import traceback
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.models.answer import Answer
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.sweeps import InputError, ToleranceError
 
 from campaign_parts.kinds import KINDS
 from campaign_parts.problem import Case, Truth
 from campaign_parts.verdict import Values, Verdict
-from simulator.answer import Answer
-from simulator.estimate import relative_difference
-from simulator.fidelity import Solver
-from simulator.sweeps import InputError, ToleranceError
 
 DOUBT = 0.25
 """Of the tolerance: a reference that is less sure is none."""

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.simulator.press.press import Press
 
 from campaign_parts import draws, feeds, places
 from campaign_parts.draws import Rng
@@ -14,7 +15,6 @@ from campaign_parts.mesh_files import Lattice, halved, lattice, quartered, shake
 from campaign_parts.moves import outlined, turned
 from campaign_parts.problem import Case, Problem, Tables, first_valid
 from campaign_parts.routes import TURNS, Telling, by, by_telling
-from simulator.press import Press
 
 DECADES = 1.7
 COLUMNS = (4, 12)

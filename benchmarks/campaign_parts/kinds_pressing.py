@@ -6,15 +6,8 @@ from dataclasses import replace
 from itertools import pairwise, product
 
 import numpy as np
-
-from campaign_parts import draws, feeds, places
-from campaign_parts.draws import Rng
-from campaign_parts.foam_laws import capacitance_factor, permittivity, stress
-from campaign_parts.kinds_touches import scene_tables
-from campaign_parts.moves import outlined, turned
-from campaign_parts.problem import Case, Problem, Tables, first_valid
-from campaign_parts.routes import TURNS, by, elsewhere
-from simulator.press import (
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import (
     AnyTouch,
     Box,
     Depth,
@@ -23,9 +16,16 @@ from simulator.press import (
     Indentation,
     Place,
     Polygon,
-    Press,
     Rectangle,
 )
+
+from campaign_parts import draws, feeds, places
+from campaign_parts.draws import Rng
+from campaign_parts.foam_laws import capacitance_factor, permittivity, stress
+from campaign_parts.kinds_touches import scene_tables
+from campaign_parts.moves import outlined, turned
+from campaign_parts.problem import Case, Problem, Tables, first_valid
+from campaign_parts.routes import TURNS, by, elsewhere
 
 FRACTIONS = (0.05, 0.999)
 """Of the strain at which cells are closed."""

@@ -5,6 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.frequency import laplace_variable
+from rcskin.simulator.scene.planar import inside
+from rcskin.simulator.sweeps import InputError
 from scipy.special import ive, kve
 
 from campaign_parts import draws, feeds, places
@@ -13,11 +18,6 @@ from campaign_parts.kinds_touches import scene_tables
 from campaign_parts.moves import outlined, regular, turned
 from campaign_parts.problem import Case, Problem, Tables, Truth, first_valid, solved
 from campaign_parts.routes import OTHER_SHARE, TURNS, by_polygons, by_telling
-from simulator.estimate import relative_difference
-from simulator.frequency import laplace_variable
-from simulator.planar import inside
-from simulator.press import Press
-from simulator.sweeps import InputError
 
 DECADES = 2.0
 ARC_DECADES = 1.0

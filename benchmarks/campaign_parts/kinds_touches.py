@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from rcskin.simulator.press.press import Press
+
 from campaign_parts import draws, feeds, places
 from campaign_parts.draws import Rng
 from campaign_parts.moves import slightly_sloped
 from campaign_parts.problem import Case, Problem, Tables, at_u, first_valid
 from campaign_parts.routes import OTHER_SHARE, by, elsewhere
 from campaign_parts.seen import through_leads
-from simulator.press import Press
 
 Draw = Callable[[Rng], Tables]
 

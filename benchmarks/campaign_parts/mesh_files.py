@@ -10,9 +10,9 @@ from pathlib import Path
 import meshio
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.simulator.sweeps import whole_file
 
 from campaign_parts.draws import Rng
-from simulator.sweeps import whole_file
 
 FOLDER = Path(tempfile.gettempdir()) / "rcskin-campaign"
 SHAKEN = 0.25

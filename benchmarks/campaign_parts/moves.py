@@ -7,19 +7,19 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from campaign_parts.problem import Problem, Tables
-from simulator.press import (
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import (
     AnyTouch,
     Disc,
     Indentation,
     Place,
     Polygon,
-    Press,
     Rectangle,
     Touch,
     touch_at,
 )
+
+from campaign_parts.problem import Problem, Tables
 
 Points = NDArray[np.float64]
 SIDE_OF = {"bottom": ("outline.1", False), "right": ("outline.2", False)} | {

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Disc, Polygon, Rectangle, Touch
 
 from campaign_parts.draws import Rng, usual_or_extreme
 from campaign_parts.problem import Tables
-from simulator.press import Disc, Polygon, Press, Rectangle, Touch
 
 FACTORS, EXTREME_FACTORS = (0.3, 10.0), (0.01, 1000.0)
 ON_A_LINE, NEXT_TO_A_LINE = 0.35, 0.1

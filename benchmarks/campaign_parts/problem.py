@@ -11,13 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
-
-from simulator.fidelity import Solver
-from simulator.frequency import REFERENCE
-from simulator.press import Press
-from simulator.scene import Scene
-from simulator.scene_file import check_press
-from simulator.sweeps import InputError
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press, check_press
+from rcskin.simulator.scene.frequency import REFERENCE
+from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.sweeps import InputError
 
 Tables = dict[str, Any]
 MOST_DRAWS = 200

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from rcskin.simulator.sweeps import whole_file
 
 from campaign_parts.verdict import Verdict
-from simulator.sweeps import whole_file
 
 COLUMNS = ("kind", "seed", "rtol", "outcome", "reason", "model", "seconds")
 ERRORS = ("true", "told", "doubt")

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from rcskin.simulator.fem.estimate import relative_difference
 
 from campaign_parts.draws import Rng
 from campaign_parts.moves import has_discs, outlined, regridded, turned, with_polygons
 from campaign_parts.problem import Problem, Route, Truth, solved
-from simulator.estimate import relative_difference
 
 OTHER_SHARE = 1 / 12
 """Of the tolerance: what is asked of a reference by another mesh."""

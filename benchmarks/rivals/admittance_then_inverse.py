@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.scene import Scene
 
 from rivals.bilinear import build
 from rivals.cells import Cells
-from simulator.press import Press
-from simulator.scene import Scene
 
 
 def impedance(scene: Scene, press: Press, frequencies: NDArray, cells: Cells) -> NDArray:

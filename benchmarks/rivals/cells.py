@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from simulator.foam import capacitance_map
-from simulator.press import Press
-from simulator.scene import Contact, Scene
+from rcskin.simulator.press.capacitance import capacitance_map
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.contacts import Contact
+from rcskin.simulator.scene.scene import Scene
 
 TOUCHING = 1e-9
 

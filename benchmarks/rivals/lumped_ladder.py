@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.scene import Scene
 
 from rivals.cells import Cells, Fields
-from simulator.press import Press
-from simulator.scene import Scene
 
 
 def impedance(scene: Scene, press: Press, frequencies: NDArray, sections: int) -> NDArray:

@@ -17,10 +17,10 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.scene import Scene
 
 from rivals.cells import Cells, Fields
-from simulator.press import Press
-from simulator.scene import Scene
 
 SOURCE, GROUND = "in", "0"
 RAW_FILE = "current.raw"

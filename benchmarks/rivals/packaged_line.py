@@ -6,11 +6,11 @@ from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.simulator.press.capacitance import capacitance_map
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.scene import Scene
 
 from rivals.cells import Fields
-from simulator.foam import capacitance_map
-from simulator.press import Press
-from simulator.scene import Scene
 
 
 def impedance(scene: Scene, press: Press, frequencies: NDArray) -> NDArray:

@@ -23,9 +23,8 @@ from pymor.operators.numpy import NumpyMatrixOperator
 from pymor.parameters.functionals import ProductParameterFunctional, ProjectionParameterFunctional
 from pymor.reductors.basic import LTIPGReductor
 from pymor.reductors.coercive import CoerciveRBReductor
+from rcskin.simulator.models.reduced.family import Family
 from scipy.sparse import csc_matrix
-
-from simulator.family import Family
 
 MOST_VECTORS = 200
 

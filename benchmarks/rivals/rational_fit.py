@@ -12,11 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.scene import Scene
 from scipy.interpolate import AAA
-
-from simulator.fidelity import Solver
-from simulator.press import Press
-from simulator.scene import Scene
 
 SAMPLES = 20
 DECADES = 2.3

@@ -6,14 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.simulator.press.capacitance import capacitance_map
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.contacts import Contact
+from rcskin.simulator.scene.scene import Scene
 from scipy.sparse import block_diag, csr_matrix, kron
 from scipy.sparse.linalg import spsolve
 from skfem import Basis, BilinearForm, Element, ElementQuad1, ElementQuad2, ElementQuadP, MeshQuad
 
 from rivals.cells import Fields
-from simulator.foam import capacitance_map
-from simulator.press import Press
-from simulator.scene import Contact, Scene
 
 GRADING = 0.2
 

@@ -11,8 +11,8 @@ from bench import RESULTS, Run
 from campaign_parts.kinds import KINDS
 from campaign_parts.record import published
 from campaign_parts.verdict import Verdict
+from rcskin.simulator.charts import AT_REST, COLOURS, chart
 
-from simulator.plot import AT_REST, COLOURS, chart
 from verification_parts.report import FAILED, PASSED, Check, Section
 
 TABLE, CHART = "campaign.csv", "campaign.png"

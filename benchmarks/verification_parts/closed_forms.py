@@ -8,14 +8,21 @@ import numpy as np
 from bench import Run
 from numpy.typing import NDArray
 from random_scenes import random_press, random_scene
+from rcskin.simulator.models.solver import ModelName, Solver
+from rcskin.simulator.press.capacitance import capacitance_map
+from rcskin.simulator.press.press import Press, parse_press, pixel_by_pixel
+from rcskin.simulator.press.touch import Touch
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.sweeps import (
+    UNPRESSED,
+    ToleranceError,
+    build,
+    parallel_capacitance,
+    violations,
+)
 from stability_cases import varied
 
-from simulator.fidelity import ModelName, Solver
-from simulator.foam import capacitance_map
-from simulator.press import Press, Touch, parse_press
-from simulator.scene import Scene
-from simulator.scene_file import load_scene, pixel_by_pixel
-from simulator.sweeps import UNPRESSED, ToleranceError, build, parallel_capacitance, violations
 from verification_parts.formulas import (
     Rs_at_zero,
     at_low_frequency,

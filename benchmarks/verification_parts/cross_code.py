@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from bench import Run
 from numpy.typing import NDArray
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.scene import Scene
 from rivals import ngspice_grid, scikit_fem_script
 from rivals.cells import Cells
 from rivals.scikit_fem_script import Elements
 from stability_cases import varied
 
-from simulator.fidelity import Solver
-from simulator.press import parse_press
-from simulator.scene import Scene
 from verification_parts.formulas import worst
 from verification_parts.report import Check, Section, below
 

@@ -11,15 +11,21 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.simulator.fem.assembly import element_pairs, fill, quadrilateral
+from rcskin.simulator.fem.pattern import pattern_of_pairs
+from rcskin.simulator.fem.quadrature import (
+    Rule,
+    Surface,
+    gauss_rule,
+    mass_terms,
+    stiffness_terms,
+    surface,
+)
+from rcskin.simulator.fem.unknowns import quadrilateral_trial
+from rcskin.simulator.mesh.rings import rectangles
 from scipy.sparse.linalg import splu
 from scipy.special import ive, kve
 from skfem import MeshQuad
-
-from simulator.assembly import element_pairs, fill, quadrilateral
-from simulator.pattern import pattern_of_pairs
-from simulator.quadrature import Rule, Surface, gauss_rule, mass_terms, stiffness_terms, surface
-from simulator.rings import rectangles
-from simulator.unknowns import quadrilateral_trial
 
 SMOOTHER = 16
 SAME_POINT = 9

@@ -15,17 +15,17 @@ import numpy as np
 from bench import Run
 from numpy.typing import NDArray
 from random_scenes import random_press, random_scene
+from rcskin.simulator.charts import AT_REST, COLOURS, chart
+from rcskin.simulator.fem.circuit import one_field, two_fields
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.mesh.quadrilaterals import pixel_mesh
+from rcskin.simulator.models.resolution import Ladder
+from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.sweeps import ToleranceError
 
-from simulator.circuit import one_field, two_fields
-from simulator.estimate import relative_difference
-from simulator.fidelity import Solver
-from simulator.ladder import Ladder
-from simulator.mesh import pixel_mesh
-from simulator.plot import AT_REST, COLOURS, chart
-from simulator.press import Press
-from simulator.scene import Scene
-from simulator.sheet import Sheet
-from simulator.sweeps import ToleranceError
 from verification_parts.report import Check, Section, below
 
 SKINS, FEW_SKINS = 90, 9

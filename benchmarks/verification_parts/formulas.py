@@ -9,10 +9,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.scene.scene import Scene
 from scipy.special import bernoulli, factorial
-
-from simulator.estimate import relative_difference
-from simulator.scene import Scene
 
 TERMS = 25
 FOSTER_TERMS = 100_000

@@ -10,14 +10,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import splu
-from skfem import LinearForm, MeshQuad, MeshTri
-from skfem.assembly import FacetBasis
-
-from simulator.assembly import element_pairs, fill, quadrilateral
-from simulator.pattern import pattern_of_pairs
-from simulator.quadrature import (
+from rcskin.simulator.fem.assembly import element_pairs, fill, quadrilateral
+from rcskin.simulator.fem.pattern import pattern_of_pairs
+from rcskin.simulator.fem.quadrature import (
     gauss_rule,
     interpolated,
     load,
@@ -26,9 +21,14 @@ from simulator.quadrature import (
     surface,
     triangle_rule,
 )
-from simulator.rings import Cells, rectangles, ringed
-from simulator.unknowns import TRIANGLES, quadrilateral_trial, triangle_trial
-from simulator.varied.elements import flat_triangles
+from rcskin.simulator.fem.unknowns import TRIANGLES, quadrilateral_trial, triangle_trial
+from rcskin.simulator.mesh.rings import Cells, rectangles, ringed
+from rcskin.simulator.models.varied.elements import flat_triangles
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import splu
+from skfem import LinearForm, MeshQuad, MeshTri
+from skfem.assembly import FacetBasis
+
 from verification_parts.chosen import Problem, capacitance
 
 SMOOTHER = 8

@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 from bench import Run
 from numpy.typing import NDArray
+from rcskin.simulator.charts import COLOURS, chart
+from rcskin.simulator.fem.circuit import one_field, two_fields
+from rcskin.simulator.mesh.quadrilaterals import Resolution
+from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.scene.scene import Scene
 from stability_cases import varied
 
-from simulator.circuit import one_field, two_fields
-from simulator.mesh import Resolution
-from simulator.plot import COLOURS, chart
-from simulator.press import Press, parse_press
-from simulator.scene import Scene
-from simulator.sheet import Sheet
 from verification_parts.formulas import opposite_ends, piecewise, totals, uniform, variable, worst
 from verification_parts.report import Check, Section, slopes
 

@@ -12,12 +12,12 @@ from collections.abc import Iterator
 import numpy as np
 from bench import Run
 from numpy.typing import NDArray
+from rcskin.simulator.fem.assembly import quadrilateral
+from rcskin.simulator.models.validity import lateral_error
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, FacetBasis, MeshQuad
 
-from simulator.assembly import quadrilateral
-from simulator.validity import lateral_error
 from verification_parts.formulas import uniform
 from verification_parts.report import Check, Section
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 from bench import Run
+from rcskin.simulator.fem.estimate import relative_difference
 
-from simulator.estimate import relative_difference
 from verification_parts import discs
 from verification_parts.chosen import PROBLEMS
 from verification_parts.manufactured import (

@@ -12,10 +12,10 @@ from collections.abc import Callable, Coroutine
 from dataclasses import dataclass, field
 from typing import Any
 
-from hardware.virtual.clients import Client
-from hardware.virtual.faults import Fault
-from hardware.virtual.instrument import Instrument
-from simulator.sweeps import InputError
+from ...simulator.sweeps import InputError
+from .clients import Client
+from .faults import Fault
+from .instrument import Instrument
 
 
 @dataclass

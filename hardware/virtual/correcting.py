@@ -6,10 +6,9 @@ import asyncio
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from hardware.virtual.faults import Faults
-from hardware.virtual.parser import ExecutionError
-from hardware.virtual.registers import Measuring, Registers
-from hardware.virtual.settings import Settings
+from .faults import Faults
+from .language.parser import ExecutionError
+from .state import Measuring, Registers, Settings
 
 SECONDS = {"ALL": 4.0, "SPOT": 1.0}
 SETTINGS = {"OPEN": "open_correction", "SHORT": "short_correction"}

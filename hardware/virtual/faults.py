@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from hardware.virtual.measurement import UNDERFLOW, WITHOUT_NUMBERS
-from simulator.sweeps import InputError
+from ...simulator.sweeps import InputError
+from .measurement import UNDERFLOW, WITHOUT_NUMBERS
 
 KINDS = {
     "drop": "close the connection instead of answering",

@@ -6,20 +6,11 @@ import asyncio
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
-from hardware.virtual.correcting import Corrections
-from hardware.virtual.faults import Faults
-from hardware.virtual.measurement import (
-    NOTHING,
-    OVERFLOW,
-    UNDERFLOW,
-    Bench,
-    Result,
-    conditions,
-    written,
-)
-from hardware.virtual.parser import ExecutionError
-from hardware.virtual.registers import Measuring, Registers
-from hardware.virtual.settings import Settings
+from .correcting import Corrections
+from .faults import Faults
+from .language.parser import ExecutionError
+from .measurement import NOTHING, OVERFLOW, UNDERFLOW, Bench, Result, conditions, written
+from .state import Measuring, Registers, Settings
 
 UNPRESSED = "none"
 TROUBLES = {OVERFLOW: Measuring.MOF, UNDERFLOW: Measuring.MUF, 2: Measuring.REF}

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import inspect
 
-from hardware.virtual.instrument import Instrument
-from hardware.virtual.language import Command, find
-from hardware.virtual.parser import CommandError, ExecutionError, Message, messages
-from hardware.virtual.registers import Standard
+from .instrument import Instrument
+from .language.command import Command
+from .language.parser import CommandError, ExecutionError, Message, messages
+from .language.vocabulary import find
+from .state import Standard
 
 
 async def answer(meter: Instrument, line: str) -> str:

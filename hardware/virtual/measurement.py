@@ -6,16 +6,14 @@ import cmath
 import math
 from dataclasses import dataclass, replace
 
-from hardware.accuracy import AccuracyTable, full_scale
-from hardware.conditions import Conditions
-from hardware.virtual import numbers
-from hardware.virtual.settings import Settings
-from hardware.virtual.skin import Readout, Skin
+from ..meter.accuracy import AccuracyTable, Conditions, full_scale
+from .language import values as numbers
+from .skin import Readout, Skin
+from .state import Settings
 
 NORMAL, NOT_MEASURED, OUTSIDE_GUARANTEE, OVERFLOW, UNDERFLOW, SAMPLING = 0, 1, 2, 7, -7, 9
 WITHOUT_NUMBERS = {1, 7, 9, *range(12, 18)}
 OUTPUT_RESISTANCE = 100.0
-
 ITEMS = (
     ("Z", "Y", "PHASE", "CS", "CP", "D", "LS", "LP"),
     ("Q", "RS", "G", "RP", "X", "B", "RDC"),

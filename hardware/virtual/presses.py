@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from hardware.virtual.control import Control
-from hardware.virtual.skin import Skin
-from simulator.sweeps import UNPRESSED, InputError
+from ...simulator.sweeps import UNPRESSED, InputError
+from .control import Control
+from .skin import Skin
 
 Routine = Callable[[Control], Coroutine[Any, Any, None]]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from simulator.sweeps import InputError, impedance
+from ...simulator.sweeps import InputError, impedance
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,12 +8,12 @@ from collections.abc import AsyncIterator, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from dataclasses import dataclass
 
-from hardware.virtual.clients import Client, Clients, open_port
-from hardware.virtual.control import Control
-from hardware.virtual.faults import ON_ANSWERS, Fault
-from hardware.virtual.instrument import Instrument
-from hardware.virtual.interpreter import answer
-from hardware.virtual.registers import Standard
+from .clients import Client, Clients, open_port
+from .control import Control
+from .faults import ON_ANSWERS, Fault
+from .instrument import Instrument
+from .interpreter import answer
+from .state import Standard
 
 LOOPBACK = "127.0.0.1"
 GARBAGE = b"\xff\x00\x9c,,;;\x07\xe9\r\n"

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol
 
-from hardware.conditions import Conditions
+from ..meter.accuracy import Conditions
+from ..scene_data import SceneData
 
 
 class Skin(Protocol):
@@ -30,3 +33,15 @@ class Readout(Protocol):
 def exact(Z: complex, conditions: Conditions, /) -> complex:
     """A readout without error."""
     return Z
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """scene: by name or path and interface (None: the first). skin: of a scene. readout: by seed.
+
+    Each raises InputError where it is given what does not exist.
+    """
+
+    scene: Callable[[str, str | None], SceneData]
+    skin: Callable[[SceneData], Skin]
+    readout: Callable[[SceneData, int], Readout]

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from sklearn import config_context
 
-from localization.confusion import Confusion, compare
-from localization.estimators import Estimator
-from localization.folds import folds_of
-from localization.gap.samples import Samples
-from localization.gap.splits import Split
-from simulator.sweeps import InputError
+from ...simulator.sweeps import InputError
+from ..evaluation.confusion import Confusion, compare
+from ..learners.registry import Estimator
+from ..trust.folds import folds_of
+from .samples import Samples
+from .splits import Split
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.features import labels
-from localization.gap.given import ReadingError
-from localization.gap.pair import pixel_of
-from simulator.sweeps import impedance
-from simulator.sweeps.noise import repeatability
+from ...simulator.sweeps import impedance
+from ...simulator.sweeps.noise import repeatability
+from ..inputs.targets import labels
+from .given import ReadingError
+from .pair import pixel_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.gap.accuracy import Accuracy, CrossValidated, cross_validated, transferred
-from localization.gap.discrepancy import Discrepancy, discrepancy
-from localization.gap.distance import Distance, distances
-from localization.gap.given import Cause, Simulation
-from localization.gap.pair import pixel_of
-from localization.gap.samples import TOLD, Samples, samples_of
-from localization.gap.trial import Trial
-from simulator.sweeps import InputError, ToleranceError
+from ...simulator.sweeps import InputError, ToleranceError
+from .accuracy import Accuracy, CrossValidated, cross_validated, transferred
+from .discrepancy import Discrepancy, discrepancy
+from .distance import Distance, distances
+from .given import Cause, Simulation
+from .pair import pixel_of
+from .samples import TOLD, Samples, samples_of
+from .trial import Trial
 
 if TYPE_CHECKING:
     import xarray as xr

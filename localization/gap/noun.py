@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from simulator.sweeps import InputError
+from ...simulator.sweeps import InputError
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from localization.gap.given import Simulation
-from localization.gap.noun import Noun, noun_of
-from localization.gap.thinning import thinned
-from simulator.sweeps import InputError
+from ...simulator.sweeps import InputError
+from .given import Simulation
+from .noun import Noun, noun_of
+from .thinning import thinned
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from simulator.sweeps import InputError
+from ...simulator.sweeps import InputError
 
 CLASSES = ("column", "row", "pixel")
 """Targets that are classes, which alone can be confused."""

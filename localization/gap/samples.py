@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.gap.pair import pixel_of
-from localization.samples import Problem
-from localization.samples import samples_of as learnable
+from ..inputs.samples import Problem
+from ..inputs.samples import samples_of as learnable
+from .pair import pixel_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.sweeps import InputError
+from ...simulator.sweeps import InputError
 
 
 class Split(NamedTuple):

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.estimators import Estimator, chosen, estimators
-from localization.gap.distance import MeterError, meter_error
-from localization.gap.given import Estimate, ReadingError, Simulation
-from localization.gap.pair import Pair, pixel_of
-from localization.gap.question import Question
-from localization.gap.samples import FEATURE_SETS, TOLD, Samples, samples_of
-from localization.gap.splits import Split, largest_k, reserved_for_calibration, touch_splits
-from localization.gap.versions import Version, versions_of
-from simulator.sweeps import InputError
+from ...simulator.sweeps import InputError
+from ..learners.registry import Estimator, chosen, estimators
+from .distance import MeterError, meter_error
+from .given import Estimate, ReadingError, Simulation
+from .pair import Pair, pixel_of
+from .question import Question
+from .samples import FEATURE_SETS, TOLD, Samples, samples_of
+from .splits import Split, largest_k, reserved_for_calibration, touch_splits
+from .versions import Version, versions_of
 
 if TYPE_CHECKING:
     import xarray as xr

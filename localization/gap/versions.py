@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from localization.gap.given import Estimate, Simulation
-from localization.gap.pair import Pair, pixel_of
-from simulator.sweeps import InputError, ToleranceError
+from ...simulator.sweeps import InputError, ToleranceError
+from .given import Estimate, Simulation
+from .pair import Pair, pixel_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
-from simulator.calibration.fit import Fit
-from simulator.calibration.information import Information, information
-from simulator.calibration.prior import Prior
-from simulator.parameters import PARAMETERS
-from simulator.sweeps import InputError
+from ..models.parameters import PARAMETERS
+from ..sweeps import InputError
+from .fit import Fit
+from .information import Information, information
+from .prior import Kind, Prior
 
 GIVEN_UP_FIRST = (
     "sheet_mismatch",
@@ -68,3 +69,21 @@ def weakest(told: Information) -> str | None:
     if not told.weak:
         return None
     return min(told.moved(told.weak[0]), key=GIVEN_UP_FIRST.index)
+
+
+@dataclass(frozen=True)
+class Options:
+    """What to fit, and to what part of the sweeps.
+
+    fit: names of parameters, those that the data tell where empty. fix: names left as the scene
+    has them. band: lowest and highest frequency, Hz. session: the only one that counts.
+    strengths: whether those of presses are unknown too, about what is said of them, with the
+    scene's spread. prior: see `prior`.
+    """
+
+    fit: tuple[str, ...] = ()
+    fix: tuple[str, ...] = ()
+    band: tuple[float, float] | None = None
+    session: int | None = None
+    strengths: bool = True
+    prior: Kind = "wide"

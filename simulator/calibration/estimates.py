@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simulator.calibration.fit import Fit
-from simulator.calibration.information import TOLD, Information
-from simulator.calibration.prior import limits
-from simulator.circuit import one_field
-from simulator.parameters import FACTORS, VALUES, own_values
-from simulator.scene import Scene
+from ..fem.circuit import one_field
+from ..models.parameters import FACTORS, VALUES, own_values
+from ..scene.scene import Scene
+from .fit import Fit
+from .information import TOLD, Information
+from .prior import limits
 
 CONFIDENCE = 0.95
 UNITS = {name: unit if unit.isalpha() else "" for name, unit in VALUES.items()}

@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from simulator.calibration.model import Around, around, movable
-from simulator.calibration.problem import Asked, Problem
-from simulator.calibration.starts import starts
-from simulator.scene import Readout
-from simulator.sheet import one_blas_thread
-from simulator.sweeps import InputError
+from ..fem.galerkin import one_blas_thread
+from ..scene.meter import Readout
+from ..sweeps import InputError
+from .model import Around, around, movable
+from .problem import Asked, Problem
+from .starts import starts
 
 Tell = Callable[[str], None]
 ROUNDS = 10

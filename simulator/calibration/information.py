@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.calibration.fit import Fit
+from .fit import Fit
 
 TOLD = 0.25
 """Of the prior's deviation: what is left of it where the data tell a parameter."""

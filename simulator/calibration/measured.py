@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.observation import observed
-from simulator.press import Press, Touch, parse_press
-from simulator.scene import Scene, Sweep
-from simulator.scene_file import check_press
-from simulator.sweeps import InputError, impedance
+from ..measure.readout import observed
+from ..press.press import Press, check_press, parse_press
+from ..press.touch import Touch
+from ..scene.meter import Sweep
+from ..scene.scene import Scene
+from ..sweeps import InputError, impedance
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.calibration.line_model import LineModel
-from simulator.circuit import one_field
-from simulator.forward import REACH, Forward, Response
-from simulator.parameters import FACTORS, scene_with
-from simulator.scene import Scene
-from simulator.sweeps import InputError
+from ..fem.circuit import one_field
+from ..models.line_slopes import LineModel
+from ..models.parameters import FACTORS, scene_with
+from ..models.reduced.forward import REACH, Forward, Response
+from ..scene.scene import Scene
+from ..sweeps import InputError
 
 ANYWHERE = 50.0
 """Logarithm of the largest factor of a model that knows no reach."""

@@ -15,12 +15,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.calibration.measured import Measured, Reading
-from simulator.calibration.model import Around
-from simulator.calibration.prior import Prior
-from simulator.observation import ErrorModel, observed, observed_slope
-from simulator.parameters import FACTORS, PARAMETERS
-from simulator.scene import Readout
+from ..measure.readout import ErrorModel, observed, observed_slope
+from ..models.parameters import FACTORS, PARAMETERS
+from ..scene.meter import Readout
+from .measured import Measured, Reading
+from .model import Around
+from .prior import Prior
 
 LEAST_RISE = -0.9
 

@@ -11,16 +11,16 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from simulator.calibration.chart import draw_residuals
-from simulator.parameters import FACTORS
-from simulator.scene_file import scene_text
-from simulator.sweeps import InputError
+from ..models.parameters import FACTORS
+from ..scene.files import scene_text
+from ..sweeps import InputError
+from .chart import draw_residuals
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from simulator.calibration.estimates import Quantity
-    from simulator.calibration.run import Calibration
+    from .estimates import Quantity
+    from .run import Calibration
 
 COLUMNS = ("quantity", "unit", "scene", "fitted", "low_95", "high_95", "told_by")
 PARAMETER_COLUMNS = ("parameter", "counted", "value", "low_95", "high_95", "told_by")

@@ -10,44 +10,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.calibration.choice import candidates, chosen
-from simulator.calibration.estimates import Quantity, intervals, quantities, told_together
-from simulator.calibration.fit import Fit, Tell, allowed, fitted, model_tolerance, silent
-from simulator.calibration.ideal import Comparison, compared
-from simulator.calibration.information import Information, freedom, information
-from simulator.calibration.line_model import LineModel
-from simulator.calibration.measured import Measured, measured
-from simulator.calibration.model import Around, Model, around, checked_model, model_of
-from simulator.calibration.noise import Noise, noise_of, with_noise
-from simulator.calibration.prior import Kind, priors
-from simulator.calibration.problem import Asked
-from simulator.calibration.starts import capacitance_off
-from simulator.electrical import require_plain
-from simulator.parameters import own_values, scene_with
-from simulator.scene import Scene
+from ..models.line_slopes import LineModel
+from ..models.parameters import own_values, scene_with
+from ..models.plain import require_plain
+from ..scene.scene import Scene
+from .choice import Options, candidates, chosen
+from .estimates import Quantity, intervals, quantities, told_together
+from .explained import Comparison, compared
+from .fit import Fit, Tell, allowed, fitted, model_tolerance, silent
+from .information import Information, freedom, information
+from .measured import Measured, measured
+from .model import Around, Model, around, checked_model, model_of
+from .prior import Noise, noise_of, priors, with_noise
+from .problem import Asked
+from .starts import capacitance_off
 
 if TYPE_CHECKING:
     import xarray as xr
 
 NOISE_ROUNDS = 3
-
-
-@dataclass(frozen=True)
-class Options:
-    """What to fit, and to what part of the sweeps.
-
-    fit: names of parameters, those that the data tell where empty. fix: names left as the scene
-    has them. band: lowest and highest frequency, Hz. session: the only one that counts.
-    strengths: whether those of presses are unknown too, about what is said of them, with the
-    scene's spread. prior: see `simulator.calibration.prior`.
-    """
-
-    fit: tuple[str, ...] = ()
-    fix: tuple[str, ...] = ()
-    band: tuple[float, float] | None = None
-    session: int | None = None
-    strengths: bool = True
-    prior: Kind = "wide"
 
 
 @dataclass(frozen=True)

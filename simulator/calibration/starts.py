@@ -8,10 +8,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from simulator.calibration.line_model import LineModel
-from simulator.calibration.measured import Measured
-from simulator.calibration.problem import Asked, Problem
-from simulator.scene import Scene
+from ..models.line_slopes import LineModel
+from ..scene.scene import Scene
+from .measured import Measured
+from .problem import Asked, Problem
 
 SHARES = (0.03, 0.1, 0.3, 1.0)
 """Of the largest resistance read: what may be the skin's and not the leads'."""

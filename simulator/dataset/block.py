@@ -10,13 +10,12 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from simulator.dataset import store
-from simulator.dataset.audit import Audit, together
-from simulator.dataset.layout import joined, values
-from simulator.dataset.model import Family
-from simulator.dataset.plan import Plan, parse_plan
-from simulator.dataset.session import drawn_session
-from simulator.sweeps import whole_file
+from ..sweeps import whole_file
+from . import store
+from .layout import joined, values
+from .model import Family
+from .plan import Plan, parse_plan
+from .session import Audit, drawn_session, together
 
 PLAN_FILE = "plan.json"
 

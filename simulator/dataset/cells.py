@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from simulator.dataset.model import Family
-from simulator.dataset.presses import drawn_presses
-from simulator.dataset.streams import CELLS, stream
-from simulator.estimate import relative_difference
-from simulator.fidelity import Solver
-from simulator.press import parse_press
-from simulator.scene import Scene
-from simulator.variation import nominal
+from ..fem.estimate import relative_difference
+from ..models.parameters import nominal
+from ..models.solver import Solver
+from ..press.press import parse_press
+from ..scene.scene import Scene
+from .model import Family
+from .presses import drawn_presses
+from .streams import CELLS, stream
 
 SAMPLE = 16
 

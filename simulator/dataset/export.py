@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from simulator.sweeps import InputError, checked_output, open_zarr, whole_file
-from simulator.sweeps.csv import append_csv
-from simulator.sweeps.schema import DIMENSIONS, QUANTITIES
+from ..sweeps import InputError, checked_output, open_zarr, whole_file
+from ..sweeps.csv import append_csv
+from ..sweeps.schema import DIMENSIONS, QUANTITIES
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.dataset.plan import Plan
-from simulator.dataset.presses import MOST_TOUCHES
-from simulator.dataset.session import Drawn
-from simulator.sweeps.schema import DIMENSIONS, LABELS, QUANTITIES
+from ..sweeps.schema import DIMENSIONS, LABELS, QUANTITIES
+from .plan import Plan
+from .presses import MOST_TOUCHES
+from .session import Drawn
 
 SINGLE_DIGITS = 6
 """Decimal digits that float32 keeps."""

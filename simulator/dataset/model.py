@@ -10,14 +10,15 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.dataset.presses import drawn_presses
-from simulator.dataset.skins import drawn_skin
-from simulator.randomisation import Session
-from simulator.reduced import Reduced
-from simulator.reduced_file import load, save
-from simulator.reduction import Case, reduce
-from simulator.scene import Pixels, Scene
-from simulator.variation import WAVES, Variation
+from ..models.parameters import WAVES, Variation
+from ..models.reduced.cases import Case
+from ..models.reduced.file import load, save
+from ..models.reduced.greedy import reduce
+from ..models.reduced.model import Reduced
+from ..scene.randomisation import Session
+from ..scene.scene import Pixels, Scene
+from .presses import drawn_presses
+from .skins import drawn_skin
 
 TRAINED_TO = 0.5
 """Of the tolerance: a press that training has not met is then still within it."""

@@ -9,10 +9,10 @@ from functools import cached_property
 from hashlib import sha256
 from importlib.metadata import version
 
-from simulator.electrical import require_plain
-from simulator.scene import Scene
-from simulator.scene_file import parse_scene, scene_text
-from simulator.sweeps import InputError
+from ..models.plain import require_plain
+from ..scene.files import parse_scene, scene_text
+from ..scene.scene import Scene
+from ..sweeps import InputError
 
 LAYOUT = 2
 """To be raised whenever the same plan would give other bytes."""

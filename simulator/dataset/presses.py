@@ -1,17 +1,19 @@
-"""The presses of a session, drawn: on whole pixels, or anywhere on the skin."""
+"""Presses drawn for a data set: on pixels, beside them, or anywhere."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.distribution import truncated_normal
-from simulator.randomisation import CUT, DrawnPress
-from simulator.scene import Scene
-from simulator.sweeps import UNPRESSED
+from ..press.capacitance import grid_map
+from ..press.press import Press
+from ..press.touch import Disc, Rectangle
+from ..scene.randomisation import CUT, DrawnPress, truncated_normal
+from ..scene.scene import Scene
+from ..sweeps import UNPRESSED
 
 MOST_TOUCHES = 2
 FACTOR_DECIMALS = 6
@@ -53,8 +55,6 @@ def drawn_presses(
     chances = random.random((4, count, MOST_TOUCHES))
     factor = np.round(drawn.factor.at(random.random((count, MOST_TOUCHES))), FACTOR_DECIMALS)
     if drawn.place == "anywhere":
-        from simulator.dataset.anywhere import presses_anywhere
-
         return presses_anywhere(scene, touches, chances, factor, grid)
     return _on_pixels(scene, touches, chances, factor, grid)
 
@@ -93,7 +93,6 @@ def _on_pixels(
     )
     if scene.dataset.press.offset == 0:
         return presses
-    from simulator.dataset.beside import pressed_beside
 
     return pressed_beside(scene, presses, truncated_normal(chances[2:], CUT), grid)
 
@@ -145,3 +144,121 @@ def _texts(
 
 def _text(count: int, touches: Sequence[tuple[int, int, float]]) -> str:
     return "+".join(f"{i},{j}:{f!r}" for i, j, f in touches[:count]) or UNPRESSED
+
+
+LENGTH_DECIMALS = 6
+"""Places and sizes are drawn to the micrometre, so that a press as text is the one solved."""
+
+Chances = NDArray[np.float64]
+
+
+def presses_anywhere(
+    scene: Scene,
+    touches: NDArray[np.int64],
+    chances: Chances,
+    factor: NDArray[np.float64],
+    grid: tuple[int, int],
+) -> Presses:
+    """Presses of so many touches; factors multiply where two of them overlap.
+
+    chances: of place along x and y and of size along x and y, shape (4, press, MOST_TOUCHES).
+    """
+    presses = [
+        Press(tuple(sorted(_touches(scene, count, each, strengths), key=_order)))
+        for count, each, strengths in zip(touches, chances.transpose(1, 2, 0), factor, strict=True)
+    ]
+    cells, rises, starts = laid_on_cells(scene, presses, grid)
+    centres = np.array([_weighed_centres(press) for press in presses])
+    return Presses(
+        cells=cells,
+        rises=rises,
+        starts=starts,
+        text=[str(press) for press in presses],
+        row=np.where(touches == 0, 0, -1),
+        column=np.where(touches == 0, 0, -1),
+        touches=touches,
+        x=centres[..., 0],
+        y=centres[..., 1],
+        factor=centres[..., 2],
+    )
+
+
+def laid_on_cells(
+    scene: Scene, presses: Sequence[Press], grid: tuple[int, int]
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
+    """Cells, rises and starts of presses, see `SkinModel.sweeps`."""
+    maps = [grid_map(scene, press, *grid).ravel() for press in presses]
+    cells = [np.flatnonzero(each != 1) for each in maps]
+    rises = [each[where] - 1 for each, where in zip(maps, cells, strict=True)]
+    starts = np.concatenate([[0], np.cumsum([where.size for where in cells])])
+    return np.concatenate(cells), np.concatenate(rises), starts
+
+
+def _touches(
+    scene: Scene, count: int, chances: Chances, factor: NDArray[np.float64]
+) -> Iterator[Rectangle | Disc]:
+    """So many touches, chances of shape (touch, 4)."""
+    shapes = scene.dataset.press.shape
+    for (x, y, wide, high), strength in zip(chances[:count], factor.tolist(), strict=False):
+        chance, kind = np.modf(wide * len(shapes))
+        width = _length(scene.dataset.press.size.at(chance))
+        disc = shapes[int(kind)] == "disc"
+        height = width if disc else _length(scene.dataset.press.size.at(high))
+        place = _inside(x, width, scene.skin.length), _inside(y, height, scene.skin.width)
+        yield (
+            Disc(*place, width / 2, strength)
+            if disc
+            else Rectangle(*place, width, height, strength)
+        )
+
+
+def _order(touch: Rectangle | Disc) -> tuple:
+    """As texts of presses have it: rectangles, then discs."""
+    return isinstance(touch, Disc), astuple(touch)
+
+
+def _inside(chance: float, extent: float, length: float) -> float:
+    return _length(extent / 2 + chance * (length - extent))
+
+
+def _length(value: float | np.ndarray) -> float:
+    return round(float(value), LENGTH_DECIMALS)
+
+
+def _weighed_centres(press: Press) -> list[tuple[float, float, float]]:
+    """x, y and factor of each touch, and of those that there are not."""
+    placed = [touch for touch in press.touches if isinstance(touch, Rectangle | Disc)]
+    found = [(touch.x, touch.y, touch.factor) for touch in placed]
+    return found + [(0.0, 0.0, 1.0)] * (MOST_TOUCHES - len(found))
+
+
+def pressed_beside(
+    scene: Scene, meant: Presses, aside: NDArray[np.float64], grid: tuple[int, int]
+) -> Presses:
+    """The presses, told as they were meant, with their touches where they came to lie.
+
+    aside: of each touch along x and y, in standard deviations, shape (2, press, MOST_TOUCHES). What
+    would lie beyond the skin is cut off.
+    """
+    skin, pixels = scene.skin, scene.pixels
+    sides = np.array([skin.length / pixels.columns, skin.width / pixels.rows])
+    off = scene.dataset.press.offset * sides[:, None, None] * aside
+    centres = np.stack([meant.x, meant.y]) + off
+    half = sides[:, None, None] / 2
+    ends = np.array([skin.length, skin.width])[:, None, None]
+    low, high = np.maximum(centres - half, 0.0), np.minimum(centres + half, ends)
+    there = np.arange(meant.x.shape[1]) < meant.touches[:, None]
+    x, y = np.where(there, (low + high) / 2, 0.0)
+    width, height = high - low
+    presses = [
+        Press(tuple(Rectangle(*each) for each in zip(*touch, strict=True)))
+        for touch in (
+            [
+                values[k, : meant.touches[k]].tolist()
+                for values in (x, y, width, height, meant.factor)
+            ]
+            for k in range(len(meant.touches))
+        )
+    ]
+    cells, rises, starts = laid_on_cells(scene, presses, grid)
+    return replace(meant, cells=cells, rises=rises, starts=starts, x=x, y=y)

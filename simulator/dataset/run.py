@@ -12,11 +12,11 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from simulator.dataset import store, workers
-from simulator.dataset.block import PLAN_FILE, Workshop, audit_of
-from simulator.dataset.model import REDUCED, Training
-from simulator.dataset.plan import Plan, first_difference
-from simulator.sweeps import InputError, checked_output, whole_file
+from ..sweeps import InputError, checked_output, whole_file
+from . import store, workers
+from .block import PLAN_FILE, Workshop, audit_of
+from .model import REDUCED, Training
+from .plan import Plan, first_difference
 
 ENDING = ".zarr"
 Advance = Callable[[int], None]
@@ -159,7 +159,7 @@ def _of_cells(workshop: Workshop, plan: Plan) -> dict[str, float]:
     """What is told of a data set whose touches are laid on cells."""
     if plan.scene.dataset.press.place == "pixel":
         return {}
-    from simulator.dataset.cells import error_of_cells
+    from .cells import error_of_cells
 
     family = workshop.load(workshop.model_file)
     return {"cells_error": error_of_cells(plan.scene, family, plan.seed, plan.rtol)}

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.dataset.streams import SKIN, stream
-from simulator.distribution import truncated_normal
-from simulator.frequency import Loss
-from simulator.leads import Leads
-from simulator.randomisation import CUT
-from simulator.scene import Scene
-from simulator.variation import WAVES, Variation, mode_values
+from ..models.parameters import WAVES, Variation, mode_values
+from ..scene.frequency import Loss
+from ..scene.meter import Leads
+from ..scene.randomisation import CUT, truncated_normal
+from ..scene.scene import Scene
+from .streams import SKIN, stream
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.dataset.layout import SESSION, SWEEP, Variable, sizes, variables
-from simulator.dataset.plan import Plan
+from .layout import SESSION, SWEEP, Variable, sizes, variables
+from .plan import Plan
 
 if TYPE_CHECKING:
     import zarr

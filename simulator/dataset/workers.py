@@ -16,8 +16,8 @@ from itertools import islice
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from simulator.dataset.block import Workshop, make_block
-from simulator.sweeps import InputError
+from ..sweeps import InputError
+from .block import Workshop, make_block
 
 AHEAD = 4
 """Blocks handed out beforehand, for each worker."""

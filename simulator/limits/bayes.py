@@ -16,12 +16,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.distribution import AnyDistribution
-from simulator.limits.hypotheses import Hypothesis, Pixel
-from simulator.limits.readings import Readings
-from simulator.limits.strengths import strengths, together
-from simulator.progress import Track, silent
-from simulator.sweeps import InputError
+from ..measure.experiment import strengths, together
+from ..progress import Track, silent
+from ..scene.randomisation import AnyDistribution
+from ..sweeps import InputError
+from .readings import Hypothesis, Pixel, Readings
 
 STEP = 1.5
 FIRST_LOOK = 9

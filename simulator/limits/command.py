@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from simulator.limits.identity import Identity
-    from simulator.limits.survey import Question, Variant
-    from simulator.progress import Track
-    from simulator.scene import Scene
+    from ..progress import Track
+    from ..scene.scene import Scene
+    from .identity import Identity
+    from .survey import Question, Variant
 
 FOLDER = Path("limits")
 
@@ -61,11 +61,11 @@ def limits(
 
     With --accuracy: the largest number of pixels for it, by target.
     """
-    from simulator.electrical import plain_scene
-    from simulator.limits.position import chosen_touch
-    from simulator.limits.survey import Question, with_interfaces, with_sheets
-    from simulator.progress import on_terminal
-    from simulator.scene_file import load_scene
+    from ..models.plain import plain_scene
+    from ..progress import on_terminal
+    from ..scene.files import load_scene
+    from .position import chosen_touch
+    from .survey import Question, with_interfaces, with_sheets
 
     plain = plain_scene(load_scene(scene), "a limit")
     loaded = with_interfaces(plain, interface or [])
@@ -87,7 +87,7 @@ def check_numbers(
     *, draws: int = 2, against_rest: int = 0, seed: int = 0, n: int | None = None
 ) -> None:
     """Raises InputError where one is out of range."""
-    from simulator.sweeps import InputError
+    from ..sweeps import InputError
 
     for name, value, least, most in (
         ("--draws", draws, 2, 10**6),
@@ -100,7 +100,7 @@ def check_numbers(
 
 
 def _listed(text: str | None) -> list[float]:
-    from simulator.sweeps import InputError
+    from ..sweeps import InputError
 
     try:
         return [float(part) for part in text.split(",")] if text is not None else []
@@ -109,7 +109,7 @@ def _listed(text: str | None) -> list[float]:
 
 
 def _made(folder: Path) -> Path:
-    from simulator.sweeps import InputError
+    from ..sweeps import InputError
 
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -121,7 +121,7 @@ def _made(folder: Path) -> Path:
 def _print_counts(
     scene: Scene, accuracy: float, random: tuple[int, int], against_rest: int, track: Track
 ) -> None:
-    from simulator.limits.count import FEWEST, MOST, counts, shape_of
+    from .identity import FEWEST, MOST, counts, shape_of
 
     for target in ("column", "pixel"):
         found = list(counts(scene, target, accuracy, *random, against_rest, track))
@@ -151,15 +151,10 @@ def _write(
     folder: Path,
     track: Track,
 ) -> None:
-    from simulator.limits.figure import draw_distances, draw_maps
-    from simulator.limits.identity import identity
-    from simulator.limits.report import (
-        summary,
-        write_distances,
-        write_places,
-        write_summary,
-    )
-    from simulator.limits.survey import survey
+    from .figure import draw_distances, draw_maps
+    from .identity import identity
+    from .report import summary, write_distances, write_places, write_summary
+    from .survey import survey
 
     variants = survey(scene, question, resistances, n, track)
     told_apart = identity(scene, *random, question.against_rest, track)
@@ -199,7 +194,7 @@ def _print(variants: list[Variant], told_apart: Identity, folder: Path) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from simulator.limits.report import summary
+    from .report import summary
 
     columns = {
         "x (mm)": "median_deviation_x_mm",

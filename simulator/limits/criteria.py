@@ -15,16 +15,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.limits.fields import Answer, Fields
-from simulator.limits.hypotheses import Hypothesis, hypotheses
-from simulator.limits.information import summed, variances
-from simulator.limits.meter import error_model, in_noise, session_errors
-from simulator.limits.position import Slopes
-from simulator.limits.skin import pixel_maps
-from simulator.observation import ErrorModel, observed
-from simulator.progress import Track, silent
-from simulator.scene import Scene
-from simulator.sweeps import InputError
+from ..measure.readout import ErrorModel, observed
+from ..progress import Track, silent
+from ..scene.scene import Scene
+from ..sweeps import InputError
+from .fields import Answer, Fields
+from .information import error_model, in_noise, pixel_maps, session_errors, summed, variances
+from .position import Slopes
+from .readings import Hypothesis, hypotheses
 
 CRITERIA = ("position", "column", "pixel")
 TOLD_APART = 1.0

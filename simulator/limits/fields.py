@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from simulator.circuit import Drive, one_field, two_fields
-from simulator.electrical import require_plain
-from simulator.family import Family
-from simulator.frequency import REFERENCE, laplace_variable
-from simulator.ladder import Ladder
-from simulator.lanczos import Pencil, potentials, respond
-from simulator.press import Press
-from simulator.scene import Pixels, Scene
-from simulator.sheet import one_blas_thread
-from simulator.sweeps import InputError
+from ..fem.circuit import Drive, one_field, two_fields
+from ..fem.galerkin import one_blas_thread
+from ..fem.lanczos import Pencil, potentials, respond
+from ..models.plain import require_plain
+from ..models.reduced.family import Family
+from ..models.resolution import Ladder
+from ..press.press import Press
+from ..scene.frequency import REFERENCE, laplace_variable
+from ..scene.scene import Pixels, Scene
+from ..sweeps import InputError
 
 RTOL = 1e-3
 CELLS_PER_PIXEL = 4

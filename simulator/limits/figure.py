@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.limits.position import Bounds
-from simulator.limits.survey import Variant
-from simulator.plot import COLOURS, LINE_STYLES, chart
-from simulator.scene import Scene
+from ..charts import COLOURS, LINE_STYLES, chart
+from ..scene.scene import Scene
+from .position import Bounds
+from .survey import Variant
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

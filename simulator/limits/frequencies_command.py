@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from simulator.limits.command import check_numbers
+from .command import check_numbers
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from simulator.limits.design import Design
+    from .design import Design
 
 
 def frequencies(
@@ -51,14 +51,14 @@ def frequencies(
     """
     from rich.console import Console
 
-    from simulator.electrical import plain_scene
-    from simulator.limits.criteria import checked_criterion
-    from simulator.limits.design import check_design, design
-    from simulator.limits.position import chosen_touch
-    from simulator.limits.sets import parse_band
-    from simulator.limits.survey import with_interfaces
-    from simulator.progress import on_terminal
-    from simulator.scene_file import load_scene
+    from ..models.plain import plain_scene
+    from ..progress import on_terminal
+    from ..scene.files import load_scene
+    from .criteria import checked_criterion
+    from .design import check_design, design
+    from .position import chosen_touch
+    from .sets import parse_band
+    from .survey import with_interfaces
 
     plain = plain_scene(load_scene(scene), "a limit")
     loaded = with_interfaces(plain, interface or [])

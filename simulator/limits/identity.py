@@ -1,20 +1,81 @@
-"""How well columns, rows and pixels of a scene can be told apart, in numbers."""
+"""Whether touches are told apart: bounds by pairs, for one skin and over counts of pixels."""
 
 from __future__ import annotations
 
+import itertools
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+from scipy.spatial.distance import cdist
+from scipy.special import ndtr
 
-from simulator.limits.bayes import Accuracy, bayes
-from simulator.limits.hypotheses import hypotheses
-from simulator.limits.pairwise import distances, upper_bound
-from simulator.limits.readings import Readings
-from simulator.limits.strengths import own_presses
-from simulator.progress import Track, silent
-from simulator.scene import Scene
+from ..measure.experiment import own_presses, quantiles, together
+from ..progress import Track, silent
+from ..scene.randomisation import AnyDistribution
+from ..scene.scene import Pixels, Scene
+from ..sweeps import InputError
+from .bayes import Accuracy, bayes
+from .readings import Hypothesis, Readings, hypotheses
+
+STRENGTHS = 16
+"""Equally likely ones that a hypothesis is told in."""
+
+LOOKED_AT = 41
+"""Strengths among which the nearest of two pixels' are looked for."""
+
+
+def upper_bound(readings: Readings, among: Sequence[Hypothesis], presses: AnyDistribution) -> float:
+    """An accuracy that no classifier of hypotheses as likely as each other surpasses."""
+    curves = [_curve(readings, each, presses) for each in among]
+    wrong = np.zeros((len(among), len(among)))
+    for i, j in itertools.combinations(range(len(among)), 2):
+        if among[i].answer != among[j].answer:
+            wrong[i, j] = wrong[j, i] = confusion(curves[i], curves[j])
+    return 1 - float(wrong[linear_sum_assignment(wrong, maximize=True)].mean())
+
+
+def confusion(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    """Share of errors between two at least: equally likely readings of each, shape (k, number)."""
+    size = math.lcm(len(one), len(other))
+    error = ndtr(-cdist(one, other) / 2)
+    error = np.repeat(np.repeat(error, size // len(one), 0), size // len(other), 1)
+    return float(error[linear_sum_assignment(error, maximize=True)].mean())
+
+
+def distances(
+    readings: Readings,
+    among: Sequence[Hypothesis],
+    presses: AnyDistribution,
+    spread: float | None = None,
+) -> NDArray[np.float64]:
+    """How far each two hypotheses of one pixel lie apart, in the meter's errors, (k, k).
+
+    At the nearest of any two strengths that presses have or, with `spread`, where the sum of the
+    squares of the distance and of both strengths' deviations from the middle over it is least.
+    """
+    factor = np.linspace(presses.low, presses.high, LOOKED_AT if presses.low < presses.high else 1)
+    off = np.zeros_like(factor) if spread is None else ((factor - factor.mean()) / spread) ** 2
+    curves = [readings.of(each.pixels, np.tile(factor, (len(each.pixels), 1))) for each in among]
+    apart = np.zeros((len(among), len(among)))
+    for i, j in itertools.combinations(range(len(among)), 2):
+        square = cdist(curves[i], curves[j], "sqeuclidean") + off[:, None] + off
+        apart[i, j] = apart[j, i] = np.sqrt(square.min())
+    return apart
+
+
+def _curve(
+    readings: Readings, hypothesis: Hypothesis, presses: AnyDistribution
+) -> NDArray[np.float64]:
+    touches = len(hypothesis.pixels)
+    each = round(STRENGTHS ** (1 / max(1, touches)))
+    factor = together([quantiles(presses, each)] * touches).factor
+    return readings.of(hypothesis.pixels, factor)
+
 
 TARGETS = ("column", "row", "pixel")
 
@@ -65,3 +126,75 @@ def identity(
         distances(readings, pixels, presses),
         [",".join(map(str, each.answer)) for each in pixels],
     )
+
+
+FEWEST, MOST = 2, 12
+
+DEVIATIONS = 2
+"""Standard errors that an accuracy may lie below what is asked."""
+
+
+@dataclass(frozen=True)
+class Count:
+    """Pixels along each side (of a strip: along it), the best accuracy, and the pairwise bound."""
+
+    n: int
+    accuracy: Accuracy
+    bound: float
+
+    def reaches(self, asked: float) -> bool:
+        """Whether that accuracy cannot be excluded."""
+        return self.accuracy.share + DEVIATIONS * self.accuracy.error >= asked
+
+
+def counts(
+    scene: Scene,
+    target: str,
+    asked: float,
+    seed: int,
+    draws: int,
+    against_rest: int = 0,
+    track: Track = silent,
+) -> Iterator[Count]:
+    """From FEWEST pixels on, up to the first number that does not reach what is asked.
+
+    Raises InputError where that is no accuracy between 0 and 1.
+    """
+    if not 0 < asked < 1:
+        raise InputError(f"--accuracy must be > 0 and < 1, got {asked:g}")
+    for n in range(FEWEST, MOST + 1):
+        found = counted(scene, target, n, seed, draws, against_rest, track)
+        yield found
+        if not found.reaches(asked):
+            return
+
+
+def counted(
+    scene: Scene,
+    target: str,
+    n: int,
+    seed: int,
+    draws: int,
+    against_rest: int = 0,
+    track: Track = silent,
+) -> Count:
+    """The best accuracy with n pixels along each side."""
+    divided = with_pixels(scene, n)
+    presses, among = own_presses(divided), hypotheses(divided, target)
+    readings = Readings(divided, presses, against_rest)
+    readings.train(track)
+    bound = upper_bound(readings, among, presses)
+    return Count(n, bayes(readings, among, presses, seed, draws, track), bound)
+
+
+def with_pixels(scene: Scene, n: int) -> Scene:
+    """The same skin with n x n pixels; a strip of one row keeps its one row, or its one column."""
+    rows = 1 if scene.pixels.rows == 1 else n
+    columns = 1 if scene.pixels.columns == 1 and rows > 1 else n
+    return scene.model_copy(update={"pixels": Pixels(rows=rows, columns=columns)})
+
+
+def shape_of(scene: Scene, n: int) -> str:
+    """n pixels along each side as rows x columns."""
+    pixels = with_pixels(scene, n).pixels
+    return f"{pixels.rows}x{pixels.columns}"

@@ -1,14 +1,16 @@
-"""Fisher information of independent readings, and what it leaves of some unknowns among others.
-
-With J the derivatives of what a meter reads over its noise, one reading adds J'J; a prior adds
-1/deviation². The deviation of one unknown with all others unknown too is the root of its diagonal
-element of the inverse (Cramér and Rao's bound); a Schur complement does the same to several.
-"""
+"""What sweeps tell, as matrices: of the meter's errors, of a skin that is not quite known."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Sequence
+
 import numpy as np
 from numpy.typing import NDArray
+
+from ..measure.readout import ErrorModel, observed_slope
+from ..scene.randomisation import AnyDistribution
+from ..scene.scene import Scene
 
 RIDGE = 1e-12
 """Added to the information, scaled to a unit diagonal: what is less than this is none."""
@@ -48,3 +50,71 @@ def _on_diagonal(values: NDArray[np.float64]) -> NDArray[np.float64]:
     along = np.arange(values.shape[-1])
     found[..., along, along] = values
     return found
+
+
+def error_model(scene: Scene, frequencies: int, against_rest: int = 0) -> ErrorModel:
+    """The errors of a sweep of a scene at so many frequencies. Raises InputError without noise."""
+    return ErrorModel(scene.readout, len(scene.interfaces), frequencies, against_rest=against_rest)
+
+
+def in_noise(
+    Z: NDArray[np.complex128], slopes: Sequence[NDArray[np.complex128]], model: ErrorModel
+) -> NDArray[np.float64]:
+    """Slopes of ln |Z| and phase over the noise, shape (interface, frequency, 2, slope)."""
+    shape = 2, model.interfaces, model.frequencies
+    deviation = model.deviation.reshape(shape)
+    columns = [observed_slope(Z, dZ).reshape(shape) / deviation for dZ in slopes]
+    return np.moveaxis(np.stack(columns, axis=-1), 0, 2)
+
+
+def session_errors(model: ErrorModel) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Slopes by gain and turn of each interface, shape (interface, frequency, 2, unknown), and
+    1/deviation² of each unknown; none where they drop out."""
+    accuracy = np.array([model.readout.magnitude_accuracy, model.readout.phase_accuracy])
+    quantities = [] if model.against_rest else np.flatnonzero(accuracy > 0).tolist()
+    unknown = [(i, q) for i in range(model.interfaces) for q in quantities]
+    slopes = np.zeros((model.interfaces, model.frequencies, 2, len(unknown)))
+    deviation = model.deviation.reshape(2, model.interfaces, model.frequencies)
+    for number, (i, q) in enumerate(unknown):
+        slopes[i, :, q, number] = 1 / deviation[q, i]
+    return slopes, np.array([accuracy[q] ** -2 for _, q in unknown])
+
+
+QUANTILES = 4001
+
+
+def deviations(scene: Scene, parameters: Iterable[str]) -> dict[str, float]:
+    """Standard deviation of each of `parameters` by [dataset.session], of those that vary.
+
+    Counted as in `parameters`: factors by their logarithm. The mismatch of sheets is that of two
+    independent factors, of which half also counts as both sheets' resistance.
+    """
+    drawn = scene.dataset.session
+    single = _deviation(drawn.sheet_mismatch, logarithm=True)
+    known = {
+        "sheet_resistance": math.hypot(
+            _deviation(drawn.sheet_resistance, logarithm=True), single / math.sqrt(2)
+        ),
+        "sheet_mismatch": single * math.sqrt(2),
+        "capacitance": _deviation(drawn.capacitance, logarithm=True),
+        "contact_resistance": _deviation(drawn.contact_resistance, logarithm=True),
+        "loss_tangent": _deviation(drawn.loss_tangent),
+        "lead_resistance": _deviation(drawn.lead_resistance),
+        "stray_capacitance": _deviation(drawn.stray_capacitance),
+    }
+    return {name: known[name] for name in parameters if known.get(name, 0) > 0}
+
+
+def pixel_maps(scene: Scene, cells: int) -> dict[str, NDArray[np.float64]]:
+    """Where each pixel lies on a grid of so many cells along its sides, (row, column) of cells."""
+    rows, columns = scene.pixels.rows, scene.pixels.columns
+    units = np.eye(rows * columns).reshape(-1, rows, columns)
+    return {
+        f"foam {k}": np.kron(unit, np.ones((cells, cells))).astype(np.float64)
+        for k, unit in enumerate(units)
+    }
+
+
+def _deviation(distribution: AnyDistribution, *, logarithm: bool = False) -> float:
+    values = distribution.at((np.arange(QUANTILES) + 0.5) / QUANTILES)
+    return float(np.std(np.log(values) if logarithm else values))

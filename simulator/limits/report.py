@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.limits.survey import Variant
-from simulator.sweeps import whole_file
+from ..sweeps import whole_file
+from .survey import Variant
 
 NOT_TOLD = "not told"
 HEADER = (

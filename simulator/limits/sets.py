@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.analytic import interrogation_frequency
-from simulator.scene import Scene
-from simulator.sweeps import InputError
+from ..models.line import interrogation_frequency
+from ..scene.scene import Scene
+from ..sweeps import InputError
 
 EQUATION_6, LOGARITHMIC, OPTIMAL = "Eq. 6", "log spacing", "optimal"
 DIGITS = 6

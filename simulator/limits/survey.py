@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.limits.criteria import position_criterion
-from simulator.limits.design import GRID
-from simulator.limits.exchange import best_choice
-from simulator.limits.fields import Fields
-from simulator.limits.position import Bounds, Slopes, TouchSize, places_on, position_slopes
-from simulator.limits.sets import OPTIMAL, compared, logarithmic, own_band, within
-from simulator.progress import Track, silent
-from simulator.scene import Scene, Sheet
-from simulator.sweeps import InputError
+from ..progress import Track, silent
+from ..scene.scene import Scene
+from ..scene.skin import Sheet
+from ..sweeps import InputError
+from .criteria import position_criterion
+from .design import GRID, best_choice
+from .fields import Fields
+from .position import Bounds, Slopes, TouchSize, places_on, position_slopes
+from .sets import OPTIMAL, compared, logarithmic, own_band, within
 
 FREQUENCIES, INTERFACES, SHEETS = "frequencies", "interfaces", "sheets"
 DESIGN_PLACES = 64

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import ArrayLike
 
-    from simulator.paper.localizer import Confusion
+    from .localizer import Confusion
 
 SIGNIFICANCE = 0.05
 

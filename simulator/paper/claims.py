@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.paper import device_claims, sheet_claims, strip_claims
-from simulator.paper.claim import Claim
-from simulator.paper.localizer import Confusion
-from simulator.paper.rehearsal import STRIPS, Rehearsal
+from . import device_claims, sheet_claims, strip_claims
+from .claim import Claim
+from .localizer import Confusion
+from .rehearsal import STRIPS, Rehearsal
 
 if TYPE_CHECKING:
     import xarray as xr

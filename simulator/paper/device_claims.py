@@ -6,15 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from simulator.analytic import HALF_POWER, PAPER_CONSTANT, interrogation_frequency
-from simulator.paper.claim import Claim, listed
-from simulator.paper.reading import (
-    STATED_SHEET_RESISTANCE,
-    capacitance_changes,
-    totals,
-    with_sheet_resistance,
-)
-from simulator.scene import VACUUM_PERMITTIVITY, Scene
+from ..models.line import HALF_POWER, PAPER_CONSTANT, interrogation_frequency
+from ..scene.scene import Scene
+from ..scene.skin import VACUUM_PERMITTIVITY
+from .claim import Claim, listed
+from .reading import STATED_SHEET_RESISTANCE, capacitance_changes, totals, with_sheet_resistance
 
 THICKNESS = 4e-3
 SILICONE, POROSITY = 2.8, 0.67

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.analytic import HALF_POWER, attenuation, open_line_amplitude
-from simulator.fidelity import Solver
-from simulator.paper.localizer import Confusion, Localizer
-from simulator.paper.reading import paper_frequencies, totals
-from simulator.paper.rehearsal import Rehearsal, at_frequencies
-from simulator.paper.studies import crossed_cap
-from simulator.plot import AT_REST, COLOURS, LINE_STYLES, chart, frequency_axis
-from simulator.scene import Scene
-from simulator.scene_file import pixel_by_pixel
-from simulator.simulate import simulate
+from ..charts import AT_REST, COLOURS, LINE_STYLES, chart, frequency_axis
+from ..measure.simulate import simulate
+from ..models.line import HALF_POWER, attenuation, open_line_amplitude
+from ..models.solver import Solver
+from ..press.press import pixel_by_pixel
+from ..scene.scene import Scene
+from .localizer import Confusion, Localizer
+from .reading import paper_frequencies, totals
+from .rehearsal import Rehearsal, at_frequencies
+from .studies import crossed_cap
 
 if TYPE_CHECKING:
     import xarray as xr

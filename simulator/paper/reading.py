@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from simulator.analytic import HALF_POWER, interrogation_frequency, open_line_amplitude
-from simulator.fidelity import Solver
-from simulator.line import Line
-from simulator.paper.rehearsal import at_frequencies
-from simulator.press import Press, Touch
-from simulator.scene import Scene, Sheet
-from simulator.sweeps import parallel_capacitance
+from ..models.line import HALF_POWER, Line, interrogation_frequency, open_line_amplitude
+from ..models.solver import Solver
+from ..press.press import Press
+from ..press.touch import Touch
+from ..scene.scene import Scene
+from ..scene.skin import Sheet
+from ..sweeps import parallel_capacitance
+from .rehearsal import at_frequencies
 
 STATED_SHEET_RESISTANCE = 50e3
 NEARLY_ZERO = 1e-3

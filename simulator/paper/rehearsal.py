@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from simulator.experiment import METER, PRESSES, planned_presses, stream
-from simulator.fidelity import Solver
-from simulator.press import Press
-from simulator.progress import Track
-from simulator.readout import read_out
-from simulator.scene import Pixels, Scene
-from simulator.simulate import simulate
+from ..measure.experiment import METER, PRESSES, planned_presses, stream
+from ..measure.readout import read_out
+from ..measure.simulate import simulate
+from ..models.solver import Solver
+from ..press.press import Press
+from ..progress import Track
+from ..scene.scene import Pixels, Scene
 
 if TYPE_CHECKING:
     import xarray as xr

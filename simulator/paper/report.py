@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from simulator.sweeps import whole_file
+from ..sweeps import whole_file
 
 
 @dataclass(frozen=True)

@@ -9,23 +9,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from simulator.experiment import METER, stream
-from simulator.fidelity import DEFAULT_RTOL
-from simulator.paper import figures
-from simulator.paper.claim import Claim
-from simulator.paper.claims import Results, all_claims
-from simulator.paper.localizer import Confusion, Localizer
-from simulator.paper.reading import open_line_frequencies, paper_frequencies
-from simulator.paper.rehearsal import (
-    EXPERIMENTS,
-    SHEETS,
-    STRIPS,
-    Rehearsal,
-    rehearse,
-    with_pixels,
-)
-from simulator.paper.report import Picture, Section, write_report
-from simulator.paper.studies import (
+from ..measure.experiment import METER, stream
+from ..measure.readout import read_out
+from ..models.solver import DEFAULT_RTOL
+from ..progress import Track
+from ..scene.files import load_scene
+from ..scene.meter import Readout
+from ..sweeps import InputError, whole_file, write
+from . import figures
+from .claim import Claim
+from .claims import Results, all_claims
+from .localizer import Confusion, Localizer
+from .reading import open_line_frequencies, paper_frequencies
+from .rehearsal import EXPERIMENTS, SHEETS, STRIPS, Rehearsal, rehearse, with_pixels
+from .report import Picture, Section, write_report
+from .studies import (
     DRAWS,
     contact_study,
     exact_sweeps,
@@ -34,11 +32,6 @@ from simulator.paper.studies import (
     noise_study,
     pooled_counts,
 )
-from simulator.progress import Track
-from simulator.readout import read_out
-from simulator.scene import Readout
-from simulator.scene_file import load_scene
-from simulator.sweeps import InputError, whole_file, write
 
 if TYPE_CHECKING:
     import pandas as pd

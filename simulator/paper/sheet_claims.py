@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from simulator.paper.claim import Claim, listed, mean_share, neighbour_errors, share
-from simulator.paper.localizer import Confusion
-from simulator.paper.reading import (
+from ..scene.files import load_scene
+from .claim import Claim, listed, mean_share, neighbour_errors, share
+from .localizer import Confusion
+from .reading import (
     capacitance_changes,
     paper_frequencies,
     resistance_at_rest,
@@ -17,9 +18,8 @@ from simulator.paper.reading import (
     separation_peaks,
     totals,
 )
-from simulator.paper.rehearsal import SHEETS, Rehearsal
-from simulator.paper.studies import LAYOUT_PIXELS, LAYOUTS, crossed_cap
-from simulator.scene_file import load_scene
+from .rehearsal import SHEETS, Rehearsal
+from .studies import LAYOUT_PIXELS, LAYOUTS, crossed_cap
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.paper.claim import Claim, listed, mean_share, same_proportion, share
-from simulator.paper.localizer import Confusion
-from simulator.paper.reading import (
+from .claim import Claim, listed, mean_share, same_proportion, share
+from .localizer import Confusion
+from .reading import (
     capacitance_changes,
     low_frequency_resistances,
     open_line_frequencies,
     paper_frequencies,
 )
-from simulator.paper.rehearsal import STRIPS, Rehearsal
+from .rehearsal import STRIPS, Rehearsal
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.experiment import METER, PRESSES, planned_presses, stream
-from simulator.fidelity import Solver
-from simulator.paper.localizer import Localizer
-from simulator.paper.rehearsal import Rehearsal, with_pixels
-from simulator.progress import Track
-from simulator.readout import read_out
-from simulator.scene import Readout, Scene
-from simulator.scene_file import load_scene
-from simulator.simulate import simulate
+from ..measure.experiment import METER, PRESSES, planned_presses, stream
+from ..measure.readout import read_out
+from ..measure.simulate import simulate
+from ..models.solver import Solver
+from ..progress import Track
+from ..scene.files import load_scene
+from ..scene.meter import Readout
+from ..scene.scene import Scene
+from .localizer import Localizer
+from .rehearsal import Rehearsal, with_pixels
 
 if TYPE_CHECKING:
     import xarray as xr

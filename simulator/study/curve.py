@@ -15,7 +15,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import ArrayLike, NDArray
 
-from simulator.estimate import relative_difference
+from ..fem.estimate import relative_difference
 
 NODES = (3, 5, 9, 17, 33)
 

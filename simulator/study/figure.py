@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.plot import COLOURS, chart
-from simulator.study.axis import Axis
-from simulator.study.report import AS_GOOD, as_good, axis_label, best_index
+from ..charts import COLOURS, chart
+from .axis import Axis
+from .report import AS_GOOD, as_good, axis_label, best_index
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,11 +11,11 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from simulator.measuring import FrequencyGrid
-from simulator.scene import Scene
-from simulator.scene_file import BUILTIN, builtin_names, load_scene
-from simulator.sweeps import InputError
-from simulator.validation import one_line
+from ..scene.files import BUILTIN, builtin_names, load_scene
+from ..scene.meter import FrequencyGrid
+from ..scene.scene import Scene
+from ..scene.validation import one_line
+from ..sweeps import InputError
 
 Place = tuple[str | int, ...]
 """Where a number stands in nested tables and lists; lists count from 0."""

@@ -10,22 +10,14 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.experiment import METER, PRESSES, planned_presses
-from simulator.press import Press
-from simulator.readout import read_out
-from simulator.scene import Scene
-from simulator.scene_file import pixel_by_pixel
-from simulator.study.curve import Curve
-from simulator.study.separation import (
-    TARGETS,
-    Label,
-    Separation,
-    in_units_of_error,
-    label_of,
-    separation,
-)
-from simulator.study.symmetry import Pixel
-from simulator.sweeps import InputError, build
+from ..measure.experiment import METER, PRESSES, planned_presses
+from ..measure.readout import read_out
+from ..press.press import Press, pixel_by_pixel
+from ..scene.scene import Scene
+from ..sweeps import InputError, build
+from .curve import Curve
+from .separation import TARGETS, Label, Separation, in_units_of_error, label_of, separation
+from .symmetry import Pixel
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from simulator.study.axis import Axis
-from simulator.study.keys import ALL_PIXELS, BOTH_SHEETS, Key, with_values
-from simulator.sweeps import whole_file
+from ..sweeps import whole_file
+from .axis import Axis
+from .keys import ALL_PIXELS, BOTH_SHEETS, Key, with_values
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from simulator.electrical import plain_scene
-from simulator.progress import Track
-from simulator.scene import Scene
-from simulator.scene_file import scene_text
-from simulator.study.axis import Axis
-from simulator.study.curve import Curve
-from simulator.study.family import families, member_curves, solve, tasks
-from simulator.study.keys import with_values
-from simulator.study.point import CrossValidate, Findings, Trial, judge
-from simulator.study.symmetry import Pixel
-from simulator.validity import warnings
+from ..models.plain import plain_scene
+from ..models.validity import warnings
+from ..progress import Track
+from ..scene.files import scene_text
+from ..scene.scene import Scene
+from .axis import Axis
+from .curve import Curve
+from .keys import with_values
+from .point import CrossValidate, Findings, Trial, judge
+from .sharing import families, member_curves, solve, tasks
+from .symmetry import Pixel
 
 if TYPE_CHECKING:
     import xarray as xr

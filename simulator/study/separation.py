@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
-from simulator.scene import Readout
-from simulator.study.symmetry import Pixel
-from simulator.sweeps import InputError
+from ..scene.meter import Readout
+from ..sweeps import InputError
+from .symmetry import Pixel
 
 Label = tuple[int, ...]
 TARGETS = ("column", "row", "pixel")

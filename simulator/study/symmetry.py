@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from simulator.scene import Contact, Scene
+from ..scene.contacts import Contact
+from ..scene.scene import Scene
 
 Pixel = tuple[int, int]
 """(row, column), counted from 1; (0, 0) is the skin at rest."""

@@ -1,14 +1,10 @@
 """Sweeps: simulated and measured impedance spectra in one schema, and the files that hold them."""
 
-from simulator.sweeps.errors import InputError, ToleranceError
-from simulator.sweeps.files import checked_output, open_zarr, read, whole_file, write
-from simulator.sweeps.impedance import (
-    branch_reactance,
-    parallel_capacitance,
-    series_capacitance,
-)
-from simulator.sweeps.passivity import Violation, violations
-from simulator.sweeps.schema import UNPRESSED, build, check, concatenate, impedance, side_by_side
+from .errors import InputError, ToleranceError
+from .files import checked_output, open_zarr, read, whole_file, write
+from .impedance import branch_reactance, parallel_capacitance, series_capacitance
+from .passivity import Violation, violations
+from .schema import UNPRESSED, build, check, concatenate, impedance, side_by_side
 
 __all__ = [
     "UNPRESSED",

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from simulator.sweeps.errors import InputError
-from simulator.sweeps.impedance import branch_reactance
-from simulator.sweeps.schema import DIMENSIONS, build
+from .errors import InputError
+from .impedance import branch_reactance
+from .schema import DIMENSIONS, build
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -11,9 +11,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from simulator.sweeps.csv import read_csv, write_csv
-from simulator.sweeps.errors import InputError
-from simulator.sweeps.schema import check
+from .csv import read_csv, write_csv
+from .errors import InputError
+from .schema import check
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from simulator.sweeps.errors import InputError
-from simulator.sweeps.importing.dialect import read_table
-from simulator.sweeps.importing.grouping import SAME_FREQUENCY, Defaults, grouped, places
-from simulator.sweeps.importing.readings import BRANCH_RULE, impedance_readings
-from simulator.sweeps.schema import build, concatenate
+from .errors import InputError
+from .importing.dialect import read_table
+from .importing.grouping import SAME_FREQUENCY, Defaults, grouped, places
+from .importing.readings import BRANCH_RULE, impedance_readings
+from .schema import build, concatenate
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from simulator.sweeps.impedance import parallel_capacitance, series_capacitance
-from simulator.sweeps.schema import impedance
+from .impedance import parallel_capacitance, series_capacitance
+from .schema import impedance
 
 if TYPE_CHECKING:
     import xarray as xr

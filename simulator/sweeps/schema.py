@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from simulator.sweeps.errors import InputError
-from simulator.sweeps.impedance import parallel_capacitance
+from .errors import InputError
+from .impedance import parallel_capacitance
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from simulator.plot import STYLE, chart
-from simulator.view.painting import ROLE_COLOURS, Image, Scenery, paint
+from ..charts import STYLE, chart
+from .painting import ROLE_COLOURS, Image, Scenery, paint
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from simulator.view.camera import Camera
-    from simulator.view.foils import Foil
-    from simulator.view.shown import Shown
+    from .camera import Camera
+    from .foils import Foil
+    from .shown import Shown
 
 SINGLE, PANEL, LEAST_WIDTH = 5.6, 3.3, 4.0
 """Width of a picture's panel, of one among several, and the least for the title, inches."""

@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.foam import pixel_lines, touched_box
-from simulator.planar import regular, sides
-from simulator.press import Disc, Polygon, Touch, place_of
-from simulator.view.foils import Foil, foils
-from simulator.view.meshed import Meshed
+from ..press.capacitance import pixel_lines, touched_box
+from ..press.touch import Disc, Polygon, Touch, place_of
+from ..scene.planar import regular, sides
+from .foils import Foil, Meshed, foils
 
 if TYPE_CHECKING:
-    from simulator.press import AnyTouch, Press
-    from simulator.scene import Interface, Scene
-    from simulator.view.surface import Surface
+    from ..press.press import Press
+    from ..press.touch import AnyTouch
+    from ..scene.contacts import Interface
+    from ..scene.scene import Scene
+    from .surface import Surface
 
 Real = NDArray[np.float64]
 Point = Real | tuple[float, float]

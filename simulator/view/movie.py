@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.sweeps import InputError, whole_file
-from simulator.view.painting import ROLE_COLOURS, Image
+from ..sweeps import InputError, whole_file
+from .painting import ROLE_COLOURS, Image
 
 FPS = 8
 GREYS, PALER = 24, 4

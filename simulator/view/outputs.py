@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from simulator.sweeps import InputError
-from simulator.view.quantities import Quantity, chosen
-from simulator.view.shown import at_frequencies, over_the_phase
+from ..sweeps import InputError
+from .quantities import Quantity, chosen
+from .shown import at_frequencies, over_the_phase
 
 if TYPE_CHECKING:
-    from simulator.view.figure import Panel
-    from simulator.view.scenery import Stage
+    from .figure import Panel
+    from .scenery import Stage
 
 MOVIES = (".gif", ".mp4")
 DATA = (".vtu", ".xdmf")
@@ -67,14 +67,14 @@ def panels_of(stage: Stage, quantity: Quantity) -> list[Panel]:
 
 
 def _write_picture(path: Path, stage: Stage, what: str) -> None:
-    from simulator.view.figure import draw
+    from .figure import draw
 
     draw(path, rows_of_panels(stage, what), title(stage))
 
 
 def write_turnable(path: Path, stage: Stage, what: str) -> None:
     """Write a page to turn the skin about in a browser."""
-    from simulator.view.page import write_page
+    from .page import write_page
 
     quantities = chosen(what, stage.fields)
     panels = [panel for quantity in quantities for panel in panels_of(stage, quantity)]
@@ -103,9 +103,9 @@ def _write_phases(path: Path, stage: Stage, what: str) -> None:
 
 
 def _write_frames(path: Path, stage: Stage, frames: list[list[Panel]]) -> None:
-    from simulator.view.figure import rendered
-    from simulator.view.movie import write_movie
-    from simulator.view.painting import Image
+    from .figure import rendered
+    from .movie import write_movie
+    from .painting import Image
 
     def images() -> Iterator[Image]:
         for panels in frames:
@@ -117,8 +117,8 @@ def _write_frames(path: Path, stage: Stage, frames: list[list[Panel]]) -> None:
 
 
 def _write_data(path: Path, stage: Stage, what: str) -> None:
-    from simulator.scene_file import scene_text
-    from simulator.view.dataset import write_dataset
+    from ..scene.files import scene_text
+    from .paraview import write_dataset
 
     about = {
         "scene": scene_text(stage.scene),
@@ -130,8 +130,7 @@ def _write_data(path: Path, stage: Stage, what: str) -> None:
 
 def show(stage: Stage, what: str) -> None:
     """Open a window with the first frequency of each quantity and wait until it is closed."""
-    from simulator.view.painting import add_all
-    from simulator.view.window import window
+    from .painting import add_all, window
 
     panels = [panels_of(stage, quantity)[0] for quantity in chosen(what, stage.fields)]
     plotter = window(title(stage), len(panels))

@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.plot import AT_REST
-from simulator.sweeps import whole_file
-from simulator.view.painting import ARROW, BODY, GRID, ROLE_COLOURS, arrow_mesh, lifted, ribbon
-from simulator.view.surface import triangles
+from ..charts import AT_REST
+from ..sweeps import whole_file
+from .painting import ARROW, BODY, GRID, ROLE_COLOURS, arrow_mesh, lifted, ribbon
+from .surface import triangles
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
     import pyvista as pv
 
-    from simulator.view.figure import Panel
-    from simulator.view.shown import Shown
-    from simulator.view.surface import Surface
+    from .figure import Panel
+    from .shown import Shown
+    from .surface import Surface
 
 Real = NDArray[np.float64]
 COLOURS = 33

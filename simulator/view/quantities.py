@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.sweeps import InputError
+from ..sweeps import InputError
 
 if TYPE_CHECKING:
-    from simulator.fields import Fields
+    from ..models.fields import Fields
 
 Real = NDArray[np.float64]
 Scale = Literal["magnitude", "signed", "cyclic"]
@@ -139,7 +139,6 @@ DEFORMATION = Quantity(
 )
 EITHER_SHEET = _current(0, "Current density in either sheet")
 SHEETS = (_current(0, "Current density, top sheet"), _current(1, "Current density, bottom sheet"))
-
 NAMES = (
     "potential",
     "phase",

@@ -8,20 +8,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.view.camera import Camera, from_above, from_the_side, obliquely
-from simulator.view.figure import Panel
-from simulator.view.marks import marks
-from simulator.view.painting import Scenery
-from simulator.view.surface import Surface, curved, polygons, readable_exaggeration, surface
+from .camera import Camera, from_above, from_the_side, obliquely
+from .figure import Panel
+from .marks import marks
+from .painting import Scenery
+from .surface import Surface, curved, polygons, readable_exaggeration, surface
 
 if TYPE_CHECKING:
     import pyvista as pv
 
-    from simulator.fields import Fields
-    from simulator.press import Press
-    from simulator.scene import Interface, Scene
-    from simulator.view.quantities import Quantity
-    from simulator.view.shown import Shown
+    from ..models.fields import Fields
+    from ..press.press import Press
+    from ..scene.contacts import Interface
+    from ..scene.scene import Scene
+    from .quantities import Quantity
+    from .shown import Shown
 
 Real = NDArray[np.float64]
 MARGIN = 0.025

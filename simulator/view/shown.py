@@ -9,19 +9,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.view.marks import Arrows, arrows
-from simulator.view.quantities import (
-    COLOUR_MAPS,
-    Quantity,
-    difference,
-    point_areas,
-    prefix,
-    scales,
-)
+from .marks import Arrows, arrows
+from .quantities import COLOUR_MAPS, Quantity, difference, point_areas, prefix, scales
 
 if TYPE_CHECKING:
-    from simulator.fields import Fields
-    from simulator.view.surface import Surface
+    from ..models.fields import Fields
+    from .surface import Surface
 
 Real = NDArray[np.float64]
 CONTOUR_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0)
@@ -166,7 +159,7 @@ def phase_contours(skin: Surface, V: NDArray[np.complex128]) -> tuple[tuple[Real
 
 
 def _isophase(skin: Surface, V: NDArray[np.complex128], level: float) -> list[Real]:
-    from simulator.view.surface import polygons
+    from .surface import polygons
 
     turned = V * np.exp(-1j * np.radians(level)) / np.maximum(np.abs(V), np.finfo(float).tiny)
     mesh = polygons(skin.points, skin.cells)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import pyvista as pv
     from scipy.spatial import KDTree
 
-    from simulator.fields import Fields
+    from ..models.fields import Fields
 
 Real = NDArray[np.float64]
 SAME_PLACE = 1.234e-7

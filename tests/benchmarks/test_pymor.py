@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-
-from simulator.estimate import relative_difference
-from simulator.reduction import pixel_touches, reduce
-from simulator.scene import Scene
-from simulator.scene_file import load_scene
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.models.reduced.cases import pixel_touches
+from rcskin.simulator.models.reduced.greedy import reduce
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene import Scene
 
 pytest.importorskip("pymor")
 

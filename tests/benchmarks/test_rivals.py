@@ -5,10 +5,9 @@ import shutil
 
 import numpy as np
 import pytest
-
-from simulator.line import Line
-from simulator.press import Press, parse_press
-from simulator.sweeps import parallel_capacitance
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.sweeps import parallel_capacitance
 
 COLUMNS = 4
 PRESS = "1,2:3"

@@ -9,16 +9,15 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 
 import pytest
+from rcskin.hardware.meter.accuracy import read_table
+from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.virtual.control import Control
+from rcskin.hardware.virtual.instrument import Instrument
+from rcskin.hardware.virtual.interpreter import answer
+from rcskin.hardware.virtual.measurement import Bench
+from rcskin.hardware.virtual.server import running
+from rcskin.hardware.virtual.skin import exact
 from typer.testing import CliRunner
-
-from hardware.accuracy import read_table
-from hardware.hioki import open_meter
-from hardware.virtual.control import Control
-from hardware.virtual.instrument import Instrument
-from hardware.virtual.interpreter import answer
-from hardware.virtual.measurement import Bench
-from hardware.virtual.server import running
-from hardware.virtual.skin import exact
 
 RIG = Path(__file__).with_name("rig.py")
 _rig = runpy.run_path(str(RIG))

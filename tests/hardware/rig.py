@@ -2,10 +2,10 @@
 
 import math
 
-from hardware.cli import meter_app
-from hardware.given import SceneData, Simulation
-from hardware.virtual.skin import exact
-from simulator.sweeps import InputError
+from rcskin.hardware.cli import meter_app
+from rcskin.hardware.scene_data import SceneData
+from rcskin.hardware.virtual.skin import Simulation, exact
+from rcskin.simulator.sweeps import InputError
 
 R, C = 10e3, 1e-9
 

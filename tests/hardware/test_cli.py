@@ -5,11 +5,10 @@ import subprocess
 import sys
 
 import pytest
-
-from hardware.errors import MeterError, NoConnectionError
-from hardware.serving import instrument, recorded
-from hardware.virtual.recorded import Recorded
-from simulator.sweeps import InputError, impedance, read
+from rcskin.hardware.meter.errors import MeterError, NoConnectionError
+from rcskin.hardware.virtual.recorded import Recorded
+from rcskin.hardware.virtual.serving import instrument, recorded
+from rcskin.simulator.sweeps import InputError, impedance, read
 
 
 @pytest.fixture
@@ -37,7 +36,7 @@ def recording(told, ports, tmp_path):
 
 def test_help_loads_nothing_heavy():
     heavy = "{'numpy', 'pyvisa', 'xarray', 'pydantic', 'rich.live'}"
-    loaded = f"import sys, hardware.cli; sys.exit(bool({heavy} & set(sys.modules)))"
+    loaded = f"import sys, rcskin.hardware.cli; sys.exit(bool({heavy} & set(sys.modules)))"
     assert subprocess.run([sys.executable, "-c", loaded], check=False).returncode == 0
 
 

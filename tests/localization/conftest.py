@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from simulator.sweeps import UNPRESSED, build, concatenate
+from rcskin.simulator.sweeps import UNPRESSED, build, concatenate
 
 FREQUENCY = np.geomspace(1e3, 200e3, 20)
 RESISTANCE = 100e3

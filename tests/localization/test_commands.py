@@ -6,9 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 import skops.io
-
-import rcskin
-from simulator.sweeps import concatenate, write
+from rcskin import __main__ as rcskin
+from rcskin.simulator.sweeps import concatenate, write
 
 SCENE = "[skin]\nlength = 0.03\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 3\n"
 

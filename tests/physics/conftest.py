@@ -2,17 +2,16 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.fem.assembly import quadrilateral
+from rcskin.simulator.fem.circuit import two_fields
+from rcskin.simulator.mesh.quadrilaterals import pixel_mesh, tile_lines
+from rcskin.simulator.press.capacitance import tile_map
+from rcskin.simulator.scene.frequency import laplace_variable
+from rcskin.simulator.scene.scene import Scene
 from scipy.sparse import csr_matrix, eye_array, kron
 from scipy.sparse.linalg import spsolve
 from skfem import BilinearForm, LinearForm
 from skfem.assembly import Basis, FacetBasis
-
-from simulator.assembly import quadrilateral
-from simulator.circuit import two_fields
-from simulator.foam import tile_map
-from simulator.frequency import laplace_variable
-from simulator.mesh import pixel_mesh, tile_lines
-from simulator.scene import Scene
 
 
 @pytest.fixture(scope="session")

@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rcskin.simulator.fem.assembly import fill, fill_readable, quadrilateral
+from rcskin.simulator.fem.circuit import one_field, two_fields
+from rcskin.simulator.fem.pattern import DROPPED
+from rcskin.simulator.fem.system import build_system
+from rcskin.simulator.mesh.quadrilaterals import Resolution, pixel_mesh
+from rcskin.simulator.press.capacitance import capacitance_map
 from skfem import BilinearForm
 from skfem.assembly import Basis, FacetBasis
-
-from simulator.assembly import fill, fill_readable, quadrilateral
-from simulator.circuit import one_field, two_fields
-from simulator.foam import capacitance_map
-from simulator.mesh import Resolution, pixel_mesh
-from simulator.pattern import DROPPED
-from simulator.system import build_system
 
 TOUCHING_HALVES = {
     f"{sheet}-left-{k}": {"span": span, "resistance": r_c}

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from simulator.circuit import one_field, two_fields
-from simulator.line import Line
-from simulator.mesh import Resolution
-from simulator.press import Press, parse_press
-from simulator.sheet import Sheet
+from rcskin.simulator.fem.circuit import one_field, two_fields
+from rcskin.simulator.mesh.quadrilaterals import Resolution
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.press.press import Press, parse_press
 
 CELLS = {1: (16, 32), 2: (8, 16), 3: (4, 8), 4: (4, 8)}
 

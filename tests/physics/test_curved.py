@@ -3,14 +3,13 @@
 import meshio
 import numpy as np
 import pytest
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied.meshes import circuit_of
+from rcskin.simulator.models.varied.squares import Squares
+from rcskin.simulator.models.varied.triangles import Triangles
+from rcskin.simulator.press.press import Press
 from scipy.integrate import solve_ivp
 from scipy.spatial import Delaunay
-
-from simulator.fidelity import Solver
-from simulator.press import Press
-from simulator.varied.meshes import circuit_of
-from simulator.varied.squares import Squares
-from simulator.varied.triangles import Triangles
 
 TOP, BOTTOM, C = 50e3, 30e3, 5e-9
 SPHERE = 0.05

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from simulator.fidelity import Solver
-from simulator.fields import fields
-from simulator.leads import Leads
-from simulator.press import Press, parse_press
+from rcskin.simulator.models.fields import fields
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.scene.meter import Leads
 
 CROSSED = {"top-left": {}, "bottom-bottom": {}}
 MORE = {"rows": 3, "columns": 3, "frequencies": [1e3, 3e4]}

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from simulator.fidelity import Solver
-from simulator.forward import Forward
-from simulator.parameters import PARAMETERS, scene_with
-from simulator.press import parse_press
-from simulator.sweeps import InputError, parallel_capacitance
+from rcskin.simulator.models.parameters import PARAMETERS, scene_with
+from rcskin.simulator.models.reduced.forward import Forward
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
 FILMS = {"top-left": {"resistance": 200.0}, "bottom-left": {"resistance": 100.0}}
 CROSSED = {"top-left": {"resistance": 200.0}, "bottom-bottom": {"resistance": 300.0}}

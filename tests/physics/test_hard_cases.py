@@ -4,15 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from simulator.circuit import one_field, two_fields
-from simulator.estimate import relative_difference
-from simulator.fidelity import Solver
-from simulator.ladder import Ladder
-from simulator.press import Press, parse_press
-from simulator.scene_file import load_scene
-from simulator.sheet import Sheet
-from simulator.sweeps import parallel_capacitance
+from rcskin.simulator.fem.circuit import one_field, two_fields
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.models.resolution import Ladder
+from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.sweeps import parallel_capacitance
 
 RTOL = 1e-6
 SHEET = {"length": 0.12, "width": 0.12, "top": 50e3, "bottom": 50e3, "c": 4.861e-9}

@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-
-from simulator.electrical import electrical, electrical_press
-from simulator.fidelity import Solver
-from simulator.materials import Materials
-from simulator.materials.embedding import metric, position
-from simulator.press import Polygon, Press, Rectangle, Touch
-from simulator.scene import Scene
+from rcskin.simulator.models.plain import electrical, electrical_press
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied.materials import Materials, metric, position
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Polygon, Rectangle, Touch
+from rcskin.simulator.scene.scene import Scene
 
 X = np.random.default_rng(3).uniform(0, 1, (2, 200)) * np.array([0.10, 0.08])[:, None]
 FREQUENCIES = (1e2, 1e4, 1e6)

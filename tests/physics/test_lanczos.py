@@ -4,21 +4,20 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from simulator.circuit import one_field, two_fields
-from simulator.estimate import relative_difference
-from simulator.lanczos import (
+from rcskin.simulator.fem.circuit import one_field, two_fields
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.lanczos import (
     Pencil,
     continued_fraction,
     continued_fraction_readable,
     last_change,
     respond,
 )
-from simulator.line import Line
-from simulator.mesh import Resolution
-from simulator.press import Press
-from simulator.sheet import Sheet
-from simulator.sweeps import parallel_capacitance
+from rcskin.simulator.mesh.quadrilaterals import Resolution
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.sweeps import parallel_capacitance
 
 
 @given(steps=st.integers(1, 8), seed=st.integers(0, 2**32))

@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from simulator.circuit import one_field, two_fields
-from simulator.line import Line
-from simulator.lumped import Lumped
-from simulator.mesh import Resolution
-from simulator.press import Press
-from simulator.sheet import Sheet
+from rcskin.simulator.fem.circuit import one_field, two_fields
+from rcskin.simulator.mesh.quadrilaterals import Resolution
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.models.lumped import Lumped
+from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.press.press import Press
 
 FINE = Resolution(order=8, cells=3)
 

@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from simulator.circuit import one_field, two_fields
-from simulator.foam import capacitance_map
-from simulator.line import Line
-from simulator.lumped import Lumped
-from simulator.mesh import Resolution
-from simulator.press import Press, Touch
-from simulator.scene_file import load_scene
-from simulator.sheet import Sheet
-from simulator.sweeps import parallel_capacitance
+from rcskin.simulator.fem.circuit import one_field, two_fields
+from rcskin.simulator.mesh.quadrilaterals import Resolution
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.models.lumped import Lumped
+from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.press.capacitance import capacitance_map
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Touch
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.sweeps import parallel_capacitance
 
 MILLIHERTZ = np.array([1e-3])
 COARSE = Resolution(order=4)

@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from simulator.circuit import one_field, two_fields
-from simulator.line import Line
-from simulator.lumped import Lumped
-from simulator.mesh import Resolution
-from simulator.press import Press
-from simulator.sheet import Sheet
-from simulator.sweeps import InputError, parallel_capacitance
+from rcskin.simulator.fem.circuit import one_field, two_fields
+from rcskin.simulator.mesh.quadrilaterals import Resolution
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.models.lumped import Lumped
+from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
 ROUNDING = 1e-9
 ON_LINES = Resolution(order=4)

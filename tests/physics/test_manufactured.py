@@ -6,12 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rcskin.simulator.fem.assembly import element_pairs, fill, groups, quadrilateral
+from rcskin.simulator.fem.pattern import pattern_of_pairs
+from rcskin.simulator.fem.quadrature import gauss_rule, mass_terms, stiffness_terms, surface
 from skfem import MeshQuad
 from skfem.assembly import Dofs
-
-from simulator.assembly import element_pairs, fill, groups, quadrilateral
-from simulator.pattern import pattern_of_pairs
-from simulator.quadrature import gauss_rule, mass_terms, stiffness_terms, surface
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 ORDERS = (1, 2, 3, 4, 5, 6)

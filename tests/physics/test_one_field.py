@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from simulator.circuit import one_field, two_fields
-from simulator.mesh import Resolution
-from simulator.sheet import Sheet
+from rcskin.simulator.fem.circuit import one_field, two_fields
+from rcskin.simulator.mesh.quadrilaterals import Resolution
+from rcskin.simulator.models.sheet import Sheet
 
 U = np.geomspace(1e-6, 30, 4)
 

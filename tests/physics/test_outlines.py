@@ -2,15 +2,14 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied.meshes import circuit_of
+from rcskin.simulator.models.varied.triangles import Triangles
+from rcskin.simulator.press.press import Press, parse_press
 from scipy.sparse import block_array, coo_array
 from scipy.sparse.linalg import spsolve
 from scipy.special import iv, ive, kv, kve
 from skfem import Basis, BilinearForm, ElementTriP2, MeshTri
-
-from simulator.fidelity import Solver
-from simulator.press import Press, parse_press
-from simulator.varied.meshes import circuit_of
-from simulator.varied.triangles import Triangles
 
 R, C = 1e5, 5e-9
 """ohm/sq of both sheets together, F/m²."""

@@ -3,11 +3,10 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-
-from simulator.circuit import two_fields
-from simulator.mesh import Resolution
-from simulator.sheet import Sheet
-from simulator.sweeps import UNPRESSED, build, violations
+from rcskin.simulator.fem.circuit import two_fields
+from rcskin.simulator.mesh.quadrilaterals import Resolution
+from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.sweeps import UNPRESSED, build, violations
 
 U = np.geomspace(1e-8, 1e3, 23)
 """Where contact resistance is all that is left of Z, X rounds like 1e-16 u |Z|."""

@@ -3,10 +3,9 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-
-from simulator.foam import capacitance_map
-from simulator.line import Line
-from simulator.press import Press
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.press.capacitance import capacitance_map
+from rcskin.simulator.press.press import Press
 
 
 def chain(s, R, C):

@@ -6,10 +6,9 @@ Solved so, a low frequency or a high contrast of sheets costs digits: hence the 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-
-from simulator.circuit import one_field, two_fields
-from simulator.mesh import Resolution
-from simulator.sheet import Sheet
+from rcskin.simulator.fem.circuit import one_field, two_fields
+from rcskin.simulator.mesh.quadrilaterals import Resolution
+from rcskin.simulator.models.sheet import Sheet
 
 U = np.array([0.1, 30.0])
 

@@ -4,18 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from simulator.estimate import relative_difference
-from simulator.fidelity import Solver
-from simulator.frequency import LOSSLESS, Loss
-from simulator.press import Press, Rectangle, Touch
-from simulator.reduced_file import load, save
-from simulator.reduced_kernel import swept, swept_readable
-from simulator.reduction import Case, pixel_touches, reduce
-from simulator.scene_file import load_scene
-from simulator.simulate import simulate
-from simulator.sweeps import InputError, ToleranceError, parallel_capacitance
-from simulator.variation import WAVES, Variation, mode_values, nominal
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.parameters import WAVES, Variation, mode_values, nominal
+from rcskin.simulator.models.reduced.cases import Case, pixel_touches
+from rcskin.simulator.models.reduced.file import load, save
+from rcskin.simulator.models.reduced.greedy import reduce
+from rcskin.simulator.models.reduced.kernel import swept, swept_readable
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Rectangle, Touch
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.frequency import LOSSLESS, Loss
+from rcskin.simulator.sweeps import InputError, ToleranceError, parallel_capacitance
 
 RTOL = 1e-5
 FEEDS = {
@@ -269,7 +270,7 @@ def test_the_same_bits_on_a_second_run(make_scene, families):
 
 
 def test_a_basis_that_outgrows_its_use_is_told(make_scene, monkeypatch):
-    monkeypatch.setattr("simulator.reduction.LARGEST", 5)
+    monkeypatch.setattr("rcskin.simulator.models.reduced.greedy.LARGEST", 5)
     with pytest.raises(ToleranceError, match=r"does not reduce to 1e-05: .* with \d+ vectors"):
         reduce(skin(make_scene, "one field"), RTOL)
 

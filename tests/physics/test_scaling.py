@@ -3,10 +3,9 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-
-from simulator.circuit import two_fields
-from simulator.mesh import Resolution
-from simulator.sheet import Sheet
+from rcskin.simulator.fem.circuit import two_fields
+from rcskin.simulator.mesh.quadrilaterals import Resolution
+from rcskin.simulator.models.sheet import Sheet
 
 FREQUENCY = np.geomspace(1e2, 1e6, 3)
 

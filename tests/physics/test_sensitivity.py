@@ -4,13 +4,13 @@ from dataclasses import replace
 
 from hypothesis import given
 from hypothesis import strategies as st
-
-from simulator.circuit import two_fields
-from simulator.foam import capacitance_map
-from simulator.frequency import laplace_variable
-from simulator.mesh import Resolution
-from simulator.press import Press, Touch
-from simulator.sheet import Sheet
+from rcskin.simulator.fem.circuit import two_fields
+from rcskin.simulator.mesh.quadrilaterals import Resolution
+from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.press.capacitance import capacitance_map
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Touch
+from rcskin.simulator.scene.frequency import laplace_variable
 
 ORDER = Resolution(order=3)
 

@@ -4,20 +4,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from simulator import separable
-from simulator.estimate import relative_difference
-from simulator.fidelity import Solver
-from simulator.frequency import laplace_variable
-from simulator.line import Line
-from simulator.press import Press, parse_press
-from simulator.scene_file import load_scene
-from simulator.separable import Separable
-from simulator.separable_kernel import swept
-from simulator.separable_modes import interval, side
-from simulator.separable_pieces import pieces, random_presses
-from simulator.separable_products import swept_readable
-from simulator.sweeps import InputError, ToleranceError
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.models.separable import model as separable
+from rcskin.simulator.models.separable.kernel import swept
+from rcskin.simulator.models.separable.model import Separable
+from rcskin.simulator.models.separable.modes import interval, side, swept_readable
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.pieces import pieces, random_presses
+from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.frequency import laplace_variable
+from rcskin.simulator.sweeps import InputError, ToleranceError
 
 FREQUENCY = np.geomspace(40, 200e3, 20)
 EDGES = ("left", "right", "bottom", "top")

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from simulator.fidelity import Solver
-from simulator.press import Press
-from simulator.scene import Scene
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.scene import Scene
 
 RADIUS, TOP, BOTTOM, C = 0.05, 50e3, 30e3, 5e-9
 FREQUENCIES = (1e2, 3e3, 1e5)

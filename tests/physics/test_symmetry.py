@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from simulator.circuit import two_fields
-from simulator.mesh import Resolution
-from simulator.press import Press, Touch, parse_press
-from simulator.sheet import Sheet
+from rcskin.simulator.fem.circuit import two_fields
+from rcskin.simulator.mesh.quadrilaterals import Resolution
+from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.press.touch import Touch
 
 ORDER = Resolution(order=3)
 FREQUENCY = np.geomspace(1e2, 1e5, 4)

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from simulator.circuit import two_fields
-from simulator.mesh import Resolution
-from simulator.press import parse_press
-from simulator.sheet import Sheet
+from rcskin.simulator.fem.circuit import two_fields
+from rcskin.simulator.mesh.quadrilaterals import Resolution
+from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.press.press import parse_press
 
 U = np.array([1e-6, 1.0, 30.0])
 PRESS = parse_press("1,2:3+2,3:0.5", 2.0)

@@ -4,17 +4,16 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from simulator.circuit import one_field, two_fields
-from simulator.fidelity import Solver
-from simulator.frequency import penetration_depth
-from simulator.line import Line
-from simulator.mesh import Resolution, singular_ends
-from simulator.press import Press, parse_press
-from simulator.scene_file import load_scene, pixel_by_pixel
-from simulator.sheet import Sheet
-from simulator.simulate import simulate
-from simulator.sweeps import ToleranceError, parallel_capacitance
+from rcskin.simulator.fem.circuit import one_field, two_fields
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.mesh.quadrilaterals import Resolution, singular_ends
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press, parse_press, pixel_by_pixel
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.frequency import penetration_depth
+from rcskin.simulator.sweeps import ToleranceError, parallel_capacitance
 
 WHOLE_EDGES = [[(0.0, 1.0)]]
 

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-
-from simulator.circuit import one_field, two_fields
-from simulator.fidelity import Solver
-from simulator.foam import lines, tile_map
-from simulator.frequency import laplace_variable
-from simulator.line import Line
-from simulator.mesh import Resolution, singular_ends, tile_lines
-from simulator.press import Press, Rectangle, parse_press
-from simulator.scene_file import load_scene
-from simulator.sheet import Sheet
-from simulator.sweeps import InputError, parallel_capacitance
+from rcskin.simulator.fem.circuit import one_field, two_fields
+from rcskin.simulator.mesh.quadrilaterals import Resolution, singular_ends, tile_lines
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.capacitance import lines, tile_map
+from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.press.touch import Rectangle
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.frequency import laplace_variable
+from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
 THINNEST = 1e-6
 """Of cells over the longer side: thinner ones lose digits that differences of Y need."""

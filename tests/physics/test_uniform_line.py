@@ -2,15 +2,14 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.fem.circuit import one_field
+from rcskin.simulator.mesh.quadrilaterals import Resolution
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.sweeps import parallel_capacitance
 from scipy.optimize import brentq
 from scipy.special import bernoulli, factorial
-
-from simulator.circuit import one_field
-from simulator.line import Line
-from simulator.mesh import Resolution
-from simulator.press import Press
-from simulator.sheet import Sheet
-from simulator.sweeps import parallel_capacitance
 
 R = (50e3 + 30e3) * 0.10 / 0.08
 C = 5e-9 * 0.10 * 0.08

@@ -6,18 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rcskin.simulator.fem.circuit import two_fields
+from rcskin.simulator.fem.galerkin import Galerkin
+from rcskin.simulator.mesh.quadrilaterals import Resolution, pixel_mesh
+from rcskin.simulator.mesh.skin_mesh import domain
+from rcskin.simulator.models.varied.coefficients import ELECTRODES, Coefficients
+from rcskin.simulator.models.varied.elements import pressed_system, squares, triangles
+from rcskin.simulator.models.varied.materials import Materials
+from rcskin.simulator.press.press import Press, parse_press
 from skfem import BilinearForm, MeshTri
 from skfem.assembly import Basis, FacetBasis
-
-from simulator.circuit import two_fields
-from simulator.domain import domain
-from simulator.galerkin import Galerkin
-from simulator.materials import Materials
-from simulator.mesh import Resolution, pixel_mesh
-from simulator.press import Press, parse_press
-from simulator.varied.coefficients import ELECTRODES, Coefficients
-from simulator.varied.elements import squares, triangles
-from simulator.varied.system import pressed_system
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 EXPECTED = {"L2": lambda p: p + 1, "H1": lambda p: p, "current": lambda p: 2 * p}

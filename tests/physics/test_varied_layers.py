@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from simulator.fidelity import Solver
-from simulator.frequency import laplace_variable
-from simulator.press import parse_press
-from simulator.varied.meshes import circuit_of
-from simulator.varied.triangles import Triangles
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied.meshes import circuit_of
+from rcskin.simulator.models.varied.triangles import Triangles
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.frequency import laplace_variable
 
 LENGTH, C, SHEET = 0.12, 5e-9, 2e4
 BY_CHANCE = [

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-
-from simulator.fidelity import Solver
-from simulator.press import Press, Touch
-from simulator.scene import Scene
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Touch
+from rcskin.simulator.scene.scene import Scene
 
 LENGTH, WIDTH, TOP, BOTTOM, C = 0.1, 0.02, 50e3, 30e3, 5e-9
 LOOP = (TOP + BOTTOM) * LENGTH / WIDTH

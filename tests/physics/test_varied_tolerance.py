@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-
-from simulator.fidelity import Solver
-from simulator.frequency import laplace_variable
-from simulator.press import Press, parse_press
-from simulator.sheet import swept
-from simulator.varied.meshes import circuit_of
-from simulator.varied.squares import Squares
-from simulator.varied.triangles import Triangles
+from rcskin.simulator.fem.galerkin import swept
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied.meshes import circuit_of
+from rcskin.simulator.models.varied.squares import Squares
+from rcskin.simulator.models.varied.triangles import Triangles
+from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.scene.frequency import laplace_variable
 
 SIDE = 0.12
 SHEETS = {"top": 6e4, "bottom": 4e4, "c": 5e-9, "length": SIDE, "width": SIDE}

@@ -39,8 +39,7 @@ def test_every_link_leads_to_a_file():
 
 @pytest.mark.parametrize("command", re.findall(r"^rcskin (\w+)", README, flags=re.MULTILINE))
 def test_every_command_shown_exists(command):
+    from rcskin.__main__ import app
     from typer.main import get_command
-
-    from rcskin import app
 
     assert command in get_command(app).commands

@@ -4,10 +4,9 @@ import sys
 
 import numpy as np
 import pytest
-
-import rcskin
-from simulator.scene import Scene
-from simulator.sweeps import build
+from rcskin import __main__ as rcskin
+from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.sweeps import build
 
 FREQUENCY = np.array([1e3, 2e3, 1e4])
 

@@ -5,9 +5,8 @@ import sys
 
 import numpy as np
 import pytest
-
-from simulator import sweeps
-from simulator.scene_file import BUILTIN, builtin_names, load_scene
+from rcskin.simulator import sweeps
+from rcskin.simulator.scene.files import BUILTIN, builtin_names, load_scene
 
 
 @pytest.fixture
@@ -164,7 +163,7 @@ def test_an_unexpected_failure_is_one_line_and_code_1(run, monkeypatch, tmp_path
     def fail(*_):
         raise MemoryError("the sheet does not fit")
 
-    monkeypatch.setattr("simulator.fidelity.Solver.solve", fail)
+    monkeypatch.setattr("rcskin.simulator.models.solver.Solver.solve", fail)
     code, _, err = run("sweep", "strip-1x3", "-o", tmp_path / "out.csv")
     assert code == 1
     assert err.startswith("rcskin: the sheet does not fit (MemoryError;")

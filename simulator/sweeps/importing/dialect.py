@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from simulator.sweeps.errors import InputError
-from simulator.sweeps.importing.columns import UNITS, Column, recognised
+from ..errors import InputError
+from .columns import UNITS, Column, recognised
 
 SEPARATORS = {"\t": "tab", ";": "semicolon", ",": "comma"}
 COMMENTS = "#%;"

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.sweeps.errors import InputError
-from simulator.sweeps.importing.dialect import Table
-from simulator.sweeps.schema import UNPRESSED
+from ..errors import InputError
+from ..schema import UNPRESSED
+from .dialect import Table
 
 PIXEL = re.compile(r"(\d+)\s*,\s*(\d+)\s*(:[^+]*)?")
 SAME_FREQUENCY = 1e-6

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.sweeps.errors import InputError
-from simulator.sweeps.impedance import branch_reactance, parallel_capacitance
-from simulator.sweeps.importing.dialect import Table
+from ..errors import InputError
+from ..impedance import branch_reactance, parallel_capacitance
+from .dialect import Table
 
 Reals = NDArray[np.float64]
 BRANCH_RULE = (

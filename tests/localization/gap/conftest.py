@@ -7,10 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.optimize import least_squares
-
-from localization.gap.findings import find
-from localization.gap.given import (
+from rcskin.localization.gap.findings import find
+from rcskin.localization.gap.given import (
     Cause,
     Estimate,
     ReadingError,
@@ -18,10 +16,11 @@ from localization.gap.given import (
     Simulation,
     Style,
 )
-from localization.gap.pair import paired
-from localization.gap.question import Question
-from localization.gap.trial import prepared
-from simulator.sweeps import UNPRESSED, build, impedance
+from rcskin.localization.gap.pair import paired
+from rcskin.localization.gap.question import Question
+from rcskin.localization.gap.trial import prepared
+from rcskin.simulator.sweeps import UNPRESSED, build, impedance
+from scipy.optimize import least_squares
 
 FREQUENCY = np.geomspace(1e3, 200e3, 8)
 COLUMNS = 3

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from localization.estimators import chosen
-from localization.gap.accuracy import cross_validated, transferred
-from localization.gap.samples import Samples, samples_of
-from localization.gap.splits import Split
-from localization.samples import Problem
+from rcskin.localization.gap.accuracy import cross_validated, transferred
+from rcskin.localization.gap.samples import Samples, samples_of
+from rcskin.localization.gap.splits import Split
+from rcskin.localization.inputs.samples import Problem
+from rcskin.localization.learners.registry import chosen
 
 KSVM, SVC = (chosen(name, "column") for name in ("ksvm-ovo", "svc"))
 

@@ -5,15 +5,15 @@ import sys
 
 import numpy as np
 import pytest
-
 import rcskin
-from simulator.experiment import planned_presses
-from simulator.fidelity import Solver
-from simulator.parameters import scene_with
-from simulator.readout import read_out
-from simulator.scene_file import load_scene, pixel_by_pixel, scene_text
-from simulator.simulate import simulate
-from simulator.sweeps import read, write
+from rcskin.simulator.measure.experiment import planned_presses
+from rcskin.simulator.measure.readout import read_out
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.parameters import scene_with
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import pixel_by_pixel
+from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.sweeps import read, write
 
 ENTRIES = {"about", "accuracy", "calibration", "causes", "compared", "discrepancy", "distance",
            "features", "frequency_Hz", "interfaces", "meter_error", "notes", "question",
@@ -71,7 +71,7 @@ def test_a_sheet_resistance_is_named_and_calibration_brings_accuracy_up(run, fil
 def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
     run, files, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("localization.gap.report.charts_of", lambda *given: [])
+    monkeypatch.setattr("rcskin.localization.gap.report.charts.charts_of", lambda *given: [])
     bare = tmp_path / "bare.nc"
     exact = simulate(Solver(load_scene("strip-1x3")), pixel_by_pixel(load_scene("strip-1x3")))
     write(exact.isel(frequency=slice(None, None, 2)).assign_attrs(scene=""), bare)

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from localization.gap.discrepancy import (
+from rcskin.localization.gap.discrepancy import (
     MOST,
     discrepancy,
     energy_distance,

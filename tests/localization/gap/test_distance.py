@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from localization.gap.distance import distances, meter_error, neighbours
-from localization.gap.given import ReadingError
-from simulator.sweeps import build, impedance
+from rcskin.localization.gap.distance import distances, meter_error, neighbours
+from rcskin.localization.gap.given import ReadingError
+from rcskin.simulator.sweeps import build, impedance
 
 NOISE = ReadingError(0.003, 0.002)
 

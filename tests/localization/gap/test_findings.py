@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
+from rcskin.localization.gap.question import Question
+from rcskin.localization.gap.report.telling import rows_of
+from rcskin.localization.learners.registry import Estimator
+from rcskin.simulator.sweeps import InputError
 from sklearn.svm import SVC
-
-from localization.estimators import Estimator
-from localization.gap.question import Question
-from localization.gap.telling import rows_of
-from simulator.sweeps import InputError
 
 
 def reached(findings, stage, features="relative", k=0):

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from localization.features import features
-from localization.gap.noun import MEASUREMENT, SECOND, TWIN, check_simulated, noun_of
-from localization.gap.pair import paired, pixel_of
-from localization.gap.thinning import MOST, SPREAD
-from simulator.sweeps import InputError
+from rcskin.localization.gap.noun import MEASUREMENT, SECOND, TWIN, check_simulated, noun_of
+from rcskin.localization.gap.pair import paired, pixel_of
+from rcskin.localization.gap.thinning import MOST, SPREAD
+from rcskin.localization.inputs.features import features
+from rcskin.simulator.sweeps import InputError
 
 MEASURED = {"model": "measured"}
 

@@ -5,12 +5,11 @@ import math
 import re
 
 import pytest
-
-from localization.gap import report
-from localization.gap.charts import charts_of
-from localization.gap.numbers import KEYS, numbers
-from localization.gap.telling import cause_told, rows_of
-from simulator.sweeps import InputError
+from rcskin.localization.gap.report import pages as report
+from rcskin.localization.gap.report.charts import charts_of
+from rcskin.localization.gap.report.numbers import KEYS, numbers
+from rcskin.localization.gap.report.telling import cause_told, rows_of
+from rcskin.simulator.sweeps import InputError
 
 CHARTS = {
     "distance-pressed",
@@ -134,7 +133,7 @@ def test_a_chart_that_fails_leaves_nothing_behind(findings, style, tmp_path, mon
     def fails(*arguments):
         raise RuntimeError
 
-    monkeypatch.setattr("localization.gap.charts.draw_accuracies", fails)
+    monkeypatch.setattr("rcskin.localization.gap.report.curves.draw_accuracies", fails)
     with pytest.raises(RuntimeError):
         report.write_report(tmp_path, findings, style)
     assert list(tmp_path.iterdir()) == []

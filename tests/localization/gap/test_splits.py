@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from localization.gap.splits import largest_k, reserved_for_calibration, touch_splits
-from simulator.sweeps import InputError
+from rcskin.localization.gap.splits import largest_k, reserved_for_calibration, touch_splits
+from rcskin.simulator.sweeps import InputError
 
 
 def grid(rows, columns, repetitions, rest=0):

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-
-from simulator.fidelity import Solver
-from simulator.parameters import scene_with
-from simulator.press import parse_press
-from simulator.readout import read_out
-from simulator.scene import Pressing, Readout
-from simulator.simulate import simulate
+from rcskin.simulator.measure.readout import read_out
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.parameters import scene_with
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.meter import Readout
+from rcskin.simulator.scene.scene import Pressing
 
 METER = Readout(
     magnitude_accuracy=3e-3,

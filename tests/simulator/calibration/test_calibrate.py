@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-
-from simulator.calibration import Options, calibrate, gap_by_parameter
-from simulator.forward import Forward
-from simulator.parameters import own_values, scene_with
-from simulator.readout import read_out
-from simulator.scene import Readout
-from simulator.sweeps import InputError
+from rcskin.simulator.calibration import Options, calibrate, gap_by_parameter
+from rcskin.simulator.measure.readout import read_out
+from rcskin.simulator.models.parameters import own_values, scene_with
+from rcskin.simulator.models.reduced.forward import Forward
+from rcskin.simulator.scene.meter import Readout
+from rcskin.simulator.sweeps import InputError
 
 TRUTH = {"sheet_resistance": 0.25, "capacitance": -0.3, "phase_exponent": 0.96}
 FITTED = ("sheet_resistance", "capacitance", "stray_capacitance")

@@ -3,11 +3,10 @@
 import json
 
 import pytest
-
-from simulator.parameters import scene_with
-from simulator.scene_file import read_scene, scene_text
-from simulator.sweeps import read as read_sweeps
-from simulator.sweeps import write
+from rcskin.simulator.models.parameters import scene_with
+from rcskin.simulator.scene.files import read_scene, scene_text
+from rcskin.simulator.sweeps import read as read_sweeps
+from rcskin.simulator.sweeps import write
 
 TRUTH = {"sheet_resistance": 0.25, "capacitance": -0.3}
 PRESSES = ("none", "none", "1,2:1.9", "1,3:2.1")
@@ -135,7 +134,7 @@ def test_nothing_is_left_where_writing_fails(run, files, monkeypatch):
     def broken(*_):
         raise OSError("no space left")
 
-    monkeypatch.setattr("simulator.calibration.report.draw_residuals", broken)
+    monkeypatch.setattr("rcskin.simulator.calibration.chart.draw_residuals", broken)
     code, _, err = run("calibrate", scene, measured, "-o", folder, *TWO)
     assert code == 1
     assert "no space left" in err

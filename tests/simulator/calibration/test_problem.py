@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-
-from simulator.calibration.fit import solved
-from simulator.calibration.measured import measured
-from simulator.calibration.model import around
-from simulator.calibration.prior import priors
-from simulator.calibration.problem import Asked, Problem, difference
-from simulator.observation import ErrorModel
-from simulator.parameters import own_values
+from rcskin.simulator.calibration.fit import solved
+from rcskin.simulator.calibration.measured import measured
+from rcskin.simulator.calibration.model import around
+from rcskin.simulator.calibration.prior import priors
+from rcskin.simulator.calibration.problem import Asked, Problem, difference
+from rcskin.simulator.measure.readout import ErrorModel
+from rcskin.simulator.models.parameters import own_values
 
 PRESSES = ("none", "none", "1,2:1.8+1,3:2.4", "1,1:2.0")
 NAMES = ("sheet_resistance", "capacitance", "phase_exponent", "lead_inductance")

@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-
-from simulator.dataset.audit import Audit, audited, together
-from simulator.dataset.presses import drawn_presses
-from simulator.dataset.session import drawn_session
-from simulator.dataset.streams import AUDIT, PRESSES, stream
-from simulator.sweeps import ToleranceError, open_zarr
+from rcskin.simulator.dataset.presses import drawn_presses
+from rcskin.simulator.dataset.session import Audit, audited, drawn_session, together
+from rcskin.simulator.dataset.streams import AUDIT, PRESSES, stream
+from rcskin.simulator.sweeps import ToleranceError, open_zarr
 
 
 class Skin:
@@ -29,7 +27,7 @@ class Skin:
 
 @pytest.fixture(scope="module")
 def presses():
-    from simulator.scene_file import load_scene
+    from rcskin.simulator.scene.files import load_scene
 
     return drawn_presses(load_scene("sheet-3x3"), stream(1, 0, PRESSES), 500, (3, 3))
 

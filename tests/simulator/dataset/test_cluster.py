@@ -5,9 +5,8 @@ import signal
 
 import pytest
 from distributed import LocalCluster
-
-from simulator.dataset import generate
-from simulator.sweeps import InputError
+from rcskin.simulator.dataset import generate
+from rcskin.simulator.sweeps import InputError
 
 
 @pytest.fixture
@@ -41,7 +40,7 @@ def test_a_worker_killed_half_way_changes_nothing(make, toy, cluster, tmp_path):
 
 
 def test_a_scheduler_that_is_not_there_is_told(toy, tmp_path, monkeypatch):
-    monkeypatch.setattr("simulator.dataset.workers.SECONDS_TO_CONNECT", 0.3)
+    monkeypatch.setattr("rcskin.simulator.dataset.workers.SECONDS_TO_CONNECT", 0.3)
     with pytest.raises(InputError, match=r"--scheduler tcp://127\.0\.0\.1:1: cannot be reached"):
         generate(
             toy.small_plan(20),

@@ -8,11 +8,10 @@ import time
 
 import numpy as np
 import pytest
-
-from simulator.fidelity import Solver
-from simulator.press import parse_press
-from simulator.scene_file import BUILTIN, read_scene
-from simulator.sweeps import impedance, parallel_capacitance, read, write
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.files import BUILTIN, read_scene
+from rcskin.simulator.sweeps import impedance, parallel_capacitance, read, write
 
 ALIKE = """
 [dataset.session]

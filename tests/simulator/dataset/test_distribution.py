@@ -1,11 +1,9 @@
 import numpy as np
 import pytest
 from pydantic import ValidationError
-
-from simulator.distribution import Fixed, Lognormal, Normal, Uniform
-from simulator.randomisation import Randomisation
-from simulator.scene_file import BUILTIN, load_scene, parse_scene, scene_text
-from simulator.sweeps import InputError
+from rcskin.simulator.scene.files import BUILTIN, load_scene, parse_scene, scene_text
+from rcskin.simulator.scene.randomisation import Fixed, Lognormal, Normal, Randomisation, Uniform
+from rcskin.simulator.sweeps import InputError
 
 TEXT = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")
 CHANCES = (np.arange(100_000) + 0.5) / 100_000

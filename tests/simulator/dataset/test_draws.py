@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-
-from simulator.dataset.presses import cells_of_pixels, drawn_presses
-from simulator.dataset.skins import drawn_skin
-from simulator.dataset.streams import PRESSES, SKIN, stream
-from simulator.distribution import Uniform
-from simulator.foam import capacitance_map, grid_map
-from simulator.press import Touch, parse_press
-from simulator.scene_file import load_scene
+from rcskin.simulator.dataset.presses import cells_of_pixels, drawn_presses
+from rcskin.simulator.dataset.skins import drawn_skin
+from rcskin.simulator.dataset.streams import PRESSES, SKIN, stream
+from rcskin.simulator.press.capacitance import capacitance_map, grid_map
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.press.touch import Touch
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.randomisation import Uniform
 
 SCENE = load_scene("sheet-3x3")
 GRID = (6, 9)

@@ -4,9 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-
-from simulator.dataset.export import export
-from simulator.sweeps import InputError, read
+from rcskin.simulator.dataset.export import export
+from rcskin.simulator.sweeps import InputError, read
 
 
 @pytest.fixture
@@ -47,7 +46,7 @@ def test_parquet_has_one_row_a_sweep(data, tmp_path):
 
 
 def test_sweeps_of_other_origin_are_exported_too(make_sweeps, tmp_path):
-    from simulator.sweeps import write
+    from rcskin.simulator.sweeps import write
 
     write(make_sweeps(), tmp_path / "data.zarr")
     export(tmp_path / "data.zarr", tmp_path / "out.parquet")

@@ -3,15 +3,14 @@
 import numpy as np
 import pytest
 import xarray as xr
-
-from simulator.dataset import Plan
-from simulator.dataset.session import drawn_session
-from simulator.dataset.store import finish
-from simulator.distribution import Fixed
-from simulator.readout import displayed
-from simulator.scene import Readout
-from simulator.scene_file import load_scene, scene_text
-from simulator.sweeps import InputError, impedance, open_zarr, read
+from rcskin.simulator.dataset import Plan
+from rcskin.simulator.dataset.session import drawn_session
+from rcskin.simulator.dataset.store import finish
+from rcskin.simulator.measure.readout import displayed
+from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.meter import Readout
+from rcskin.simulator.scene.randomisation import Fixed
+from rcskin.simulator.sweeps import InputError, impedance, open_zarr, read
 
 NOTHING = {
     "sheet_resistance": Fixed(value=1.0),

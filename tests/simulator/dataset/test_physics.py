@@ -4,16 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from simulator.dataset import Plan, generate
-from simulator.dataset.model import REDUCED, reduced
-from simulator.distribution import Fixed, Uniform
-from simulator.fidelity import Solver
-from simulator.leads import Leads
-from simulator.press import parse_press
-from simulator.scene import Readout, Scene
-from simulator.scene_file import load_scene
-from simulator.sweeps import impedance, open_zarr, parallel_capacitance, read
+from rcskin.simulator.dataset import Plan, generate
+from rcskin.simulator.dataset.model import REDUCED, reduced
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.meter import Leads, Readout
+from rcskin.simulator.scene.randomisation import Fixed, Uniform
+from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.sweeps import impedance, open_zarr, parallel_capacitance, read
 
 ALIKE = {
     "sweeps_per_session": 12,

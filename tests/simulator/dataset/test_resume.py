@@ -7,9 +7,8 @@ import sys
 import time
 
 import pytest
-
-from simulator.dataset import generate
-from simulator.sweeps import InputError
+from rcskin.simulator.dataset import generate
+from rcskin.simulator.sweeps import InputError
 
 RUN = [sys.executable, "-c", "import toy_family; toy_family.main()"]
 SWEEPS = 400

@@ -11,11 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-
-from simulator.dataset import Plan, generate
-from simulator.dataset.model import Training
-from simulator.scene import Scene
-from simulator.scene_file import load_scene
+from rcskin.simulator.dataset import Plan, generate
+from rcskin.simulator.dataset.model import Training
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene import Scene
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from simulator.scene import Scene
+from rcskin.simulator.scene.scene import Scene
 
 
 @pytest.fixture(params=range(3))

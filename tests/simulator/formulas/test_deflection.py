@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.models.mechanics.indentation import pressed
+from rcskin.simulator.press.capacitance import grid_map
+from rcskin.simulator.press.press import parse_press
 from scipy.integrate import solve_bvp
-
-from simulator.foam import grid_map
-from simulator.mechanics import pressed
-from simulator.press import parse_press
 
 D, E, L, W = 4e-3, 30e3, 0.12, 0.04
 X1, X2 = 0.05, 0.07

@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-
-from simulator.effective_medium import LAWS
-from simulator.foam_properties import Mechanics
-from simulator.mechanics import pressed
-from simulator.press import parse_press
-from simulator.scene import Foam
-from simulator.sweeps import InputError
+from rcskin.simulator.models.mechanics.indentation import pressed
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.foam_mechanics import LAWS, Mechanics
+from rcskin.simulator.scene.skin import Foam
+from rcskin.simulator.sweeps import InputError
 
 EPS0 = 8.8541878128e-12
 

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 from PIL import Image
-
-from simulator.map_file import with_grids
-from simulator.maps import Constant, Gradient, Grid, Random
-from simulator.random_field import random_field
+from rcskin.simulator.scene.files import with_grids
+from rcskin.simulator.scene.maps import Constant, Gradient, Grid, Random, random_field
 
 L, W = SIDES = (0.12, 0.08)
 

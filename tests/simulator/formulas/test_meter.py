@@ -1,10 +1,9 @@
 """Formulas of loss, leads and what the meter shows."""
 
 import numpy as np
-
-from simulator.frequency import Loss, laplace_variable
-from simulator.leads import Leads
-from simulator.sweeps import build
+from rcskin.simulator.scene.frequency import Loss, laplace_variable
+from rcskin.simulator.scene.meter import Leads
+from rcskin.simulator.sweeps import build
 
 FREQUENCY = np.geomspace(40, 2e5, 30)
 OMEGA = 2 * np.pi * FREQUENCY

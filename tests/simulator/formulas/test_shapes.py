@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.models.plain import electrical
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied.materials import Materials, position
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.frequency import laplace_variable
+from rcskin.simulator.scene.shape import Cylinder, Sphere, Stretch
 from scipy.linalg import sqrtm
-
-from simulator.electrical import electrical
-from simulator.fidelity import Solver
-from simulator.frequency import laplace_variable
-from simulator.materials import Materials, position
-from simulator.press import Press
-from simulator.shape import Cylinder, Sphere, Stretch
 
 R0, C0 = 5e4, 5e-9
 

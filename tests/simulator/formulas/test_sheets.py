@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from simulator.fidelity import Solver
-from simulator.frequency import laplace_variable
-from simulator.materials import Materials
-from simulator.press import Press, parse_press
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied.materials import Materials
+from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.scene.frequency import laplace_variable
 
 AT = np.array([[0.03, 0.06], [0.02, 0.05]])
 

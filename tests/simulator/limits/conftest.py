@@ -1,8 +1,8 @@
 """Small scenes with a meter's noise."""
 
 import pytest
-
-from simulator.scene import Readout, Scene
+from rcskin.simulator.scene.meter import Readout
+from rcskin.simulator.scene.scene import Scene
 
 NOISE = {"magnitude_noise": 1e-3, "phase_noise": 2e-3}
 ACCURACY = {"magnitude_accuracy": 3e-3, "phase_accuracy": 4e-3}

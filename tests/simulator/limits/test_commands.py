@@ -5,8 +5,7 @@ import json
 
 import pytest
 from matplotlib.image import imread
-
-from simulator.scene_file import load_scene, scene_text
+from rcskin.simulator.scene.files import load_scene, scene_text
 
 QUICK = ("--draws", "50", "-n", "2")
 

@@ -4,15 +4,13 @@ import itertools
 
 import numpy as np
 import pytest
-
-from simulator.limits.criteria import identity_criterion, position_criterion
-from simulator.limits.design import design
-from simulator.limits.exchange import best_choice
-from simulator.limits.fields import Fields
-from simulator.limits.position import chosen_touch, places_on, position_slopes
-from simulator.limits.sets import LOGARITHMIC, equation_6, logarithmic, parse_band
-from simulator.scene_file import load_scene
-from simulator.sweeps import InputError
+from rcskin.simulator.limits.criteria import identity_criterion, position_criterion
+from rcskin.simulator.limits.design import best_choice, design
+from rcskin.simulator.limits.fields import Fields
+from rcskin.simulator.limits.position import chosen_touch, places_on, position_slopes
+from rcskin.simulator.limits.sets import LOGARITHMIC, equation_6, logarithmic, parse_band
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.sweeps import InputError
 
 
 @pytest.fixture(scope="module")

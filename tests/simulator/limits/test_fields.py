@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-
-from simulator.fidelity import Solver
-from simulator.limits.fields import Fields
-from simulator.limits.touch import Cells, TouchSize, covered
-from simulator.line import Line
-from simulator.parameters import scene_with
-from simulator.press import Press, Rectangle
-from simulator.scene_file import load_scene
+from rcskin.simulator.limits.fields import Fields
+from rcskin.simulator.limits.position import Cells, TouchSize, covered
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.models.parameters import scene_with
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Rectangle
+from rcskin.simulator.scene.files import load_scene
 
 STEP = 1e-3
 

@@ -2,18 +2,17 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.limits import bayes_accuracy, hand_accuracy, hand_distance
+from rcskin.simulator.limits.hand import CELLS, Hand, _middle
+from rcskin.simulator.limits.readings import hypotheses
+from rcskin.simulator.measure.readout import observed
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Rectangle
+from rcskin.simulator.scene.randomisation import Fixed, Normal
+from rcskin.simulator.sweeps import InputError, impedance
 from scipy.special import ndtr
-
-from simulator.distribution import Fixed, Normal
-from simulator.fidelity import Solver
-from simulator.limits import bayes_accuracy, hand_accuracy, hand_distance
-from simulator.limits.hand import CELLS, Hand
-from simulator.limits.hypotheses import hypotheses
-from simulator.limits.marginal import _middle
-from simulator.observation import observed
-from simulator.press import Press, Rectangle
-from simulator.simulate import simulate
-from simulator.sweeps import InputError, impedance
 
 STRIP = {"length": 0.1, "width": 0.02, "frequencies": (1e3, 1e4)}
 

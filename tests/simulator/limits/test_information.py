@@ -2,10 +2,14 @@
 
 import numpy as np
 import pytest
-
-from simulator.limits.information import covariances, summed, variances
-from simulator.limits.meter import error_model, session_errors
-from simulator.sweeps import InputError
+from rcskin.simulator.limits.information import (
+    covariances,
+    error_model,
+    session_errors,
+    summed,
+    variances,
+)
+from rcskin.simulator.sweeps import InputError
 
 
 def test_bounds_are_the_inverse_of_the_information_whatever_the_units():

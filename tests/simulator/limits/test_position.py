@@ -2,16 +2,16 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.limits import position_bound
+from rcskin.simulator.limits.fields import Fields
+from rcskin.simulator.limits.information import error_model
+from rcskin.simulator.limits.position import Slopes, chosen_touch, places_on, position_slopes
+from rcskin.simulator.measure.readout import observed
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Rectangle
+from rcskin.simulator.sweeps import InputError
 from scipy.optimize import least_squares
-
-from simulator.limits import position_bound
-from simulator.limits.fields import Fields
-from simulator.limits.meter import error_model
-from simulator.limits.position import Slopes, chosen_touch, places_on, position_slopes
-from simulator.line import Line
-from simulator.observation import observed
-from simulator.press import Press, Rectangle
-from simulator.sweeps import InputError
 
 LEFT, BOTTOM = ("top-left", "bottom-left"), ("top-bottom", "bottom-bottom")
 TWO_PAIRS = (*LEFT, *BOTTOM)

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from simulator.paper.reading import (
+from rcskin.simulator.paper.reading import (
     capacitance_changes,
     low_frequency_resistances,
     open_line_frequencies,
@@ -14,7 +13,7 @@ from simulator.paper.reading import (
     totals,
     with_sheet_resistance,
 )
-from simulator.scene_file import load_scene
+from rcskin.simulator.scene.files import load_scene
 
 
 def test_changes_of_capacitance_on_the_strip_at_its_highest_frequency():

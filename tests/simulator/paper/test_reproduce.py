@@ -7,12 +7,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.image import imread
-
-from localization.features import labels
-from localization.model_file import load
-from simulator import sweeps
-from simulator.paper.rehearsal import EXPERIMENTS, SHEETS
-from simulator.paper.studies import crossed_cap
+from rcskin.localization.inputs.targets import labels
+from rcskin.localization.model.file import load
+from rcskin.simulator import sweeps
+from rcskin.simulator.paper.rehearsal import EXPERIMENTS, SHEETS
+from rcskin.simulator.paper.studies import crossed_cap
 
 CHARTS = ("figure-2c", *EXPERIMENTS, "frequencies", "noise", "contacts")
 

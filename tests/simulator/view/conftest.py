@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from simulator.fields import Fields
-from simulator.press import parse_press
-from simulator.view.scenery import Stage
+from rcskin.simulator.models.fields import Fields
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.view.scenery import Stage
 
 LENGTH, WIDTH = 0.12, 0.08
 R, C = 50e3, 4.861e-9
@@ -71,7 +70,7 @@ def _cells(nx, ny, corners):
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch):
     """Pictures of fewer pixels, drawn in less time."""
-    monkeypatch.setattr("simulator.view.figure.PIXELS_PER_INCH", 80)
+    monkeypatch.setattr("rcskin.simulator.view.figure.PIXELS_PER_INCH", 80)
 
 
 @pytest.fixture

@@ -9,12 +9,11 @@ import pytest
 import pyvista
 from meshio.xdmf import TimeSeriesReader
 from PIL import Image, ImageSequence
-
-from simulator.scene_file import parse_scene
-from simulator.sweeps import InputError
-from simulator.view import outputs
-from simulator.view.movie import write_movie
-from simulator.view.outputs import write_output
+from rcskin.simulator.scene.files import parse_scene
+from rcskin.simulator.sweeps import InputError
+from rcskin.simulator.view import outputs
+from rcskin.simulator.view.movie import write_movie
+from rcskin.simulator.view.outputs import write_output
 
 
 @pytest.fixture
@@ -60,8 +59,8 @@ def test_an_mp4_has_a_frame_for_each_frequency(fields, stage, tmp_path, small_mo
 
 
 def test_half_a_period_later_the_potential_is_reversed(fields, stage, tmp_path, small_movies):
-    from simulator.view.quantities import chosen
-    from simulator.view.shown import over_the_phase
+    from rcskin.simulator.view.quantities import chosen
+    from rcskin.simulator.view.shown import over_the_phase
 
     set_up = stage(fields())
     (quantity,) = chosen("potential", set_up.fields)

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from matplotlib import colormaps
 from matplotlib.image import imread
-
-from simulator.view.figure import rendered
-from simulator.view.outputs import panels_of, rows_of_panels, title, write_output
-from simulator.view.painting import paint
-from simulator.view.quantities import chosen
+from rcskin.simulator.view.figure import rendered
+from rcskin.simulator.view.outputs import panels_of, rows_of_panels, title, write_output
+from rcskin.simulator.view.painting import paint
+from rcskin.simulator.view.quantities import chosen
 
 
 def only_panel(set_up, what):

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from simulator.sweeps import InputError
-from simulator.view.quantities import NAMES, chosen, point_areas, prefix, scales
+from rcskin.simulator.sweeps import InputError
+from rcskin.simulator.view.quantities import NAMES, chosen, point_areas, prefix, scales
 
 
 def only(name, fields):

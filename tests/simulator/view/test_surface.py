@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from simulator.view.foils import foils
-from simulator.view.marks import arrows, marks
-from simulator.view.surface import curved, readable_exaggeration, surface
+from rcskin.simulator.view.foils import foils
+from rcskin.simulator.view.marks import arrows, marks
+from rcskin.simulator.view.surface import curved, readable_exaggeration, surface
 
 
 @pytest.mark.parametrize("corners", [3, 4])

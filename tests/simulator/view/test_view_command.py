@@ -5,9 +5,8 @@ import importlib.util
 import numpy as np
 import pytest
 from matplotlib.image import imread
-
-from simulator import fields as solver_fields
-from simulator.scene_file import scene_text
+from rcskin.simulator.models import fields as solver_fields
+from rcskin.simulator.scene.files import scene_text
 
 
 @pytest.fixture
@@ -74,10 +73,10 @@ def test_with_a_display_a_window_is_opened(run, solved, scene_file, monkeypatch)
     from pyvista import Plotter
 
     shown = []
-    monkeypatch.setattr("simulator.view.window.has_display", lambda: True)
+    monkeypatch.setattr("rcskin.simulator.view.painting.has_display", lambda: True)
     monkeypatch.setenv("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     monkeypatch.setattr(
-        "simulator.view.window.window",
+        "rcskin.simulator.view.painting.window",
         lambda title, count: Plotter(off_screen=True, shape=(1, count), window_size=[200, 200]),
     )
     monkeypatch.setattr(Plotter, "show", lambda self: shown.append(len(self.renderers)))
@@ -115,7 +114,7 @@ def test_bad_input_is_told_in_one_line(
 def test_mp4_without_ffmpeg_says_what_to_install(run, solved, scene_file, tmp_path, monkeypatch):
     found = importlib.util.find_spec
     monkeypatch.setattr(
-        "simulator.view.movie.find_spec",
+        "rcskin.simulator.view.movie.find_spec",
         lambda name: None if name == "imageio_ffmpeg" else found(name),
     )
     code, _, err = run("view", scene_file, "-o", tmp_path / "out.mp4")

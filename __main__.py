@@ -1,0 +1,205 @@
+"""The front door: the `rcskin` command, wiring simulator, localization and hardware together."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .hardware.cli import meter_app
+from .hardware.live.command import live_command
+from .hardware.meter.errors import MeterError
+from .hardware.scene_data import SceneData
+from .hardware.virtual.skin import Simulation
+from .localization.cli import add_commands
+from .localization.commands.gap import gap_command
+from .localization.gap import given as gap
+from .simulator.cli import app, run
+from .simulator.progress import on_terminal
+from .simulator.study.command import study_command
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from .hardware.live.answer import Localizer as LiveLocalizer
+    from .hardware.virtual.skin import Readout, Skin
+    from .localization.learners.registry import Estimator
+
+__all__ = ["app", "main"]
+
+
+@app.command()
+def reproduce(
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for figures, tables and report.html.")
+    ] = Path("results"),
+) -> None:
+    """Reproduce the paper: its figures and confusion matrices, and its numbers beside ours."""
+    from rich.console import Console
+
+    from .localization.evaluation.confusion import write_csv
+    from .localization.evaluation.evaluation import cross_validate
+    from .localization.evaluation.plot import draw_confusion
+    from .localization.model.file import save
+    from .localization.model.model import train
+    from .simulator.paper.localizer import Localizer
+    from .simulator.paper.reproduce import reproduce as reproduce_paper
+
+    localizer = Localizer(
+        cross_validate=cross_validate,
+        draw=draw_confusion,
+        write=write_csv,
+        save=lambda sweeps, path: save(path, train(sweeps)),
+    )
+    with on_terminal() as track:
+        claims = reproduce_paper(output, localizer, track)
+    agreeing = sum(claim.agrees for claim in claims)
+    Console().print(
+        f"{agreeing} of the paper's {len(claims)} statements agree; see {output / 'report.html'}",
+        soft_wrap=True,
+    )
+
+
+def _accuracy(sweeps: xr.Dataset, *, target: str, folds: int, seed: int) -> float:
+    from sklearn import config_context
+
+    from .localization.evaluation.evaluation import cross_validate
+
+    with config_context(assume_finite=True, skip_parameter_validation=True):
+        return cross_validate(sweeps, target, folds=folds, seed=seed).accuracy
+
+
+app.command("study")(study_command(_accuracy))
+
+
+def _scene_data(name: str, interface: str | None) -> SceneData:
+    from .simulator.scene.files import load_scene, scene_text
+    from .simulator.scene.scene import checked_interface
+
+    scene = load_scene(name)
+    return SceneData(
+        name=scene.name,
+        text=scene_text(scene),
+        frequencies=scene.sweep.frequencies,
+        rows=scene.pixels.rows,
+        columns=scene.pixels.columns,
+        interface=checked_interface(interface, scene),
+    )
+
+
+def _skin(data: SceneData) -> Skin:
+    from .simulator.measure.specimen import Specimen
+    from .simulator.scene.files import parse_scene
+
+    return Specimen(parse_scene(data.text, data.name), data.interface)
+
+
+def _readout(data: SceneData, seed: int) -> Readout:
+    from .simulator.measure.specimen import SessionErrors
+    from .simulator.scene.files import parse_scene
+
+    errors = SessionErrors(parse_scene(data.text, data.name), seed)
+    return lambda Z, conditions: errors.read(Z, conditions.range)
+
+
+def _live_localizer(path: Path) -> LiveLocalizer:
+    from .hardware.live.model import ModelLocalizer
+    from .localization.inputs.features import needs_rest
+    from .localization.learners.registry import estimators
+    from .localization.model.file import load
+    from .simulator.scene.files import parse_scene
+
+    model = load(path, estimators(_model_based()))
+    scene = parse_scene(model.scene, str(path))
+    size = 1e3 * scene.skin.length, 1e3 * scene.skin.width
+    shape = scene.pixels.rows, scene.pixels.columns
+    return ModelLocalizer(model, *shape, size, needs_rest(model.quantities))
+
+
+def _model_based() -> list[Estimator]:
+    from .localization.inversion.registered import model_based
+
+    return model_based(_tables)
+
+
+def _tables(*asked: Any, **options: Any) -> Mapping[str, NDArray]:
+    from .simulator.inversion.tables import templates
+
+    return templates(*asked, **options)
+
+
+add_commands(app, _model_based)
+app.command("live")(live_command(_live_localizer))
+app.add_typer(meter_app(Simulation(_scene_data, _skin, _readout)), name="meter")
+
+
+def _gap_scene(name: str) -> str:
+    from .simulator.scene.files import load_scene, scene_text
+
+    return scene_text(load_scene(name))
+
+
+def _reading_error(text: str) -> gap.ReadingError | None:
+    from .simulator.measure.simulate import reading_error
+
+    found = reading_error(text)
+    return gap.ReadingError(*found) if found else None
+
+
+def _resimulated(sweeps: xr.Dataset, text: str, frequency: NDArray) -> xr.Dataset:
+    from .simulator.measure.simulate import resimulated
+
+    return resimulated(sweeps, text, frequency)
+
+
+def _read_by_meter(sweeps: xr.Dataset, text: str, seed: int) -> xr.Dataset:
+    from .simulator.measure.simulate import read_by_meter
+
+    return read_by_meter(sweeps, text, seed)
+
+
+def _recalibrated(simulated: xr.Dataset, measured: xr.Dataset) -> gap.Recalibrated:
+    from .simulator.calibration import calibrate
+    from .simulator.scene.files import parse_scene, scene_text
+
+    found = calibrate(parse_scene(simulated.attrs["scene"], "scene"), measured)
+    frequency = simulated["frequency"].values
+    again = _resimulated(simulated, scene_text(found.scene), frequency)
+    estimates = [
+        gap.Estimate(each.name, each.unit, each.start, each.value, each.low, each.high)
+        for each in found.quantities
+    ]
+    return gap.Recalibrated(again, estimates)
+
+
+def _explained(text: str, measured: xr.Dataset) -> list[gap.Cause]:
+    from .simulator.calibration import gap_by_parameter
+    from .simulator.scene.files import parse_scene
+
+    found = gap_by_parameter(parse_scene(text, "scene"), measured)
+    return [gap.Cause(each.name, max(0.0, each.removed)) for each in found]
+
+
+def _style() -> gap.Style:
+    from .simulator.charts import COLOURS, chart, frequency_axis
+
+    return gap.Style(chart, frequency_axis, COLOURS)
+
+
+_simulation = gap.Simulation(
+    _gap_scene, _reading_error, _resimulated, _read_by_meter, _recalibrated, _explained
+)
+app.command("gap")(gap_command(_simulation, _style, on_terminal, _model_based))
+
+
+def main() -> None:
+    """Run the command line."""
+    run((MeterError,))
+
+
+if __name__ == "__main__":
+    main()

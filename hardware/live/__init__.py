@@ -1,0 +1,1 @@
+"""Touches told as they come."""

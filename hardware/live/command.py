@@ -1,0 +1,140 @@
+"""The command that localizes presses as they come: its options, and what they mean."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..options import Accuracy, Baud, Resource, Timeout
+
+if TYPE_CHECKING:
+    from .answer import Localizer
+    from .link import Link
+    from .rest import Rest
+    from .session import Show
+
+MOST_REST = 1000
+
+
+def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
+    """The command, localizing by what `load` reads from a file (it raises InputError)."""
+
+    def live(
+        model: Annotated[Path, typer.Option(help="A trained model, .skops.")],
+        resource: Resource,
+        interface: Annotated[
+            str | None, typer.Option(help="Where the meter is connected; else the model's.")
+        ] = None,
+        rest: Annotated[int, typer.Option(help="Sweeps at rest, where the model needs any.")] = 3,
+        rest_file: Annotated[
+            Path | None, typer.Option(help="Take the sweeps at rest (press none) of this file.")
+        ] = None,
+        sweeps: Annotated[int | None, typer.Option(help="End after so many answers.")] = None,
+        plain: Annotated[
+            bool, typer.Option("--plain", help="A line for each answer, as in a pipe.")
+        ] = False,
+        log: Annotated[
+            Path | None, typer.Option(help="Write all sweeps and answers: OUT.nc or .csv.")
+        ] = None,
+        drift: Annotated[float, typer.Option(help="Of |Z| at rest that is not told.")] = 0.05,
+        patience: Annotated[
+            float, typer.Option(help="Seconds without the meter until it is given up.")
+        ] = 30.0,
+        timeout: Timeout = 2.0,
+        baud: Baud = 9600,
+        accuracy: Accuracy = None,
+    ) -> None:
+        """Localize presses as they come: time, answer, probability and latency in ms in a pipe."""
+        from ...simulator.sweeps import InputError, checked_output
+        from ..meter.accuracy import DERIVED, read_table
+        from ..meter.hioki import open_meter
+        from ..record.checks import Limits
+        from .link import Link
+
+        if sweeps is not None and sweeps < 1:
+            raise InputError(f"`sweeps` must be at least 1, got {sweeps}")
+        if log:
+            checked_output(log)
+        localizer = load(model)
+        _check_interface(localizer, interface)
+        link = Link(
+            localizer,
+            lambda: open_meter(resource, timeout, baud),
+            read_table(accuracy or DERIVED),
+            Limits(drift=drift),
+            patience,
+        )
+        at_rest = _rest(localizer, rest, rest_file)
+        with _showing(localizer, plain) as (show, key):
+            _run(localizer, link, at_rest, show, key, sweeps, log)
+
+    return live
+
+
+def _run(
+    localizer: Localizer,
+    link: Link,
+    rest: Rest,
+    show: Show,
+    key: Callable[[], str],
+    answers: int | None,
+    output: Path | None,
+) -> None:
+    from .log import Log
+    from .session import Session
+
+    session = Session(localizer, link, rest, show, Log(localizer, output), key)
+    try:
+        session.run(answers)
+    finally:
+        link.leave()
+        session.log.write(link.header)
+
+
+@contextmanager
+def _showing(localizer: Localizer, plain: bool) -> Iterator[tuple[Show, Callable[[], str]]]:
+    import sys
+
+    from rich.console import Console
+
+    from .keys import keys
+    from .plain import Plain
+    from .screen import Screen
+
+    console = Console()
+    if plain or not console.is_terminal:
+        yield Plain(sys.stdout, sys.stderr), lambda: ""
+        return
+    with keys() as key, Screen(console, localizer) as screen:
+        yield screen, key
+
+
+def _rest(localizer: Localizer, wanted: int, file: Path | None) -> Rest:
+    from ...simulator.sweeps import InputError
+    from .log import read_rest
+    from .rest import Rest
+
+    if not 1 <= wanted <= MOST_REST:
+        raise InputError(f"`rest` must be in 1..{MOST_REST}, got {wanted}")
+    rest = Rest(wanted if localizer.needs_rest else 0)
+    if file:
+        rest.give(read_rest(file, localizer))
+    return rest
+
+
+def _check_interface(localizer: Localizer, interface: str | None) -> None:
+    """Raises InputError where the model asks for what one meter on one interface cannot tell."""
+    from ...simulator.sweeps import InputError
+
+    names = ", ".join(localizer.interfaces)
+    if len(localizer.interfaces) > 1:
+        raise InputError(
+            f"the model needs the interfaces {names} at once, and a meter is connected to one of "
+            "them: that takes a multiplexer, which no resource serves yet; train on one interface"
+        )
+    if interface not in (None, *localizer.interfaces):
+        raise InputError(f"the model was trained on interface {names}, got {interface!r}")

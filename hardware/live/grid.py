@@ -1,0 +1,134 @@
+"""The grid of pixels in colours: how probable a touch is, or where it lies and how surely."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from .answer import Answer
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from rich.text import Text
+
+CIVIDIS = ((0, 34, 78), (53, 69, 108), (102, 105, 112), (148, 142, 119), (200, 184, 102))
+RAMP = (*CIVIDIS, (254, 232, 56))
+"""Of J. R. Nunez et al., PLoS ONE 13 (2018) e0199239: read alike by all eyes, brighter is more."""
+MARKER = "+"
+NUMBERED = 4
+"""Least width of a pixel, in characters, that has room for its number."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Pixels on a skin, drawn with row 1 at the bottom. size: of the skin, mm.
+
+    wide, high: characters of each pixel.
+    """
+
+    rows: int
+    columns: int
+    size: tuple[float, float]
+    wide: int = 9
+    high: int = 3
+
+    def draw(self, answer: Answer | None) -> Text:
+        """The grid under an answer; None draws it dark."""
+        from rich.text import Text
+
+        text = Text(no_wrap=True)
+        for row in range(self.rows, 0, -1):
+            for line in range(self.high):
+                middle = line == self.high // 2
+                text.append(f"{row:>3} " if middle else "    ")
+                self._draw_line(text, row, line, answer)
+                text.append("\n")
+        room = self.wide - 1
+        numbers = (str(n)[-room:] for n in range(1, self.columns + 1))
+        text.append("    " + "".join(f"{n:^{room}} " for n in numbers))
+        return text
+
+    def _draw_line(self, text: Text, row: int, line: int, answer: Answer | None) -> None:
+        if answer is not None and answer.pixels is not None:
+            self._draw_pixels(text, answer.pixels[row - 1], line)
+        elif answer is not None and answer.position is not None:
+            down = (self.rows - row) * self.high + line
+            self._draw_position(text, down, answer.position, answer.deviation)
+        else:
+            text.append(" " * (self.wide * self.columns), _style(0))
+
+    def _draw_pixels(self, text: Text, probabilities: NDArray, line: int) -> None:
+        """One line of a row of pixels, with a gap of half a line below the row."""
+        numbered = line == self.high // 2 and self.wide >= NUMBERED
+        last = line > 0 and line == self.high - 1
+        for p in probabilities.tolist():
+            shown = f"{100 * p:.0f}" if numbered else ""
+            if last:
+                text.append("▀" * (self.wide - 1), _hex(p))
+            else:
+                text.append(f"{shown:^{self.wide - 1}}", _style(p))
+            text.append(" ")
+
+    def _draw_position(
+        self,
+        text: Text,
+        down: int,
+        position: tuple[float, float],
+        deviation: tuple[float, float] | None,
+    ) -> None:
+        """A marker where the touch is most likely, each character as bright as it is likely."""
+        wide, high = self.wide * self.columns, self.high * self.rows
+        at_x, at_y = (
+            _place(position[0] / self.size[0], wide),
+            _place(1 - position[1] / self.size[1], high),
+        )
+        y = (1 - (down + 0.5) / high) * self.size[1]
+        for across in range(wide):
+            x = (across + 0.5) / wide * self.size[0]
+            likely = _density((x, y), position, deviation)
+            marked = (across, down) == (at_x, at_y)
+            text.append(MARKER if marked else " ", _style(1.0 if marked else likely))
+
+
+def fitting(rows: int, columns: int, size: tuple[float, float], room: tuple[int, int]) -> Grid:
+    """The grid with the largest pixels that have room. room: characters across and down."""
+    wide = max(2, min(9, (room[0] - 4) // columns))
+    high = 3 if 3 * rows < room[1] else 1
+    return Grid(rows, columns, size, wide, high)
+
+
+def _place(fraction: float, count: int) -> int:
+    return min(max(math.floor(fraction * count), 0), count - 1)
+
+
+def _density(
+    at: tuple[float, float], mean: tuple[float, float], deviation: tuple[float, float] | None
+) -> float:
+    """Of a normal distribution, 1 at its mean; 0 where there is no deviation."""
+    if deviation is None:
+        return 0.0
+    squares = (((a - m) / max(d, 1e-9)) ** 2 for a, m, d in zip(at, mean, deviation, strict=True))
+    return math.exp(-0.5 * sum(squares))
+
+
+def _style(level: float) -> str:
+    """Foreground and background of a level from 0 to 1."""
+    red, green, blue = _colour(level)
+    dark = 0.299 * red + 0.587 * green + 0.114 * blue < 110
+    return f"{'#ffffff' if dark else '#000000'} on {_hex(level)}"
+
+
+def _hex(level: float) -> str:
+    return "#{:02x}{:02x}{:02x}".format(*_colour(level))
+
+
+def _colour(level: float) -> tuple[int, int, int]:
+    at = min(max(level, 0.0), 1.0) * (len(RAMP) - 1)
+    number = min(int(at), len(RAMP) - 2)
+    share = at - number
+    red, green, blue = (
+        round((1 - share) * low + share * high)
+        for low, high in zip(RAMP[number], RAMP[number + 1], strict=True)
+    )
+    return red, green, blue

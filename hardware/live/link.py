@@ -1,0 +1,134 @@
+"""The meter of a live session: connected, swept, lost, waited for, given up, and left as found."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from threading import Thread
+
+import numpy as np
+
+from ...simulator.sweeps import InputError
+from ..meter.accuracy import AccuracyTable
+from ..meter.errors import MeterError, NoConnectionError, ReadingError
+from ..meter.hioki import Meter
+from ..meter.snapshot import require, restore, snapshot
+from ..record.checks import Judge, Limits
+from ..record.journal import Header
+from ..record.station import Station
+from ..record.sweep import Sweep, Watch, check_frequencies, measure_sweep
+from .answer import Localizer
+from .log import now
+
+FIRST_WAIT, LONGEST_WAIT = 0.25, 4.0
+PARTING = 0.5
+"""Seconds that a meter has to take back its settings."""
+
+
+class Link:
+    """One meter, with the settings it had at the beginning; reconnected when it fails.
+
+    patience: s without a whole sweep after which it is given up.
+    """
+
+    def __init__(
+        self,
+        localizer: Localizer,
+        connect: Callable[[], Meter],
+        table: AccuracyTable,
+        limits: Limits,
+        patience: float,
+    ) -> None:
+        if not 0 < patience <= 1e6:
+            raise InputError(f"`patience` must be in (0, 1e6] s, got {patience:g}")
+        self._localizer, self._table, self._limits = localizer, table, limits
+        self._station, self._patience = Station(connect), patience
+        self._failing_since: float | None = None
+        self._wait, self._frequency = FIRST_WAIT, 0.0
+        self.judge: Judge | None = None
+
+    @property
+    def header(self) -> Header | None:
+        """What the session began with; None before the first connection."""
+        return self._station.header
+
+    def ready(self) -> None:
+        """Have the meter connected, with the settings of the beginning.
+
+        Raises MeterError where that fails, InputError where it has not the model's frequencies.
+        """
+        meter = self._station.ready()
+        if self._station.header is None:
+            self._begin(meter)
+
+    def sweep(self, watch: Watch) -> Sweep:
+        """A sweep that was measured whole with those settings, once ready. Raises MeterError."""
+        meter, header = self._station.meter, self._station.header
+        assert meter is not None and header is not None
+        sweep = measure_sweep(meter, self._localizer.frequencies, watch)
+        require(meter, header.settings)
+        self._recovered()
+        return sweep
+
+    def failed(self, failure: MeterError) -> float:
+        """Seconds to wait before the next sweep, longer with each failure in a row.
+
+        Raises NoConnectionError where patience is at its end. A reading that the meter itself calls
+        failed is no reason to connect anew, or to give up.
+        """
+        if isinstance(failure, ReadingError):
+            self._recovered()
+            return 0.0
+        self._station.close()
+        self._failing_since = self._failing_since or time.monotonic()
+        left = self._failing_since + self._patience - time.monotonic()
+        if left <= 0:
+            raise NoConnectionError(
+                f"given up after {self._patience:g} s without the meter; at last: {failure}"
+            ) from failure
+        wait, self._wait = min(self._wait, left), min(2 * self._wait, LONGEST_WAIT)
+        return wait
+
+    def leave(self) -> None:
+        """Let the meter go, at its frequency of before and measuring by itself again.
+
+        One that does not answer is left as it is.
+        """
+        meter = self._station.meter
+        if meter and self._frequency:
+            parting = Thread(target=self._give_back, args=(meter,), daemon=True)
+            parting.start()
+            parting.join(PARTING)
+        self._station.close()
+
+    def _begin(self, meter: Meter) -> None:
+        localizer = self._localizer
+        check_frequencies(meter, localizer.frequencies)
+        self._frequency = meter.frequency
+        settings = snapshot(meter)
+        restore(meter, settings)
+        self._station.header = Header(
+            scene=localizer.scene,
+            name="live",
+            interface=localizer.interfaces[0],
+            frequencies=localizer.frequencies,
+            rows=localizer.rows,
+            columns=localizer.columns,
+            order=(),
+            asked={},
+            meter=meter.identity.text,
+            settings=settings,
+            begun=now(),
+        )
+        self.judge = Judge(np.array(localizer.frequencies), self._table, settings, self._limits)
+
+    def _recovered(self) -> None:
+        self._failing_since, self._wait = None, FIRST_WAIT
+
+    def _give_back(self, meter: Meter) -> None:
+        with suppress(MeterError):  # what it was just answering is no answer to what follows
+            meter.talk.check("the end")
+        with suppress(MeterError, InputError):
+            meter.frequency = self._frequency
+            meter.trigger = "INTERNAL"

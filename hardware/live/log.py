@@ -1,0 +1,121 @@
+"""Measured sweeps as a localizer takes them, and the log of a live session."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...simulator.sweeps import UNPRESSED, InputError, build, read, write
+from ..record.journal import Header
+from ..record.sweep import Sweep
+from .answer import Answer, Localizer
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+UNKNOWN = "?"
+
+
+def as_dataset(
+    sweeps: Sequence[Sweep], localizer: Localizer, press: Sequence[str] | str = UNKNOWN
+) -> xr.Dataset:
+    """Sweeps at the localizer's interface and frequencies. press: of each, or of all."""
+    presses = [press] * len(sweeps) if isinstance(press, str) else list(press)
+    places = [0 if each == UNPRESSED else -1 for each in presses]
+    return build(
+        np.stack([sweep.Z for sweep in sweeps])[:, None, :],
+        np.array(localizer.frequencies),
+        interface=list(localizer.interfaces),
+        press=presses,
+        row=places,
+        column=places,
+        Cp=np.array([sweep.Cp for sweep in sweeps])[:, None, :],
+        attributes={"scene": localizer.scene, "model": "measured"},
+    )
+
+
+def read_rest(path: Path, localizer: Localizer) -> list[Sweep]:
+    """The unpressed sweeps of a file.
+
+    Raises InputError where there are none, or of other interfaces or frequencies.
+    """
+    sweeps = read(path)
+    unpressed = sweeps.isel(sweep=np.flatnonzero(sweeps["press"].values == UNPRESSED))
+    if not unpressed.sizes["sweep"]:
+        raise InputError(f"{path}: holds no sweep of the skin at rest (press `none`)")
+    frequencies = unpressed["frequency"].values
+    same = len(frequencies) == len(localizer.frequencies) and np.allclose(
+        frequencies, localizer.frequencies, rtol=1e-9, atol=0
+    )
+    if not same or tuple(unpressed["interface"].values) != localizer.interfaces:
+        raise InputError(f"{path}: has other interfaces or frequencies than the model")
+    ordered = unpressed.transpose("sweep", "interface", "frequency")
+    Cp, Rs, X = (ordered[name].values[:, 0].tolist() for name in ("Cp", "Rs", "X"))
+    normal = (0,) * len(frequencies)
+    return [
+        Sweep(tuple(cp), tuple(rs), tuple(x), normal) for cp, rs, x in zip(Cp, Rs, X, strict=True)
+    ]
+
+
+@dataclass
+class Log:
+    """All that was measured and answered, for a file of sweeps; kept only where there is one."""
+
+    localizer: Localizer
+    output: Path | None = None
+    sweeps: list[Sweep] = field(default_factory=list, init=False)
+    times: list[str] = field(default_factory=list, init=False)
+    answers: list[tuple[str, float | None]] = field(default_factory=list, init=False)
+
+    def keep(self, sweep: Sweep, answer: Answer | None, header: Header | None) -> None:
+        """Keep a sweep; answer: None where the skin was left untouched by request.
+
+        The first is written at once: what writing loads is then at hand when the session ends.
+        """
+        if self.output is None:
+            return
+        self.sweeps.append(sweep)
+        self.times.append(now())
+        self.answers.append((answer.label, answer.probability) if answer else (UNPRESSED, None))
+        if len(self.sweeps) == 1:
+            self.write(header)
+
+    def write(self, header: Header | None) -> None:
+        """Write sweeps as of the schema, whole or not at all; nothing where there are none.
+
+        Attributes hold the meter and its settings, and as JSON `times` (of each sweep's end),
+        `answers` (label, probability) and `flagged` (sweep, index of frequency, status). The
+        presses are `none` for the sweeps at rest and `?` for the others.
+        """
+        if self.output is None or header is None or not self.sweeps:
+            return
+        presses = [UNPRESSED if label == UNPRESSED else UNKNOWN for label, _ in self.answers]
+        sweeps = as_dataset(self.sweeps, self.localizer, presses)
+        flagged = [
+            [number, index, code]
+            for number, sweep in enumerate(self.sweeps)
+            for index, code in enumerate(sweep.status)
+            if code
+        ]
+        sweeps.attrs |= {
+            "meter": header.meter,
+            "settings": json.dumps(header.settings),
+            "begun": header.begun,
+            "times": json.dumps(self.times),
+            "answers": json.dumps(self.answers),
+            "flagged": json.dumps(flagged),
+            "software": f"rcskin {version('rcskin')}",
+        }
+        write(sweeps, self.output)
+
+
+def now() -> str:
+    """The time as ISO 8601 with milliseconds, UTC."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")

@@ -1,0 +1,1 @@
+"""One instrument: its connection, its conversation, its settings and its readings."""

@@ -1,0 +1,146 @@
+"""A meter's line, by VISA resource string: TCP socket, serial port (USB or RS-232) or GP-IB."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+from ...simulator.sweeps import InputError
+from .errors import GarbledError, LostConnectionError, NoAnswerError, NoConnectionError
+
+if TYPE_CHECKING:
+    from pyvisa.resources import MessageBasedResource
+
+TERMINATION = "\r\n"
+LONGEST_ANSWER = 4096
+BAUD_RATES = (9600, 19200, 38400, 57600)
+EXAMPLES = "TCPIP0::192.168.1.1::3500::SOCKET, ASRL/dev/ttyACM0::INSTR, GPIB0::1::INSTR"
+
+
+class Connection(Protocol):
+    """Whatever carries lines to a meter and back."""
+
+    @property
+    def resource(self) -> str:
+        """The name that errors tell."""
+        ...
+
+    def write(self, message: str) -> None:
+        """Send one line. Raises LostConnectionError."""
+        ...
+
+    def read(self) -> str:
+        """One line, without its end. Raises NoAnswerError, GarbledError, LostConnectionError."""
+        ...
+
+    def close(self) -> None:
+        """Let the line go; closing twice does no harm."""
+        ...
+
+
+class VisaConnection:
+    """A line through PyVISA with the pyvisa-py backend."""
+
+    def __init__(self, resource: str, timeout: float, opened: MessageBasedResource) -> None:
+        """timeout: seconds that an answer may take."""
+        self.resource, self._timeout, self._opened = resource, timeout, opened
+
+    def write(self, message: str) -> None:
+        """Send one line. Raises LostConnectionError."""
+        from pyvisa.errors import Error
+
+        try:
+            self._opened.write(message)
+        except (Error, OSError) as error:
+            raise self._lost(error) from error
+
+    def read(self) -> str:
+        """One line, without its end.
+
+        Raises NoAnswerError where none comes whole within the time-out, GarbledError where it is
+        no text or never ends, LostConnectionError where the line is gone.
+        """
+        from pyvisa.constants import StatusCode
+        from pyvisa.errors import Error, VisaIOError
+
+        try:
+            raw = self._opened.read_bytes(LONGEST_ANSWER, break_on_termchar=True)
+        except VisaIOError as error:
+            if error.error_code != StatusCode.error_timeout:
+                raise self._lost(error) from error
+            raise self._silent() from error
+        except (Error, OSError) as error:
+            raise self._lost(error) from error
+        return _text(raw, self.resource)
+
+    def close(self) -> None:
+        """Let the line go; closing twice does no harm."""
+        self._opened.close()
+
+    def _silent(self) -> NoAnswerError:
+        return NoAnswerError(
+            f"{self.resource}: no whole answer within {self._timeout:g} s; check that the meter "
+            "is on, that the cable and the port are right, that its terminator is CR+LF, and that "
+            "a slow measurement has time enough"
+        )
+
+    def _lost(self, error: Exception) -> LostConnectionError:
+        return LostConnectionError(
+            f"{self.resource}: the connection is lost ({error}); check the cable, the meter's "
+            "power, and that no other program has the meter"
+        )
+
+
+def connect(resource: str, timeout: float = 5.0, baud_rate: int = 9600) -> VisaConnection:
+    """A line to `resource`, with the meter's terminations set on both ways.
+
+    timeout: seconds that an answer may take. baud_rate: of a serial port, one of BAUD_RATES.
+    Raises InputError where the name is no VISA resource or a number is out of range, and
+    NoConnectionError where the resource cannot be opened.
+    """
+    import pyvisa
+
+    interface = _checked_interface(resource, timeout, baud_rate)
+    serial: dict[str, Any] = {"baud_rate": baud_rate, "data_bits": 8} if interface == "ASRL" else {}
+    milliseconds = max(1, round(1000 * timeout))
+    try:
+        opened = pyvisa.ResourceManager("@py").open_resource(
+            resource,
+            open_timeout=milliseconds,
+            timeout=milliseconds,
+            read_termination=TERMINATION,
+            write_termination=TERMINATION,
+            **serial,
+        )
+    except Exception as error:
+        raise NoConnectionError(
+            f"{resource}: cannot be opened ({error}); check the address, the cable, the meter's "
+            "power, and that no other program has the meter"
+        ) from error
+    return VisaConnection(resource, timeout, opened)  # pyright: ignore[reportArgumentType]
+
+
+def _checked_interface(resource: str, timeout: float, baud_rate: int) -> str:
+    from pyvisa.rname import InvalidResourceName, parse_resource_name
+
+    if not 0 < timeout <= 3600:
+        raise InputError(f"`timeout` must be in (0, 3600] s, got {timeout:g}")
+    if baud_rate not in BAUD_RATES:
+        allowed = ", ".join(map(str, BAUD_RATES))
+        raise InputError(f"`baud` must be one of {allowed}, got {baud_rate}")
+    try:
+        return parse_resource_name(resource).interface_type
+    except InvalidResourceName as error:
+        raise InputError(f"{resource!r} is no VISA resource; such are {EXAMPLES}") from error
+
+
+def _text(raw: bytes, resource: str) -> str:
+    try:
+        text = raw.decode("ascii")
+    except UnicodeDecodeError:
+        text = "\0"
+    if not (text.endswith("\n") and text.rstrip("\r\n").isprintable()):
+        raise GarbledError(
+            f"{resource}: the answer is no line of text; check the baud rate, the cable, and that "
+            "the port is the meter's"
+        )
+    return text.rstrip("\r\n")

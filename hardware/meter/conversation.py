@@ -1,0 +1,149 @@
+"""Questions and answers kept in step: an answer always belongs to the question before it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from enum import IntFlag
+from typing import TypeVar
+
+from .connection import Connection
+from .errors import (
+    GarbledError,
+    LostConnectionError,
+    MeterError,
+    NoAnswerError,
+    RefusedError,
+    RestartedError,
+)
+
+Answer = TypeVar("Answer")
+IN_STEP = re.compile(r"(\d{1,3});.*HIOKI.*", re.IGNORECASE)
+LATE_ANSWERS = 16
+
+
+class Event(IntFlag):
+    """Bits of the standard event register `*ESR?`, with what each tells."""
+
+    POWER_ON = 128
+    COMMAND = 32
+    EXECUTION = 16
+    DEVICE = 8
+    QUERY = 4
+    COMPLETE = 1
+
+
+REFUSALS = {
+    Event.COMMAND: "unknown to this model, or misspelt",
+    Event.EXECUTION: "not possible in its present state, or out of range",
+    Event.DEVICE: "failed inside the meter",
+    Event.QUERY: "its answer was lost",
+}
+
+
+class Conversation:
+    """What is said over one connection; after a failure it is brought back into step, or closed."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection, self._closed = connection, False
+
+    @property
+    def resource(self) -> str:
+        """The name of the meter's line."""
+        return self._connection.resource
+
+    def tell(self, message: str) -> None:
+        """Send a message that has no answer, and look whether the meter took it.
+
+        Raises RefusedError, RestartedError, or MeterError where the connection fails.
+        """
+        self._look(f"{message};*ESR?", message)
+
+    def check(self, message: str) -> None:
+        """Raises RefusedError or RestartedError where the event register holds such an event."""
+        self._look("*ESR?", message)
+
+    def ask(self, message: str, parse: Callable[[str], Answer], about: str = "") -> Answer:
+        """The answer to a message, understood by `parse`, which raises ValueError at nonsense.
+
+        about: what errors name instead of the message. Raises RefusedError or RestartedError where
+        the event register explains a silence (a message that is unknown has no answer), otherwise
+        NoAnswerError or GarbledError, and LostConnectionError where nothing helps.
+        """
+        self._require_open()
+        try:
+            self._connection.write(message)
+            return self._understood(message, self._connection.read(), parse)
+        except (NoAnswerError, GarbledError) as failure:
+            raise self._failure(self._back_in_step(), about or message) or failure from None
+        except LostConnectionError:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Let the connection go; closing twice does no harm."""
+        if not self._closed:
+            self._closed = True
+            self._connection.close()
+
+    def _look(self, question: str, about: str) -> None:
+        failure = self._failure(self.ask(question, _events, about), about)
+        if failure:
+            raise failure
+
+    def _understood(self, message: str, answer: str, parse: Callable[[str], Answer]) -> Answer:
+        try:
+            return parse(answer)
+        except ValueError as error:
+            raise GarbledError(
+                f"{self.resource}: {message} was answered with {answer[:60]!r}; check the line "
+                "and that nothing else talks to the meter"
+            ) from error
+
+    def _back_in_step(self) -> Event:
+        """The event register, told in an answer that no earlier question can have."""
+        try:
+            self._connection.write("*ESR?;*IDN?")
+            for _ in range(LATE_ANSWERS):
+                match = IN_STEP.fullmatch(self._anything())
+                if match:
+                    return _events(match[1])
+        except MeterError as failure:
+            self.close()
+            raise failure from None
+        self.close()
+        raise LostConnectionError(
+            f"{self.resource}: answers no longer fit the questions; the connection was closed: "
+            "check that nothing else talks to the meter, then connect again"
+        )
+
+    def _anything(self) -> str:
+        try:
+            return self._connection.read()
+        except GarbledError:
+            return ""
+
+    def _failure(self, found: Event, message: str) -> MeterError | None:
+        if Event.POWER_ON in found:
+            return RestartedError(
+                f"{self.resource}: the meter was switched on anew before {message}, so its "
+                "settings and corrections are lost; check its power, then set it up again"
+            )
+        reasons = [reason for event, reason in REFUSALS.items() if event in found]
+        if not reasons:
+            return None
+        return RefusedError(
+            f"{self.resource}: the meter refused {message} ({'; '.join(reasons)}); check the "
+            "value and the model's command list"
+        )
+
+    def _require_open(self) -> None:
+        if self._closed:
+            raise LostConnectionError(
+                f"{self.resource}: the connection was closed after an earlier failure; connect "
+                "again"
+            )
+
+
+def _events(text: str) -> Event:
+    return Event(int(text) & 0xFF)

@@ -1,0 +1,63 @@
+"""Open and short correction: acquired by the meter, awaited here, its failure told."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from ...simulator.sweeps import InputError
+from .errors import CorrectionError
+from .hioki import Meter
+
+COMMANDS = {"open": ":CORRection:OPEN", "short": ":CORRection:SHORt"}
+ADVICE = {
+    "open": "check that the leads are held apart, connected to nothing, and shielded",
+    "short": "check that the leads are joined firmly by a clean shorting bar",
+}
+COMPLETE = 1
+
+
+def correct(
+    meter: Meter,
+    kind: str,
+    extent: str = "ALL",
+    progress: Callable[[float], None] = lambda seconds: None,
+    patience: float = 180.0,
+    interval: float = 0.2,
+) -> None:
+    """Acquire open or short correction at all frequencies or one (ALL, SPOT), or end it (OFF).
+
+    progress: called with the seconds so far, every `interval` s. patience: s.
+    Raises InputError on other words, CorrectionError where the meter fails or never ends.
+    """
+    if kind not in COMMANDS or extent not in ("ALL", "SPOT", "OFF"):
+        raise InputError(f"correction is open or short, and ALL, SPOT or OFF; got {kind}, {extent}")
+    command, talk = COMMANDS[kind], meter.talk
+    meter.trigger = "EXTERNAL"
+    talk.ask(":ESR0?", int)
+    talk.tell(f"{command} {extent}")
+    if extent == "OFF":
+        return
+    if not _completed(meter, progress, patience, interval):
+        talk.tell(f"{command} CANCel")
+        raise CorrectionError(
+            f"{talk.resource}: {kind} correction did not end in {patience:g} s; {ADVICE[kind]}"
+        )
+    error = talk.ask(f"{command}:ERRor?", int)
+    if error:
+        raise CorrectionError(
+            f"{talk.resource}: {kind} correction failed with error {error}; {ADVICE[kind]}"
+        )
+
+
+def _completed(
+    meter: Meter, progress: Callable[[float], None], patience: float, interval: float
+) -> bool:
+    begun = time.monotonic()
+    while not meter.talk.ask(":ESR0?", int) & COMPLETE:
+        elapsed = time.monotonic() - begun
+        if elapsed > patience:
+            return False
+        progress(elapsed)
+        time.sleep(interval)
+    return True

@@ -1,0 +1,189 @@
+"""Hioki's LCR meters IM3523, IM3533, IM3536 and IM3570, each a dialect of one language."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Self
+
+from .connection import Connection, connect
+from .conversation import Conversation
+from .errors import LostConnectionError, NoConnectionError, ReadingError, WrongMeterError
+from .identity import MODELS, Identity, parse_identity
+from .reading import Reading, parse_reading
+from .setting import Choice, Number, Report, Setting, Switch, Whole
+
+SPEEDS = ("FAST", "MEDium", "SLOW", "SLOW2")
+CORRECTIONS = ("OFF", "ALL", "SPOT")
+CP_RS_X = "16,18"
+STATUS_AND_VALUES = 18
+
+
+class HiokiMeter:
+    """What the four have in common. Every set is followed by a look at the event register.
+
+    Setting a property raises InputError where the value is not allowed, RefusedError where the
+    meter objects, RestartedError where it was switched on anew; anything may raise MeterError.
+    """
+
+    model: ClassVar[str]
+
+    mode = Setting(":MODE", Choice(("LCR", "CONTinuous")), "Mode of measurement")
+    level = Setting(
+        ":LEVel",
+        Choice(("V", "CV", "CC")),
+        "What the level holds: the open voltage (V), the voltage (CV) or the current (CC)",
+    )
+    voltage = Setting(":LEVel:VOLTage", Number("V", 5e-3, 5, 4), "Open voltage, rms, level V")
+    constant_voltage = Setting(
+        ":LEVel:CVOLTage", Number("V", 5e-3, 5, 4), "Voltage on the skin, rms, level CV"
+    )
+    constant_current = Setting(
+        ":LEVel:CCURRent", Number("A", 10e-6, 50e-3, 4), "Current through the skin, rms, level CC"
+    )
+    range = Setting(
+        ":RANGe", Whole(1, 10), "Range, 100 mohm x 10^(range - 1) full scale; ends automatic choice"
+    )
+    auto_range = Setting(":RANGe:AUTO", Switch(), "Whether the meter chooses the range")
+    trigger = Setting(
+        ":TRIGger", Choice(("INTernal", "EXTernal")), "What starts a measurement: itself, or *TRG"
+    )
+    cable = Setting(":CORRection:CABLe", Whole(0, 1), "Length of the cable, m")
+    load_correction = Setting(":CORRection:LOAD", Switch(), "Whether load correction is applied")
+    open_correction = Report(":CORRection:OPEN?", Choice(CORRECTIONS), "Open correction in use")
+    short_correction = Report(":CORRection:SHORt?", Choice(CORRECTIONS), "Short correction in use")
+
+    def __init__(self, connection: Connection, identity: Identity | None = None) -> None:
+        self.talk = Conversation(connection)
+        self.identity = identity or self.talk.ask("*IDN?", parse_identity)
+
+    def prepare(self) -> None:
+        """Set it up so that each reading is new and tells status, Cp, Rs and X. Raises MeterError.
+
+        Settings of range, level, speed and correction stay as they are.
+        """
+        for message in (
+            "*CLS",
+            ":HEADer OFF",
+            ":MODE LCR",
+            ":TRIGger EXTernal",
+            f":MEASure:ITEM {CP_RS_X}",
+            f":MEASure:VALid {STATUS_AND_VALUES}",
+        ):
+            self.talk.tell(message)
+
+    def read(self) -> Reading:
+        """A reading that was started by this call and by nothing before it.
+
+        Raises ReadingError where the meter calls it failed, RefusedError where it would not be
+        triggered (then what it answered was stale), RestartedError, or another MeterError.
+        """
+        question = "*TRG;:MEASure?"
+        try:
+            reading = self.talk.ask(question, parse_reading)
+        except ReadingError:
+            self.talk.check(question)
+            raise
+        self.talk.check(question)
+        return reading
+
+    def close(self) -> None:
+        """Let the connection go; closing twice does no harm."""
+        self.talk.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+class IM3523(HiokiMeter):
+    """40 Hz to 200 kHz; speed, averaging and delay are kept for each range and set alike."""
+
+    model = "IM3523"
+    frequency = Setting(":FREQuency", Number("Hz", 40, 200e3, 5), "Frequency")
+    speed = Setting(":RANGe:SYNC:SPEEd", Choice(SPEEDS), "Speed", each_range=True)
+    averaging = Setting(
+        ":RANGe:SYNC:AVERaging", Whole(1, 256, "OFF"), "Readings averaged", each_range=True
+    )
+    trigger_delay = Setting(
+        ":RANGe:SYNC:TRIGger:DELay",
+        Number("s", 0, 9.9999, 5),
+        "Time from trigger to measurement",
+        each_range=True,
+    )
+
+
+class _Sibling(HiokiMeter):
+    speed = Setting(":SPEEd", Choice(SPEEDS), "Speed")
+    averaging = Setting(":AVERaging", Whole(1, 256, "OFF"), "Readings averaged")
+    trigger_delay = Setting(
+        ":TRIGger:DELay", Number("s", 0, 9.9999, 5), "Time from trigger to measurement"
+    )
+
+
+class IM3533(_Sibling):
+    """1 mHz to 200 kHz."""
+
+    model = "IM3533"
+    frequency = Setting(":FREQuency", Number("Hz", 1e-3, 200e3, 5), "Frequency")
+
+
+class IM3536(_Sibling):
+    """4 Hz to 8 MHz, from 10 mV."""
+
+    model = "IM3536"
+    frequency = Setting(":FREQuency", Number("Hz", 4, 8e6, 5), "Frequency")
+    voltage = Setting(":LEVel:VOLTage", Number("V", 10e-3, 5, 4), "Open voltage, rms, level V")
+    constant_voltage = Setting(
+        ":LEVel:CVOLTage", Number("V", 10e-3, 5, 4), "Voltage on the skin, rms, level CV"
+    )
+
+
+class IM3570(_Sibling):
+    """4 Hz to 5 MHz."""
+
+    model = "IM3570"
+    frequency = Setting(":FREQuency", Number("Hz", 4, 5e6, 5), "Frequency")
+
+
+Meter = IM3523 | IM3533 | IM3536 | IM3570
+DIALECTS: dict[str, type[Meter]] = {
+    dialect.model: dialect for dialect in (IM3523, IM3533, IM3536, IM3570)
+}
+
+
+def open_meter(resource: str, timeout: float = 5.0, baud_rate: int = 9600) -> Meter:
+    """The meter behind a VISA resource, known by its own name and set up for readings.
+
+    timeout: seconds that an answer may take. Raises InputError where the resource is no name of
+    one, NoConnectionError where nothing answers, WrongMeterError where something else does.
+    """
+    return start(connect(resource, timeout, baud_rate))
+
+
+def start(connection: Connection) -> Meter:
+    """The meter behind a connection, in its dialect and set up; the connection is closed if not.
+
+    Raises as `open_meter`.
+    """
+    try:
+        identity = identify(connection)
+        if not identity.model:
+            raise WrongMeterError(
+                f"{connection.resource}: {identity.text!r} answers, which is none of "
+                f"{', '.join(MODELS)}; check the address"
+            )
+        meter = DIALECTS[identity.model](connection, identity)
+        meter.prepare()
+    except BaseException:
+        connection.close()
+        raise
+    return meter
+
+
+def identify(connection: Connection) -> Identity:
+    """Who answers at the other end. Raises NoConnectionError, or another MeterError."""
+    try:
+        return Conversation(connection).ask("*IDN?", parse_identity)
+    except LostConnectionError as error:
+        raise NoConnectionError(str(error).replace("is lost", "cannot be made")) from error

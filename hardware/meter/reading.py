@@ -1,0 +1,70 @@
+"""One reading: Cp, Rs and X of the same instant, and how the meter vouches for them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+from .errors import ReadingError
+
+PLACEHOLDER = 1e30
+CONTACT = "contact error: check the leads and terminals"
+
+
+class Status(Enum):
+    """How a reading ended: the meter's code, and what to check where it is not normal."""
+
+    NORMAL = 0, "normal"
+    NOT_MEASURED = 1, "nothing was measured yet: check the trigger"
+    OUTSIDE_GUARANTEE = 2, "outside guaranteed accuracy"
+    OUTSIDE_DISPLAY = 3, "outside the display range"
+    HIGH_IMPEDANCE = 5, "high contact impedance suspected (Hi-Z)"
+    OVERFLOW = 7, "overflow: check the leads for an open circuit, or take a higher range"
+    UNDERFLOW = -7, "underflow: check the leads for a short, or take a lower range"
+    SAMPLING = 9, "sampling error: check for noise from the mains, or lower the speed"
+    CONTACT_12 = 12, CONTACT
+    CONTACT_13 = 13, CONTACT
+    CONTACT_14 = 14, CONTACT
+    CONTACT_15 = 15, CONTACT
+    CONTACT_16 = 16, CONTACT
+    CONTACT_17 = 17, CONTACT
+
+    def __init__(self, code: int, meaning: str) -> None:
+        self.code, self.meaning = code, meaning
+
+    @property
+    def kept(self) -> bool:
+        """Whether a number comes with it."""
+        return self.code in (0, 2, 3, 5)
+
+
+BY_CODE = {status.code: status for status in Status}
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Cp [F], Rs [ohm] and X [ohm] of one measurement; status: normal, or a flag on the numbers."""
+
+    Cp: float
+    Rs: float
+    X: float
+    status: Status = Status.NORMAL
+
+
+def parse_reading(text: str) -> Reading:
+    """The reading in an answer `status, Cp, Rs, X`, whatever its number of digits and spaces.
+
+    Raises ReadingError where the status is a failure, ValueError where the answer is none.
+    """
+    code, Cp, Rs, X = (float(part) for part in text.split(","))
+    if not code.is_integer():
+        raise ValueError(text)
+    status = BY_CODE.get(int(code))
+    if status is None:
+        raise ReadingError(f"the meter gave status {code:g}, which has no known meaning")
+    if not status.kept:
+        raise ReadingError(f"the reading failed with status {status.code}: {status.meaning}")
+    if not all(math.isfinite(value) and abs(value) < PLACEHOLDER for value in (Cp, Rs, X)):
+        raise ValueError(text)
+    return Reading(Cp, Rs, X, status)

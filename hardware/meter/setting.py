@@ -1,0 +1,179 @@
+"""A meter's settings as declared properties: commands, what is allowed, and what it means."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from numbers import Real
+from typing import TYPE_CHECKING, Any, Generic, Protocol, Self, TypeVar, overload
+
+from ...simulator.sweeps import InputError
+
+if TYPE_CHECKING:
+    from .conversation import Conversation
+
+T = TypeVar("T")
+Told = TypeVar("Told", covariant=True)
+
+
+class Holder(Protocol):
+    """What settings are declared on: something with a conversation."""
+
+    talk: Conversation
+
+
+class Allowed(Protocol[Told]):
+    """Values that a setting may take, and how they are written."""
+
+    def __str__(self) -> str:
+        """The allowed values with their unit."""
+        ...
+
+    def write(self, value: Any) -> str | None:
+        """The value as the meter reads it; None where it is not allowed."""
+        ...
+
+    def read(self, text: str) -> Told:
+        """The value that the meter wrote; raises ValueError where it is none."""
+        ...
+
+
+@dataclass(frozen=True)
+class Number:
+    """Numbers in a unit, sent with so many significant digits."""
+
+    unit: str
+    low: float
+    high: float
+    digits: int
+
+    def __str__(self) -> str:
+        return f"from {self.low:g} to {self.high:g} {self.unit}"
+
+    def write(self, value: Any) -> str | None:
+        """In exponent form, as `1.0000E+03`."""
+        within = _is_number(value) and self.low <= value <= self.high
+        return f"{value:.{self.digits - 1}E}" if within else None
+
+    def read(self, text: str) -> float:
+        """A finite number."""
+        value = float(text)
+        if not math.isfinite(value):
+            raise ValueError(text)
+        return value
+
+
+@dataclass(frozen=True)
+class Whole:
+    """Whole numbers; `lowest_word` is what the meter calls the lowest, where it has a word."""
+
+    low: int
+    high: int
+    lowest_word: str = ""
+
+    def __str__(self) -> str:
+        return f"a whole number from {self.low} to {self.high}"
+
+    def write(self, value: Any) -> str | None:
+        """As digits, or as the word for the lowest."""
+        if not (_is_number(value) and value == int(value) and self.low <= value <= self.high):
+            return None
+        return self.lowest_word if self.lowest_word and value == self.low else str(int(value))
+
+    def read(self, text: str) -> int:
+        """A whole number."""
+        if self.lowest_word and text.upper() == self.lowest_word:
+            return self.low
+        return int(text)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of some words; the meter may answer with the short form or the long one."""
+
+    words: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return "one of " + ", ".join(word.upper() for word in self.words)
+
+    def write(self, value: Any) -> str | None:
+        """The word in its long form."""
+        return next((word for word in self._long() if str(value).upper() == word), None)
+
+    def read(self, text: str) -> str:
+        """The word in its long form."""
+        for word, long in zip(self.words, self._long(), strict=True):
+            if text.strip().upper() in (long, "".join(c for c in word if not c.islower())):
+                return long
+        raise ValueError(text)
+
+    def _long(self) -> list[str]:
+        return [word.upper() for word in self.words]
+
+
+@dataclass(frozen=True)
+class Switch:
+    """On or off."""
+
+    def __str__(self) -> str:
+        return "True or False"
+
+    def write(self, value: Any) -> str | None:
+        """ON or OFF."""
+        return ("ON" if value else "OFF") if isinstance(value, bool) else None
+
+    def read(self, text: str) -> bool:
+        """Whether it is on."""
+        return {"ON": True, "1": True, "OFF": False, "0": False}[text.strip().upper()]
+
+
+class Report(Generic[T]):
+    """Something a meter tells of itself, asked anew each time."""
+
+    def __init__(self, ask: str, allowed: Allowed[T], meaning: str) -> None:
+        """ask: the question; `{range}` in it stands for the present range."""
+        self.ask, self.allowed, self.__doc__ = ask, allowed, f"{meaning}: {allowed}."
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    @overload
+    def __get__(self, meter: None, owner: type) -> Self: ...
+    @overload
+    def __get__(self, meter: Holder, owner: type) -> T: ...
+    def __get__(self, meter: Any, owner: type) -> Self | T:
+        if meter is None:
+            return self
+        at = {"range": meter.range} if "{range}" in self.ask else {}
+        return meter.talk.ask(self.ask.format(**at), self._read)
+
+    def __set__(self, meter: Holder, value: T) -> None:
+        raise AttributeError(f"`{self.name}` is told by the meter and cannot be set")
+
+    def _read(self, text: str) -> T:
+        try:
+            return self.allowed.read(text.strip())
+        except KeyError as error:
+            raise ValueError(text) from error
+
+
+class Setting(Report[T]):
+    """A report that can also be set; each set is followed by a look at the event register."""
+
+    def __init__(
+        self, command: str, allowed: Allowed[T], meaning: str, *, each_range: bool = False
+    ) -> None:
+        """each_range: whether the meter keeps one value for each range; all are set alike."""
+        super().__init__(f"{command}? {{range}}" if each_range else f"{command}?", allowed, meaning)
+        self.tell = f"{command} ALL," if each_range else f"{command} "
+
+    def __set__(self, meter: Holder, value: T) -> None:
+        """Raises InputError where it is not allowed, RefusedError where the meter objects."""
+        text = self.allowed.write(value)
+        if text is None:
+            raise InputError(f"`{self.name}` must be {self.allowed}, got {value}")
+        meter.talk.tell(f"{self.tell}{text}")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)

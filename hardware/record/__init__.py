@@ -1,0 +1,1 @@
+"""Recording a skin: an order of presses, each measured, checked and kept."""

@@ -1,0 +1,126 @@
+"""Is a measured sweep sound? Laws of passive skins, earlier repetitions, and the skin at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...simulator.sweeps import build, parallel_capacitance, violations
+from ..meter.accuracy import AccuracyTable, Conditions
+from .sweep import Sweep
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+CALCULATED = 1e-3
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How far a sweep may depart. errors: the slack of the laws, in bounds of the meter's error.
+
+    repeatability: of |Z| from the mean of earlier sweeps of the same press. drift: of |Z| at rest
+    from the first sweep at rest. Both are fractions.
+    """
+
+    errors: float = 2.0
+    repeatability: float = 0.05
+    drift: float = 0.05
+
+
+@dataclass(frozen=True)
+class Judge:
+    """What a sweep is judged by. frequency: Hz. settings: the meter's, as in a snapshot."""
+
+    frequency: NDArray[np.float64]
+    table: AccuracyTable
+    settings: Mapping[str, Any]
+    limits: Limits
+
+    def remarks(self, sweep: Sweep, earlier: Sequence[Sweep], at_rest: bool) -> list[str]:
+        """What is wrong with a sweep, in words; empty where it is sound.
+
+        earlier: sound sweeps of the same press, oldest first.
+        """
+        found = [*self._broken_laws(sweep), *self._miscalculated(sweep)]
+        if earlier and at_rest:
+            found += self._departs(
+                sweep, earlier[0].Z, self.limits.drift, "the skin at rest has drifted"
+            )
+        elif earlier:
+            mean = np.mean([one.Z for one in earlier], axis=0)
+            found += self._departs(
+                sweep, mean, self.limits.repeatability, "differs from earlier repetitions"
+            )
+        return found
+
+    def tolerance(self, Z: NDArray[np.complex128]) -> float:
+        """The largest bound over a sweep of the relative error of Rs, Cp or Cs.
+
+        With bounds dz of |Z| and dt of the phase t: Rs is off by dz + |tan t| dt, Cp and Cs by
+        dz + |cot t| dt.
+        """
+        errors = []
+        for f, z in zip(self.frequency, Z, strict=True):
+            dz, dt = self.table.bound(z, self._conditions(float(f), complex(z)))
+            errors.append(dz + max(abs(z.imag / z.real), abs(z.real / z.imag)) * dt)
+        return float(max(errors))
+
+    def _conditions(self, frequency: float, Z: complex) -> Conditions:
+        settings = self.settings
+        level = {
+            "V": settings["voltage"],
+            "CV": settings["constant_voltage"],
+            "CC": settings["constant_current"] * abs(Z),
+        }[settings["level"]]
+        return Conditions(
+            frequency,
+            settings.get("range") or self.table.fitting_range(Z),
+            settings["speed"],
+            settings["averaging"],
+            level,
+            settings["cable"],
+        )
+
+    def _broken_laws(self, sweep: Sweep) -> list[str]:
+        one = build(
+            sweep.Z[None, None],
+            self.frequency,
+            interface=["meter"],
+            press=["?"],
+            row=[-1],
+            column=[-1],
+        )
+        tolerance = self.limits.errors * self.tolerance(sweep.Z)
+        return [
+            f"{each.law} is broken at {_listed(each.frequency)}, beyond the meter's error"
+            for each in violations(one, tolerance)
+        ]
+
+    def _miscalculated(self, sweep: Sweep) -> list[str]:
+        from_Z = parallel_capacitance(sweep.Z, self.frequency)
+        wrong = np.abs(np.array(sweep.Cp) - from_Z) > CALCULATED * np.abs(from_Z)
+        if not wrong.any():
+            return []
+        return [f"Cp does not follow from Rs, X and f at {_listed(self.frequency[wrong])}"]
+
+    def _departs(
+        self, sweep: Sweep, usual: NDArray[np.complex128], limit: float, what: str
+    ) -> list[str]:
+        departure = np.abs(sweep.Z / usual - 1)
+        worst = int(departure.argmax())
+        if departure[worst] <= limit:
+            return []
+        return [
+            f"{what} by {100 * departure[worst]:.1f} % of |Z| at {self.frequency[worst]:.5g} Hz "
+            f"(allowed: {100 * limit:g} %)"
+        ]
+
+
+def _listed(frequency: Sequence[float] | NDArray[np.float64]) -> str:
+    if len(frequency) == 1:
+        return f"{frequency[0]:.5g} Hz"
+    return f"{len(frequency)} frequencies from {min(frequency):.5g} to {max(frequency):.5g} Hz"

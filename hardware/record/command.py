@@ -1,0 +1,141 @@
+"""The command that records a skin: its options, and what they mean."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..options import Accuracy, Baud, Interface, Resource, Timeout
+from ..scene_data import SceneData
+
+if TYPE_CHECKING:
+    from .journal import Entry
+    from .operators import Operator
+    from .order import Step
+
+
+def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callable[..., None]:
+    """The command. scene_data: of a name or path, and an interface (None: the first)."""
+
+    def record(
+        scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+        resource: Resource,
+        output: Annotated[Path, typer.Option("--output", "-o", help="OUT.nc or OUT.csv.")],
+        repetitions: Annotated[int, typer.Option(help="Sweeps of each pixel.")] = 6,
+        order: Annotated[Path | None, typer.Option(help="File of presses, one a line.")] = None,
+        unattended: Annotated[bool, typer.Option("--unattended", help="Ask nobody.")] = False,
+        control: Annotated[
+            str | None, typer.Option(help="Press through a virtual meter's HOST:PORT.")
+        ] = None,
+        press_with: Annotated[
+            str | None, typer.Option(help="Press by this command, with {press} filled in.")
+        ] = None,
+        retries: Annotated[int, typer.Option(help="Unattended repetitions of a sweep.")] = 3,
+        interface: Interface = None,
+        speed: Annotated[str | None, typer.Option(help="FAST, MEDIUM, SLOW or SLOW2.")] = None,
+        averaging: Annotated[int | None, typer.Option(help="Readings averaged, 1-256.")] = None,
+        level: Annotated[str | None, typer.Option(help="V, CV or CC.")] = None,
+        amplitude: Annotated[float | None, typer.Option(help="Of the level, V or A.")] = None,
+        range_: Annotated[int | None, typer.Option("--range", help="1-10; 0 automatic.")] = None,
+        delay: Annotated[float | None, typer.Option(help="After the trigger, s.")] = None,
+        cable: Annotated[int | None, typer.Option(help="Length of the cable, 0 or 1 m.")] = None,
+        repeatability: Annotated[float, typer.Option(help="Allowed between sweeps.")] = 0.05,
+        drift: Annotated[float, typer.Option(help="Allowed of the skin at rest.")] = 0.05,
+        timeout: Timeout = 5.0,
+        baud: Baud = 9600,
+        accuracy: Accuracy = None,
+    ) -> None:
+        """Record sweeps of a scene's presses; run again, it goes on where it was ended."""
+        from ...simulator.sweeps import checked_output, write
+        from ..meter.accuracy import DERIVED, read_table
+        from ..meter.hioki import open_meter
+        from .checks import Limits
+        from .dataset import gather
+        from .recorder import Task
+        from .recorder import record as record_task
+
+        checked_output(output)
+        data = scene_data(scene, interface)
+        table = read_table(accuracy or DERIVED)
+        steps = _steps(order, data.rows, data.columns, repetitions)
+        settings = _settings(speed, averaging, level, amplitude, range_, delay, cable)
+        operator = _operator(unattended, control, press_with, retries, steps)
+        task = Task(
+            data,
+            steps,
+            output,
+            lambda: open_meter(resource, timeout, baud),
+            table,
+            settings,
+            Limits(repeatability=repeatability, drift=drift),
+        )
+        header, entries = record_task(task, operator)
+        write(gather(header, entries, table.name), output)
+        typer.echo(f"{len(entries)} sweeps in {output}, {_unsound(entries)} of them with remarks")
+
+    return record
+
+
+def _steps(order: Path | None, rows: int, columns: int, repetitions: int) -> list[Step]:
+    from .order import read_order, standard_order
+
+    return read_order(order, rows, columns) if order else standard_order(rows, columns, repetitions)
+
+
+def _settings(
+    speed: str | None,
+    averaging: int | None,
+    level: str | None,
+    amplitude: float | None,
+    range_: int | None,
+    delay: float | None,
+    cable: int | None,
+) -> dict[str, Any]:
+    from ...simulator.sweeps import InputError
+
+    amplitudes = {"V": "voltage", "CV": "constant_voltage", "CC": "constant_current"}
+    held = (level or "V").upper()
+    if held not in amplitudes:
+        raise InputError(f"`level` must be one of {', '.join(amplitudes)}, got {level}")
+    asked = {
+        "level": level and held,
+        amplitudes[held]: amplitude,
+        "range": range_ or None,
+        "auto_range": None if range_ is None else range_ == 0,
+        "speed": speed and speed.upper(),
+        "averaging": averaging,
+        "trigger_delay": delay,
+        "cable": cable,
+    }
+    return {name: value for name, value in asked.items() if value is not None}
+
+
+def _operator(
+    unattended: bool, control: str | None, press_with: str | None, retries: int, steps: list[Step]
+) -> Operator:
+    from rich.console import Console
+
+    from ...simulator.sweeps import InputError
+    from .operators import Machine, pressing_by_command, pressing_virtually
+    from .terminal import Person, Screen
+
+    console = Console(stderr=True)
+    screen = Screen(console)
+    if control and press_with:
+        raise InputError("`control` and `press-with` cannot both press the skin")
+    if control:
+        return Machine(pressing_virtually(control), screen, retries)
+    if press_with:
+        return Machine(pressing_by_command(press_with), screen, retries)
+    if not unattended:
+        return Person(console, screen)
+    if any(step.row for step in steps):
+        raise InputError("unattended, a recording is pressed by --control or --press-with")
+    return Machine(lambda step: None, screen, retries)
+
+
+def _unsound(entries: list[Entry]) -> int:
+    return sum(bool(entry.remarks) for entry in entries)

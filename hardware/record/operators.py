@@ -1,0 +1,123 @@
+"""Who presses the skin: what a recording asks of a person, or of a machine."""
+
+from __future__ import annotations
+
+import shlex
+import subprocess
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from ...simulator.sweeps import InputError
+from ..meter.errors import MeterError, PressError
+from ..meter.reading import Reading
+from .order import Step
+
+Press = Callable[[Step], None]
+
+
+class Operator(Protocol):
+    """Leads through a recording."""
+
+    def press(self, step: Step, number: int, total: int) -> None:
+        """Returns when the skin is pressed and held. Raises PressError where it cannot be."""
+        ...
+
+    def watch(self, frequency: float, reading: Reading) -> None:
+        """A reading came, at a frequency in Hz."""
+        ...
+
+    def kept(self, remarks: Sequence[str]) -> bool:
+        """A sweep is done; False to repeat it, which is offered where there are remarks."""
+        ...
+
+    def again(self, failure: MeterError) -> bool:
+        """A sweep failed; True to try it again, False to stop there."""
+        ...
+
+
+class Show(Protocol):
+    """Where the course of a recording is shown."""
+
+    def begin(self, title: str) -> None: ...
+    def reading(self, frequency: float, reading: Reading) -> None: ...
+    def end(self, remarks: Sequence[str]) -> None: ...
+
+
+@dataclass
+class Machine:
+    """Presses by a function, and repeats what failed or is unsound up to `retries` times.
+
+    pause: s before the first repetition after a failure, doubled with each further one.
+    """
+
+    by: Press
+    show: Show
+    retries: int = 3
+    pause: float = 1.0
+    spent: int = field(default=0, init=False)
+    current: int = field(default=-1, init=False)
+
+    def press(self, step: Step, number: int, total: int) -> None:
+        """Have the machine press. Raises PressError where it fails."""
+        if number != self.current:
+            self.current, self.spent = number, 0
+        self.by(step)
+        self.show.begin(f"{number + 1}/{total}  press {step.press}")
+
+    def watch(self, frequency: float, reading: Reading) -> None:
+        """Show the reading."""
+        self.show.reading(frequency, reading)
+
+    def kept(self, remarks: Sequence[str]) -> bool:
+        """Whether it is sound, or has been repeated often enough."""
+        self.show.end(remarks)
+        return not remarks or not self._may_repeat()
+
+    def again(self, failure: MeterError) -> bool:
+        """Whether it has not failed often enough."""
+        self.show.end([str(failure)])
+        if not self._may_repeat():
+            return False
+        time.sleep(self.pause * 2 ** (self.spent - 1))
+        return True
+
+    def _may_repeat(self) -> bool:
+        self.spent += 1
+        return self.spent <= self.retries
+
+
+def pressing_by_command(command: str) -> Press:
+    """Presses by running a command in which `{press}`, `{row}` and `{column}` are filled in.
+
+    Raises InputError where the command cannot be understood; the press raises PressError where it
+    cannot be run or ends with another code than 0.
+    """
+    try:
+        words = shlex.split(command)
+        [word.format(press="none", row=0, column=0) for word in words]
+    except (ValueError, KeyError, IndexError) as error:
+        raise InputError(
+            "`press-with` must be a command with {press}, {row} or {column} to be filled in, "
+            f"got {command!r}"
+        ) from error
+
+    def press(step: Step) -> None:
+        filled = [word.format(press=step.press, row=step.row, column=step.column) for word in words]
+        try:
+            subprocess.run(filled, check=True, capture_output=True, timeout=600)
+        except (OSError, subprocess.SubprocessError) as error:
+            raise PressError(f"press {step.press}: {error}; check the pressing machine") from error
+
+    return press
+
+
+def pressing_virtually(control: str) -> Press:
+    """Presses a virtual meter's skin through its side door at HOST:PORT."""
+    from ..steer import ask
+
+    def press(step: Step) -> None:
+        ask(control, "press", press=step.press)
+
+    return press

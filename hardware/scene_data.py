@@ -1,0 +1,17 @@
+"""A scene as plain data: all that the meter's side knows of one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class SceneData:
+    """A scene at one of its interfaces. text: the scene's TOML. frequencies: Hz, ascending."""
+
+    name: str
+    text: str
+    frequencies: tuple[float, ...]
+    rows: int
+    columns: int
+    interface: str

@@ -1,0 +1,37 @@
+"""Steering a virtual meter from another process, through its side door."""
+
+from __future__ import annotations
+
+import json
+import re
+import socket
+from typing import Any
+
+from ..simulator.sweeps import InputError
+from .meter.errors import PressError
+
+DEFAULT_CONTROL = "127.0.0.1:3501"
+ADDRESS = re.compile(r"(?P<host>[^:\s]+):(?P<port>\d{1,5})")
+
+
+def ask(control: str, do: str, **given: Any) -> Any:
+    """What the virtual meter answers to a request (see `control`).
+
+    control: HOST:PORT. Raises InputError where the address or the request is refused, PressError
+    where nothing answers there.
+    """
+    match = ADDRESS.fullmatch(control)
+    if match is None or int(match["port"]) > 65535:
+        raise InputError(f"`control` must be HOST:PORT, got {control!r}")
+    try:
+        with socket.create_connection((match["host"], int(match["port"])), timeout=30) as line:
+            line.sendall((json.dumps({"do": do, **given}) + "\n").encode())
+            answer = json.loads(line.makefile("rb").readline(1 << 16))
+    except (OSError, ValueError) as error:
+        raise PressError(
+            f"no virtual meter answers at {control} ({error}); check that `rcskin meter serve` "
+            "runs, and the control port it told"
+        ) from error
+    if "error" in answer:
+        raise InputError(answer["error"])
+    return answer["ok"]

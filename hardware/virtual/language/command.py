@@ -1,0 +1,52 @@
+"""A command: its header in short and long form, what telling it does, what asking it answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+from .parser import Message
+
+
+def short(word: str) -> str:
+    """`FREQuency` -> `FREQ`."""
+    return "".join(letter for letter in word if not letter.islower())
+
+
+def forms(header: str) -> set[tuple[str, ...]]:
+    """Every way to write a header such as `:RANGe:AUTO` in capitals, word by word."""
+    words = header.lstrip(":").split(":")
+    return set(product(*({short(word), word.upper()} for word in words)))
+
+
+def chosen(text: str, words: Iterable[str]) -> str | None:
+    """The one of `words` that the text writes in short or long form, in its long form."""
+    given = text.upper()
+    return next((word.upper() for word in words if given in (short(word), word.upper())), None)
+
+
+Act = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Command:
+    """A header in its documented form, whose capitals are the short form.
+
+    tell, ask: called with the meter and the arguments; None where the form does not exist. takes:
+    how many arguments to tell, asks: to ask. named: whether answers may carry a header.
+    siblings_only: the IM3523 knows it in compatibility mode only.
+    """
+
+    header: str
+    tell: Act | None = None
+    ask: Act | None = None
+    takes: int = 1
+    asks: int = 0
+    named: bool = True
+    siblings_only: bool = False
+
+    def fits(self, message: Message) -> bool:
+        """Whether the message brings as many arguments as the form takes."""
+        return len(message.arguments) == (self.asks if message.query else self.takes)

@@ -1,0 +1,114 @@
+"""Serving a virtual meter until it is told to stop."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+from collections.abc import Callable
+from contextlib import AsyncExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...simulator.sweeps import UNPRESSED, InputError
+from ..meter.accuracy import DERIVED, read_table
+from ..scene_data import SceneData
+from .control import Control
+from .instrument import Instrument
+from .measurement import Bench
+from .presses import Routine, at_random, read_script, scripted
+from .recorded import Recorded
+from .server import LOOPBACK, Ports, listening
+from .skin import Readout, Skin, exact
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Exhibit:
+    """A skin to be measured, the grid of its pixels, and what the meter makes of it."""
+
+    skin: Skin
+    readout: Readout
+    rows: int
+    columns: int
+    frequency: float
+
+
+def simulated(scene: SceneData, skin: Skin, readout: Readout) -> Exhibit:
+    """The skin of a scene."""
+    return Exhibit(skin, readout, scene.rows, scene.columns, scene.frequencies[0])
+
+
+def recorded(sweeps: xr.Dataset, interface: str | None) -> Exhibit:
+    """A recorded skin, shown as it was read. Raises InputError where the interface is not in it."""
+    rows, columns = (max(1, int(sweeps[name].max())) for name in ("row", "column"))
+    first = float(sweeps["frequency"][0])
+    return Exhibit(Recorded(sweeps, interface), exact, rows, columns, first)
+
+
+def instrument(exhibit: Exhibit, pace: float = 1.0, accuracy: Path = DERIVED) -> Instrument:
+    """A virtual meter on an exhibit at rest, warm: its first reading takes no longer than others.
+
+    pace: how long measurements take, 1 as long as a meter's, 0 no time.
+    """
+    if not 0 <= pace <= 100:
+        raise InputError(f"`pace` must be in [0, 100], got {pace:g}")
+    meter = Instrument(
+        Bench(exhibit.skin, exhibit.readout, read_table(accuracy)),
+        pace=pace,
+        press=exhibit.skin.check(UNPRESSED),
+    )
+    meter.worker.submit(exhibit.skin.impedance, meter.press, exhibit.frequency).result()
+    return meter
+
+
+def routines(
+    exhibit: Exhibit, script: Path | None, random: float | None, seed: int
+) -> tuple[Routine, ...]:
+    """What presses the skin by itself: a script's file, or a pixel at random every so many s."""
+    if script and random is not None:
+        raise InputError("`script` and `random` cannot both press the skin")
+    if script:
+        return (scripted(read_script(script, exhibit.skin)),)
+    if random is not None:
+        import numpy as np
+
+        generator = np.random.default_rng(seed)
+        return (at_random(exhibit.rows, exhibit.columns, random, generator),)
+    return ()
+
+
+def serve(
+    meter: Instrument,
+    pressing: tuple[Routine, ...],
+    tell: Callable[[Ports], None],
+    host: str = LOOPBACK,
+    port: int = 3500,
+    control_port: int = 3501,
+) -> None:
+    """Serve until the process is interrupted or told to end. tell: called when it listens.
+
+    Raises InputError where a port cannot be had.
+    """
+    asyncio.run(_serve(meter, pressing, tell, host, port, control_port))
+    meter.worker.shutdown(wait=False, cancel_futures=True)
+
+
+async def _serve(
+    meter: Instrument,
+    pressing: tuple[Routine, ...],
+    tell: Callable[[Ports], None],
+    host: str,
+    port: int,
+    control_port: int,
+) -> None:
+    stopped = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    for end in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(end, stopped.set)
+    async with AsyncExitStack() as stack:
+        control = Control(meter, pressing)
+        tell(await stack.enter_async_context(listening(meter, control, host, port, control_port)))
+        await stopped.wait()

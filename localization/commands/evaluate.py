@@ -1,0 +1,110 @@
+"""The command `rcskin evaluate`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from . import options
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..evaluation.report import Found
+    from ..inputs.samples import Samples
+    from ..learners.registry import Estimator
+
+FILES = "A model to evaluate, MODEL.skops, if any; then sweeps: FILE.nc, FILE.zarr or FILE.csv."
+
+
+def evaluate_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., None]:
+    """The command, told of further estimators."""
+
+    def evaluate(
+        files: Annotated[list[Path], typer.Argument(metavar="[MODEL] SWEEPS", help=FILES)],
+        output: Annotated[
+            Path | None, typer.Option("--output", "-o", help="A folder for tables and a chart.")
+        ] = None,
+        rest: options.Rest = None,
+        target: options.Target = "column",
+        name: options.Name = None,
+        quantities: options.Quantities = options.PAPER,
+        interface: options.Interfaces = None,
+        certain: options.Certain = None,
+        tune: options.Tune = False,
+        folds: Annotated[int, typer.Option(help="Of the outer cross-validation, >= 2.")] = 5,
+        most: options.Most = options.MOST_SWEEPS,
+    ) -> None:
+        """How often a localizer is right.
+
+        With a model: on these sweeps, which should be others than it was
+        trained on. Without: by nested cross-validation of TARGET and the
+        options after it; what is scored was used for no training, tuning or
+        calibration, and figures are means over folds, with their spread. Whole
+        sessions are held out where there are three or more.
+        """
+        from ...simulator.sweeps import InputError
+        from ..evaluation.report import lines_of, made_folder, write_report
+        from ..inputs.reading import read_some
+        from ..inputs.samples import samples_of
+
+        if len(files) > 2:
+            raise InputError(f"takes one model and one file of sweeps, got {len(files)} files")
+        if folds < 2:
+            raise InputError(f"--folds must be >= 2, got {folds}")
+        folder = None if output is None else made_folder(output)
+        sweeps = read_some(files[-1], most)
+        resting = None if rest is None else read_some(rest, most)
+        if len(files) == 2:
+            found = _by_model(files[0], extra(), sweeps, resting)
+        else:
+            asked = quantities.split(",")
+            samples = samples_of(sweeps, target, asked, interfaces=interface, rest=resting)
+            found = _by_folds(samples, name, extra(), certain=certain, tune=tune, folds=folds)
+        for line in lines_of(found):
+            typer.echo(line)
+        if folder is not None:
+            write_report(folder, found)
+
+    return evaluate
+
+
+def _by_model(
+    path: Path, extra: Iterable[Estimator], sweeps: xr.Dataset, rest: xr.Dataset | None
+) -> Found:
+    from ..evaluation.evaluation import score
+    from ..evaluation.report import Found
+    from ..learners.registry import estimators
+    from ..model.file import load
+
+    model = load(path, estimators(extra))
+    samples = model.samples(sweeps, rest)
+    scored = score(model.learned, samples)
+    figures = scored.figures().items()
+    return Found(
+        scored,
+        {name: (value, None) for name, value in figures},
+        "sweeps of their own",
+        samples.left_out,
+    )
+
+
+def _by_folds(
+    samples: Samples,
+    name: str | None,
+    extra: Iterable[Estimator],
+    *,
+    certain: float | None,
+    tune: bool,
+    folds: int,
+) -> Found:
+    from ..evaluation.evaluation import nested
+    from ..evaluation.report import Found
+    from ..learners.registry import chosen, estimators
+
+    estimator = chosen(name, samples.problem.target, estimators(extra))
+    found = nested(samples, estimator, certain=certain, tune=tune, folds=folds)
+    return Found(found.whole, dict(found.figures()), found.validation, samples.left_out)

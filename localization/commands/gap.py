@@ -1,0 +1,90 @@
+"""The command `rcskin gap`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
+    from ..gap.findings import Findings
+    from ..gap.given import Simulation, Style
+    from ..learners.registry import Estimator
+
+
+def gap_command(
+    simulation: Simulation,
+    style: Callable[[], Style],
+    progress: Callable[[], AbstractContextManager[Any]],
+    extra: Callable[[], Iterable[Estimator]] = tuple,
+) -> Callable[..., None]:
+    """The command, told how skins are simulated and charts are drawn.
+
+    progress: opens what tells on a terminal how far the work has come. extra: tells estimators
+    beside those of `localization`.
+    """
+
+    def gap(
+        simulated: Annotated[Path, typer.Argument(help="Simulated sweeps, .nc, .zarr or .csv.")],
+        measured: Annotated[Path, typer.Argument(help="Sweeps of the skin itself, or of a twin.")],
+        output: Annotated[
+            Path, typer.Option("--output", "-o", help="Folder for gap.html and gap.json.")
+        ],
+        scene: Annotated[
+            str | None,
+            typer.Option(help="Scene of the simulated sweeps; else the one they were made of."),
+        ] = None,
+        target: Annotated[str, typer.Option(help="column, row or pixel.")] = "column",
+        estimator: Annotated[str, typer.Option(help="The localizer, by name.")] = "ksvm-ovo",
+        seed: Annotated[int, typer.Option(help="Of all random numbers.")] = 0,
+        draws: Annotated[int, typer.Option(help="How often added sweeps are drawn anew.")] = 5,
+        calibration_touches: Annotated[
+            int, typer.Option(help="Pressed sweeps that calibrate, and are never tested.")
+        ] = 5,
+    ) -> None:
+        """How far simulation is from measurement, and what would close the gap.
+
+        Distances of Rs and Cp, accuracies of a localizer trained on simulation
+        and on a few touches, before and after calibration, distances of the
+        features' distributions, and the parameter that explains most.
+        """
+        from ...simulator.sweeps import read
+        from ..gap.findings import find
+        from ..gap.noun import check_simulated
+        from ..gap.pair import paired
+        from ..gap.question import Question
+        from ..gap.report.pages import HTML, made_folder, write_report
+        from ..gap.trial import prepared
+
+        question = Question(target, estimator, seed, draws, calibration_touches)
+        sides = read(simulated), read(measured)
+        check_simulated(sides[0], simulated)
+        text = simulation.scene(scene) if scene else ""
+        pair = paired(*sides, simulation, text, seed)
+        made_folder(output)
+        with progress() as track:
+            findings = find(prepared(pair, question, simulation, extra()), simulation, track)
+        write_report(output, findings, style())
+        _show(findings, output / HTML)
+
+    return gap
+
+
+def _show(findings: Findings, report: Path) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    from ..gap.report.telling import cause_told, heads, rows_of, summary
+
+    table = Table("trained on", *heads(findings), box=None)
+    for row in rows_of(findings):
+        table.add_row(row.trained, *row.cells)
+    console = Console()
+    console.print(table)
+    for line in (*summary(findings), cause_told(findings), *findings.notes, f"see {report}"):
+        if line:
+            console.print(line, soft_wrap=True, highlight=False)

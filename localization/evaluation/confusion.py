@@ -1,0 +1,90 @@
+"""The confusion matrix: which class a sweep is of against which it was taken for."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.metrics import confusion_matrix
+
+from ...simulator.sweeps import checked_output, whole_file
+
+HEADER = ("target", "output", "count")
+
+
+@dataclass(frozen=True, eq=False)
+class Confusion:
+    """Counts of sweeps by the class they are of and the class they were taken for."""
+
+    labels: tuple[int | str, ...]
+    """Classes in order, K of them."""
+    counts: NDArray[np.int64]
+    """Shape (K, K): (target class, output class)."""
+
+    @property
+    def total(self) -> int:
+        """Number of sweeps."""
+        return int(self.counts.sum())
+
+    @property
+    def correct(self) -> int:
+        """Number of sweeps taken for what they are."""
+        return int(np.trace(self.counts))
+
+    @property
+    def accuracy(self) -> float:
+        """Fraction of all sweeps that were taken for what they are."""
+        return self.correct / self.total
+
+    @property
+    def recall(self) -> dict[int | str, float]:
+        """Accuracy among the sweeps of each class; no entry for a class without sweeps."""
+        return {
+            label: float(outputs[k] / outputs.sum())
+            for k, (label, outputs) in enumerate(zip(self.labels, self.counts, strict=True))
+            if outputs.any()
+        }
+
+    def table(self) -> list[tuple[int | str, int | str, int]]:
+        """A row (target, output, count) for each pair of classes, target by target."""
+        return [
+            (target, output, int(self.counts[i, j]))
+            for i, target in enumerate(self.labels)
+            for j, output in enumerate(self.labels)
+        ]
+
+
+def compare(targets: NDArray, outputs: NDArray) -> Confusion:
+    """Count labels as of `features.labels`, at least one, against those answered, shapes (sweep,).
+
+    Classes are ordered by number, pixels by row and then column, pairs by their first pixel.
+    """
+    classes = _in_order([*targets.tolist(), *outputs.tolist()])
+    return Confusion(tuple(classes), confusion_matrix(targets, outputs, labels=classes))
+
+
+def write_csv(confusion: Confusion, path: str | Path) -> None:
+    """Write the table under the header `target,output,count`; the file appears whole or not at all.
+
+    Raises InputError where `path` does not end in .csv or its folder does not exist.
+    """
+    with (
+        whole_file(checked_output(path, (".csv",))) as unfinished,
+        unfinished.open("w", newline="", encoding="utf-8") as file,
+    ):
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(HEADER)
+        writer.writerows(confusion.table())
+
+
+def _in_order(labels: Iterable[int | str]) -> list[int | str]:
+    return sorted(set(labels), key=_numbers)
+
+
+def _numbers(label: int | str) -> list[int]:
+    return [int(part) for part in re.split("[,+]", str(label))]

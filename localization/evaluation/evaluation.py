@@ -1,0 +1,184 @@
+"""How often the localizer is right about sweeps it was not trained on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..inputs.features import DEFAULT_QUANTITIES, features
+from ..inputs.samples import Samples
+from ..inputs.targets import labels
+from ..learners.classifiers import REFERENCE, pipeline
+from ..learners.registry import Estimator
+from ..trust.answers import Answers
+from ..trust.fitted import Classifier, Regressor
+from ..trust.fitting import learn_classes, learn_positions
+from ..trust.folds import folds_of, splits_of, told
+from ..trust.temperature import calibration_error
+from .confusion import Confusion, compare
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+__all__ = ["ClassScore", "PositionScore", "cross_validate", "folds_of", "nested"]
+
+
+@dataclass(frozen=True, eq=False)
+class ClassScore:
+    """What a classifier told of sweeps it was not trained on.
+
+    truth, told: labels, shape (sweep,); told also where the answer was CANNOT_TELL.
+    """
+
+    truth: NDArray
+    told: NDArray
+    answers: Answers
+
+    @property
+    def right(self) -> NDArray[np.bool_]:
+        """Whether the most probable class was the true one, shape (sweep,)."""
+        return self.truth == self.told
+
+    @property
+    def confusion(self) -> Confusion:
+        """Counts of truth against the most probable class."""
+        return compare(self.truth, self.told)
+
+    def figures(self) -> dict[str, float]:
+        """Accuracy, fraction answered, accuracy of these, and expected calibration error."""
+        answered = self.answers.told
+        return {
+            "accuracy": float(self.right.mean()),
+            "answered": float(answered.mean()),
+            "accuracy of answers": float(self.right[answered].mean()) if answered.any() else 1.0,
+            "calibration error": calibration_error(self.answers.probability, self.right),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class PositionScore:
+    """What a regressor told of sweeps it was not trained on: mm, mm and factor, (sweep, 3) each."""
+
+    truth: NDArray[np.float64]
+    told: NDArray[np.float64]
+    deviation: NDArray[np.float64]
+
+    @property
+    def distance(self) -> NDArray[np.float64]:
+        """Between touch and answer, mm, shape (sweep,)."""
+        return np.linalg.norm((self.told - self.truth)[:, :2], axis=1)
+
+    def figures(self) -> dict[str, float]:
+        """Errors in mm and of the factor, and how often they lie within stated deviations."""
+        away = np.abs(self.told - self.truth)
+        return {
+            "median error, mm": float(np.median(self.distance)),
+            "90 % error, mm": float(np.quantile(self.distance, 0.9)),
+            "median error of factor": float(np.median(away[:, 2])),
+            "within 1 deviation": float((away <= self.deviation)[:, :2].mean()),
+            "within 2 deviations": float((away <= 2 * self.deviation)[:, :2].mean()),
+        }
+
+
+Score = ClassScore | PositionScore
+
+
+def score(learned: Classifier | Regressor, samples: Samples) -> Score:
+    """What it tells of samples against what they are."""
+    if isinstance(learned, Regressor):
+        return PositionScore(samples.y, *learned.positions(samples.X))
+    answers = learned.answers(samples.X)
+    return ClassScore(samples.y, learned.pipeline.predict(samples.X), answers)
+
+
+@dataclass(frozen=True, eq=False)
+class Nested:
+    """Scores of outer folds, whose sweeps nothing was trained, tuned or calibrated on.
+
+    validation: how they were held out, as text.
+    """
+
+    folds: tuple[Score, ...]
+    validation: str
+
+    @property
+    def whole(self) -> Score:
+        """Of all sweeps, each told by the fold that did not train on it."""
+        return _joined(self.folds)
+
+    def figures(self) -> dict[str, tuple[float, float]]:
+        """Mean over folds and their standard deviation."""
+        each = [fold.figures() for fold in self.folds]
+        return {
+            name: (float(np.mean(values)), float(np.std(values, ddof=1)))
+            for name in each[0]
+            for values in [[figures[name] for figures in each]]
+        }
+
+
+def nested(
+    samples: Samples,
+    estimator: Estimator,
+    *,
+    certain: float | None = None,
+    tune: bool = False,
+    folds: int = 5,
+    seed: int = 0,
+) -> Nested:
+    """Train, tune and calibrate on all folds but one and score on that one, in turn.
+
+    Sessions are held out as a whole where there are enough, without and within.
+    Raises InputError as `splits_of` and `learn_classes`.
+    """
+    splits = splits_of(samples.strata, samples.sessions, folds, seed)
+    scores = []
+    for train, test in splits:
+        some = samples.part(train)
+        learned = (
+            learn_positions(some, estimator, tune=tune)
+            if samples.problem.continuous
+            else learn_classes(some, estimator, certain=certain, tune=tune)
+        )
+        scores.append(score(learned, samples.part(test)))
+    return Nested(tuple(scores), told(splits, samples.sessions))
+
+
+def cross_validate(
+    sweeps: xr.Dataset,
+    target: str = "column",
+    classifier: str = REFERENCE,
+    *,
+    folds: int = 5,
+    grouping: str | None = None,
+    quantities: Sequence[str] = DEFAULT_QUANTITIES,
+    seed: int = 0,
+) -> Confusion:
+    """Train on all folds but one and predict that one, in turn: every sweep is predicted once.
+
+    target, quantities: as of `labels` and `features`. classifier: a name in CLASSIFIERS. folds,
+    grouping, seed: as of `folds_of`. Raises InputError as these do.
+    """
+    X, y = features(sweeps, quantities), labels(sweeps, target)
+    output = np.empty_like(y)
+    for train, test in folds_of(sweeps, y, folds=folds, grouping=grouping, seed=seed):
+        trained = pipeline(classifier, features=X.shape[1]).fit(X[train], y[train])
+        output[test] = trained.predict(X[test])
+    return compare(y, output)
+
+
+def _joined(folds: Sequence[Score]) -> Score:
+    first = folds[0]
+    if isinstance(first, PositionScore):
+        fields = ("truth", "told", "deviation")
+        return PositionScore(*(_column(folds, name) for name in fields))
+    answers = [fold.answers for fold in folds if isinstance(fold, ClassScore)]
+    joined = Answers(*(_column(answers, name) for name in ("labels", "probability", "novel")))
+    return ClassScore(_column(folds, "truth"), _column(folds, "told"), joined)
+
+
+def _column(parts: Sequence[object], name: str) -> NDArray:
+    return np.concatenate([getattr(part, name) for part in parts])

@@ -1,0 +1,110 @@
+"""What an evaluation found, as lines for people and as tables and charts in a folder."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...simulator.sweeps import InputError, whole_file
+from ..inputs.targets import COORDINATES
+from .confusion import write_csv
+from .evaluation import ClassScore, PositionScore, Score
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Figures = dict[str, tuple[float, float | None]]
+"""Of each name the value, and its spread over folds if there are any."""
+POSITIONS = [
+    *(f"true_{name}" for name in COORDINATES),
+    *COORDINATES,
+    *(f"{name}_deviation" for name in COORDINATES),
+]
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What was found. validation: on which sweeps, as text. left_out: sweeps without a target."""
+
+    score: Score
+    figures: Figures
+    validation: str
+    left_out: int
+
+
+def made_folder(path: Path) -> Path:
+    """The folder, made if its parent exists. Raises InputError where it cannot be."""
+    if path.is_file() or not path.parent.is_dir():
+        raise InputError(f"{path}: cannot be a folder")
+    path.mkdir(exist_ok=True)
+    return path
+
+
+def lines_of(found: Found) -> list[str]:
+    """On what, then a line for each figure, with its spread over folds where there are any."""
+    first = f"{len(found.score.truth)} sweeps, {found.left_out} without a target left out"
+    return [
+        f"{first}; {found.validation}",
+        *(
+            f"{name}: {value:.3g}" + ("" if spread is None else f" ± {spread:.2g}")
+            for name, (value, spread) in found.figures.items()
+        ),
+    ]
+
+
+def write_report(folder: Path, found: Found) -> None:
+    """Figures as a table; the confusion matrix, or all positions, as a table and a chart."""
+    score = found.score
+    table = [(name, *values) for name, values in found.figures.items()]
+    write_table(folder / "figures.csv", ["figure", "value", "spread"], table)
+    if isinstance(score, ClassScore):
+        write_csv(score.confusion, folder / "confusion.csv")
+        _save(_confusion_chart(score), folder / "confusion.png")
+    else:
+        rows = zip(score.truth, score.told, score.deviation, strict=True)
+        flat = [[f"{value:.6g}" for part in row for value in part] for row in rows]
+        write_table(folder / "positions.csv", POSITIONS, flat)
+        _save(_position_chart(score), folder / "positions.png")
+
+
+def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """A CSV, whole or not at all."""
+    with (
+        whole_file(path) as unfinished,
+        unfinished.open("w", newline="", encoding="utf-8") as file,
+    ):
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(rows)
+
+
+def _confusion_chart(score: ClassScore) -> Figure:
+    from matplotlib.figure import Figure
+
+    from .plot import draw_confusion
+
+    confusion = score.confusion
+    side = min(14.0, max(4.5, 0.55 * len(confusion.labels)))
+    figure = Figure(figsize=(side, side), layout="constrained")
+    draw_confusion(figure.subplots(), confusion)
+    return figure
+
+
+def _position_chart(score: PositionScore) -> Figure:
+    from matplotlib.figure import Figure
+
+    from .plot import draw_error_map, draw_errors
+
+    figure = Figure(figsize=(9.5, 4), layout="constrained")
+    where, how_often = figure.subplots(1, 2)
+    draw_error_map(where, score.truth, score.distance)
+    draw_errors(how_often, score.distance)
+    return figure
+
+
+def _save(figure: Figure, path: Path) -> None:
+    with whole_file(path) as unfinished:
+        figure.savefig(unfinished, dpi=150)

@@ -1,0 +1,90 @@
+"""The report's charts: which there are, and what each shows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from ..given import Style
+from ..samples import TOLD
+from ..versions import BEFORE
+from .bars import draw_causes, draw_distributions
+from .curves import draw_accuracies, draw_distances
+from .matrices import draw_confusions
+
+if TYPE_CHECKING:
+    from ..findings import Findings
+
+PRESSES = {"pressed": "over the pressed pixels", "rest": "with nothing pressed"}
+
+
+class Chart(NamedTuple):
+    """A picture to be drawn: its name, what it shows, and how it is written to a path."""
+
+    name: str
+    caption: str
+    draw: Callable[[Path], None]
+
+
+def charts_of(findings: Findings, style: Style) -> list[Chart]:
+    """All that the findings have something to show in."""
+    return [
+        *_distance_charts(findings, style),
+        *_accuracy_charts(findings, style),
+        *_distribution_chart(findings, style),
+        *_cause_chart(findings, style),
+    ]
+
+
+def _distance_charts(findings: Findings, style: Style) -> list[Chart]:
+    stages = "; ".join(
+        f"{'solid' if name == BEFORE else 'dashed'}: {name} calibration" for name in findings.stages
+    )
+    return [
+        Chart(
+            f"distance-{kind}",
+            f"Mean of the {findings.trial.pair.noun.name} less mean of the simulation, {told}; "
+            f"{stages}. A class separation is the distance of neighbouring "
+            f"{findings.trial.question.target}s in the same quantity.",
+            lambda path, kind=kind: draw_distances(findings, kind, style, path),
+        )
+        for kind, told in PRESSES.items()
+        if getattr(findings.stages[BEFORE], kind) is not None
+    ]
+
+
+def _accuracy_charts(findings: Findings, style: Style) -> list[Chart]:
+    noun, target = findings.trial.pair.noun, findings.trial.question.target
+    curves = Chart(
+        "accuracy",
+        f"{target.capitalize()}s right on {noun.adjective} sweeps never trained on, against how "
+        f"many {noun.adjective} sweeps of each pixel were added to the simulated ones; bars are "
+        "one standard deviation over the draws.",
+        lambda path: draw_accuracies(findings, style, path),
+    )
+    matrices = [
+        Chart(
+            f"confusion-{name}",
+            f"Confusion of {target}s by {TOLD[name]}; counts are of all draws together.",
+            lambda path, name=name: draw_confusions(findings, name, style, path),
+        )
+        for name in findings.own
+    ]
+    return [curves, *matrices]
+
+
+def _distribution_chart(findings: Findings, style: Style) -> list[Chart]:
+    told = (
+        "Distance of the distributions of the features: energy coefficient, 0 for the same and 1 "
+        "for ones far apart, and unbiased MMD²; a star where the chance of one as large without "
+        "a gap is below 5 %."
+    )
+    chart = Chart("distribution", told, lambda path: draw_distributions(findings, style, path))
+    return [chart] if all(findings.stages[BEFORE].discrepancies.values()) else []
+
+
+def _cause_chart(findings: Findings, style: Style) -> list[Chart]:
+    told = "How much of the misfit goes when one parameter alone is fitted."
+    chart = Chart("causes", told, lambda path: draw_causes(findings, style, path))
+    return [chart] if findings.causes else []

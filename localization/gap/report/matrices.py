@@ -1,0 +1,50 @@
+"""Confusion matrices of the report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...evaluation.plot import draw_confusion
+from ..given import Style
+
+if TYPE_CHECKING:
+    from ..accuracy import Accuracy
+    from ..findings import Findings
+
+SIDE, EACH_CLASS = 3.6, 0.3
+"""Inches: of a matrix at least, and of a class in a large one."""
+MANY = 12
+
+
+def main_cases(findings: Findings, name: str) -> dict[str, Accuracy]:
+    """Accuracies that are worth a matrix, by what they were trained on. name: of the features."""
+    noun, stages = findings.trial.pair.noun, list(findings.stages)
+    cases = {
+        f"simulation, {stage} calibration": findings.stages[stage].transfer[name][0]
+        for stage in stages
+    }
+    most, last = max(findings.trial.splits), stages[-1]
+    if most:
+        told = f"simulation, {last} calibration,\nand {most} {noun.adjective} sweeps of each pixel"
+        cases[told] = findings.stages[last].transfer[name][most]
+    for found in list(findings.own[name].values())[:1]:
+        told = f"{noun.adjective} sweeps, cross-validated by {found.grouping or 'sweep'}"
+        cases[told] = found.accuracy
+    return cases
+
+
+def draw_confusions(findings: Findings, name: str, style: Style, path: Path) -> None:
+    """The main cases of one set of features, two side by side."""
+    cases = main_cases(findings, name)
+    classes = max(len(each.confusion.labels) for each in cases.values())
+    down, side = -(-len(cases) // 2), max(SIDE, EACH_CLASS * classes)
+    with style.chart(path, 2 * side + 1, down * (side + 0.8)) as figure:
+        panels = figure.subplots(down, 2, squeeze=False).ravel()
+        for axes, (told, accuracy) in zip(panels, cases.items(), strict=False):
+            axes.grid(False)
+            draw_confusion(axes, accuracy.confusion)
+            axes.set_title(f"Trained on {told}\n{axes.get_title()}", fontsize=9)
+            axes.tick_params(axis="x", labelrotation=90 if classes > MANY else 0)
+        for axes in panels[len(cases) :]:
+            axes.set_axis_off()

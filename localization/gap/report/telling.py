@@ -1,0 +1,118 @@
+"""The findings in words and in one table, as the console and the report tell them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..samples import FEATURE_SETS, TOLD
+from ..versions import AFTER, BEFORE
+
+if TYPE_CHECKING:
+    from ..accuracy import Accuracy
+    from ..findings import Findings
+    from ..given import Estimate
+
+
+class Row(NamedTuple):
+    """A way to train and test, and by each set of features what it reaches, as text."""
+
+    trained: str
+    cells: tuple[str, ...]
+
+
+def rows_of(findings: Findings) -> list[Row]:
+    """Every accuracy, one way to train a row."""
+    adjective = findings.trial.pair.noun.adjective
+    rows = []
+    for stage, found in findings.stages.items():
+        for k in findings.trial.splits:
+            cells = tuple(_percent(found.transfer[name][k]) for name in findings.own)
+            rows.append(Row(f"simulated, {stage} calibration, k = {k}", cells))
+    for kind in ("grouped", "single"):
+        found = [each.get(kind) for each in findings.own.values()]
+        if all(found):
+            told = next(each.grouping for each in found if each) or "sweep"
+            cells = tuple(_percent(each.accuracy) for each in found if each)
+            rows.append(Row(f"{adjective}, cross-validated by {told}", cells))
+    return list(dict.fromkeys(rows))
+
+
+def heads(findings: Findings) -> list[str]:
+    """What stands above the cells of a row."""
+    return [", ".join(FEATURE_SETS[name]) for name in findings.own]
+
+
+def summary(findings: Findings) -> list[str]:
+    """What matters most, a sentence each."""
+    noun, target = findings.trial.pair.noun, findings.trial.question.target
+    before = _largest(findings, BEFORE)
+    told = [f"Over the pressed pixels the mean {noun.name} is {before} from the simulation."]
+    if AFTER in findings.stages:
+        told.append(f"After calibration it is {_largest(findings, AFTER)}.")
+    for name in findings.own:
+        names = [
+            f"{_percent(found.transfer[name][0])} {stage} calibration"
+            for stage, found in findings.stages.items()
+        ]
+        told.append(
+            f"Trained on simulation alone and by {TOLD[name]}, {' and '.join(names)} of the "
+            f"{noun.adjective} sweeps' {target}s are right."
+        )
+    return told
+
+
+def cause_told(findings: Findings) -> str:
+    """Which parameter explains most of the gap, in one sentence; empty where nobody knows."""
+    if not findings.causes:
+        return ""
+    first, *others = findings.causes
+    told = f"{_spaced(first.parameter)} explains most of the gap: fitted alone, it removes "
+    told += f"{100 * first.share:.0f} % of the misfit"
+    if others:
+        told += f"; next is {_spaced(others[0].parameter)} with {100 * others[0].share:.0f} %"
+    return told[0].upper() + told[1:] + "."
+
+
+def estimate_told(estimate: Estimate) -> tuple[str, str, str, str]:
+    """Name, value in the scene, calibrated value and its interval."""
+    start, value, low, high = (
+        _written(number, estimate.unit)
+        for number in (estimate.start, estimate.value, estimate.low, estimate.high)
+    )
+    return _spaced(estimate.name), start, value, f"{low} to {high}"
+
+
+def _written(number: float, unit: str) -> str:
+    """Four digits, with a prefix where there is a unit."""
+    from matplotlib.ticker import EngFormatter
+
+    rounded = f"{number:.4g}"
+    return EngFormatter(unit=unit)(float(rounded)) if unit else rounded
+
+
+def _largest(findings: Findings, stage: str) -> str:
+    """The root mean square over frequencies and interfaces, Rs and Cp apart."""
+    found = findings.stages[stage].pressed
+    assert found is not None
+    parts = []
+    for quantity, distance in found.items():
+        part = f"{_rms(distance.percent):.3g} % of {quantity}"
+        if distance.meter_errors is not None:
+            part += f" ({_rms(distance.meter_errors):.3g} of the meter's errors)"
+        parts.append(part)
+    return f"{' and '.join(parts)} (rms)"
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _percent(accuracy: Accuracy) -> str:
+    spread = f" ± {100 * accuracy.spread:.1f}" if accuracy.draws > 1 else ""
+    return f"{100 * accuracy.mean:.1f}{spread} %"
+
+
+def _spaced(name: str) -> str:
+    return name.replace("_", " ")

@@ -1,0 +1,122 @@
+"""From sweeps to what a localizer takes: a matrix of features."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...simulator.sweeps import InputError, impedance
+from .rest import log_at_rest
+from .targets import labels
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+__all__ = ["feature_names", "features", "labels"]
+
+READ = ("Rs", "X", "Cp")
+"""As they stand in the sweeps, in SI units."""
+ABSOLUTE = ("lnZ", "phase")
+"""ln |Z / ohm|, and the phase of Z in rad."""
+AGAINST_REST = ("dlnZ", "dphase")
+"""The same, less those of the skin at rest in the same session: what the meter's errors of the
+session, and most of what differs between skins, drop out of."""
+AT_REST = ("lnZ0", "phase0")
+"""Those of the skin at rest in the same session: they tell which skin it is."""
+QUANTITIES = (*READ, *ABSOLUTE, *AGAINST_REST, *AT_REST)
+DEFAULT_QUANTITIES = ("Rs", "Cp")
+"""The paper's."""
+
+
+def features(
+    sweeps: xr.Dataset,
+    quantities: Sequence[str] = DEFAULT_QUANTITIES,
+    *,
+    interfaces: Sequence[str] | None = None,
+    rest: xr.Dataset | None = None,
+) -> NDArray[np.float64]:
+    """The chosen quantities of each sweep side by side, shape (sweep, feature).
+
+    The order is that of `feature_names`: quantity by quantity as asked, within it interface by
+    interface, within it by ascending frequency. interfaces: those looked at, in that order; all
+    without. rest: sweeps of the skin at rest, if they are not among `sweeps`
+    (see `log_at_rest`).
+    Raises InputError for a quantity that is not one of QUANTITIES, none at all, or one asked twice;
+    an interface that the sweeps lack; a session without the skin at rest where that is needed.
+    """
+    asked = checked_quantities(quantities)
+    seen = seen_from(sweeps, interfaces)
+    derived = _logarithms(seen, asked, None if rest is None else seen_from(rest, interfaces))
+    blocks = [derived[name] if name in derived else _read(seen, name) for name in asked]
+    return np.concatenate([block.reshape(len(block), -1) for block in blocks], axis=1)
+
+
+def feature_names(
+    sweeps: xr.Dataset,
+    quantities: Sequence[str] = DEFAULT_QUANTITIES,
+    *,
+    interfaces: Sequence[str] | None = None,
+) -> list[str]:
+    """What each column of `features` is, such as "Rs left 1000 Hz"."""
+    seen = seen_from(sweeps, interfaces)
+    return [
+        f"{quantity} {interface} {frequency:.12g} Hz"
+        for quantity in checked_quantities(quantities)
+        for interface in seen["interface"].values
+        for frequency in seen["frequency"].values
+    ]
+
+
+def seen_from(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> xr.Dataset:
+    """The sweeps at these interfaces only, in that order; all without.
+
+    Raises InputError naming an interface that the sweeps lack, or that is asked twice.
+    """
+    if interfaces is None:
+        return sweeps
+    there = [str(name) for name in sweeps["interface"].values]
+    for name in interfaces:
+        if name not in there:
+            raise InputError(f"the sweeps have no interface {name!r}, only {', '.join(there)}")
+    if not interfaces or len(set(interfaces)) < len(interfaces):
+        raise InputError(f"`interfaces` must name each once, at least one, got {list(interfaces)}")
+    return sweeps.isel(interface=[there.index(name) for name in interfaces])
+
+
+def checked_quantities(quantities: Sequence[str]) -> tuple[str, ...]:
+    """The same quantities, if they can be features; raises InputError as `features` does."""
+    for name in quantities:
+        if name not in QUANTITIES:
+            raise InputError(f"`quantities` must be of {', '.join(QUANTITIES)}, got {name!r}")
+    if not quantities or len(set(quantities)) < len(quantities):
+        raise InputError(f"`quantities` must name each once, at least one, got {list(quantities)}")
+    return tuple(quantities)
+
+
+def needs_rest(quantities: Sequence[str]) -> bool:
+    """Whether any of them takes the skin at rest."""
+    return any(name in (*AGAINST_REST, *AT_REST) for name in quantities)
+
+
+def _read(sweeps: xr.Dataset, name: str) -> NDArray[np.float64]:
+    values = sweeps[name].transpose("sweep", "interface", "frequency").values
+    return values.astype(np.float64, copy=False)
+
+
+def _logarithms(
+    sweeps: xr.Dataset, asked: Sequence[str], rest: xr.Dataset | None
+) -> dict[str, NDArray[np.float64]]:
+    """Those of ABSOLUTE, AGAINST_REST and AT_REST that are needed, as `_read` has them."""
+    if all(name in READ for name in asked):
+        return {}
+    absolute = np.log(impedance(sweeps).astype(complex))
+    found = {"lnZ": np.real(absolute), "phase": np.imag(absolute)}
+    if needs_rest(asked):
+        at_rest = log_at_rest(sweeps, rest)
+        change = absolute - at_rest
+        found |= {"dlnZ": np.real(change), "dphase": np.imag(change)}
+        found |= {"lnZ0": np.real(at_rest), "phase0": np.imag(at_rest)}
+    return found

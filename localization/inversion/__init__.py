@@ -1,0 +1,1 @@
+"""Touches told by the simulator's own curves."""

@@ -1,0 +1,151 @@
+"""Inversion for the skin at hand: what it is like is told by its own curve at rest.
+
+The simulator makes tables for each skin that is met, once; rows of which the skin at rest differs
+by no more than drift are of one skin.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin, clone
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from .classifier import QUANTITIES as CHANGE
+from .classifier import Builder, ModelBased
+from .position import ModelBasedPosition
+
+QUANTITIES = (*CHANGE, "lnZ0", "phase0")
+"""Features that it takes, in this order."""
+ALIKE = 0.015
+"""Root mean square of the change of ln Z, up to which a skin is the same."""
+SKINS_KEPT = 16
+
+
+class _Adapted(BaseEstimator):
+    """What both kinds share: one inner estimator for each skin.
+
+    Parameters
+    ----------
+    inner: of the mean skin, unfitted; those of other skins are made like it. builder: makes the
+    tables; not kept on disk: a model that is read back is given it anew.
+
+    Attributes
+    ----------
+    mean_: the inner one, fitted to the skin of the sessions' mean.
+    """
+
+    kind: type
+
+    def __init__(self, inner=None, builder: Builder | None = None):
+        self.inner = inner
+        self.builder = builder
+
+    def fit(self, X, y=None):
+        """Take the tables of the mean skin; X, y are only checked. Raises ValueError without
+        builder."""
+        self.mean_ = self._fitted(None)
+        self.n_features_in_ = 2 * self.mean_.n_features_in_
+        validate_data(self, X, reset=False)
+        return self
+
+    def novel(self, X):
+        """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
+        return self._told(X, lambda inner, change: inner.novel(change)).astype(bool)
+
+    def __getstate__(self):
+        """Numbers and text only, once it is fitted."""
+        state: Any = super().__getstate__()
+        kept = {name: value for name, value in state.items() if name != "_skins"}
+        return {**kept, "builder": None} if "mean_" in kept else kept
+
+    def _fitted(self, curve: NDArray[np.float64] | None):
+        if self.builder is None:
+            raise ValueError("`builder` is needed: it makes the tables of each skin")
+        inner: Any = self.kind() if self.inner is None else clone(self.inner)
+        known = {} if curve is None else {"rest": curve, "averaged": inner.rest_sweeps}
+        return inner.set_params(builder=partial(self.builder, **known)).fit()
+
+    def _told(self, X, ask: Callable[[Any, NDArray], NDArray]) -> NDArray[np.float64]:
+        """What the estimator of each row's skin tells of it, shape (sweep, ...)."""
+        check_is_fitted(self)
+        X = validate_data(self, X, reset=False)
+        change, rest = np.split(X, 2, axis=1)
+        parts = list(_by_skin(rest))
+        if not parts:
+            return ask(self.mean_, change)
+        told = [self._of_one(change[rows], rest[rows], ask) for rows in parts]
+        order = np.argsort(np.concatenate(parts), kind="stable")
+        return np.concatenate(told)[order]
+
+    def _of_one(
+        self, change: NDArray, rest: NDArray, ask: Callable[[Any, NDArray], NDArray]
+    ) -> NDArray[np.float64]:
+        """Of rows of one skin; what their curves differ by and foam and sheets cannot is noise."""
+        curve = rest.mean(axis=0)
+        skin, aside = self._of_skin(curve), rest - curve
+        explained = np.linalg.lstsq(skin.drift_, aside.T, rcond=None)[0]
+        return ask(skin, change + aside - (skin.drift_ @ explained).T)
+
+    def _of_skin(self, curve: NDArray[np.float64]):
+        skins = self.__dict__.setdefault("_skins", {})
+        key = curve.tobytes()
+        if key not in skins:
+            while len(skins) >= SKINS_KEPT:
+                skins.pop(next(iter(skins)))
+            skins[key] = self._fitted(curve)
+        return skins[key]
+
+
+class AdaptedClassifier(ClassifierMixin, _Adapted):
+    """Posterior probabilities of the touches of whatever skin is at hand."""
+
+    kind = ModelBased
+
+    @property
+    def classes_(self):
+        """In ascending order, shape (K,)."""
+        check_is_fitted(self)
+        return self.mean_.classes_
+
+    def predict_proba(self, X):
+        """Of each class, shape (sweep, class)."""
+        return self._told(X, lambda inner, change: inner.predict_proba(change))
+
+    def predict(self, X):
+        """The most probable class, shape (sweep,)."""
+        return self.classes_[self.predict_proba(X).argmax(axis=1)]
+
+
+class AdaptedPosition(RegressorMixin, _Adapted):
+    """Place and strength of a touch on whatever skin is at hand."""
+
+    kind = ModelBasedPosition
+
+    def predict(self, X, return_std=False):
+        """x [mm], y [mm] and strength, shape (sweep, 3), and their deviations, if asked."""
+        both = self._told(X, _place_and_deviation)
+        return (both[:, 0], both[:, 1]) if return_std else both[:, 0]
+
+    def share_within(self, X, radius):
+        """As of `ModelBasedPosition`, on whatever skin is at hand, shape (sweep,)."""
+        return self._told(X, lambda inner, change: inner.share_within(change, radius))
+
+
+def _place_and_deviation(inner: ModelBasedPosition, change: NDArray) -> NDArray[np.float64]:
+    place, deviation = inner.predict(change, return_std=True)
+    return np.stack([place, deviation], axis=1)
+
+
+def _by_skin(rest: NDArray[np.float64]) -> Iterator[NDArray[np.intp]]:
+    """Rows of one skin after the other: those that are like the first which is left."""
+    left = np.arange(len(rest))
+    while left.size:
+        away = np.sqrt(np.square(rest[left] - rest[left[0]]).mean(axis=1) * 2)
+        like = away < ALIKE
+        yield left[like]
+        left = left[~like]

@@ -1,0 +1,150 @@
+"""A localizer without training: the most probable touches, by a simulator's tables inverted.
+
+Every touch that the simulator tabulates, at every strength, is a normal distribution of what the
+meter would show, spread by the meter's noise and by what is not known of the skin. Bayes' rule
+gives the probability of each answer; strengths are summed over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+from sklearn.base import BaseEstimator, ClassifierMixin
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from ..trust.answers import Answers, decide
+from .hypotheses import Hypotheses, hypotheses, labels
+from .lessons import LESSONS, learned
+from .mixture import Mixture
+
+Builder = Callable[..., Mapping[str, NDArray]]
+"""Tables of a scene's TOML text, a target, and how strengths are drawn: `simulator.inversion`; with
+`rest` and `averaged`, those of the skin that is read so at rest."""
+TARGETS = ("column", "row", "pixel", "touches", "pair")
+QUANTITIES = ("dlnZ", "dphase")
+"""Features that it takes, in this order."""
+
+
+def without_builder(state: Any) -> dict[str, Any]:
+    """What is kept of a fitted estimator: it needs no simulator any more."""
+    fitted = "noise_" in state
+    return {**state, "builder": None} if fitted else dict(state)
+
+
+class ModelBased(ClassifierMixin, BaseEstimator):
+    """Posterior probabilities of a scene's touches.
+
+    Parameters
+    ----------
+    scene: TOML text. target: one of TARGETS. builder: makes the tables, once; not kept on disk.
+    presses: whether strengths are drawn as in [dataset.press] ("dataset") or as in [press].
+    rest_sweeps: of the skin at rest, of which the features are the difference.
+    learn: what `fit` takes from labelled sweeps: "nothing"; "skin": all are of the one skin that is
+        to be read, which is then known better; "error": of any skins, for the model's own error.
+    doubt: a sweep that would lie so far from every touch with no more than this chance is novel.
+
+    Attributes
+    ----------
+    classes_: answers, ascending, "0,0" or 0 for the skin at rest. mean_, directions_, along_,
+    log_weight_: of the mixture. answer_: which of `classes_` each entry stands for. noise_: of a
+    feature, shape (feature,). drift_: what foam and sheets drift by since rest, shape (feature, 2)
+    or (feature, 0). edge_: squared distance beyond which a sweep is novel.
+    """
+
+    def __init__(
+        self,
+        scene="",
+        target="pixel",
+        builder: Builder | None = None,
+        *,
+        presses="dataset",
+        rest_sweeps=20,
+        learn="nothing",
+        doubt=1e-3,
+    ):
+        self.scene = scene
+        self.target = target
+        self.builder = builder
+        self.presses = presses
+        self.rest_sweeps = rest_sweeps
+        self.learn = learn
+        self.doubt = doubt
+
+    def fit(self, X=None, y=None):
+        """Take the simulator's tables, and learn from labelled sweeps if asked.
+
+        X: of QUANTITIES, shape (sweep, feature), may be None. y: labels, shape (sweep,). Raises
+        ValueError for an unknown option, other features than the tables', or a label of no touch.
+        """
+        tables = self._tables()
+        self.noise_ = tables["deviation"] * np.sqrt(1 + 1 / self.rest_sweeps)
+        known = hypotheses(tables, self.target, self.noise_)
+        answers = labels(known, tables["pixels"], self.target)
+        self.classes_, self.answer_ = np.unique(answers, return_inverse=True)
+        self.drift_ = tables["drift"]
+        self.n_features_in_ = self.noise_.size
+        if X is not None:
+            X = validate_data(self, X, reset=False)
+        if self.learn != "nothing" and X is not None and y is not None:
+            known = learned(known, X / self.noise_, self._possible(y), self.learn)
+        self._keep(known)
+        return self
+
+    def predict_proba(self, X):
+        """Probability of each of `classes_`, shape (sweep, class)."""
+        return self._posterior(X)[0]
+
+    def predict(self, X):
+        """The most probable of `classes_`, also of novel sweeps, shape (sweep,)."""
+        return self.classes_[self.predict_proba(X).argmax(axis=1)]
+
+    def novel(self, X):
+        """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
+        return self._posterior(X)[1] > self.edge_
+
+    def answers(self, X, threshold=0.0) -> Answers:
+        """The same with "cannot tell" for novel sweeps and those below a probability."""
+        probabilities, distance = self._posterior(X)
+        return decide(self.classes_, probabilities, distance > self.edge_, threshold)
+
+    def __getstate__(self):
+        """Numbers and text only, once it is fitted."""
+        return without_builder(super().__getstate__())
+
+    def _tables(self) -> Mapping[str, NDArray]:
+        for name, allowed in (("target", TARGETS), ("learn", LESSONS)):
+            if getattr(self, name) not in allowed:
+                told = ", ".join(allowed)
+                raise ValueError(f"`{name}` must be one of {told}, got {getattr(self, name)!r}")
+        if self.builder is None:
+            raise ValueError("`builder` is needed to fit: it makes the tables of the scene")
+        return self.builder(self.scene, self.target, self.presses)
+
+    def _possible(self, y) -> NDArray[np.bool_]:
+        """Entries that agree with each label, shape (sweep, entry)."""
+        y = np.asarray(y)
+        unknown = np.setdiff1d(y, self.classes_)
+        if unknown.size:
+            raise ValueError(f"the scene has no touch with the label {unknown[0]}")
+        return np.searchsorted(self.classes_, y)[:, None] == self.answer_
+
+    def _keep(self, known: Hypotheses) -> None:
+        mixture = known.mixture()
+        self.mean_, self.directions_, self.along_ = mixture.mean, mixture.directions, mixture.along
+        self.log_weight_ = mixture.log_weight
+        self.edge_ = float(chi2.isf(self.doubt, self.noise_.size))
+
+    def _posterior(self, X) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Probabilities, and the least squared distance of each sweep from an entry."""
+        check_is_fitted(self)
+        X = validate_data(self, X, reset=False)
+        mixture = Mixture(self.mean_, self.directions_, self.along_, self.log_weight_)
+        distances = mixture.distances(X / self.noise_)
+        shares = mixture.responsibilities(distances)
+        order = np.argsort(self.answer_, kind="stable")
+        starts = np.searchsorted(self.answer_[order], np.arange(self.classes_.size))
+        return np.add.reduceat(shares[:, order], starts, axis=1), distances.min(axis=1)

@@ -1,0 +1,149 @@
+"""What can have been touched, by a simulator's tables: its numbers, their spread, its chance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .mixture import Mixture, joined, mixture
+
+NONE = -1
+AT_ONCE = 500
+"""Entries whose spread is held in memory together."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hypotheses:
+    """Entries: the skin at rest, then touches at strengths. Numbers in units of the meter's noise.
+
+    mean: shape (entry, number). slope: for the strength of each touch, at the deviation that its
+    strength stands for, (entry, number, touch). place, strength: numbers of pixels and strengths,
+    NONE for no touch, (entry, touch). weight: chance of the place, (entry,). strengths: chance of
+    each, (strength,). skin: what the unknown skin adds to a touch, (place, strength, number,
+    unknown). shift: what is known to be added, (place, strength, number).
+    """
+
+    mean: NDArray[np.float64]
+    slope: NDArray[np.float64]
+    place: NDArray[np.int64]
+    strength: NDArray[np.int64]
+    weight: NDArray[np.float64]
+    strengths: NDArray[np.float64]
+    skin: NDArray[np.float64]
+    shift: NDArray[np.float64]
+
+    def means(self, entries: slice | NDArray) -> NDArray[np.float64]:
+        """With what is known to be added, shape (entry, number)."""
+        return self.mean[entries] + self._summed(self.shift, entries)
+
+    def spread(self, entries: slice | NDArray) -> NDArray[np.float64]:
+        """Columns of strengths, then of the skin, shape (entry, number, column)."""
+        return np.concatenate([self.slope[entries], self._summed(self.skin, entries)], axis=2)
+
+    def chances(self, entries: slice | NDArray) -> NDArray[np.float64]:
+        """Of place and strengths together, shape (entry,)."""
+        strength = self.strength[entries]
+        each = np.where(strength == NONE, 1.0, self.strengths[strength])
+        return self.weight[entries] * each.prod(axis=1)
+
+    def mixture(self) -> Mixture:
+        """The entries as normal distributions."""
+        parts = [slice(k, k + AT_ONCE) for k in range(0, len(self.mean), AT_ONCE)]
+        return joined(
+            [mixture(self.means(part), self.spread(part), self.chances(part)) for part in parts]
+        )
+
+    def _summed(self, of_touch: NDArray, entries: slice | NDArray) -> NDArray[np.float64]:
+        """Over the touches of each entry."""
+        place, strength = self.place[entries], self.strength[entries]
+        there = (place != NONE).reshape(*place.shape, *(1,) * (of_touch.ndim - 2))
+        return np.where(there, of_touch[place, strength], 0.0).sum(axis=1)
+
+
+def hypotheses(
+    tables: Mapping[str, NDArray], target: str, noise: NDArray[np.float64]
+) -> Hypotheses:
+    """All that the answers of a target tell apart. noise: deviation of each number."""
+    two = "pairs" in tables and target in ("touches", "pair")
+    most = 2 if two else 1
+    shape = tables["single"].shape
+    place, strength = np.indices(shape[:2]).reshape(2, -1, 1)
+    chance = _chances(tables["chances"][: most + 1])
+    count = shape[0]
+    single = Hypotheses(
+        mean=(tables["single"] / noise).reshape(-1, shape[2]),
+        slope=(tables["spread"] * tables["slope"] / noise).reshape(-1, shape[2], 1),
+        place=place,
+        strength=strength,
+        weight=np.full(place.size, chance[1] / count),
+        strengths=tables["weights"],
+        skin=tables["skin"] / noise[:, None],
+        shift=tables["shift"] / noise,
+    )
+    found = _with_rest(single, chance[0])
+    return _with_pairs(found, tables, noise, chance[2]) if two else found
+
+
+def _chances(told: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of 0, 1 (and 2) touches; none is ruled out."""
+    chance = np.maximum(told, 0.01)
+    return chance / chance.sum()
+
+
+def _with_rest(single: Hypotheses, chance: float) -> Hypotheses:
+    def first(a: NDArray, value: float) -> NDArray:
+        return np.concatenate([np.full((1, *a.shape[1:]), value, dtype=a.dtype), a])
+
+    return replace(
+        single,
+        mean=first(single.mean, 0.0),
+        slope=first(single.slope, 0.0),
+        place=first(single.place, NONE),
+        strength=first(single.strength, NONE),
+        weight=first(single.weight, chance),
+    )
+
+
+def _with_pairs(
+    known: Hypotheses, tables: Mapping[str, NDArray], noise: NDArray[np.float64], chance: float
+) -> Hypotheses:
+    pairs, values = tables["pairs"], tables["pair"] / noise
+    numbers, strengths = values.shape[-1], len(known.strengths)
+    pair, *strength = np.indices(values.shape[:3]).reshape(3, -1)
+    slope = np.zeros((*values.shape, 2))
+    if strengths > 1:
+        slopes = [np.gradient(values, tables["strengths"], axis=k, edge_order=2) for k in (1, 2)]
+        slope = tables["spread"] * np.stack([np.asarray(each) for each in slopes], axis=-1)
+
+    def wider(a: NDArray, value: float) -> NDArray:
+        return np.concatenate([a, np.full_like(a, value)], axis=-1)
+
+    return replace(
+        known,
+        mean=np.concatenate([known.mean, values.reshape(-1, numbers)]),
+        slope=np.concatenate([wider(known.slope, 0.0), slope.reshape(-1, numbers, 2)]),
+        place=np.concatenate([wider(known.place, NONE), pairs[pair]]),
+        strength=np.concatenate([wider(known.strength, NONE), np.stack(strength, axis=1)]),
+        weight=np.concatenate([known.weight, np.full(pair.size, chance / len(pairs))]),
+    )
+
+
+def labels(
+    known: Hypotheses, pixels: NDArray[np.int64], target: str
+) -> NDArray[np.int64] | NDArray[np.str_]:
+    """The answer that each entry stands for, as `targets.labels` has it, shape (entry,).
+
+    pixels: row and column of each place.
+    """
+    touched = known.place != NONE
+    if target == "touches":
+        return touched.sum(axis=1)
+    if target in ("row", "column"):
+        of_place = pixels[known.place[:, 0], ("row", "column").index(target)]
+        return np.where(touched[:, 0], of_place, 0)
+    names = np.array([f"{row},{column}" for row, column in pixels], dtype=object)
+    told = ["+".join(names[own[own != NONE]]) or "0,0" for own in known.place]
+    return np.array(told)

@@ -1,0 +1,95 @@
+"""What a few labelled touches teach a model: the skin they were made on, or the model's own error.
+
+Either way the chances of the strengths follow those that were met.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import softmax
+
+from .hypotheses import NONE, Hypotheses
+
+LESSONS = ("nothing", "skin", "error")
+PRIOR_STRENGTHS = 20.0
+"""Touches that the prior of strengths counts as."""
+PRIOR_ERRORS = 10.0
+"""Touches that the prior of no error of the model counts as."""
+
+
+def learned(
+    known: Hypotheses, X: NDArray[np.float64], possible: NDArray[np.bool_], lesson: str
+) -> Hypotheses:
+    """What is known after labelled sweeps. X: in units of noise, shape (sweep, number).
+
+    possible: entries that agree with each label, shape (sweep, entry); sweeps of the skin at rest
+    teach nothing. lesson: "skin": all touches are of one skin, which is then known better; "error":
+    of any skins, for a bias and further spread of the model's own.
+    """
+    pressed = ~possible[:, (known.place == NONE).all(axis=1)].any(axis=1)
+    X, possible = X[pressed], possible[pressed]
+    if not len(X):
+        return known
+    mixture = known.mixture()
+    joint = np.where(possible, mixture.log_joint(mixture.distances(X)), -np.inf)
+    shares = softmax(joint, axis=1)
+    teach = _skin if lesson == "skin" else _error
+    taught = teach(known, X, shares.argmax(axis=1))
+    return replace(taught, strengths=_strengths(known, shares.sum(axis=0)))
+
+
+def _skin(known: Hypotheses, X: NDArray[np.float64], entry: NDArray[np.intp]) -> Hypotheses:
+    """Unknowns z of the skin are normal: each sweep is m + J t + A z with strength t of its own."""
+    unknowns = known.skin.shape[-1]
+    precision, pull = np.eye(unknowns), np.zeros(unknowns)
+    for x, e in zip(X, entry, strict=True):
+        J, A = np.split(known.spread(np.array([e]))[0], [known.slope.shape[2]], axis=1)
+        off, inner = x - known.means(np.array([e]))[0], np.eye(J.shape[1]) + J.T @ J
+        left = A - J @ np.linalg.solve(inner, J.T @ A)
+        precision += A.T @ left
+        pull += left.T @ off
+    covariance = np.linalg.inv(precision)
+    return replace(
+        known,
+        shift=known.shift + known.skin @ (covariance @ pull),
+        skin=known.skin @ np.linalg.cholesky((covariance + covariance.T) / 2),
+    )
+
+
+def _error(known: Hypotheses, X: NDArray[np.float64], entry: NDArray[np.intp]) -> Hypotheses:
+    """A mean and further directions of what the best fits leave, where it is more than noise."""
+    left = np.array([_left_over(known, x, e) for x, e in zip(X, entry, strict=True)])
+    count, numbers = len(left), X.shape[1]
+    bias = left.sum(axis=0) / (count + PRIOR_ERRORS)
+    scatter = (left - bias).T @ (left - bias) / (count + PRIOR_ERRORS)
+    power, turn = np.linalg.eigh(scatter)
+    by_chance = (1 + np.sqrt(numbers / count)) ** 2
+    found = power > by_chance
+    columns = turn[:, found] * np.sqrt(power[found] - 1)
+    further = np.broadcast_to(columns, (*known.skin.shape[:3], columns.shape[1]))
+    return replace(
+        known,
+        shift=known.shift + bias,
+        skin=np.concatenate([known.skin, further], axis=3),
+    )
+
+
+def _left_over(known: Hypotheses, x: NDArray[np.float64], entry: int) -> NDArray[np.float64]:
+    """What neither strength nor skin explain of a sweep."""
+    one = np.array([entry])
+    B, off = known.spread(one)[0], x - known.means(one)[0]
+    return off - B @ np.linalg.solve(np.eye(B.shape[1]) + B.T @ B, B.T @ off)
+
+
+def _strengths(known: Hypotheses, met: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Chances of strengths. met: how often each entry was, shape (entry,)."""
+    there = known.strength != NONE
+    counts = np.bincount(
+        known.strength[there],
+        np.broadcast_to(met[:, None], there.shape)[there],
+        minlength=known.strengths.size,
+    )
+    return (PRIOR_STRENGTHS * known.strengths + counts) / (PRIOR_STRENGTHS + counts.sum())

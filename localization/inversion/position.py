@@ -1,0 +1,159 @@
+"""Where and how strongly a skin is touched, anywhere on it, by a simulator's tables inverted."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from .classifier import Builder, without_builder
+from .mixture import Mixture, mixture
+from .region import Places, Region, region_of
+from .surface import Surface, surface
+
+POSITION = "position"
+GRID = (16, 16, 8)
+"""Entries along x, y and strength."""
+OVERLAP = 0.5
+"""Deviation that an entry stands for, over the step to the next."""
+BLUR = 3.0
+"""mm, of a posterior before its highest place is told."""
+
+
+class Posterior(NamedTuple):
+    """Of one sweep. share: of each entry. mean, covariance: of x, y [mm] and strength in each."""
+
+    share: NDArray[np.float64]
+    mean: NDArray[np.float64]
+    covariance: NDArray[np.float64]
+
+
+class ModelBasedPosition(RegressorMixin, BaseEstimator):
+    """Where most of the posterior of x [mm], y [mm] lies around, its mean strength, and its spread.
+
+    Parameters: as of `ModelBased`; one touch is taken for granted. A narrow ridge of the posterior
+    is passed by for a broad hill that holds more.
+
+    Attributes
+    ----------
+    noise_: of a feature, shape (feature,). drift_: as of `ModelBased`. bounds_: as of `Surface`.
+    theta_: of entries, (entry, 3). scale_: deviations that each stands for, (3,). slopes_: for one
+    of them, (entry, feature, 3). mean_, directions_, along_, log_weight_: of the mixture. edge_:
+    squared distance beyond which a sweep is novel.
+    """
+
+    def __init__(
+        self,
+        scene="",
+        builder: Builder | None = None,
+        *,
+        presses="dataset",
+        rest_sweeps=20,
+        doubt=1e-3,
+    ):
+        self.scene = scene
+        self.builder = builder
+        self.presses = presses
+        self.rest_sweeps = rest_sweeps
+        self.doubt = doubt
+
+    def fit(self, X=None, y=None):
+        """Take the simulator's tables; X, y are only checked. Raises ValueError without builder."""
+        if self.builder is None:
+            raise ValueError("`builder` is needed to fit: it makes the tables of the scene")
+        tables = self.builder(self.scene, POSITION, self.presses)
+        self.noise_ = tables["deviation"] * np.sqrt(1 + 1 / self.rest_sweeps)
+        self.drift_ = tables["drift"]
+        self.n_features_in_ = self.noise_.size
+        if X is not None:
+            validate_data(self, X, reset=False)
+        self.edge_ = float(chi2.isf(self.doubt, self.noise_.size))
+        self._keep(surface(tables, self.noise_), tables)
+        return self
+
+    def predict(self, X, return_std=False):
+        """x [mm], y [mm] and strength, shape (sweep, 3).
+
+        return_std: also the root-mean-square distance of the whole posterior from them, of the
+        same shape; where a touch elsewhere is as likely it is as large as that is far.
+        """
+        posteriors = [self._posterior(each) for each in self._scaled(X)]
+        best = np.array([self._told(each) for each in posteriors]).reshape(-1, 3)
+        if not return_std:
+            return best
+        pairs = zip(posteriors, best, strict=True)
+        return best, np.array([_distance(posterior, theta) for posterior, theta in pairs])
+
+    def regions(self, X, probability=0.95) -> list[Region]:
+        """The smallest region of places that holds the probability, of each sweep."""
+        posteriors = [self._posterior(each) for each in self._scaled(X)]
+        return [region_of(self._places(each), probability) for each in posteriors]
+
+    def share_within(self, X, radius):
+        """Chance that no answer exceeds to lie within so many mm of the touch, shape (sweep,)."""
+        posteriors = [self._posterior(each) for each in self._scaled(X)]
+        return np.array([self._places(each).share_within(radius) for each in posteriors])
+
+    def novel(self, X):
+        """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
+        return self._mixture().distances(self._scaled(X)).min(axis=1) > self.edge_
+
+    def __getstate__(self):
+        """Numbers and text only, once it is fitted."""
+        return without_builder(super().__getstate__())
+
+    def _scaled(self, X) -> NDArray[np.float64]:
+        check_is_fitted(self)
+        return validate_data(self, X, reset=False) / self.noise_
+
+    def _keep(self, curve: Surface, tables) -> None:
+        self.bounds_ = curve.bounds
+        strengths, weights = tables["strengths"], tables["weights"]
+        fine = np.interp(np.arange(GRID[2]), [0, GRID[2] - 1], [strengths[0], strengths[-1]])
+        chance = np.interp(fine, strengths, weights)
+        x, y = (_middles(low, high, GRID[k]) for k, (low, high) in enumerate(curve.bounds[:2]))
+        self.theta_ = np.stack(np.meshgrid(x, y, fine, indexing="ij"), axis=-1).reshape(-1, 3)
+        steps = np.array([x[1] - x[0], y[1] - y[0], fine[1] - fine[0]])
+        self.scale_ = OVERLAP * np.where(steps > 0, steps, 1e-6)
+        self.slopes_ = curve.slopes(self.theta_) * self.scale_
+        spread = np.concatenate([self.slopes_, curve.skins(self.theta_)], axis=2)
+        entries = np.tile(chance / chance.sum(), len(x) * len(y)) / (len(x) * len(y))
+        found = mixture(curve.values(self.theta_), spread, entries)
+        self.mean_, self.directions_, self.along_ = found.mean, found.directions, found.along
+        self.log_weight_ = found.log_weight
+
+    def _mixture(self) -> Mixture:
+        return Mixture(self.mean_, self.directions_, self.along_, self.log_weight_)
+
+    def _posterior(self, x: NDArray[np.float64]) -> Posterior:
+        """Within each entry that matters, all is linear."""
+        found = self._mixture()
+        share = found.responsibilities(found.distances(x[None]))[0]
+        kept = np.flatnonzero(share > 1e-4 * share.max())
+        slopes, G, off = self.slopes_[kept], self.directions_[kept], x - self.mean_[kept]
+        weighed = slopes - np.einsum("ern,erk->enk", G, np.einsum("ern,enk->erk", G, slopes))
+        moved = np.einsum("enk,en->ek", weighed, off) * self.scale_
+        left = np.eye(3) - np.einsum("enj,enk->ejk", slopes, weighed)
+        covariance = left * self.scale_[:, None] * self.scale_
+        return Posterior(share[kept] / share[kept].sum(), self.theta_[kept] + moved, covariance)
+
+    def _places(self, posterior: Posterior) -> Places:
+        covariance = posterior.covariance[:, :2, :2]
+        return Places(posterior.share, posterior.mean[:, :2], covariance, self.bounds_[:2])
+
+    def _told(self, posterior: Posterior) -> NDArray[np.float64]:
+        strength = posterior.share @ posterior.mean[:, 2]
+        return np.append(self._places(posterior).peak(BLUR), np.clip(strength, *self.bounds_[2]))
+
+
+def _distance(posterior: Posterior, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    squares = (posterior.mean - theta) ** 2 + np.einsum("eii->ei", posterior.covariance)
+    return np.sqrt(posterior.share @ squares)
+
+
+def _middles(low: float, high: float, count: int) -> NDArray[np.float64]:
+    return low + (high - low) * (np.arange(count) + 0.5) / count

@@ -1,0 +1,75 @@
+"""The localizers that invert the simulator, among the named ones, told who makes tables."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from sklearn.pipeline import Pipeline
+
+from ...simulator.sweeps import InputError
+from ..inputs.rest import NEAREST
+from ..inputs.samples import Problem
+from ..inputs.targets import TARGETS
+from ..learners.registry import Estimator
+from . import adapted as inversion_adapted
+from . import classifier as inversion
+from .adapted import AdaptedClassifier, AdaptedPosition
+from .classifier import Builder, ModelBased
+from .position import ModelBasedPosition
+
+NAME, ADAPTED = "model-based", "model-adapted"
+SKINS = 4
+"""Sessions that probabilities and deviations are found on: each skin costs seconds."""
+
+
+def model_based(builder: Builder) -> list[Estimator]:
+    """Both estimators: of the skin in the mean, and of the skin at hand, by its curve at rest.
+
+    builder: tables of a scene's text, a target, strengths, and maybe a curve at rest.
+    """
+
+    def equip(pipeline: Pipeline) -> None:
+        pipeline.set_params(invert__builder=builder)
+
+    adapted = _pipeline_by(builder, ADAPTED)
+    return [
+        Estimator(NAME, TARGETS, _pipeline_by(builder, NAME)),
+        Estimator(ADAPTED, TARGETS, adapted, sessions=SKINS, equip=equip),
+    ]
+
+
+def _pipeline_by(builder: Builder, name: str) -> Callable[[Problem], Pipeline]:
+    def build(problem: Problem) -> Pipeline:
+        takes = inversion_adapted.QUANTITIES if name == ADAPTED else inversion.QUANTITIES
+        _check(problem, name, takes)
+        step: Any = (
+            ModelBasedPosition(problem.scene, builder, rest_sweeps=NEAREST)
+            if problem.continuous
+            else ModelBased(problem.scene, problem.target, builder, rest_sweeps=NEAREST)
+        )
+        if name == ADAPTED:
+            kind = AdaptedPosition if problem.continuous else AdaptedClassifier
+            step = kind(step.set_params(builder=None), builder)
+        return Pipeline([("invert", step)])
+
+    return build
+
+
+def _check(problem: Problem, name: str, takes: Sequence[str]) -> None:
+    """Raises InputError where the simulator would tell other features than the sweeps."""
+    if problem.quantities != tuple(takes):
+        raise InputError(
+            f"`estimator` {name} takes the features {','.join(takes)}, "
+            f"got {','.join(problem.quantities)}"
+        )
+    try:
+        known = tuple(each["name"] for each in tomllib.loads(problem.scene)["interface"])
+    except (tomllib.TOMLDecodeError, KeyError) as error:
+        raise InputError(f"`estimator` {name} needs the scene, which the sweeps lack") from error
+    if problem.interfaces != known:
+        raise InputError(
+            f"`estimator` {name} takes all interfaces of the scene, {', '.join(known)}, "
+            f"got {', '.join(problem.interfaces)}"
+        )

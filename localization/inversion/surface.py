@@ -1,0 +1,63 @@
+"""A smooth surface through a simulator's table: what the meter shows of a touch at any place."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import NdBSpline, RegularGridInterpolator, make_interp_spline
+
+DEGREE = 3
+SLOPES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Numbers in units of noise over x [mm], y [mm] and strength.
+
+    knots: of each axis. coefficients: shape (x, y, strength, number). nodes: x and y of the skin's
+    table, mm. skin: what the unknown skin adds, by the rise of strength above 1, shape (x, y,
+    number, unknown). bounds: lowest and highest x, y and strength, shape (3, 2).
+    """
+
+    knots: tuple[NDArray, NDArray, NDArray]
+    coefficients: NDArray[np.float64]
+    nodes: tuple[NDArray, NDArray]
+    skin: NDArray[np.float64]
+    bounds: NDArray[np.float64]
+
+    def values(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """At places theta, shape (place, 3); shape (place, number)."""
+        return self._at(theta, (0, 0, 0))
+
+    def slopes(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Exact derivatives, shape (place, number, 3)."""
+        return np.stack([self._at(theta, nu) for nu in SLOPES], axis=-1)
+
+    def skins(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Columns of what the unknown skin adds, shape (place, number, unknown)."""
+        between = RegularGridInterpolator(self.nodes, self.skin)
+        return between(theta[:, :2]) * (theta[:, 2] - 1)[:, None, None]
+
+    def _at(self, theta: NDArray[np.float64], nu: tuple[int, ...]) -> NDArray[np.float64]:
+        return NdBSpline(self.knots, self.coefficients, DEGREE)(theta, nu=nu)
+
+
+def surface(tables: Mapping[str, NDArray], noise: NDArray[np.float64]) -> Surface:
+    """Through the tables of `simulator.inversion` for positions."""
+    x, y, strength = 1e3 * tables["x"], 1e3 * tables["y"], tables["strength_nodes"]
+    coefficients, knots = tables["values"] / noise, []
+    for axis, nodes in enumerate((x, y, strength)):
+        spline = make_interp_spline(nodes, coefficients, DEGREE, axis=axis)
+        knots.append(spline.t)
+        coefficients = np.moveaxis(spline.c, 0, axis)
+    middle = strength[len(strength) // 2]
+    return Surface(
+        knots=(knots[0], knots[1], knots[2]),
+        coefficients=np.ascontiguousarray(coefficients),
+        nodes=(x, y),
+        skin=tables["skin"] / noise[:, None] / (middle - 1),
+        bounds=np.array([nodes[[0, -1]] for nodes in (x, y, strength)]),
+    )

@@ -1,0 +1,122 @@
+"""The localizers by name: what each can tell, how it is made, and what of it may be tuned."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from sklearn.pipeline import Pipeline
+
+from ...simulator.sweeps import InputError
+from ..inputs.samples import Problem
+from ..inputs.targets import CLASSES, TARGETS
+from . import classifiers, regressors
+from .classifiers import CLASSIFIERS, KERNEL_WIDTH, REFERENCE, components_svm, nearest, pipeline
+from .regressors import gaussian_process, kernel_ridge, neighbours
+
+Grid = Mapping[str, Sequence[Any]]
+Registry = Mapping[str, "Estimator"]
+
+
+@dataclass(frozen=True)
+class Estimator:
+    """A localizer to be trained.
+
+    targets: what it can tell. build: an untrained pipeline for a problem; a regressor's last step
+    may take `return_std` in `predict`. grid: values of the pipeline's parameters that tuning tries,
+    or a function of the problem that tells them. most: sweeps it is trained on; more are thinned
+    out evenly. sessions: of which it is shown no more, None for all. equip: gives a pipeline that
+    was read from disk what could not be kept there.
+    """
+
+    name: str
+    targets: tuple[str, ...]
+    build: Callable[[Problem], Pipeline]
+    grid: Grid | Callable[[Problem], Grid] = field(default_factory=dict)
+    most: int = 20_000
+    sessions: int | None = None
+    equip: Callable[[Pipeline], None] = lambda pipeline: None
+
+    def grid_for(self, problem: Problem) -> Grid:
+        """What tuning tries for a problem."""
+        return self.grid(problem) if callable(self.grid) else self.grid
+
+
+SVM_GRID = {"classify__C": [10.0, 100.0, 1000.0, 1e4], "classify__gamma": [0.01, 0.1, 1.0]}
+RIDGE_GRID = {
+    "regress__regressor__alpha": [1e-5, 1e-4, 1e-3, 1e-2],
+    "regress__regressor__gamma": [0.1, 0.3, 1.0],
+}
+DEFAULT_OF = {
+    **dict.fromkeys(CLASSES, REFERENCE),
+    "touches": "ksvm-components",
+    "pair": "ksvm-components",
+    "position": "kernel-ridge",
+}
+"""The localizer of a target where none is named."""
+
+
+def estimators(extra: Iterable[Estimator] = ()) -> dict[str, Estimator]:
+    """All localizers by name: those of this package, and those that are passed in."""
+    return {each.name: each for each in (*_classifiers(), *_regressors(), _network(), *extra)}
+
+
+def chosen(name: str | None, target: str, registry: Registry | None = None) -> Estimator:
+    """The localizer of that name, or the default one.
+
+    Raises InputError for an unknown target, an unknown name, or one that cannot tell the target.
+    """
+    if target not in TARGETS:
+        raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
+    known = estimators() if registry is None else registry
+    able = [each.name for each in known.values() if target in each.targets]
+    name = name or DEFAULT_OF[target]
+    if name not in able:
+        raise InputError(
+            f"`estimator` must be one of {', '.join(able)} for `target` {target}, got {name!r}"
+        )
+    return known[name]
+
+
+def _classifiers() -> list[Estimator]:
+    svms = [Estimator(name, _few_classes(), _svm(name), _svm_grid(name)) for name in CLASSIFIERS]
+    others = [
+        ("ksvm-components", CLASSES, lambda _: components_svm(), SVM_GRID, 20_000),
+        ("knn", CLASSES, lambda _: nearest(), {"classify__n_neighbors": [5, 15, 45]}, 20_000),
+    ]
+    return svms + [Estimator(*each) for each in others]
+
+
+def _regressors() -> list[Estimator]:
+    where = ("position",)
+    return [
+        Estimator("gaussian-process", where, lambda _: gaussian_process(), most=400),
+        Estimator("kernel-ridge", where, lambda _: kernel_ridge(), RIDGE_GRID, 6000),
+        Estimator("knn-position", where, lambda _: neighbours()),
+    ]
+
+
+def _network() -> Estimator:
+    def build(problem: Problem) -> Pipeline:
+        return regressors.network() if problem.continuous else classifiers.network()
+
+    return Estimator("network", TARGETS, build, most=500_000)
+
+
+def _few_classes() -> tuple[str, ...]:
+    return tuple(target for target in CLASSES if target != "pair")
+
+
+def _svm(name: str) -> Callable[[Problem], Pipeline]:
+    return lambda problem: pipeline(name, features=problem.features)
+
+
+def _svm_grid(name: str) -> Callable[[Problem], Grid]:
+    inside = "classify__" if name == "svc" else "classify__estimator__"
+
+    def grid(problem: Problem) -> Grid:
+        widths = [factor * KERNEL_WIDTH / problem.features for factor in (0.1, 1.0, 10.0)]
+        return {f"{inside}C": [10.0, 100.0, 1000.0], f"{inside}gamma": widths}
+
+    return grid

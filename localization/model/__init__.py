@@ -1,0 +1,1 @@
+"""A trained localizer, and its file."""

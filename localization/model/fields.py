@@ -1,0 +1,135 @@
+"""A trained model as plain fields and fitted estimators, and back: what stands in its file."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from sklearn.compose import TransformedTargetRegressor
+from sklearn.gaussian_process import GaussianProcessRegressor
+from sklearn.neighbors import KNeighborsClassifier, KNeighborsRegressor
+from sklearn.pipeline import Pipeline
+from sklearn.preprocessing import StandardScaler
+from sklearn.svm import SVC
+
+from ..inputs.samples import Problem
+from ..inversion.adapted import AdaptedClassifier, AdaptedPosition
+from ..inversion.classifier import ModelBased
+from ..inversion.position import ModelBasedPosition
+from ..learners.components import Components
+from ..learners.ecoc import ECOCClassifier
+from ..learners.networks import NetworkClassifier, NetworkRegressor
+from ..trust.fitted import Classifier, Regressor
+from ..trust.novelty import NoveltyGuard
+from ..trust.spread import Spread
+from .model import Model
+
+LAYOUT = 3
+"""Counts up where files of a model can no longer be read as they were."""
+EARLIER = {"pipeline", "target", "quantities", "interfaces", "frequencies", "scene", "version"}
+"""Fields of layout 1, which did not name itself."""
+STEPS = (
+    Components,
+    StandardScaler,
+    ECOCClassifier,
+    SVC,
+    KNeighborsClassifier,
+    KNeighborsRegressor,
+    TransformedTargetRegressor,
+    GaussianProcessRegressor,
+    ModelBased,
+    ModelBasedPosition,
+    AdaptedClassifier,
+    AdaptedPosition,
+    NetworkClassifier,
+    NetworkRegressor,
+)
+"""What the pipeline may be made of."""
+KINDS = {
+    "pipeline": Pipeline,
+    "sharpness": float,
+    "threshold": float,
+    "factor": np.ndarray,
+    "spread": Spread | None,
+    "guard": NoveltyGuard,
+    "estimator": str,
+    "problem": dict,
+    "certain": float | None,
+    "validation": str,
+    "version": str,
+    "trained_on": int,
+    "left_out": int,
+    "gate": dict | None,
+}
+COPIED = ("estimator", "certain", "validation", "version", "trained_on", "left_out")
+"""Fields of a model that stand in the file as they are."""
+PROBLEM = {
+    "target": str,
+    "features": int,
+    "quantities": tuple,
+    "interfaces": tuple,
+    "frequencies": tuple,
+    "scene": str,
+}
+
+
+class EarlierLayoutError(Exception):
+    """The fields are of another layout; the message says what to do."""
+
+
+def fields_of(model: Model) -> dict[str, Any]:
+    """Everything of a model, under the names of KINDS and the layout."""
+    learned = model.learned
+    return {
+        "layout": LAYOUT,
+        "pipeline": learned.pipeline,
+        "sharpness": getattr(learned, "sharpness", 1.0),
+        "threshold": getattr(learned, "threshold", 0.0),
+        "factor": getattr(learned, "factor", np.ones(3)),
+        "spread": getattr(learned, "spread", None),
+        "guard": learned.guard,
+        "problem": asdict(model.problem),
+        **{name: getattr(model, name) for name in COPIED},
+        "gate": None if model.gate is None else fields_of(model.gate),
+    }
+
+
+def model_of(fields: Any) -> Model:
+    """The model of such fields. Raises EarlierLayoutError, or ValueError where they are of none."""
+    if _is_earlier(fields):
+        raise EarlierLayoutError(
+            f"a model of another layout than {LAYOUT}, which this version reads; train it anew"
+        )
+    _check(fields, {"layout": int, **KINDS})
+    _check(fields["problem"], PROBLEM)
+    problem = Problem(**fields["problem"])
+    kind, names = (
+        (Regressor, ("pipeline", "factor", "spread", "guard"))
+        if problem.continuous
+        else (Classifier, ("pipeline", "sharpness", "threshold", "guard"))
+    )
+    return Model(
+        learned=kind(*(fields[name] for name in names)),
+        problem=problem,
+        gate=None if fields["gate"] is None else model_of(fields["gate"]),
+        **{name: fields[name] for name in COPIED},
+    )
+
+
+def _is_earlier(fields: Any) -> bool:
+    if not isinstance(fields, dict):
+        return False
+    return fields.keys() == EARLIER or fields.get("layout", LAYOUT) != LAYOUT
+
+
+def _check(fields: Any, kinds: dict[str, Any]) -> None:
+    if not isinstance(fields, dict) or fields.keys() != kinds.keys():
+        raise ValueError("other fields")
+    for name, kind in kinds.items():
+        if not isinstance(fields[name], kind):
+            raise ValueError(f"`{name}` is of another type")
+    if "pipeline" in fields and not all(
+        isinstance(step, STEPS) for _, step in fields["pipeline"].steps
+    ):
+        raise ValueError("a pipeline of other steps")

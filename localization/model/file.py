@@ -1,0 +1,100 @@
+"""A trained model on disk, in the format of skops: data to be checked, never code to be trusted."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import skops.io
+
+from ...simulator.sweeps import InputError, checked_output, whole_file
+from ..inversion.adapted import AdaptedClassifier, AdaptedPosition
+from ..inversion.classifier import ModelBased
+from ..inversion.position import ModelBasedPosition
+from ..learners.components import Components
+from ..learners.ecoc import ECOCClassifier
+from ..learners.networks import NetworkClassifier, NetworkRegressor
+from ..learners.registry import Registry
+from ..trust.novelty import NoveltyGuard
+from ..trust.spread import Spread
+from .fields import EarlierLayoutError, fields_of, model_of
+from .model import Model
+
+ENDING = ".skops"
+TRUSTED = [
+    *(
+        f"{kind.__module__}.{kind.__qualname__}"
+        for kind in (
+            Components,
+            ECOCClassifier,
+            ModelBased,
+            ModelBasedPosition,
+            AdaptedClassifier,
+            AdaptedPosition,
+            NetworkClassifier,
+            NetworkRegressor,
+            NoveltyGuard,
+            Spread,
+        )
+    ),
+    *(
+        f"sklearn.{name}"
+        for name in (
+            "gaussian_process._gpr.GaussianProcessRegressor",
+            "gaussian_process.kernels.ConstantKernel",
+            "gaussian_process.kernels.Product",
+            "gaussian_process.kernels.RBF",
+            "gaussian_process.kernels.Sum",
+            "gaussian_process.kernels.WhiteKernel",
+        )
+    ),
+]
+"""Types that may be built from a file, besides those of scikit-learn that skops vouches for."""
+
+
+def save(path: str | Path, model: Model) -> None:
+    """Write a model, whole or not at all.
+
+    Raises InputError where `path` does not end in .skops or its folder does not exist.
+    """
+    with whole_file(checked_output(path, (ENDING,))) as unfinished:
+        skops.io.dump(fields_of(model), unfinished)
+
+
+def load(path: str | Path, registry: Registry | None = None) -> Model:
+    """A model written by `save`. Nothing in the file is built before all its types are known.
+
+    registry: of the estimators that may have been trained, which equip what was read. Raises
+    InputError naming the file where it is absent, not of skops, holds a type not in TRUSTED
+    (named too), holds something other than a model, or one of an earlier layout.
+    """
+    path = Path(path)
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    fields = _trusted_content(path, data)
+    try:
+        return _equipped(model_of(fields), registry or {})
+    except EarlierLayoutError as error:
+        raise InputError(f"{path}: {error}") from error
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(f"{path}: holds no model of rcskin") from error
+
+
+def _equipped(model: Model, registry: Registry) -> Model:
+    if model.estimator in registry:
+        registry[model.estimator].equip(model.pipeline)
+    return model
+
+
+def _trusted_content(path: Path, data: bytes) -> Any:
+    try:
+        untrusted = sorted(set(skops.io.get_untrusted_types(data=data)) - set(TRUSTED))
+        content = None if untrusted else skops.io.loads(data, trusted=TRUSTED)
+    except Exception as error:  # a damaged archive can fail anywhere in zipfile, json or skops
+        reason = " ".join(str(error).split())
+        raise InputError(f"{path}: not a model in the format of skops: {reason}") from error
+    if untrusted:
+        raise InputError(f"{path}: holds the untrusted type {untrusted[0]}; not loaded")
+    return content

@@ -1,0 +1,1 @@
+"""What stands behind an answer: folds, calibrated probabilities, guards."""

@@ -1,0 +1,67 @@
+"""How a localizer is trained: pipeline, then probabilities and deviations on held-out sweeps."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...simulator.sweeps import InputError
+from ..inputs.samples import Samples
+from ..learners.registry import Estimator
+from .answers import threshold_of
+from .fitted import Classifier, Regressor
+from .folds import PLENTY, by_session, held_out_of, judging
+from .held_out import held_out_decisions, held_out_positions
+from .novelty import NoveltyGuard
+from .spread import Spread
+from .temperature import probabilities, sharpness_of
+from .tuning import trainer
+
+
+def learn_classes(
+    samples: Samples, estimator: Estimator, *, certain: float | None = None, tune: bool = False
+) -> Classifier:
+    """A classifier whose sharpness and threshold were found on sweeps held out.
+
+    certain: the rate at which answers are to be right; None answers always.
+    Raises InputError where the samples are of one class, or as `judging`, `threshold_of`.
+    """
+    if np.unique(samples.y).size < 2:
+        raise InputError(f"need sweeps of at least 2 classes, got {np.unique(samples.y).size}")
+    samples = samples.of_sessions(estimator.sessions)
+    splits = judging(samples.strata, samples.sessions)
+    train = trainer(estimator, samples, tune=tune)
+    pipeline = train(samples)
+    unseen = held_out_of(splits)
+    held_out = held_out_decisions(train, samples, splits, pipeline.classes_)[unseen]
+    index = np.searchsorted(pipeline.classes_, samples.y[unseen])
+    sharpness = sharpness_of(held_out, index)
+    threshold = 0.0
+    if certain is not None:
+        probability = probabilities(held_out, sharpness)
+        right = probability.argmax(axis=1) == index
+        threshold = threshold_of(probability.max(axis=1), right, certain)
+    return Classifier(pipeline, sharpness, threshold, _guard(samples))
+
+
+def learn_positions(samples: Samples, estimator: Estimator, *, tune: bool = False) -> Regressor:
+    """A regressor whose deviations were found on sweeps held out. Raises as `judging`."""
+    samples = samples.of_sessions(estimator.sessions)
+    splits = judging(None, samples.sessions)
+    unseen = held_out_of(splits)
+    train = trainer(estimator, samples, tune=tune)
+    told, deviation = held_out_positions(train, samples, splits)
+    told, residual = told[unseen], (told - samples.y)[unseen]
+    factor, spread = np.ones(told.shape[1]), None
+    if deviation is None:
+        spread = Spread().fit(told, residual)
+    else:
+        deviation = deviation[unseen]
+        z = np.divide(residual, deviation, out=np.zeros(told.shape), where=deviation > 0)
+        factor = np.sqrt(np.square(z).mean(axis=0))
+    return Regressor(train(samples), factor, spread, _guard(samples))
+
+
+def _guard(samples: Samples) -> NoveltyGuard:
+    samples = samples.at_most(PLENTY)
+    groups = samples.sessions if by_session(samples.sessions) else None
+    return NoveltyGuard().fit(samples.X, groups=groups)

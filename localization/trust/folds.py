@@ -1,0 +1,136 @@
+"""Parts of sweeps to train on and to test on, by which neither tells of the other."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from sklearn.model_selection import GroupKFold, KFold, StratifiedGroupKFold, StratifiedKFold
+
+from ...simulator.sweeps import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+GROUPINGS = ("press", "session")
+LEAST_SESSIONS = 3
+"""From so many on, sessions are held out as a whole."""
+PLENTY = 50_000
+"""More sweeps than these are held out once, not fold by fold."""
+Splits = list[tuple["NDArray[np.intp]", "NDArray[np.intp]"]]
+
+
+def folds_of(
+    sweeps: xr.Dataset, y: NDArray, *, folds: int, grouping: str | None, seed: int
+) -> Splits:
+    """Indices (train, test) of each fold, with classes in like shares in every fold.
+
+    y: labels, shape (sweep,). seed: of the shuffle.
+    grouping: None lets repetitions of one press stand on both sides. With "press" all repetitions
+        of a pixel are left out together, so that a column must be recognised from pixels never
+        seen in training; the unpressed sweeps are left out one by one. With "session" a mounting
+        of the skin is left out as a whole.
+    Raises InputError for another grouping, and where folds cannot be made so that every class is in
+    every training.
+    """
+    groups = groups_of(sweeps, grouping)
+    _check_number(folds, y, groups)
+    splits = _split(y, groups, folds, seed)
+    for train, _ in splits:
+        unseen = np.setdiff1d(y, y[train])
+        if unseen.size:
+            raise InputError(
+                f"grouping by {grouping} leaves a training without class {unseen[0]}: "
+                f"it needs more than one {grouping}"
+            )
+    return splits
+
+
+def splits_of(
+    strata: NDArray | None, sessions: NDArray[np.int64], folds: int = 5, seed: int = 0
+) -> Splits:
+    """As many folds as can be, at most `folds`, by session where there are LEAST_SESSIONS.
+
+    strata: what is to be in like shares in every fold, shape (sweep,); None for no such thing.
+    Raises InputError where there are no two folds.
+    """
+    groups = sessions if by_session(sessions) else None
+    most = folds if groups is None else min(folds, np.unique(groups).size)
+    if strata is None:
+        if not 2 <= most <= sessions.size:
+            raise InputError(f"need at least 2 sweeps, got {sessions.size}")
+        kind = KFold if groups is None else GroupKFold
+        splitter = kind(n_splits=most, shuffle=True, random_state=seed)
+        return list(splitter.split(np.zeros(sessions.size), None, groups))
+    classes, sizes = np.unique(strata, return_counts=True)
+    if sizes.min() < 2:
+        raise InputError(
+            f"need at least 2 sweeps of each class, got 1 of {classes[sizes.argmin()]}"
+        )
+    return _split(strata, groups, min(most, int(sizes.min())), seed)
+
+
+def judging(strata: NDArray | None, sessions: NDArray[np.int64]) -> Splits:
+    """As `splits_of`, but only the first where one fold has sweeps in plenty to judge by."""
+    splits = splits_of(strata, sessions)
+    return splits[:1] if sessions.size > PLENTY else splits
+
+
+def held_out_of(splits: Splits) -> NDArray[np.intp]:
+    """The sweeps that are held out, in their order."""
+    return np.sort(np.concatenate([test for _, test in splits]))
+
+
+def by_session(sessions: NDArray[np.int64]) -> bool:
+    """Whether there are sessions enough to hold some out as a whole."""
+    return np.unique(sessions).size >= LEAST_SESSIONS
+
+
+def told(splits: Splits, sessions: NDArray[np.int64]) -> str:
+    """How sweeps were held out, as text."""
+    folds = "1 fold" if len(splits) == 1 else f"{len(splits)} folds"
+    if by_session(sessions):
+        return f"{folds}, whole sessions held out"
+    return f"{folds}, no sessions held out: fewer than {LEAST_SESSIONS}"
+
+
+def groups_of(sweeps: xr.Dataset, grouping: str | None) -> NDArray[np.int64] | None:
+    """Sweeps of the same number must share a fold; shape (sweep,), None where all are free."""
+    if grouping is None:
+        return None
+    if grouping == "session":
+        return sweeps["session"].values
+    if grouping == "press":
+        return _pixel_numbers(sweeps["row"].values, sweeps["column"].values)
+    raise InputError(f"`grouping` must be none, {' or '.join(GROUPINGS)}, got {grouping!r}")
+
+
+def _split(y: NDArray, groups: NDArray[np.int64] | None, folds: int, seed: int) -> Splits:
+    kind = StratifiedKFold if groups is None else StratifiedGroupKFold
+    splitter = kind(n_splits=folds, shuffle=True, random_state=seed)
+    return list(splitter.split(np.zeros(y.size), y, groups))
+
+
+def _pixel_numbers(row: NDArray[np.int64], column: NDArray[np.int64]) -> NDArray[np.int64]:
+    """A number per pressed pixel, and one of its own per unpressed sweep; shape (sweep,)."""
+    pixels, number = np.unique(np.stack([row, column]), axis=1, return_inverse=True)
+    unpressed = np.flatnonzero(row == 0)
+    number[unpressed] = pixels.shape[1] + np.arange(unpressed.size)
+    return number
+
+
+def _check_number(folds: int, y: NDArray, groups: NDArray[np.int64] | None) -> None:
+    classes, sizes = np.unique(y, return_counts=True)
+    if classes.size < 2:
+        raise InputError(f"need sweeps of at least 2 classes, got {classes.size}")
+    least = sizes.argmin()
+    if not 2 <= folds <= sizes[least]:
+        raise InputError(
+            f"`folds` must be from 2 to the {sizes[least]} sweeps of class {classes[least]}, "
+            f"got {folds}"
+        )
+    if groups is not None and folds > np.unique(groups).size:
+        raise InputError(
+            f"`folds` must be at most the number of groups, {np.unique(groups).size}, got {folds}"
+        )

@@ -1,0 +1,65 @@
+"""What pipelines tell of sweeps that they were not trained on."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.pipeline import Pipeline
+
+from ..inputs.samples import Samples
+from .folds import Splits
+
+LEAST_PROBABILITY = 1e-12
+
+
+def decisions(pipeline: Pipeline, X: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A number for each class, the larger the likelier, in the order of `classes_`; (n, K)."""
+    if hasattr(pipeline, "decision_function"):
+        told = pipeline.decision_function(X)
+        return told if told.ndim == 2 else np.column_stack([-told, told]) / 2
+    return np.log(np.maximum(pipeline.predict_proba(X), LEAST_PROBABILITY))
+
+
+def held_out_decisions(
+    train: Callable[[Samples], Pipeline], samples: Samples, splits: Splits, classes: NDArray
+) -> NDArray[np.float64]:
+    """Decisions of each sweep by a pipeline that was not trained on it, for all of the classes.
+
+    A class that one training lacks is told as unlikely as its least likely one. Shape (n, K), NaN
+    where a sweep is in no test.
+    """
+    told = np.full((len(samples.X), classes.size), np.nan)
+    for train_on, test in splits:
+        pipeline = train(samples.part(train_on))
+        found = decisions(pipeline, samples.X[test])
+        told[test] = found.min(axis=1, keepdims=True)
+        places = np.searchsorted(classes, pipeline.classes_)
+        told[np.ix_(test, places)] = found
+    return told
+
+
+def held_out_positions(
+    train: Callable[[Samples], Pipeline], samples: Samples, splits: Splits
+) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    """Positions of each sweep by a pipeline that was not trained on it, and their own deviations.
+
+    Shape (n, 3), NaN where a sweep is in no test; None where the regressor tells no deviations.
+    """
+    told, deviation = np.full((2, *samples.y.shape), np.nan)
+    own = False
+    for train_on, test in splits:
+        pipeline = train(samples.part(train_on))
+        own = tells_deviation(pipeline)
+        if own:
+            told[test], deviation[test] = pipeline.predict(samples.X[test], return_std=True)
+        else:
+            told[test] = pipeline.predict(samples.X[test])
+    return told, deviation if own else None
+
+
+def tells_deviation(pipeline: Pipeline) -> bool:
+    """Whether the last step's `predict` takes `return_std`."""
+    return "return_std" in inspect.signature(pipeline[-1].predict).parameters

@@ -1,0 +1,1 @@
+"""Measured sweeps: brought in from other tools, and checked."""

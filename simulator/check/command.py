@@ -1,0 +1,133 @@
+"""The commands on measured sweeps: bring them in from other tools, and check them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..sweeps.importing.grouping import Defaults
+
+FLAGGED = 1
+
+
+def import_sweeps(
+    files: Annotated[list[Path], typer.Argument(help="Tables of other tools; joined in order.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="OUT.nc or OUT.csv.")],
+    press: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="The press of a file without a press column: 'none', ROW,COLUMN[:FACTOR] or any "
+            "text. Given once it holds for every file, else once for each."
+        ),
+    ] = None,
+    interface: Annotated[
+        list[str] | None,
+        typer.Option(help="The interface of a file without such a column, once or for each."),
+    ] = None,
+    session: Annotated[
+        list[int] | None,
+        typer.Option(help="The session of a file without such a column, once or for each."),
+    ] = None,
+) -> None:
+    """Bring in measured sweeps from tables of other tools.
+
+    A table has named columns in any order, with units: a frequency, as
+    `Frequency (kHz)` or `f/Hz`, and Rs and X (`Z'`, `-Z''`), |Z| and phase
+    (`theta (deg)`), Rs and Cs, or Rs and Cp. Of the two reactances that Rs and
+    Cp leave open (X1 X2 = Rs^2), X is the one with |X| >= Rs, a phase between
+    -90 and -45 degrees; the result says so in its attribute `branch_rule`.
+
+    Separators are comma, semicolon or tab; decimal commas, comments (# % ;) and
+    lines above the header are understood. Columns of a sweep, press, row,
+    column, repetition, interface or session label the lines; without them a
+    sweep begins where the frequencies start over.
+    """
+    from ..sweeps import checked_output, write
+    from ..sweeps.imports import import_files
+
+    checked_output(output)
+    sweeps = import_files(files, _defaults(len(files), press, interface, session))
+    write(sweeps, output)
+    counts = ", ".join(f"{name} {size}" for name, size in sweeps.sizes.items())
+    typer.echo(f"{output}: {counts}")
+    if "branch_rule" in sweeps.attrs:
+        typer.echo(f"{output}: {sweeps.attrs['branch_rule']}")
+
+
+def _defaults(
+    files: int, press: Sequence | None, interface: Sequence | None, session: Sequence | None
+) -> list[Defaults]:
+    from ..sweeps.importing.grouping import Defaults
+
+    given = {"press": press, "interface": interface, "session": session}
+    spread = [_for_each(name, values, files) for name, values in given.items()]
+    return [Defaults(*each) for each in zip(*spread, strict=True)]
+
+
+def _for_each(name: str, values: Sequence[Any] | None, files: int) -> list[Any]:
+    from ..sweeps import InputError
+
+    values = values or [None]
+    if len(values) not in (1, files):
+        raise InputError(f"--{name} must be given once or {files} times, got {len(values)}")
+    return list(values) * (files if len(values) == 1 else 1)
+
+
+def check(
+    file: Annotated[Path, typer.Argument(help="Sweeps: FILE.nc, FILE.zarr, or a CSV of any tool.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="REPORT.png, or a folder for the chart and tables."),
+    ] = None,
+    noise: Annotated[
+        float | None,
+        typer.Option(
+            help="Relative standard deviation of a reading, where it is known. Without it, it is "
+            "told from repeated sweeps of one press, or from the residuals."
+        ),
+    ] = None,
+    tolerance: Annotated[
+        float, typer.Option(help="Largest rms residual of the Kramers-Kronig fit, over |Z|.")
+    ] = 0.02,
+) -> None:
+    """Check sweeps against the laws of passive RC networks; code 1 where one is broken.
+
+    Re Z >= 0 and Im Z <= 0; Rs, Cp and Cs do not increase with frequency; and
+    the nearest sum of R, L, C and RC elements, all >= 0, follows every reading
+    within the noise (Kramers-Kronig).
+    """
+    from rich.console import Console
+
+    from ..sweeps import InputError
+    from ..sweeps.examination import examine
+    from .report import checked_report, explanations, verdict_table, write_report
+
+    report = None if output is None else checked_report(output)
+    sweeps = _read(file)
+    try:
+        judgements = examine(sweeps, noise, tolerance)
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from error
+    console = Console()
+    console.print(verdict_table(judgements))
+    for line in explanations(judgements):
+        console.print(line, soft_wrap=True, markup=False, highlight=False)
+    if report is not None:
+        write_report(judgements, report)
+    flagged = sum(bool(each.broken) for each in judgements)
+    console.print(f"{flagged} of {len(judgements)} spectra flagged", highlight=False)
+    if flagged:
+        raise typer.Exit(FLAGGED)
+
+
+def _read(file: Path) -> xr.Dataset:
+    from ..sweeps import read
+    from ..sweeps.imports import import_file
+
+    return read(file) if file.suffix in (".nc", ".zarr") else import_file(file)

@@ -1,0 +1,1 @@
+"""Matrices: elements, circuits and systems, Galerkin and Lanczos, estimates of error."""

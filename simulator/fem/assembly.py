@@ -1,0 +1,179 @@
+"""Assembly into a sparsity pattern built once: the scatter map is kept, only values are filled.
+
+A parallelogram's matrix is a weighted sum of a few reference matrices; any other shape has its own,
+of which a mesh needs few. The weights change with the capacitance map, the pattern never does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from skfem import (
+    BilinearForm,
+    Element,
+    ElementQuad1,
+    ElementQuad2,
+    ElementQuadP,
+    MeshQuad,
+)
+from skfem.assembly import Basis, FacetBasis
+from skfem.assembly.basis import AbstractBasis
+
+from ..mesh.rings import Cells
+from .pattern import DROPPED
+
+EXTRA_ORDER = 40
+
+
+@njit(cache=True)
+def fill(
+    values: NDArray, slots: NDArray, weights: NDArray, reference: NDArray
+) -> None:  # pragma: no cover
+    """values[slots[e, k]] += sum_m weights[e, m] reference[m, k], leaving out dropped slots."""
+    for element in range(slots.shape[0]):
+        for k in range(slots.shape[1]):
+            slot = slots[element, k]
+            if slot != DROPPED:
+                total = 0.0
+                for m in range(weights.shape[1]):
+                    total += weights[element, m] * reference[m, k]
+                values[slot] += total
+
+
+def fill_readable(values: NDArray, slots: NDArray, weights: NDArray, reference: NDArray) -> None:
+    """What `fill` does, in plain numpy."""
+    kept = slots != DROPPED
+    np.add.at(values, slots[kept], (weights @ reference)[kept])
+
+
+def element_pairs(unknowns: NDArray) -> tuple[NDArray, NDArray]:
+    """Rows and columns of the dense element matrices, shape (element, local²).
+
+    unknowns: indices of each element's unknowns, shape (local, element).
+    """
+    local = len(unknowns)
+    return np.repeat(unknowns, local, axis=0).T, np.tile(unknowns, (local, 1)).T
+
+
+def quadrilateral(order: int) -> Element:
+    """The quadrilateral element of that polynomial order."""
+    if order == 1:
+        return ElementQuad1()
+    return ElementQuad2() if order == 2 else ElementQuadP(order)
+
+
+@dataclass(frozen=True)
+class ReferenceMatrices:
+    """Element matrices of the unit square, shape (local, local), and of its four edges.
+
+    stiffness: of d/dx d/dx, d/dy d/dy and d/dx d/dy + d/dy d/dx, shape (3, local, local).
+    edge_mass: of u v on each edge, shape (4, local, local).
+    """
+
+    mass: NDArray[np.float64]
+    stiffness: NDArray[np.float64]
+    edge_mass: NDArray[np.float64]
+
+
+@cache
+def reference_matrices(order: int) -> ReferenceMatrices:
+    """Of the quadrilateral of that order, integrated exactly by scikit-fem."""
+    mesh, element = MeshQuad(), quadrilateral(order)
+    basis = Basis(mesh, element, intorder=2 * order)
+    edges = [
+        FacetBasis(mesh, element, facets=np.asarray(mesh.t2f)[edge], intorder=2 * order)
+        for edge in range(4)
+    ]
+    mass = BilinearForm(lambda u, v, _: u * v)
+    xx = BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0])
+    yy = BilinearForm(lambda u, v, _: u.grad[1] * v.grad[1])
+    xy = BilinearForm(lambda u, v, _: u.grad[0] * v.grad[1] + u.grad[1] * v.grad[0])
+    local = basis.element_dofs[:, 0]
+
+    def dense(form: BilinearForm, on: AbstractBasis) -> NDArray[np.float64]:
+        return form.assemble(on).toarray()[np.ix_(local, local)]
+
+    return ReferenceMatrices(
+        mass=dense(mass, basis),
+        stiffness=np.stack([dense(form, basis) for form in (xx, yy, xy)]),
+        edge_mass=np.stack([dense(mass, edge) for edge in edges]),
+    )
+
+
+@dataclass(frozen=True)
+class Group:
+    """Cells whose matrices are weighted sums of the same reference matrices.
+
+    cells: their indices. stiffness_weights: shape (cell, term) for the terms of `stiffness`, shape
+    (term, local, local). mass_weights: m², shape (cell,), for `mass`, shape (local, local).
+    """
+
+    cells: NDArray[np.int64]
+    stiffness_weights: NDArray[np.float64]
+    stiffness: NDArray[np.float64]
+    mass_weights: NDArray[np.float64]
+    mass: NDArray[np.float64]
+
+
+def groups(cells: Cells, order: int) -> list[Group]:
+    """All parallelograms as one group, and one for each other shape, whatever its size."""
+    straight = (cells.twist == 0).all(axis=0)
+    found = [_parallelograms(cells, np.flatnonzero(straight), order)]
+    if straight.all():
+        return found
+    bent = np.flatnonzero(~straight)
+    size = np.linalg.norm(cells.along[:, bent], axis=0)
+    vectors = np.concatenate([v[:, bent] for v in (cells.along, cells.across, cells.twist)])
+    shapes = vectors / size
+    _, first, which = np.unique(np.round(shapes, 9), axis=1, return_index=True, return_inverse=True)
+    for number, of_shape in enumerate(first):
+        same = which == number
+        mass, stiffness = _shape_matrices(tuple(np.round(shapes[:, of_shape], 14)), order)
+        weights = np.ones((int(same.sum()), 1))
+        found.append(Group(bent[same], weights, stiffness[None], size[same] ** 2, mass))
+    return found
+
+
+def _parallelograms(cells: Cells, which: NDArray[np.int64], order: int) -> Group:
+    """Weights of the three stiffness reference matrices are |J| J^-1 J^-T."""
+    reference, along, across = (
+        reference_matrices(order),
+        cells.along[:, which],
+        cells.across[:, which],
+    )
+    area = np.abs(along[0] * across[1] - along[1] * across[0])
+    weights = np.stack(
+        [
+            np.sum(across * across, axis=0) / area,
+            np.sum(along * along, axis=0) / area,
+            -np.sum(along * across, axis=0) / area,
+        ],
+        axis=1,
+    )
+    return Group(which, weights, reference.stiffness, area, reference.mass)
+
+
+@cache
+def _shape_matrices(
+    shape: tuple[float, ...], order: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mass and stiffness of one quadrilateral: along, across and twist, two numbers each.
+
+    The integrand of the stiffness is rational; EXTRA_ORDER more than a polynomial's leaves 1e-13.
+    """
+    along, across, twist = np.array(shape).reshape(3, 2)
+    corners = np.stack([np.zeros(2), along, along + across + twist, across], axis=1)
+    basis = Basis(MeshQuad(corners), quadrilateral(order), intorder=2 * order + EXTRA_ORDER)
+    local = basis.element_dofs[:, 0]
+    mass, laplacian = (
+        form.assemble(basis).toarray()[np.ix_(local, local)]
+        for form in (
+            BilinearForm(lambda u, v, _: u * v),
+            BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1]),
+        )
+    )
+    return mass, laplacian

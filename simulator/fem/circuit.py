@@ -1,0 +1,167 @@
+"""The electrical reading of a scene: which fields are solved for, which terminals drive them.
+
+Two fields are the potentials of the two sheets. One field, their difference, is enough where both
+sheets carry the same foils and every interface drives them in pairs: then the currents in the two
+sheets are equal and opposite everywhere, V_t = a V and V_b = -(1 - a) V with a = R_t / (R_t + R_b),
+and div(grad V / (R_t + R_b)) = s c V.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.contacts import Contact
+from ..scene.scene import Scene
+from ..scene.wiring import joined
+
+SAME = 1e-12
+
+
+@dataclass(frozen=True)
+class Terminal:
+    """Foils of one field at one potential; without foils, the reference of a floating sheet."""
+
+    field: int
+    contacts: tuple[Contact, ...]
+
+
+@dataclass(frozen=True)
+class Drive:
+    """The terminals an interface connects; an empty `low` is the zero of the one field."""
+
+    high: tuple[int, ...]
+    low: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Circuit:
+    """Fields, terminals and drives.
+
+    conductance: 1 / sheet resistance of each field, S. coupling: how s c enters between fields.
+    """
+
+    conductance: tuple[float, ...]
+    coupling: NDArray[np.float64]
+    terminals: tuple[Terminal, ...]
+    drives: tuple[Drive, ...]
+
+    @property
+    def fields(self) -> int:
+        """How many fields are solved for."""
+        return len(self.conductance)
+
+    @property
+    def told(self) -> str:
+        """How many fields, in words."""
+        return "one field" if self.fields == 1 else "two fields"
+
+    @property
+    def contacts(self) -> list[Contact]:
+        """All foils, of one terminal after the other."""
+        return [contact for terminal in self.terminals for contact in terminal.contacts]
+
+    def field_alone(self, field: int) -> NDArray[np.float64]:
+        """What picks one field of all, shape (field, field)."""
+        return np.diag(np.eye(self.fields)[field])
+
+
+def two_fields(scene: Scene) -> Circuit:
+    """The circuit of both sheets' potentials: always right."""
+    first = joined(scene.contacts, scene.skin)
+    leaders = sorted(set(first))
+    terminal_of = {
+        contact.name: leaders.index(leader)
+        for contact, leader in zip(scene.contacts, first, strict=True)
+    }
+    terminals = [_terminal(scene, terminal_of, index) for index in range(len(leaders))]
+    carrying = {terminal.field for terminal in terminals}
+    terminals += [Terminal(field, ()) for field in (0, 1) if field not in carrying]
+    return Circuit(
+        conductance=(
+            1 / scene.skin.top.sheet_resistance,
+            1 / scene.skin.bottom.sheet_resistance,
+        ),
+        coupling=np.array([[1.0, -1.0], [-1.0, 1.0]]),
+        terminals=tuple(terminals),
+        drives=tuple(
+            Drive(_indices(interface.high, terminal_of), _indices(interface.low, terminal_of))
+            for interface in scene.interfaces
+        ),
+    )
+
+
+def one_field(scene: Scene) -> Circuit | None:
+    """The circuit of the potential difference, or None where it would not be exact."""
+    both = two_fields(scene)
+    tops = [index for index, terminal in enumerate(both.terminals) if terminal.field == 0]
+    pairs = {top: _partner(top, both.terminals, scene) for top in tops}
+    if None in pairs.values() or 2 * len(tops) != len(both.terminals):
+        return None
+    drives = [_pair_drive(drive, tops, pairs) for drive in both.drives]
+    if any(drive is None for drive in drives):
+        return None
+    skin = scene.skin
+    return Circuit(
+        conductance=(1 / (skin.top.sheet_resistance + skin.bottom.sheet_resistance),),
+        coupling=np.array([[1.0]]),
+        terminals=tuple(
+            Terminal(0, _in_series(both.terminals[top], both.terminals[pairs[top] or 0]))
+            for top in tops
+        ),
+        drives=tuple(drive for drive in drives if drive is not None),
+    )
+
+
+def _terminal(scene: Scene, terminal_of: dict[str, int], index: int) -> Terminal:
+    contacts = tuple(c for c in scene.contacts if terminal_of[c.name] == index)
+    return Terminal(("top", "bottom").index(contacts[0].electrode), contacts)
+
+
+def _indices(names: Sequence[str], terminal_of: dict[str, int]) -> tuple[int, ...]:
+    return tuple(sorted({terminal_of[name] for name in names}))
+
+
+def _partner(top: int, terminals: Sequence[Terminal], scene: Scene) -> int | None:
+    return next(
+        (
+            index
+            for index, terminal in enumerate(terminals)
+            if terminal.field == 1 and _mirror(terminals[top], terminal, scene)
+        ),
+        None,
+    )
+
+
+def _mirror(top: Terminal, bottom: Terminal, scene: Scene) -> bool:
+    """Same places, and contact resistances in the ratio of the sheet resistances."""
+    ratio = scene.skin.bottom.sheet_resistance / scene.skin.top.sheet_resistance
+    return (
+        len(top.contacts) == len(bottom.contacts) > 0
+        and _places(top) == _places(bottom)
+        and math.isclose(
+            bottom.contacts[0].resistance, ratio * top.contacts[0].resistance, rel_tol=SAME
+        )
+    )
+
+
+def _places(terminal: Terminal) -> list[tuple[str, tuple[float, float]]]:
+    return sorted((contact.edge, contact.span) for contact in terminal.contacts)
+
+
+def _pair_drive(drive: Drive, tops: list[int], pairs: dict[int, int | None]) -> Drive | None:
+    """The drive of the pairs, where `high` and `low` hold the two halves of the same pairs."""
+    upper = drive.high if set(drive.high) <= set(tops) else drive.low
+    lower = drive.low if upper is drive.high else drive.high
+    if not set(upper) <= set(tops) or {pairs[top] for top in upper} != set(lower):
+        return None
+    return Drive(tuple(tops.index(top) for top in upper), ())
+
+
+def _in_series(top: Terminal, bottom: Terminal) -> tuple[Contact, ...]:
+    resistance = top.contacts[0].resistance + bottom.contacts[0].resistance
+    return tuple(c.model_copy(update={"resistance": resistance}) for c in top.contacts)

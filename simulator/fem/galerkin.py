@@ -1,0 +1,244 @@
+"""Galerkin's method in one space of trial functions: what does not depend on the press, and Y.
+
+With the lift G (each terminal at 1 V in turn, the others at 0 V, no capacitance: K G = 0 inside)
+the potentials are G U + d, and the deviation d solves (K + s M) d = -s M G U. The terminals'
+admittance is then Y = G'KG + s G'MG - s² (MG)' (K + s M)^-1 (MG): the variational form, whose error
+is the square of the field's, and which keeps all digits at low frequency. Under a foil with contact
+resistance the unknown is lifted to the foil's potential first, so that a small resistance is a
+stiff film on a small deviation, and no small difference of large numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from functools import cache, cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import SuperLU, splu
+from threadpoolctl import ThreadpoolController
+
+from ..sweeps import ToleranceError
+from .circuit import Circuit, Drive
+from .driven import Driven, driven_by, potentials, shifted, unshifted
+from .lanczos import Pencil, respond
+from .network import Network
+from .system import Films, System
+
+
+class Galerkin:
+    """A system restricted to the trial functions of elements up to some order.
+
+    K: of the inner unknowns, S, sparse. lift: shape (inner + terminals, terminals). conductance:
+    between terminals at zero frequency, S.
+    """
+
+    def __init__(self, system: System, circuit: Circuit, order: int) -> None:
+        """order: that of the system, or from 2 on a lower one."""
+        self.circuit = circuit
+        self.terminal_field = np.array([terminal.field for terminal in circuit.terminals])
+        terminals = len(self.terminal_field)
+        inner = np.flatnonzero(system.unknowns.degree <= order)
+        self.inner = len(inner)
+        rows = np.concatenate([inner, system.unknowns.inner + np.arange(terminals)])
+        self._system, self._rows = system, rows
+        self._whole, self._entries = (
+            system.pattern.within(rows)
+            if len(inner) < system.unknowns.inner
+            else (system.pattern, slice(None))
+        )
+        self._block, self._block_entries = self._whole.within(np.arange(self.inner))
+        self.K = self._inner(self.restricted(system.stiffness))
+        self.lift, self.conductance = self._terminal_lift()
+        self._driven: dict[Drive, Driven] = {}
+
+    def restricted(self, matrix: csc_matrix) -> csc_matrix:
+        """A matrix in the system's pattern, for the unknowns of this space and the terminals."""
+        return self._whole.matrix(matrix.data[self._entries])
+
+    def solve(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """K^-1 y inside, all terminals at 0 V. y: A, shape (inner, ...)."""
+        return self._factor.solve(y)
+
+    def _inner(self, whole: csc_matrix) -> csc_matrix:
+        return self._block.matrix(whole.data[self._block_entries])
+
+    def network(self, mass: csc_matrix, s: NDArray[np.complex128]) -> Network:
+        """The N-terminal network at each s in rad/s: one complex system for each. mass: M in F."""
+        mass = self.restricted(mass)
+        charge = mass @ self.lift
+        at_once = self.lift.T @ charge
+        inner_charge = charge[: self.inner]
+        delayed = np.stack(
+            [
+                inner_charge.T @ self._shifted(each, mass).solve(inner_charge.astype(complex))
+                for each in s
+            ]
+        )
+        s = s[:, None, None]
+        return Network(self.terminal_field, self.conductance, s * at_once - s**2 * delayed)
+
+    def moments(self, mass: csc_matrix, count: int) -> NDArray[np.float64]:
+        """Taylor coefficients of Y(s) = Y_0 + Y_1 s + ... + Y_count s^count, shape (k, N, N).
+
+        One real factorisation: Y_1 = G'MG, Y_k = (-1)^(k-1) (MG)' (K^-1 M)^(k-2) K^-1 (MG).
+        """
+        mass = self.restricted(mass)
+        inner_mass = self._inner(mass)
+        charge = mass @ self.lift
+        right = inner_charge = charge[: self.inner]
+        moments: list[NDArray[np.float64]] = [self.conductance, self.lift.T @ charge]
+        for k in range(2, count + 1):
+            solution = self._factor.solve(right)
+            moments.append((-1) ** (k - 1) * inner_charge.T @ solution)
+            right = inner_mass @ solution
+        return np.array(moments)
+
+    def pencil(self, mass: csc_matrix, drive: Drive, shift: float) -> Pencil:
+        """K + s M of one drive, its floating terminals among the unknowns. shift: sigma in 1/s."""
+        mass, driven = self.restricted(mass), self.driven(drive)
+        if shift == 0:
+            return unshifted(driven, mass, self._factor)
+        return shifted(driven, mass, self._shifted(shift, mass), shift, self._power)
+
+    def potentials(self, mass: csc_matrix, drive: Drive, s: complex) -> NDArray:
+        """V of 1 V between high and low at s in rad/s, real or complex.
+
+        Of all unknowns of the system, 0 where this space has none. mass: M in F.
+        """
+        mass = self.restricted(mass)
+        u = potentials(self.driven(drive), mass, self._shifted(s, mass), s)
+        whole = np.zeros(self._system.pattern.size, dtype=u.dtype)
+        whole[self._rows] = u
+        return whole
+
+    def currents(self, u: NDArray, sheets: csc_matrix, films: Films) -> NDArray:
+        """K u in A, of inner unknowns. u: V, shape (inner + terminals, k)."""
+        U = u[self.inner :]
+        V = u - self._system.unknowns.at_foils[self._rows] @ U
+        in_films = self.restricted(films.stiffness) @ V + films.current[self._rows] @ U
+        return (self.restricted(sheets) @ u + in_films)[: self.inner]
+
+    def sheet_energy(self, W: NDArray[np.float64], sheets: csc_matrix) -> NDArray[np.float64]:
+        """W'KW in W of sheets alone. W: V, shape (inner + terminals, k). sheets: of the system."""
+        return W.T @ (self.restricted(sheets) @ W)
+
+    def film_energy(self, W: NDArray[np.float64], films: Films) -> NDArray[np.float64]:
+        """W'KW in W of films of contact resistance alone."""
+        U = W[self.inner :]
+        current = films.current[self._rows] @ U
+        V = W - self._system.unknowns.at_foils[self._rows] @ U
+        beside = V.T @ current
+        in_films = V.T @ (self.restricted(films.stiffness) @ V)
+        return in_films + beside + beside.T + U.T @ (films.conductance @ U)
+
+    def _power(self, v: NDArray[np.float64]) -> float:
+        """v'Kv in W. v: V, shape (inner + terminals,)."""
+        W, system = v[:, None], self._system
+        in_films = self.film_energy(W, system.films)
+        return (self.sheet_energy(W, system.sheets) + in_films).item()
+
+    def driven(self, drive: Drive) -> Driven:
+        """What one drive drives, and what then floats."""
+        if drive not in self._driven:
+            self._driven[drive] = driven_by(drive, self.terminal_field, self.conductance, self.lift)
+        return self._driven[drive]
+
+    def _shifted(self, s: complex, mass: csc_matrix) -> SuperLU:
+        """Factors of the inner block of K + s M. mass: of this space."""
+        return _factorised(self._block.matrix(self.K.data + s * self._inner(mass).data))
+
+    @cached_property
+    def _factor(self) -> SuperLU:
+        return _factorised(self.K)
+
+    def _terminal_lift(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """G, shape (inner + terminals, terminals), and G'KG in S, shape (terminals, terminals).
+
+        The columns of a field add up to 1 V, which costs no current: that gives its first terminal.
+        """
+        system, terminals = self._system, len(self.terminal_field)
+        first_of_field = [
+            int(np.argmax(self.terminal_field == f)) for f in range(self.circuit.fields)
+        ]
+        others = np.array([k for k in range(terminals) if k not in first_of_field], dtype=int)
+        inner = np.zeros((self.inner, terminals))
+        conductance = np.zeros((terminals, terminals))
+        if others.size:
+            at_foils, films = system.unknowns.at_foils[self._rows][:, others], system.films
+            current = self.restricted(system.sheets) @ at_foils
+            current += films.current[self._rows][:, others]
+            deviation = -self._factor.solve(current[: self.inner])
+            inner[:, others] = at_foils[: self.inner] + deviation
+            conductance[np.ix_(others, others)] = (
+                at_foils.T @ (self.restricted(system.sheets) @ at_foils)
+                + films.conductance[np.ix_(others, others)]
+                + current[: self.inner].T @ deviation
+            )
+        one = system.unknowns.one[self._rows[: self.inner]]
+        inner[:, first_of_field] = one
+        for field, first in enumerate(first_of_field if others.size else []):
+            rest = others[self.terminal_field[others] == field]
+            inner[:, first] -= inner[:, rest].sum(axis=1)
+            conductance[first, rest] = -conductance[np.ix_(rest, rest)].sum(axis=0)
+            conductance[rest, first] = conductance[first, rest]
+            conductance[first, first] = -conductance[first, rest].sum()
+        return np.vstack([inner, np.eye(terminals)]), conductance
+
+
+def _factorised(matrix: csc_matrix) -> SuperLU:
+    """LU without pivoting: stable, because real and imaginary part are positive semidefinite.
+
+    Raises ToleranceError where the factors outgrow what SuperLU can address.
+    """
+    try:
+        return splu(
+            matrix,
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True, "Equil": False},
+        )
+    except MemoryError as error:
+        raise ToleranceError(
+            f"{len(matrix.indptr) - 1} unknowns are too many to factorise"
+        ) from error
+
+
+REACH = 10.0
+
+
+def swept(
+    space: Galerkin,
+    mass: csc_matrix,
+    drives: Sequence[Drive],
+    s: NDArray[np.complex128],
+    rtol: float,
+) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    """Z in ohm of each drive at each s in rad/s, and its relative error. mass: M in F."""
+    Y, change = zip(*(_driven(space, mass, drive, s, rtol) for drive in drives), strict=True)
+    return (1 / np.stack(Y)).astype(np.complex128), np.stack(change)
+
+
+def _driven(
+    space: Galerkin, mass: csc_matrix, drive: Drive, s: NDArray[np.complex128], rtol: float
+) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    """Y and its relative error: real solves about zero, then about shifts for what those leave."""
+    Y, error = respond(space.pencil(mass, drive, 0.0), s, rtol)
+    left = np.flatnonzero(error > rtol)
+    while left.size:
+        shift = REACH * float(s.imag[left[0]])
+        Y[left], error[left] = respond(space.pencil(mass, drive, shift), s[left], rtol)
+        left = left[1:][error[left[1:]] > rtol]
+    return Y, error
+
+
+def one_blas_thread() -> AbstractContextManager:
+    """Blocks of sparse factors are too small to share: a second thread would only wait and spin."""
+    return _blas().limit(limits=1, user_api="blas")
+
+
+@cache
+def _blas() -> ThreadpoolController:
+    return ThreadpoolController()

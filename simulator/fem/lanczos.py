@@ -1,0 +1,149 @@
+"""A whole sweep from a few real solves: Lanczos for (K + sigma M)^-1 M, and a continued fraction.
+
+With A = K + sigma M, the driven potentials g of s = sigma (A g = 0 inside) and t = s - sigma,
+Y(s) = Y(sigma) + t g'Mg - t² (Mg)'(A + t M)^-1 (Mg), and the last product is
+b_0² e1'(I + t T)^-1 e1 = b_0² / (1 + t a_1 - t² b_1² / (1 + t a_2 - ...)): Galerkin's method in the
+real space that Lanczos' method spans, so all poles are real and negative at any step.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from .estimate import LOST_SUSCEPTANCE, lost_digits
+
+MOST_STEPS = 60
+FEWEST_STEPS = 3
+
+
+@njit(cache=True)
+def continued_fraction(
+    t: complex, diagonal: NDArray, squared: NDArray, steps: int
+) -> complex:  # pragma: no cover
+    """1 / (1 + t a_1 - t² b_1² / (1 + t a_2 - ...)) to so many steps.
+
+    diagonal: a_1, a_2, ... squared: b_0², b_1², ...
+    """
+    value = 1.0 / (1.0 + t * diagonal[steps - 1])
+    for step in range(steps - 2, -1, -1):
+        value = 1.0 / (1.0 + t * diagonal[step] - t * t * squared[step + 1] * value)
+    return value
+
+
+def continued_fraction_readable(
+    t: complex, diagonal: NDArray[np.float64], squared: NDArray[np.float64], steps: int
+) -> complex:
+    """The same as e1'(I + t T)^-1 e1 with the tridiagonal T written out."""
+    beside = np.sqrt(squared[1:steps])
+    T = np.diag(diagonal[:steps]) + np.diag(beside, 1) + np.diag(beside, -1)
+    return complex(np.linalg.inv(np.eye(steps) + t * T)[0, 0])
+
+
+@njit(cache=True)
+def last_change(
+    s: NDArray, shift: float, at_once: NDArray, diagonal: NDArray, squared: NDArray, steps: int
+) -> tuple[NDArray, NDArray]:  # pragma: no cover
+    """Y(s) in S after so many steps, and how much the last one changed Rs or Cp, relatively.
+
+    at_once: Y(sigma) + t g'Mg in S. A susceptance below LOST_SUSCEPTANCE of |Y| counts as that.
+    """
+    Y, change = np.empty_like(s), np.empty(len(s))
+    for k in range(len(s)):
+        t = s[k] - shift
+        scale = t * t * squared[0]
+        before, now = at_once[k], at_once[k]
+        now -= scale * continued_fraction(t, diagonal, squared, steps)
+        if steps > 1:
+            before -= scale * continued_fraction(t, diagonal, squared, steps - 1)
+        B = max(abs(now.imag), LOST_SUSCEPTANCE * abs(now))
+        Rs = abs((1.0 / before).real / (1.0 / now).real - 1.0)
+        Y[k], change[k] = now, max(Rs, abs(before.imag - now.imag) / B)
+    return Y, change
+
+
+@dataclass(frozen=True)
+class Pencil:
+    """K + s M of one drive, as Lanczos' method needs it.
+
+    start: M g, the charge of the driven potentials. mass: v to M v. inverse: y to (K + sigma M)^-1
+    y. admittance: Y(sigma) in S. capacitance: g'Mg in F. shift: sigma in 1/s.
+    """
+
+    start: NDArray[np.float64]
+    mass: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    inverse: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    admittance: float
+    capacitance: float
+    shift: float
+
+
+def respond(
+    pencil: Pencil, s: NDArray[np.complex128], rtol: float, most_steps: int = MOST_STEPS
+) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    """Y(s) in S, and its relative error in Rs and Cp; both of shape (s,).
+
+    The error is what the last steps changed, and rounding. Ends when the change is within rtol
+    everywhere, when the space is exhausted, or after most_steps.
+    """
+    at_once = pencil.admittance + (s - pencil.shift) * pencil.capacitance
+    diagonal, squared = np.empty(most_steps), np.empty(most_steps)
+    unknown = np.full(len(s), np.inf)
+    steps, Y, change, before, quiet = 0, at_once, unknown, unknown, False
+    for coefficients in itertools.islice(_coefficients(pencil), most_steps):
+        squared[steps], diagonal[steps], _ = coefficients
+        steps += 1
+        if steps >= FEWEST_STEPS or steps == most_steps:
+            before = change
+            Y, change = last_change(s, pencil.shift, at_once, diagonal, squared, steps)
+            quiet = max(before.max(), change.max()) <= rtol
+            if quiet:
+                break
+    if steps < most_steps and not quiet:
+        before = change = np.zeros(len(s))
+        if steps:
+            Y, _ = last_change(s, pencil.shift, at_once, diagonal, squared, steps)
+    return Y, np.maximum(before, change) + lost_digits(Y, at_once)
+
+
+def potentials(
+    pencil: Pencil, shifts: NDArray[np.float64], rtol: float, most_steps: int = MOST_STEPS
+) -> NDArray[np.float64]:
+    """u(s) in V at real s >= 0 of an unshifted pencil, less those at s = 0; shape (unknown, s).
+
+    Ends when the last step adds less than rtol to any, in the norm of K.
+    """
+    squared, diagonal, basis = [], [], []
+    parts = np.zeros((0, len(shifts)))
+    for b, a, q in itertools.islice(_coefficients(pencil), most_steps):
+        squared.append(b)
+        diagonal.append(a)
+        basis.append(q)
+        beside = np.sqrt(squared[1:])
+        T = np.diag(diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
+        start = np.eye(len(basis), 1) * np.sqrt(squared[0])
+        parts = np.hstack([-s * np.linalg.solve(np.eye(len(T)) + s * T, start) for s in shifts])
+        if (np.abs(parts[-1]) <= rtol * np.linalg.norm(parts, axis=0)).all():
+            break
+    return np.array(basis).T @ parts if basis else np.zeros((len(pencil.start), len(shifts)))
+
+
+def _coefficients(pencil: Pencil) -> Iterator[tuple[float, float, NDArray[np.float64]]]:
+    """b_0², a_1 and q_1, b_1², a_2 and q_2, ... until the space is exhausted; Q'KQ = 1."""
+    beside, w, residual = 0.0, np.zeros_like(pencil.start), pencil.start
+    while True:
+        solution = pencil.inverse(residual)
+        squared = float(residual @ solution)
+        if not squared > 0:
+            return
+        w_before, beside = w, np.sqrt(squared)
+        q, w = solution / beside, residual / beside
+        product = pencil.mass(q)
+        diagonal = float(q @ product)
+        yield squared, diagonal, q
+        residual = product - diagonal * w - beside * w_before

@@ -1,0 +1,94 @@
+"""The N-terminal network of a skin, and what a meter sees between some of its terminals.
+
+Every sheet alone is at one potential at zero frequency, so a network has potentials that cost no
+current. They are kept apart as modes of their own and their conductance is zero by construction:
+a capacitance of femtofarads beside a conductance of siemens then loses no digits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .circuit import Drive
+
+
+@dataclass(frozen=True)
+class Network:
+    """Admittance Y(f) = conductance + dynamic(f) between terminals.
+
+    field: the sheet that each terminal is on, shape (N,). conductance: at zero frequency, S, shape
+    (N, N). dynamic: the rest, S, shape (frequency, N, N).
+    """
+
+    field: NDArray[np.int64]
+    conductance: NDArray[np.float64]
+    dynamic: NDArray[np.complex128]
+
+    def impedance(self, drive: Drive) -> NDArray[np.complex128]:
+        """Z in ohm between the driven terminals, the others floating, shape (frequency,)."""
+        modes, common = allowed_potentials(tuple(self.field.tolist()), drive)
+        conductance = modes.T @ self.conductance @ modes
+        conductance[common, :] = 0.0
+        conductance[:, common] = 0.0
+        Y = conductance + modes.T @ self.dynamic @ modes
+        if Y.shape[-1] == 1:
+            return 1 / Y[:, 0, 0]
+        floating = np.linalg.solve(Y[:, 1:, 1:], Y[:, 1:, :1])
+        return 1 / (Y[:, 0, 0] - (Y[:, :1, 1:] @ floating)[:, 0, 0])
+
+
+@cache
+def allowed_potentials(
+    field: tuple[int, ...], drive: Drive
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Terminal potentials that the drive allows, as columns; which of them cost no current at DC.
+
+    field: the sheet that each terminal is on. The first potential is the driven one, 1 V between
+    high and low; in the others high is at 0 V. `low` is at 0 V in all of them.
+    """
+    nodes = _nodes(len(field), drive)
+    low = nodes[1] if drive.low else None
+    columns: list[NDArray[np.float64]] = []
+    common: list[bool] = []
+    for island in _islands(nodes, field):
+        grounded = low is not None and low in island
+        reference = low if grounded else island[0]
+        if not grounded:
+            columns.append(np.sum([_indicator(node, len(field)) for node in island], axis=0))
+            common.append(True)
+        for node in island:
+            if node != reference:
+                columns.append(_indicator(node, len(field)))
+                common.append(False)
+    order = np.argsort([-column[drive.high[0]] for column in columns], kind="stable")
+    return np.stack(columns, axis=1)[:, order], np.array(common)[order]
+
+
+def _nodes(count: int, drive: Drive) -> list[tuple[int, ...]]:
+    """Terminals tied together by the meter, high first, low second; then each floating one."""
+    driven = [side for side in (drive.high, drive.low) if side]
+    tied = {terminal for side in driven for terminal in side}
+    return [*driven, *((terminal,) for terminal in range(count) if terminal not in tied)]
+
+
+def _islands(nodes: list[tuple[int, ...]], field: tuple[int, ...]) -> list[list[tuple[int, ...]]]:
+    """Nodes that sheets connect at zero frequency."""
+    islands: list[list[tuple[int, ...]]] = []
+    for node in nodes:
+        sheets = {field[terminal] for terminal in node}
+        connected = [
+            island for island in islands if sheets & {field[t] for other in island for t in other}
+        ]
+        islands = [island for island in islands if island not in connected]
+        islands.append([*(other for island in connected for other in island), node])
+    return islands
+
+
+def _indicator(terminals: tuple[int, ...], count: int) -> NDArray[np.float64]:
+    column = np.zeros(count)
+    column[list(terminals)] = 1.0
+    return column

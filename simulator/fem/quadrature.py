@@ -1,0 +1,207 @@
+"""Element matrices of coefficients that vary within cells of any shape, on quads and triangles.
+
+An integral over a cell is a sum over the points of a rule. The products of basis functions at a
+point are the same in every cell; what differs is the coefficient there, the cell's area and its
+slant. So they are reference matrices like any others, one a point for c u v and three a point for
+grad u . S grad v, and the kernel that adds up weighted reference matrices adds them up too. What is
+the same at all points of each cell is integrated once: one matrix, and three.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem import Element, MeshQuad, MeshTri
+from skfem.assembly import Basis
+from skfem.quadrature import get_quadrature
+from skfem.refdom import RefQuad, RefTri
+
+from ..mesh.rings import Cells
+
+BLOCK = 4_000_000
+ONE_FIELD = np.ones((1, 1))
+
+Terms = tuple[NDArray[np.float64], NDArray[np.float64]]
+"""Weights, shape (cell, term), and the matrices they belong to, one a row, shape (term, local²)."""
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Points of the unit square or triangle and an element's basis functions there.
+
+    points: (a, b), shape (2, point). weights: shape (point,). values: shape (function, point).
+    slopes: d/da and d/db, shape (2, function, point).
+    """
+
+    points: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    values: NDArray[np.float64]
+    slopes: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Where the points of a rule lie in each cell, and how x runs with a and b there.
+
+    x: m. along: dx/da in m. across: dx/db in m. All of shape (2, cell, point). On a surface in
+    space x holds the first two coordinates, along and across are in a frame of the cell's own.
+    """
+
+    x: NDArray[np.float64]
+    along: NDArray[np.float64]
+    across: NDArray[np.float64]
+
+    @property
+    def area(self) -> NDArray[np.float64]:
+        """Of the parallelogram that the cell is at each point, m², shape (cell, point)."""
+        along, across = self.along, self.across
+        return np.abs(along[0] * across[1] - along[1] * across[0])
+
+    def some(self, cells: NDArray[np.int64] | slice) -> Surface:
+        """Of some of the cells."""
+        return Surface(self.x[:, cells], self.along[:, cells], self.across[:, cells])
+
+
+def gauss_rule(element: Element, degree: int) -> Rule:
+    """The product rule that is exact for polynomials of that degree in a and in b."""
+    nodes, weights = np.polynomial.legendre.leggauss(degree // 2 + 1)
+    points = np.stack([each.ravel() for each in np.meshgrid((nodes + 1) / 2, (nodes + 1) / 2)])
+    return rule_at(element, points, np.outer(weights, weights).ravel() / 4)
+
+
+def triangle_rule(element: Element, degree: int) -> Rule:
+    """A rule that is exact for polynomials of that total degree."""
+    return rule_at(element, *get_quadrature(RefTri, degree))
+
+
+def divided(element: Element, rule: Rule) -> Rule:
+    """A rule on each of the four triangles that the reference triangle is halved into."""
+    half = rule.points / 2
+    turned = 0.5 - half
+    corners = [half, half + [[0.5], [0.0]], half + [[0.0], [0.5]]]
+    return rule_at(element, np.hstack([*corners, turned]), np.tile(rule.weights / 4, 4))
+
+
+def rule_at(element: Element, points: NDArray[np.float64], weights: NDArray[np.float64]) -> Rule:
+    """The element's functions at these points of its reference cell, shape (2, point)."""
+    basis = Basis(_reference_mesh(element), element, quadrature=(points, weights)).basis
+    functions = [each for each, *_ in basis]
+    return Rule(
+        points,
+        weights,
+        np.stack([np.asarray(each)[0] for each in functions]),
+        np.stack([np.asarray(each.grad)[:, 0] for each in functions], axis=1),
+    )
+
+
+def _reference_mesh(element: Element) -> MeshQuad | MeshTri:
+    if element.refdom is RefQuad:
+        return MeshQuad()
+    return MeshTri(np.eye(3)[1:], np.arange(3)[:, None])
+
+
+def surface(cells: Cells, rule: Rule) -> Surface:
+    """Of straight-edged quadrilaterals: x = x0 + a along + b across + a b twist."""
+    a, b = rule.points
+    vectors = (cells.p[:, cells.t[0]], cells.along, cells.across, cells.twist)
+    origin, along, across, twist = (each[:, :, None] for each in vectors)
+    return Surface(
+        origin + a * along + b * across + a * b * twist, along + b * twist, across + a * twist
+    )
+
+
+def mass_terms(
+    rule: Rule, surface: Surface, c: NDArray[np.float64], fields: NDArray[np.float64] = ONE_FIELD
+) -> Iterator[Terms]:
+    """Of the form c u v. c: F/m², shape (cell, point). fields: how it enters between fields.
+
+    In blocks of a few points, of which none takes more than BLOCK numbers.
+    """
+    density = surface.area * c
+    if _even(density):
+        whole = np.einsum("ip,jp,p->ij", rule.values, rule.values, rule.weights)
+        yield density[:, :1], _between_fields(fields, whole[None])
+        return
+    weights = rule.weights * density
+    for some in _blocks(rule, fields):
+        v = rule.values[:, some]
+        yield weights[:, some], _between_fields(fields, np.einsum("ip,jp->pij", v, v))
+
+
+def stiffness_terms(
+    rule: Rule,
+    surface: Surface,
+    conductance: NDArray[np.float64],
+    fields: NDArray[np.float64] = ONE_FIELD,
+) -> Iterator[Terms]:
+    """Of the form grad u . S grad v. conductance: S in S, a scalar of shape (cell, point) or a
+    tensor by its xx, yy and xy of shape (3, cell, point).
+
+    With J = [along, across] the weights are |J| J^-1 S J^-T, of da da, db db and da db + db da.
+    """
+    density = _pulled_back(surface, conductance)
+    a, b = rule.slopes
+    if _even(density):
+        pairs = ((a, a), (b, b), (a, b))
+        aa, bb, ab = (np.einsum("ip,jp,p->ij", u, v, rule.weights) for u, v in pairs)
+        yield density[..., 0].T, _between_fields(fields, np.stack([aa, bb, ab + ab.T]))
+        return
+    weights = rule.weights * density
+    for some in _blocks(rule, fields):
+        a, b = rule.slopes[:, :, some]
+        aa, bb, ab = (np.einsum("ip,jp->pij", u, v) for u, v in ((a, a), (b, b), (a, b)))
+        matrices = np.concatenate([aa, bb, ab + ab.transpose(0, 2, 1)])
+        yield np.hstack([*weights[..., some]]), _between_fields(fields, matrices)
+
+
+def _pulled_back(surface: Surface, conductance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """|J| J^-1 S J^-T by its components along a a, b b and a b, shape (3, cell, point)."""
+    along, across = surface.along, surface.across
+    if conductance.ndim == along.ndim - 1:
+        metric = np.stack([(across**2).sum(0), (along**2).sum(0), -(along * across).sum(0)])
+        return conductance / surface.area * metric
+    xx, yy, xy = conductance
+    to_a, to_b = np.stack([across[1], -across[0]]), np.stack([-along[1], along[0]])
+
+    def form(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+        return xx * u[0] * v[0] + yy * u[1] * v[1] + xy * (u[0] * v[1] + u[1] * v[0])
+
+    return np.stack([form(to_a, to_a), form(to_b, to_b), form(to_a, to_b)]) / surface.area
+
+
+def _even(density: NDArray[np.float64]) -> bool:
+    """Whether a density is the same at all points of each cell."""
+    return bool((density == density[..., :1]).all())
+
+
+def load(rule: Rule, surface: Surface, f: NDArray) -> NDArray:
+    """Of the form f v, shape (function, cell). f: A/m², shape (cell, point)."""
+    return rule.values @ (rule.weights * surface.area * f).T
+
+
+def interpolated(rule: Rule, surface: Surface, u: NDArray) -> tuple[NDArray, NDArray]:
+    """A function and its gradient, per m, from its coefficients u, shape (function, cell).
+
+    Of shapes (cell, point) and (2, cell, point).
+    """
+    along, across = surface.along, surface.across
+    determinant = along[0] * across[1] - along[1] * across[0]
+    da, db = (u.T @ slope for slope in rule.slopes)
+    dx = (across[1] * da - along[1] * db) / determinant
+    dy = (along[0] * db - across[0] * da) / determinant
+    return u.T @ rule.values, np.stack([dx, dy])
+
+
+def _blocks(rule: Rule, fields: NDArray[np.float64]) -> Iterator[slice]:
+    functions, points = rule.values.shape
+    size = max(1, BLOCK // (3 * (functions * len(fields)) ** 2))
+    return (slice(start, start + size) for start in range(0, points, size))
+
+
+def _between_fields(
+    fields: NDArray[np.float64], matrices: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    return np.einsum("fg,pij->pfigj", fields, matrices).reshape(len(matrices), -1)

@@ -1,0 +1,148 @@
+"""The discretised skin: K and M(c) over inner unknowns and terminals, in one sparsity pattern."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+
+from ..mesh.quadrilaterals import PixelMesh, Resolution, pixel_mesh
+from ..scene.scene import Scene
+from .assembly import Group, fill, groups, reference_matrices
+from .circuit import Circuit, Terminal
+from .pattern import Pattern
+from .unknowns import Unknowns, numbered, quadrilateral_trial
+
+
+@dataclass(frozen=True)
+class Films:
+    """Contact resistance: each foil's film conducts in proportion to V - U, sheet over foil.
+
+    With V = w + at_foils U the current of all films is B w + C U, and their power w'Bw + 2 w'CU +
+    U'DU. C and D are zero but where foils meet, so that a thin film is no small difference of large
+    numbers.
+
+    stiffness: B in S, sparse, in K's pattern. current: C in S, shape (inner + terminals,
+    terminals). conductance: D in S, shape (terminals, terminals).
+    """
+
+    stiffness: csc_matrix
+    current: NDArray[np.float64]
+    conductance: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class System:
+    """(K + B + s M) u = b, with each terminal's potential as one unknown.
+
+    sheets: K in S, the sheets' conductance, shape (inner + terminals, inner + terminals).
+    """
+
+    unknowns: Unknowns
+    sheets: csc_matrix
+    films: Films
+
+    @property
+    def pattern(self) -> Pattern:
+        """Of all matrices."""
+        return self.unknowns.pattern
+
+    @property
+    def slots(self) -> NDArray[np.int64]:
+        """Where in the pattern's values each pair of a cell's coefficients goes."""
+        return self.unknowns.slots
+
+    @cached_property
+    def stiffness(self) -> csc_matrix:
+        """K + B in S, in the pattern of K."""
+        return self.pattern.matrix(self.sheets.data + self.films.stiffness.data)
+
+
+@dataclass(frozen=True)
+class PixelSystem(System):
+    """That of uniform sheets, for any capacitance that is even within each pixel.
+
+    coupling: how s c enters between fields, shape (field, field). element_pixel: shape (cell,).
+    """
+
+    coupling: NDArray[np.float64]
+    groups: list[Group]
+    element_pixel: NDArray[np.int64]
+
+    def mass(self, c: NDArray[np.float64]) -> csc_matrix:
+        """M(c) in F, in the pattern of K. c: F/m², shape (row, column)."""
+        values = np.zeros(len(self.pattern.indices))
+        c_of_cell = c.ravel()[self.element_pixel]
+        for group in self.groups:
+            weights = (group.mass_weights * c_of_cell[group.cells])[:, None]
+            fill(values, self.slots[group.cells], weights, _both(self.coupling, group.mass))
+        return self.pattern.matrix(values)
+
+
+def build_system(scene: Scene, circuit: Circuit, resolution: Resolution) -> PixelSystem:
+    """The system of a scene's circuit at a resolution: all that does not depend on the press."""
+    pixels = pixel_mesh(scene, circuit.contacts, resolution)
+    trial = quadrilateral_trial(pixels.mesh, resolution.order)
+    unknowns = numbered(circuit, trial, pixels.facets)
+    cells = groups(pixels.cells, resolution.order)
+    return PixelSystem(
+        unknowns=unknowns,
+        sheets=conducting(circuit.conductance, unknowns.pattern, unknowns.slots, cells),
+        films=_pixel_films(circuit, pixels, unknowns, resolution.order),
+        coupling=circuit.coupling,
+        groups=cells,
+        element_pixel=pixels.pixel,
+    )
+
+
+def conducting(
+    conductance: Sequence[float], pattern: Pattern, slots: NDArray[np.int64], cells: list[Group]
+) -> csc_matrix:
+    """K in S of sheets of such conductances in S, one for each field."""
+    values = np.zeros(len(pattern.indices))
+    for group in cells:
+        reference = _both(np.diag(conductance), *group.stiffness)
+        fill(values, slots[group.cells], group.stiffness_weights, reference)
+    return pattern.matrix(values)
+
+
+def films(circuit: Circuit, unknowns: Unknowns, film: Callable[[Terminal], csc_matrix]) -> Films:
+    """What contact resistance adds. film: the form of (V - U)² / r_c of one terminal's foils."""
+    under, at_foils = unknowns.under, unknowns.at_foils
+    stiffness = np.zeros(len(unknowns.pattern.indices))
+    current, conductance = np.zeros_like(at_foils), np.zeros((at_foils.shape[1],) * 2)
+    for index, terminal in enumerate(circuit.terminals):
+        if all(contact.ideal for contact in terminal.contacts):
+            continue
+        own = film(terminal)
+        step = at_foils.copy()
+        step[:, index] -= under[:, index]
+        stiffness += own.data
+        current += own @ step
+        conductance += step.T @ (own @ step)
+    return Films(unknowns.pattern.matrix(stiffness), current, conductance)
+
+
+def _pixel_films(circuit: Circuit, pixels: PixelMesh, unknowns: Unknowns, order: int) -> Films:
+    edge_mass = reference_matrices(order).edge_mass
+
+    def film(terminal: Terminal) -> csc_matrix:
+        of_fields = _both(circuit.field_alone(terminal.field), *edge_mass)
+        values = np.zeros(len(unknowns.pattern.indices))
+        for contact in terminal.contacts:
+            if not contact.ideal:
+                element, lengths = pixels.edges(pixels.facets(contact))
+                fill(values, unknowns.slots[element], lengths / contact.resistance, of_fields)
+        return unknowns.pattern.matrix(values)
+
+    return films(circuit, unknowns, film)
+
+
+def _both(fields: NDArray[np.float64], *matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Matrices of one field spread over all fields, one row each, shape (matrix, local²)."""
+    local = np.stack(matrices)[:, None, :, None, :]
+    return (fields[:, None, :, None] * local).reshape(len(matrices), -1)

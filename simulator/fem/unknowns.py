@@ -1,0 +1,188 @@
+"""Which coefficient of which field is an unknown of its own, which is a terminal's, which is none.
+
+Under an ideal foil the trace is constant: coefficients of 1 are the terminal's unknown, the others
+vanish and are dropped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem import ElementTriP1, ElementTriP2, ElementTriP3, ElementTriP4, MeshQuad, MeshTri
+from skfem.assembly import Dofs
+
+from ..scene.contacts import Contact
+from .assembly import element_pairs, quadrilateral
+from .circuit import Circuit, Terminal
+from .pattern import DROPPED, Pattern, pattern_of_pairs
+
+TRIANGLES = (ElementTriP1, ElementTriP2, ElementTriP3, ElementTriP4)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """The trial functions of one field.
+
+    one: coefficients of the function 1, shape (coefficient,). degree: the order from which on
+    elements have each coefficient, shape (coefficient,); bases of one order alone have 1 all over.
+    """
+
+    dofs: Dofs
+    one: NDArray[np.float64]
+    degree: NDArray[np.int64]
+
+    @property
+    def vertices(self) -> NDArray[np.int64]:
+        """Coefficients of the vertices."""
+        return np.asarray(self.dofs.nodal_dofs).ravel()
+
+    def on(self, facets: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Coefficients that are not zero on some of the facets."""
+        return self.dofs.get_facet_dofs(facets).flatten()
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """All fields' coefficients numbered: inner ones 0 .. inner - 1, then one per terminal.
+
+    number: DROPPED for none, shape (field, coefficient). degree: of each inner one, shape (inner,).
+    one: inner coefficients of 1 V all over a field, shape (inner, field). under: 1 V under the
+    resistive foils of each terminal, whosever unknown that is there; at_foils: coefficients of 1 V
+    under the foils of each terminal, 0 V elsewhere; both of shape (inner + terminals, terminals).
+    pattern: of matrices of all unknowns. slots: where in its values each pair of a cell's
+    coefficients goes, shape (cell, pair).
+    """
+
+    inner: int
+    number: NDArray[np.int64]
+    degree: NDArray[np.int64]
+    one: NDArray[np.float64]
+    under: NDArray[np.float64]
+    at_foils: NDArray[np.float64]
+    pattern: Pattern
+    slots: NDArray[np.int64]
+
+
+def quadrilateral_trial(mesh: MeshQuad, order: int) -> Trial:
+    """Nodal up to order 2, hierarchical from order 3: those bases are nested."""
+    dofs = Dofs(mesh, quadrilateral(order))
+    one = np.ones(dofs.N)
+    if order > 2:
+        one = np.zeros(dofs.N)
+        one[np.asarray(dofs.nodal_dofs).ravel()] = 1.0
+    return Trial(dofs, one, _degree(dofs))
+
+
+def triangle_trial(mesh: MeshTri, order: int) -> Trial:
+    """Nodal, of orders 1 to 4."""
+    dofs = Dofs(mesh, TRIANGLES[order - 1]())
+    return Trial(dofs, np.ones(dofs.N), np.ones(dofs.N, dtype=np.int64))
+
+
+def numbered(
+    circuit: Circuit, trial: Trial, facets: Callable[[Contact], NDArray[np.int64]]
+) -> Unknowns:
+    """The unknowns of a circuit. facets: those under a foil."""
+
+    def under_all(contacts: Sequence[Contact]) -> NDArray[np.int64]:
+        if not contacts:
+            return np.empty(0, dtype=np.int64)
+        return trial.on(np.concatenate([facets(contact) for contact in contacts]))
+
+    number, inner, degree = _numbers(circuit, trial, under_all)
+    of_cells = np.concatenate([field[trial.dofs.element_dofs] for field in number])
+    pattern, slots = pattern_of_pairs(*element_pairs(of_cells), size=inner + len(circuit.terminals))
+    under = _under_terminals(circuit, trial, number, pattern.size, under_all)
+    return Unknowns(
+        inner=inner,
+        number=number,
+        degree=degree,
+        one=_on_fields(trial.one, number, inner),
+        under=under,
+        at_foils=_at_foils(under, inner),
+        pattern=pattern,
+        slots=slots,
+    )
+
+
+def on_cells(unknowns: Unknowns, trial: Trial, u: NDArray) -> NDArray:
+    """Coefficients of each field in each cell, shape (field, function, cell).
+
+    u: of the unknowns, shape (inner + terminals,).
+    """
+    held = np.append(u, 0.0)
+    return held[unknowns.number][:, trial.dofs.element_dofs]
+
+
+def _degree(dofs: Dofs) -> NDArray[np.int64]:
+    degree = np.ones(dofs.N, dtype=np.int64)
+    along_edge = np.asarray(dofs.facet_dofs)
+    inside = np.asarray(dofs.interior_dofs)
+    per_edge = np.arange(len(along_edge)) + 2
+    degree[along_edge] = per_edge[:, None]
+    degree[inside] = np.maximum.outer(per_edge, per_edge).reshape(-1, 1)[: len(inside)]
+    return degree
+
+
+def _numbers(
+    circuit: Circuit, trial: Trial, under_all: Callable[[Sequence[Contact]], NDArray[np.int64]]
+) -> tuple[NDArray[np.int64], int, NDArray[np.int64]]:
+    """The unknown of each field's coefficients; how many are inner, and the degree of those."""
+    free = DROPPED - 1
+    number = np.full((circuit.fields, len(trial.one)), free, dtype=np.int64)
+    owner = np.full_like(number, DROPPED)
+    for index, terminal in enumerate(circuit.terminals):
+        held = _held(terminal, trial, under_all)
+        number[terminal.field, held] = DROPPED
+        owner[terminal.field, held[trial.one[held] == 1]] = index
+    degree = np.tile(trial.degree, (circuit.fields, 1))[number == free]
+    inner = len(degree)
+    number[number == free] = np.arange(inner)
+    number[owner != DROPPED] = inner + owner[owner != DROPPED]
+    return number, inner, degree
+
+
+def _held(
+    terminal: Terminal,
+    trial: Trial,
+    under_all: Callable[[Sequence[Contact]], NDArray[np.int64]],
+) -> NDArray[np.int64]:
+    if not terminal.contacts:
+        return trial.vertices[:1]
+    return under_all([contact for contact in terminal.contacts if contact.ideal])
+
+
+def _on_fields(
+    one: NDArray[np.float64], number: NDArray[np.int64], inner: int
+) -> NDArray[np.float64]:
+    spread = np.zeros((inner, len(number)))
+    for field, indices in enumerate(number):
+        is_inner = (indices >= 0) & (indices < inner)
+        spread[indices[is_inner], field] = one[is_inner]
+    return spread
+
+
+def _under_terminals(
+    circuit: Circuit,
+    trial: Trial,
+    number: NDArray[np.int64],
+    size: int,
+    under_all: Callable[[Sequence[Contact]], NDArray[np.int64]],
+) -> NDArray[np.float64]:
+    under = np.zeros((size, len(circuit.terminals)))
+    for index, terminal in enumerate(circuit.terminals):
+        coefficients = under_all([contact for contact in terminal.contacts if not contact.ideal])
+        indices = number[terminal.field, coefficients]
+        under[indices[indices != DROPPED], index] = trial.one[coefficients[indices != DROPPED]]
+    return under
+
+
+def _at_foils(under: NDArray[np.float64], inner: int) -> NDArray[np.float64]:
+    """Where foils meet the sheet is lifted to the first of them; terminals are at their own 1 V."""
+    first = np.cumsum(under != 0, axis=1) == 1
+    at_foils = np.where(first, under, 0.0)
+    at_foils[inner:] = np.eye(under.shape[1])
+    return at_foils

@@ -1,0 +1,169 @@
+"""What a scene's touches should look like to the meter, for a localizer that inverts the simulator.
+
+All is told as `observed` orders it, against the skin at rest: plain arrays, which the localizer
+takes without knowing of the simulator. Strengths are factors of capacitance; each stands for the
+normal distribution around it of one common deviation, and together they are the prior.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..measure.readout import ErrorModel, observed, observed_slope
+from ..models.reduced.forward import Forward
+from ..scene.files import parse_scene
+from ..scene.randomisation import Normal
+from ..scene.scene import Scene
+from .places import cells_per_pixel, place_tables
+from .unknown_skin import NOWHERE, UnknownSkin
+
+Tables = dict[str, NDArray]
+STRENGTHS = 6
+OVERLAP = 0.5
+"""Deviation that a strength stands for, over the step to the next: their sum is flat to 1 %."""
+RTOL = 1e-3
+"""Of Rs and Cp: a meter's noise is several times that."""
+CUT = 3.0
+DRIFT = 1e-3
+"""As the line through the nearest sweeps at rest leaves, where presses change a skin by 5e-4."""
+POSITION = "position"
+TWO_TOUCHES = ("touches", "pair")
+
+
+def templates(
+    text: str,
+    target: str,
+    presses: str = "dataset",
+    rest: NDArray[np.float64] | None = None,
+    averaged: int = 1,
+    drift: float = DRIFT,
+) -> Tables:
+    """Tables of the scene that is written in TOML, for a localizer of a target.
+
+    presses: whether strengths are drawn as in [dataset.press] or as [press] spreads them. rest: of
+    which skin, by the mean of so many sweeps of it at rest as `observed` has them, shape (number,);
+    without it the skin is that of the sessions' mean, and unknown as these are. drift: standard
+    deviation of what foam and sheets change by, relative, between a touch and that curve.
+    All hold deviation (number,): of one reading by the meter; drift (number, 2): of foam and sheets
+    since rest, if that is given; chances (3,): of 0, 1, 2 touches;
+    strengths, weights (strength,) and spread (): the prior.
+    For pixels: grid (2,): rows and columns; pixels (place, 2): row and column;
+    single (place, strength, number): a touch; slope, of the same shape: by strength; skin (place,
+    strength, number, unknown): of each unknown of the skin at one deviation, and of drift since
+    rest; shift (place, strength, number): what is known to be added. For two touches also
+    pairs (pair, 2): places, and pair (pair, strength, strength, number). For positions: as of
+    `place_tables`.
+    Raises InputError for a scene that is not valid, or a meter without noise.
+    """
+    if rest is None:
+        return _of_mean_skin(text, target, presses)
+    unknown = _unknown_skin(text, target == POSITION).resting_as(rest, averaged)
+    return _tables(unknown, target, presses, drift)
+
+
+@lru_cache(maxsize=8)
+def _of_mean_skin(text: str, target: str, presses: str) -> Tables:
+    return _tables(_unknown_skin(text, target == POSITION), target, presses, 0.0)
+
+
+def _tables(unknown: UnknownSkin, target: str, presses: str, drift: float) -> Tables:
+    scene = unknown.forward.scene
+    readings = len(scene.interfaces), len(scene.frequencies)
+    chances = np.zeros(3)
+    chances[: len(scene.dataset.press.touches)] = scene.dataset.press.touches
+    strengths, weights, spread = strength_prior(scene, presses)
+    common = {
+        "deviation": ErrorModel(scene.readout, *readings).deviation,
+        "chances": chances,
+        "strengths": strengths,
+        "weights": weights,
+        "spread": np.array(spread),
+    }
+    of_touches = (
+        place_tables(unknown, strengths) if target == POSITION else pixel_tables(unknown, strengths)
+    )
+    tables = common | of_touches | _with_drift(of_touches["skin"], unknown, drift)
+    return tables | pair_tables(unknown, strengths) if target in TWO_TOUCHES else tables
+
+
+def _with_drift(skin: NDArray[np.float64], unknown: UnknownSkin, drift: float) -> Tables:
+    columns = unknown.drift(drift) if drift else np.zeros((skin.shape[-2], 0))
+    everywhere = np.broadcast_to(columns, (*skin.shape[:-1], columns.shape[-1]))
+    return {"skin": np.concatenate([skin, everywhere], axis=-1), "drift": columns}
+
+
+@lru_cache(maxsize=8)
+def _unknown_skin(text: str, anywhere: bool) -> UnknownSkin:
+    scene = parse_scene(text, "the model's scene")
+    return UnknownSkin(Forward(scene, cells_per_pixel(scene) if anywhere else 1, rtol=RTOL))
+
+
+def strength_prior(scene: Scene, presses: str) -> tuple[NDArray, NDArray, float]:
+    """Strengths, the chance of each, and the deviation that each stands for."""
+    pressing = scene.press
+    rise = pressing.capacitance_factor - 1
+    spread = Normal(mean=1 + rise, deviation=abs(rise) * pressing.factor_spread, cut=CUT)
+    drawn = spread if presses == "press" else scene.dataset.press.factor
+    return covered(drawn.at)
+
+
+def covered(quantile: Callable[[NDArray], NDArray]) -> tuple[NDArray, NDArray, float]:
+    """Even steps over a distribution, the chance of each, and the deviation it stands for."""
+    draws = quantile((np.arange(2000) + 0.5) / 2000)
+    low, high = quantile(np.array([0.0, 1.0]))
+    if not high > low:
+        return np.array([low]), np.ones(1), 0.0
+    edges = np.linspace(low, high, STRENGTHS + 1)
+    counts, _ = np.histogram(draws, edges)
+    step = edges[1] - edges[0]
+    return (edges[:-1] + edges[1:]) / 2, np.maximum(counts, 1) / counts.sum(), OVERLAP * step
+
+
+def pixel_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
+    """Every pixel alone at every strength."""
+    forward, pixels = unknown.forward, unknown.forward.scene.pixels
+    rest = observed(forward.respond(NOWHERE, np.zeros(0), unknown.values).Z)
+    places = range(pixels.rows * pixels.columns)
+    found = [[_touch(unknown, pixel, f) for f in strengths] for pixel in places]
+    single, slope, skin, shift = (
+        np.array([[touch[k] for touch in touches] for touches in found]) for k in range(4)
+    )
+    return {
+        "grid": np.array([pixels.rows, pixels.columns]),
+        "pixels": np.stack(np.divmod(places, pixels.columns), axis=1) + 1,
+        "single": single - rest,
+        "slope": slope,
+        "skin": skin,
+        "shift": shift,
+    }
+
+
+def _touch(unknown: UnknownSkin, pixel: int, strength: float) -> tuple[NDArray, ...]:
+    """What is observed of it, its slope by strength, the effect of the unknown skin and shift."""
+    cells, rises = np.array([pixel]), np.array([strength - 1])
+    response = unknown.forward.respond(cells, rises, unknown.values)
+    by_strength = np.exp(unknown.values["capacitance"]) * response.by_cell[..., pixel]
+    slope = observed_slope(response.Z, by_strength)
+    return observed(response.Z), slope, *unknown.of_touch(cells, rises)
+
+
+def pair_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
+    """Every two pixels at every two strengths."""
+    pixels = unknown.forward.scene.pixels
+    pairs = np.stack(np.triu_indices(pixels.rows * pixels.columns, 1), axis=1)
+    first, second = np.meshgrid(strengths - 1, strengths - 1, indexing="ij")
+    rises = np.stack([first.ravel(), second.ravel()], axis=1)
+    presses = len(pairs) * len(rises)
+    Z = unknown.forward.impedances(
+        np.repeat(pairs, len(rises), axis=0).ravel(),
+        np.tile(rises, (len(pairs), 1)).ravel(),
+        2 * np.arange(presses + 1),
+        unknown.values,
+    )
+    rest = unknown.forward.respond(NOWHERE, np.zeros(0), unknown.values).Z
+    change = observed(Z) - observed(rest)
+    return {"pairs": pairs, "pair": change.reshape(len(pairs), *first.shape, -1)}

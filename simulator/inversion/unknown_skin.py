@@ -1,0 +1,235 @@
+"""What is not known of a skin before it is measured, and what that does to a touch's change.
+
+Sheets, foam, contacts and leads differ from session to session as the scene's [dataset.session]
+draws them. A sweep against rest still shows some of it; to first order it is a sum of columns, one
+for each unknown at one standard deviation.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from copy import copy
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..measure.readout import ErrorModel, observed, observed_slope
+from ..models.parameters import VALUES, WAVES, mode_values, own_values
+from ..models.reduced.family import Family
+from ..models.reduced.forward import Forward
+from ..scene.randomisation import AnyDistribution
+from ..scene.scene import Scene
+
+QUANTILES = (np.arange(512) + 0.5) / 512
+NOWHERE = np.zeros(0, dtype=np.int64)
+STEPS = 5
+"""Of Gauss and Newton, from the mean skin to one that is observed."""
+FARTHEST = 5.0
+"""Deviations from the mean skin that any unknown is looked for in."""
+DRIFTING = ("capacitance", "sheet_resistance")
+
+
+class Known(NamedTuple):
+    """What is known of the unknowns, in their deviations: mean, and a root of the covariance."""
+
+    mean: NDArray[np.float64]
+    factor: NDArray[np.float64]
+
+
+def expected(scene: Scene) -> dict[str, float]:
+    """PARAMETERS of the skin and leads that sessions of the scene have in the mean."""
+    session, own = scene.dataset.session, own_values(scene)
+    return own | {
+        "sheet_resistance": _logarithm(session.sheet_resistance)[0]
+        + _logarithm(session.sheet_mismatch)[0],
+        "capacitance": _logarithm(session.capacitance)[0],
+        "contact_resistance": _logarithm(session.contact_resistance)[0],
+        "loss_tangent": own["loss_tangent"] + _moments(session.loss_tangent)[0],
+        "lead_resistance": own["lead_resistance"] + _moments(session.lead_resistance)[0],
+        "stray_capacitance": own["stray_capacitance"] + _moments(session.stray_capacitance)[0],
+    }
+
+
+def deviations(scene: Scene) -> dict[str, float]:
+    """Standard deviations of PARAMETERS between sessions of the scene; 0 for those not drawn."""
+    session = scene.dataset.session
+    own_sheet = _logarithm(session.sheet_mismatch)[1]
+    both = _logarithm(session.sheet_resistance)[1]
+    film = _logarithm(session.contact_resistance)[1]
+    return dict.fromkeys(own_values(scene), 0.0) | {
+        "sheet_resistance": math.hypot(both, own_sheet / math.sqrt(2)),
+        "sheet_mismatch": math.sqrt(2) * own_sheet,
+        "capacitance": _logarithm(session.capacitance)[1],
+        "contact_resistance": film / math.sqrt(len(scene.contacts)),
+        "loss_tangent": _moments(session.loss_tangent)[1],
+        "lead_resistance": _moments(session.lead_resistance)[1],
+        "stray_capacitance": _moments(session.stray_capacitance)[1],
+    }
+
+
+class UnknownSkin:
+    """The unknowns of a scene's skin, by their effect on what `observed` tells of a touch.
+
+    They are those of [dataset.session], each counted in its standard deviations: PARAMETERS, then
+    the foam of each pixel or its slow waves, then the slow waves of the sheets' conductance.
+    """
+
+    def __init__(self, forward: Forward) -> None:
+        self.forward, self.values = forward, expected(forward.scene)
+        self._mean = self.values
+        self._deviations = {
+            name: deviation
+            for name, deviation in deviations(forward.scene).items()
+            if deviation > 0 and name in forward.free
+        }
+        self._waves, self._foam = _wave_terms(forward), _foam_terms(forward)
+        unknowns = len(self._deviations) + len(self._foam) + len(self._waves)
+        self._known = Known(np.zeros(unknowns), np.eye(unknowns))
+        self._at_rest = self._columns(NOWHERE, np.zeros(0))
+
+    def of_touch(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Effect of the unknowns on a touch against rest, and what is known to be added.
+
+        Of one standard deviation of each, shape (number, unknown); of a skin that is known from its
+        curve at rest, of independent sums of what is left. What its uneven foam and sheets add to
+        an even skin's, shape (number,).
+        """
+        change, shared = self._columns(cells, rises) - self._at_rest, len(self._deviations)
+        return change @ self._known.factor, change[:, shared:] @ self._known.mean[shared:]
+
+    def at_rest(self) -> NDArray[np.float64]:
+        """What is observed of the skin at rest, shape (number,)."""
+        shared = len(self._deviations)
+        even = observed(self.forward.respond(NOWHERE, np.zeros(0), self.values).Z)
+        return even + self._at_rest[:, shared:] @ self._known.mean[shared:]
+
+    def drift(self, step: float) -> NDArray[np.float64]:
+        """Columns of all foam and of both sheets changing by a relative step, (number, 2)."""
+        response = self.forward.respond(NOWHERE, np.zeros(0), self.values)
+        slopes = [response.by_parameter[name] for name in DRIFTING]
+        return step * np.stack([observed_slope(response.Z, each) for each in slopes], axis=-1)
+
+    def resting_as(self, rest: NDArray[np.float64], averaged: int) -> UnknownSkin:
+        """What is still unknown of the skin that is observed at rest, by Gauss-Newton steps.
+
+        rest: the mean of so many sweeps as `observed` has them, with the meter's errors of the
+        session, shape (number,). Parameters of the skin are moved, its waves add up linearly: of
+        hundreds of sweeps more would be told than that holds.
+        """
+        skin, error = self, _error_at_rest(self.forward.scene, rest, averaged)
+        for _ in range(STEPS):
+            weighed = np.linalg.solve(error, skin._at_rest).T
+            information = weighed @ skin._at_rest + np.eye(len(weighed))
+            told = skin._known.mean
+            step = np.linalg.solve(information, weighed @ (rest - skin.at_rest()) - told)
+            left = np.linalg.inv(np.linalg.cholesky(information)).T
+            told = np.clip(told + step, -FARTHEST, FARTHEST)
+            skin = skin._with(Known(told, left.astype(np.float64)))
+        return skin
+
+    def _with(self, known: Known) -> UnknownSkin:
+        skin = copy(self)
+        skin._known, skin.values = known, _moved(self._mean, self._deviations, known.mean)
+        skin._at_rest = skin._columns(NOWHERE, np.zeros(0))
+        return skin
+
+    def _columns(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
+        waves = math.exp(-self.values["sheet_resistance"]) * self._waves
+        response = self.forward.respond(cells, rises, self.values, waves)
+        shared = [
+            deviation * response.by_parameter[name] for name, deviation in self._deviations.items()
+        ]
+        dZ = np.concatenate(
+            [
+                np.reshape(shared, (-1, *response.Z.shape)),
+                self._of_foam(np.moveaxis(response.by_cell, -1, 0), cells, rises),
+                np.moveaxis(response.by_term, -1, 0),
+            ]
+        )
+        columns = [observed_slope(response.Z, each) for each in dZ]
+        return np.reshape(columns, (-1, 2 * response.Z.size)).T
+
+    def _of_foam(
+        self, by_cell: NDArray[np.complex128], cells: NDArray[np.int64], rises: NDArray[np.float64]
+    ) -> NDArray:
+        """Of each pixel's capacitance, or of each slow wave of it."""
+        pressed = np.ones(len(by_cell))
+        np.add.at(pressed, cells, rises)
+        pressed *= math.exp(self.values["capacitance"])
+        return np.tensordot(self._foam * pressed, by_cell, axes=1)
+
+
+def _error_at_rest(scene: Scene, rest: NDArray[np.float64], averaged: int) -> NDArray[np.float64]:
+    """Covariance of what is observed: errors of the session are shared within a meter's range.
+
+    Ranges are taken to be decades of |Z|, each with a fixed error of its own.
+    """
+    readings = len(scene.interfaces), len(scene.frequencies)
+    error = ErrorModel(scene.readout, *readings, averaged=averaged)
+    decade = np.tile(np.floor(rest[: len(rest) // 2] / math.log(10)), 2)
+    noise = np.diag(error.deviation**2)
+    return noise + (error.covariance - noise) * (decade[:, None] == decade)
+
+
+def _moved(
+    mean: Mapping[str, float], deviations: Mapping[str, float], by: NDArray[np.float64]
+) -> dict[str, float]:
+    """Parameters that differ from the mean by so many deviations, within what is possible."""
+    moved = dict(mean)
+    for (name, deviation), turns in zip(deviations.items(), by, strict=False):
+        value = mean[name] + deviation * float(turns)
+        moved[name] = max(value, 0.0) if name in VALUES else value
+    return moved
+
+
+def _foam_terms(forward: Forward) -> NDArray[np.float64]:
+    """Changes of the cells' capacitance over their own, shape (unknown, cell)."""
+    scene, cells = forward.scene, forward.divided.pixels
+    session, pixels = scene.dataset.session, scene.pixels
+    if session.foam_pattern == "pixel":
+        each = session.foam_spread * np.eye(pixels.rows * pixels.columns)
+        of_pixels = each[: None if session.foam_spread else 0]
+        cell = np.ones((1, forward.cells_per_pixel, forward.cells_per_pixel))
+        terms = np.kron(of_pixels.reshape(-1, pixels.rows, pixels.columns), cell)
+        return terms.reshape(-1, cells.rows * cells.columns).astype(np.float64)
+    row, column = np.indices((cells.rows, cells.columns)) + 0.5
+    centres = np.stack(
+        [column * scene.skin.length / cells.columns, row * scene.skin.width / cells.rows]
+    )
+    waves = mode_values(scene, centres, len(WAVES))[1:]
+    return (session.foam_spread * waves.reshape(len(WAVES) - 1, -1)).astype(np.float64)
+
+
+def _wave_terms(forward: Forward) -> NDArray[np.float64]:
+    """K of the waves at one standard deviation each, in the reduced model's coordinates.
+
+    One field stands for both sheets: to first order, waves of each add by its share of resistance.
+    """
+    scene, reduced = forward.scene, forward.reduced
+    family = Family(reduced.scene, reduced.circuit, reduced.resolution, len(WAVES))
+    R = np.array([scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance])
+    share = 1.0 if reduced.circuit.fields == 2 else float(np.hypot(*R) / R.sum())
+    unevenness = scene.dataset.session.unevenness
+    W = reduced.coordinates
+    terms = [
+        unevenness * share * family.space.sheet_energy(W, term)
+        for k, term in enumerate(family.sheet_terms)
+        if k % len(WAVES) and unevenness > 0
+    ]
+    return np.reshape(terms, (-1, W.shape[1], W.shape[1]))
+
+
+def _moments(drawn: AnyDistribution) -> tuple[float, float]:
+    """Mean and standard deviation."""
+    values = drawn.at(QUANTILES)
+    return float(values.mean()), float(values.std())
+
+
+def _logarithm(drawn: AnyDistribution) -> tuple[float, float]:
+    """Mean and standard deviation of the logarithm."""
+    values = np.log(drawn.at(QUANTILES))
+    return float(values.mean()), float(values.std())

@@ -1,0 +1,98 @@
+"""The presses that are measured: every one of a skin, or as its experiment plans them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mesh.skin_mesh import domain
+from ..press.press import Press, pixel_by_pixel
+from ..press.touch import Touch
+from ..scene.randomisation import AnyDistribution, Fixed, Normal
+from ..scene.scene import Scene
+
+PRESSES, METER = 0, 1
+
+
+def stream(scene: Scene, purpose: int) -> np.random.Generator:
+    """The random numbers of one purpose (PRESSES or METER), from the scene's seed."""
+    return np.random.default_rng([scene.experiment.seed, purpose])
+
+
+def planned_presses(scene: Scene, random: np.random.Generator) -> list[Press]:
+    """Every repetition of every pixel, and of nothing pressed where that is a class.
+
+    The rise of capacitance (factor - 1) of a press is drawn from a normal distribution about the
+    nominal one, with the scene's `factor_spread` as its relative standard deviation.
+    """
+    at_rest = [Press()] * (scene.experiment.repetitions if scene.experiment.unpressed else 0)
+    pixels = np.ndindex(scene.pixels.rows, scene.pixels.columns)
+    return at_rest + [
+        Press((Touch(row + 1, column + 1, _drawn_factor(scene, random)),))
+        for row, column in pixels
+        for _ in range(scene.experiment.repetitions)
+    ]
+
+
+def _drawn_factor(scene: Scene, random: np.random.Generator) -> float:
+    rise = scene.press.capacitance_factor - 1
+    return float(1 + rise * (1 + scene.press.factor_spread * random.standard_normal()))
+
+
+QUANTILES = 20_001
+
+
+class Strengths(NamedTuple):
+    """Factors of capacitance and their weights, which sum to 1; shape (strength,)."""
+
+    factor: NDArray[np.float64]
+    weight: NDArray[np.float64]
+
+
+def own_presses(scene: Scene) -> AnyDistribution:
+    """The factors that the scene's experiment presses with."""
+    factor, spread = scene.press.capacitance_factor, scene.press.factor_spread
+    if spread == 0:
+        return Fixed(value=factor)
+    return Normal(mean=factor, deviation=abs(factor - 1) * spread)
+
+
+def strengths(presses: AnyDistribution, count: int) -> Strengths:
+    """The distribution as so many strengths a step apart, weighed by what lies around each."""
+    if presses.low == presses.high:
+        return Strengths(np.array([float(presses.low)]), np.ones(1))
+    chance = np.linspace(0, 1, QUANTILES)
+    edges = np.linspace(presses.low, presses.high, count + 1)
+    below = np.interp(edges, presses.at(chance), chance)
+    weight = np.diff(below)
+    return Strengths((edges[1:] + edges[:-1]) / 2, weight / weight.sum())
+
+
+def quantiles(presses: AnyDistribution, count: int) -> Strengths:
+    """The distribution as so many equally likely strengths."""
+    if presses.low == presses.high:
+        count = 1
+    factor = presses.at((np.arange(count) + 0.5) / count)
+    return Strengths(factor, np.full(count, 1 / count))
+
+
+def together(each: Sequence[Strengths]) -> Strengths:
+    """Strengths of several touches in all ways, factor of shape (touch, way)."""
+    factor, weight = np.zeros((0, 1)), np.ones(1)
+    for one in each:
+        repeated = np.repeat(factor, len(one.factor), axis=1)
+        factor = np.vstack([repeated, np.tile(one.factor, len(weight))])
+        weight = np.multiply.outer(weight, one.weight).ravel()
+    return Strengths(factor, weight)
+
+
+def every_press(scene: Scene) -> list[Press]:
+    """The skin at rest, then every pixel alone that has a part of the skin in it, row by row."""
+    presses = pixel_by_pixel(scene)
+    if scene.skin.outline is None and scene.skin.mesh is None:
+        return presses
+    there = np.unique(domain(scene, Press(), max(scene.skin.sides)).pixel)
+    return [presses[0], *(presses[1 + number] for number in there if number >= 0)]

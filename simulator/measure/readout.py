@@ -1,0 +1,128 @@
+"""What a meter shows of an impedance, and how its errors look to whoever reads it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.meter import Readout
+from ..sweeps import InputError, build, impedance, parallel_capacitance
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class Meter:
+    """A meter in one session: its fixed errors are drawn once, at each interface.
+
+    gain: factor on |Z|, turn: added to the phase [rad], both of shape (interface, 1).
+    """
+
+    def __init__(self, readout: Readout, interfaces: int, random: np.random.Generator) -> None:
+        self._readout, self._random = readout, random
+        magnitude, phase = random.standard_normal((2, interfaces, 1))
+        self.gain = 1 + readout.magnitude_accuracy * magnitude
+        self.turn = readout.phase_accuracy * phase
+
+    def measure(self, Z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Z in ohm as measured, one reading for each; shape (sweep, interface, frequency)."""
+        magnitude, phase = self._random.standard_normal((2, *Z.shape))
+        gain = self.gain * (1 + self._readout.magnitude_noise * magnitude)
+        return Z * gain * np.exp(1j * (self.turn + self._readout.phase_noise * phase))
+
+
+def displayed(value: NDArray[np.float64], digits: int) -> NDArray[np.float64]:
+    """Values rounded to that many significant digits, as a meter displays them."""
+    exponent = np.floor(np.log10(np.abs(value), out=np.zeros(value.shape), where=value != 0))
+    step = 10.0 ** (exponent + 1 - digits)
+    return np.round(value / step) * step
+
+
+def read_out(
+    sweeps: xr.Dataset, readout: Readout, random: np.random.Generator, session: int = 0
+) -> xr.Dataset:
+    """The sweeps as a meter would show them in one session; numerical errors no longer apply."""
+    frequency = sweeps["frequency"].values
+    Z = Meter(readout, sweeps.sizes["interface"], random).measure(impedance(sweeps))
+    Rs, X, Cp = (
+        displayed(value, readout.display_digits)
+        for value in (Z.real, Z.imag, parallel_capacitance(Z, frequency))
+    )
+    return build(
+        Rs + 1j * X,
+        frequency,
+        interface=list(sweeps["interface"].values),
+        press=list(sweeps["press"].values),
+        row=list(sweeps["row"].values),
+        column=list(sweeps["column"].values),
+        session=[session] * sweeps.sizes["sweep"],
+        Cp=Cp,
+        attributes={**sweeps.attrs, "readout": readout.model_dump_json()},
+    )
+
+
+def observed(Z: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """ln |Z / ohm| of all readings, then their phases in rad; shape (..., 2 * readings).
+
+    Z: ohm, shape (..., interface, frequency).
+    """
+    flat = Z.reshape(*Z.shape[:-2], -1)
+    return np.concatenate([np.log(np.abs(flat)), np.angle(flat)], axis=-1)
+
+
+def observed_slope(Z: NDArray[np.complex128], dZ: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """The derivative of `observed` from that of Z, of the same shape as Z."""
+    ratio = (dZ / Z).reshape(*Z.shape[:-2], -1)
+    return np.concatenate([ratio.real, ratio.imag], axis=-1)
+
+
+@dataclass(frozen=True)
+class ErrorModel:
+    """Standard deviations of what `observed` tells of one sweep.
+
+    readout: of the meter. interfaces, frequencies: how many. averaged: sweeps that are averaged.
+    against_rest: of how many sweeps of the skin at rest, averaged, it is the difference; 0 tells
+    it as it is, with the errors of the session.
+    """
+
+    readout: Readout
+    interfaces: int
+    frequencies: int
+    averaged: int = 1
+    against_rest: int = 0
+
+    def __post_init__(self) -> None:
+        """Raises InputError where the meter is without noise."""
+        readout = self.readout
+        if not (readout.magnitude_noise > 0 and readout.phase_noise > 0):
+            raise InputError(
+                "`readout.magnitude_noise` and `readout.phase_noise` must be > 0 for errors to be "
+                "counted in units of the meter's"
+            )
+
+    @property
+    def deviation(self) -> NDArray[np.float64]:
+        """Of each number by the noise of readings, shape (2 * readings,)."""
+        readings = self.interfaces * self.frequencies
+        noise = np.repeat([self.readout.magnitude_noise, self.readout.phase_noise], readings)
+        rest = 1 / self.against_rest if self.against_rest else 0.0
+        return noise * np.sqrt(1 / self.averaged + rest)
+
+    @property
+    def covariance(self) -> NDArray[np.float64]:
+        """Of all numbers together, shape (2 * readings, 2 * readings)."""
+        C = np.diag(self.deviation**2)
+        if self.against_rest:
+            return C
+        shared = np.kron(np.eye(self.interfaces), np.ones((self.frequencies, self.frequencies)))
+        accuracy = self.readout.magnitude_accuracy, self.readout.phase_accuracy
+        return C + np.kron(np.diag(np.square(accuracy)), shared)
+
+    def whitened(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The numbers turned so that each errs by 1 on its own; shape (..., 2 * readings)."""
+        factor = np.linalg.cholesky(self.covariance)
+        flat = np.linalg.solve(factor, numbers.reshape(-1, numbers.shape[-1]).T)
+        return flat.T.reshape(numbers.shape).astype(np.float64)

@@ -1,0 +1,93 @@
+"""Sweeps of a scene's presses: as they are, and as another recording was taken."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from importlib.metadata import version
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..models.answer import Answer
+from ..models.solver import Solver
+from ..press.press import Press, check_press, parse_press
+from ..scene.files import parse_scene, scene_text
+from ..scene.meter import Sweep
+from ..sweeps import build, concatenate
+from .readout import read_out
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def simulate(solver: Solver, presses: Iterable[Press]) -> xr.Dataset:
+    """Noise-free sweeps, one for each press, with their estimated numerical errors.
+
+    Raises InputError where a press does not fit the scene, ToleranceError where the tolerance is
+    not reached.
+    """
+    answered = [(p, solver.solve(check_press(p, solver.scene))) for p in presses]
+    return gather(solver, answered)
+
+
+def gather(solver: Solver, answered: Iterable[tuple[Press, Answer]]) -> xr.Dataset:
+    """Sweeps from presses that were answered already."""
+    presses, answers = zip(*answered, strict=True)
+    return build(
+        np.stack([answer.Z for answer in answers]),
+        solver.scene.frequencies,
+        interface=[interface.name for interface in solver.scene.interfaces],
+        press=[str(press) for press in presses],
+        row=[press.pixel[0] for press in presses],
+        column=[press.pixel[1] for press in presses],
+        errors={
+            "Rs_error": np.stack([answer.Rs_error for answer in answers]),
+            "Cp_error": np.stack([answer.Cp_error for answer in answers]),
+        },
+        attributes={
+            "scene": scene_text(solver.scene),
+            "model": "; ".join(dict.fromkeys(answer.model for answer in answers)),
+            "rtol": solver.rtol,
+            "seed": solver.scene.experiment.seed,
+            "software": f"rcskin {version('rcskin')}",
+        },
+    )
+
+
+def resimulated(sweeps: xr.Dataset, text: str, frequency: NDArray[np.float64]) -> xr.Dataset:
+    """The presses of sweeps on the scene that is written in TOML, noise-free. frequency: Hz.
+
+    Raises as `parse_scene`, `parse_press` and `Solver.solve`.
+    """
+    asked = Sweep(frequencies=tuple(map(float, frequency)))
+    scene = parse_scene(text, "scene").model_copy(update={"sweep": asked})
+    presses, which = np.unique(
+        sweeps["press"].values.astype(object).astype(str), return_inverse=True
+    )
+    factor = scene.press.capacitance_factor
+    found = simulate(Solver(scene), [parse_press(str(press), factor) for press in presses])
+    again = found.isel(sweep=which).sel(interface=sweeps["interface"].values)
+    return again.assign_coords(session=("sweep", sweeps["session"].values))
+
+
+def read_by_meter(sweeps: xr.Dataset, text: str, seed: int) -> xr.Dataset:
+    """The sweeps as the meter of a scene would show them, session by session."""
+    meter, random = parse_scene(text, "scene").readout, np.random.default_rng(seed)
+    session = sweeps["session"].values
+    order = np.argsort(np.argsort(session, kind="stable"))
+    parts = [
+        read_out(sweeps.isel(sweep=session == each), meter, random, int(each))
+        for each in np.unique(session)
+    ]
+    return concatenate(parts).isel(sweep=order)
+
+
+def reading_error(text: str) -> tuple[float, float] | None:
+    """Standard deviations of |Z| (a fraction) and phase (rad) of one reading by a scene's meter,
+    with the errors of its session; None where it has none."""
+    meter = parse_scene(text, "scene").readout
+    magnitude = math.hypot(meter.magnitude_accuracy, meter.magnitude_noise)
+    phase = math.hypot(meter.phase_accuracy, meter.phase_noise)
+    return (magnitude, phase) if magnitude > 0 and phase > 0 else None

@@ -1,0 +1,57 @@
+"""A simulated skin on the bench: pressed and measured one frequency at a time, as a meter does."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from ..models.solver import Solver
+from ..press.press import Press, check_press, parse_press, strength_of
+from ..scene.scene import Scene, interface_names
+from .readout import Meter
+
+READINGS_KEPT = 4096
+SOLVERS_KEPT = 256
+
+
+class Specimen:
+    """A scene at one of its interfaces."""
+
+    def __init__(self, scene: Scene, interface: str) -> None:
+        self.scene = scene
+        self._number = interface_names(scene).index(interface)
+        self._solver = lru_cache(SOLVERS_KEPT)(self._new_solver)
+        self._impedance = lru_cache(READINGS_KEPT)(self._new_impedance)
+
+    def check(self, press: str) -> str:
+        """The press in its full form. Raises InputError where it does not fit the scene."""
+        return str(check_press(self._parsed(press), self.scene))
+
+    def impedance(self, press: str, frequency: float) -> complex:
+        """Z in ohm at a frequency in Hz. Raises as `Solver.solve` does."""
+        return self._impedance(self._parsed(press), frequency)
+
+    def _parsed(self, press: str) -> Press:
+        return parse_press(press, strength_of(self.scene.press))
+
+    def _new_impedance(self, press: Press, frequency: float) -> complex:
+        return complex(self._solver(frequency).solve(press).Z[self._number, 0])
+
+    def _new_solver(self, frequency: float) -> Solver:
+        sweep = self.scene.sweep.model_copy(update={"frequencies": (frequency,)})
+        return Solver(self.scene.model_copy(update={"sweep": sweep}))
+
+
+class SessionErrors:
+    """The errors of a meter in one session, with a fixed part of its own in each range."""
+
+    def __init__(self, scene: Scene, seed: int) -> None:
+        self._readout, self._random = scene.readout, np.random.default_rng(seed)
+        self._meters: dict[int, Meter] = {}
+
+    def read(self, Z: complex, range_number: int) -> complex:
+        """Z in ohm as measured once."""
+        if range_number not in self._meters:
+            self._meters[range_number] = Meter(self._readout, 1, self._random)
+        return complex(self._meters[range_number].measure(np.array([[[Z]]])).item())

@@ -1,0 +1,1 @@
+"""A scene and a press as quadrilaterals or triangles."""

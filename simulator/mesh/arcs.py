@@ -1,0 +1,133 @@
+"""Edges of triangles that are arcs of circles, and triangles with such edges.
+
+Over a chord e the arc of curvature k lies (1 - t²) |e|² k / 4 / (sqrt(1 - q² t²) + sqrt(1 - q²))
+high, t from -1 to 1 along the chord, q = |e| k / 2. With L_i L_j for (1 - t²) / 4 and L_j - L_i for
+t, L the barycentric coordinates, this moves a whole triangle onto its curved one: exactly on the
+arc, not at all on the other edges, and as smoothly as polynomials of any order need it (M. Lenoir,
+SIAM Journal on Numerical Analysis 23 (1986) 562: the s-th derivative falls with h^s).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .triangles import edge_numbers, halves
+
+Numbers = NDArray[np.int64]
+Points = NDArray[np.float64]
+EDGES = ((0, 1), (1, 2), (0, 2))
+"""Of a triangle whose points ascend, each from the lower point to the higher."""
+
+
+class Arcs(NamedTuple):
+    """Numbers of the ends of arcs, ascending in each column, shape (2, arc), and their curvature
+    in 1/m, shape (arc,): positive where the arc lies left of the chord from the lower end on."""
+
+    lines: Numbers
+    curvature: NDArray[np.float64]
+
+    def of(self, edges: Numbers) -> NDArray[np.float64]:
+        """The curvature of edges by numbers of points, shape (2, edge) to (edge,); 0 if straight.
+
+        All arcs must be among the edges, and these in the order of `edges_of`.
+        """
+        found = np.zeros(edges.shape[1])
+        found[edge_numbers(self.lines, edges)] = self.curvature
+        return found
+
+    def halved(self, edges: Numbers, new: Numbers) -> Arcs:
+        """Arcs along edges, those in two that have a new point on them; see `halves`."""
+        cut = new[edge_numbers(self.lines, edges)] >= 0
+        both = self.curvature[cut]
+        return Arcs(
+            halves(self.lines, edges, new), np.concatenate([self.curvature[~cut], both, -both])
+        )
+
+
+NO_ARCS = Arcs(np.zeros((2, 0), dtype=np.int64), np.zeros(0))
+
+
+def on_arcs(
+    start: Points,
+    stop: Points,
+    curvature: NDArray[np.float64],
+    part: NDArray[np.float64] | float = 0.5,
+) -> Points:
+    """Points of arcs over the chords from start to stop, m, all of shape (2, arc).
+
+    part: of the chord, where along it they lie, 0 to 1.
+    """
+    chord, t = stop - start, 2 * np.asarray(part) - 1
+    q = np.linalg.norm(chord, axis=0) * curvature / 2
+    high = q / 2 * (1 - t**2) / (np.sqrt(1 - (q * t) ** 2) + np.sqrt(1 - q**2))
+    return start + part * chord + high * _left_of(chord)
+
+
+def arc_length(chord: NDArray[np.float64], curvature: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of arcs over chords of that length, m."""
+    q = chord * np.abs(curvature) / 2
+    return chord * np.divide(np.arcsin(q), q, out=np.ones_like(q), where=q > 0)
+
+
+def centres(start: Points, stop: Points, curvature: NDArray[np.float64]) -> Points:
+    """Of the circles of such arcs, m."""
+    chord = stop - start
+    length = np.linalg.norm(chord, axis=0)
+    q = length * curvature / 2
+    return (start + stop) / 2 - _left_of(chord) * np.sqrt(1 - q**2) / (length * curvature)
+
+
+def beside_chords(p: Points, t: Numbers, curvature: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Areas between chords and arcs, negative where these cut into the triangle, m².
+
+    p, t, curvature and the result's shape as of `mapped`.
+    """
+    found = np.zeros_like(curvature)
+    for (i, j), bend, area in zip(EDGES, curvature, found, strict=True):
+        bent = np.flatnonzero(bend)
+        start, stop, other = (p[:2, t[k, bent]] for k in (i, j, 3 - i - j))
+        chord, k = stop - start, bend[bent]
+        q = np.linalg.norm(chord, axis=0) * k / 2
+        left = np.sign((_left_of(chord) * (other - start)).sum(axis=0))
+        area[bent] = -left * (np.arcsin(q) - q * np.sqrt(1 - q**2)) / k**2
+    return found
+
+
+def mapped(
+    p: Points, t: Numbers, curvature: NDArray[np.float64], points: Points
+) -> tuple[Points, Points, Points]:
+    """Places x in m in triangles with arcs for edges, and dx/da and dx/db there.
+
+    p: m, shape (2, point). t: ascending in each column, shape (3, cell). curvature: of their EDGES,
+    in 1/m, shape (3, cell). points: (a, b) in the unit triangle, shape (2, place). The result's
+    three parts are of shape (2, cell, place).
+    """
+    origin, along, across = (p[:, each][:, :, None] for each in t)
+    along, across = along - origin, across - origin
+    a, b = points
+    every = np.ones_like(a)
+    x, da, db = origin + a * along + b * across, along * every, across * every
+    L = np.stack([1 - a - b, a, b])
+    slopes = np.array([[-1.0, 1, 0], [-1, 0, 1]])
+    for (i, j), bend in zip(EDGES, curvature, strict=True):
+        bent = np.flatnonzero(bend)
+        chord = p[:, t[j, bent]] - p[:, t[i, bent]]
+        q = (np.linalg.norm(chord, axis=0) * bend[bent] / 2)[:, None]
+        aside = 2 * q * _left_of(chord)[:, :, None]
+        along_chord, product = L[j] - L[i], L[i] * L[j]
+        root = np.sqrt(1 - (q * along_chord) ** 2)
+        height = root + np.sqrt(1 - q**2)
+        x[:, bent] += aside * product / height
+        for moved, (di, dj) in zip((da, db), slopes[:, [i, j]], strict=True):
+            falls = q**2 * along_chord * (dj - di) / root
+            rises = (di * L[j] + dj * L[i]) / height + product * falls / height**2
+            moved[:, bent] += aside * rises
+    return x, da, db
+
+
+def _left_of(chord: Points) -> Points:
+    """The chords turned by a right angle."""
+    return np.stack([-chord[1], chord[0]])

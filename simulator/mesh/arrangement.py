@@ -1,0 +1,236 @@
+"""Lines and circles in the plane, divided wherever they meet anything."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.planar import Circle, Points, crossings, nearest
+
+Numbers = NDArray[np.int64]
+
+NO_MARKS = np.empty((0, 2))
+
+
+class Arrangement(NamedTuple):
+    """Points in m, shape (point, 2); pieces by numbers of their ends, shape (piece, 2); and for
+    each the first segment that it is part of, shape (piece,), by which and along which they are in
+    order."""
+
+    points: Points
+    pieces: Numbers
+    segment: Numbers
+
+
+def arranged(segments: Points, same: float, marks: Points = NO_MARKS) -> Arrangement:
+    """The arrangement of segments, shape (segment, end, 2), and of points `marks` on them.
+
+    Points nearer to each other or to a segment than `same` [m] are one, or lie on it; those of
+    earlier segments stay where they are.
+    """
+    if not len(segments):
+        return Arrangement(marks, np.empty((0, 2), np.int64), np.empty(0, np.int64))
+    start, run = segments[:, 0], segments[:, 1] - segments[:, 0]
+    t = crossings(segments, segments)
+    first, second = np.nonzero(~np.isnan(np.triu(t)) & ~np.eye(len(t), dtype=bool))
+    upper = first < second
+    first, second = first[upper], second[upper]
+    met = start[first] + t[first, second, None] * run[first]
+    points = _merged(np.concatenate([segments.reshape(-1, 2), marks, met]), same)
+    where, off = nearest(points, segments)
+    on = off <= same
+    pieces, owner = [], []
+    for number in range(len(segments)):
+        there = np.flatnonzero(on[:, number])
+        there = there[np.argsort(where[there, number], kind="stable")]
+        pieces.append(np.stack([there[:-1], there[1:]], axis=1))
+        owner.append(np.full(len(there) - 1, number))
+    every = np.concatenate(pieces)
+    first_time = np.unique(np.sort(every, axis=1), axis=0, return_index=True)[1]
+    kept = np.sort(first_time)
+    return Arrangement(points, every[kept], np.concatenate(owner)[kept])
+
+
+def _merged(points: Points, same: float) -> Points:
+    """Points without those nearer than `same` to an earlier one."""
+    from scipy.spatial import KDTree
+
+    kept = np.ones(len(points), dtype=bool)
+    pairs = KDTree(points).query_pairs(same, output_type="ndarray")
+    for early, late in pairs[np.lexsort(pairs.T[::-1])]:
+        if kept[early]:
+            kept[late] = False
+    return points[kept]
+
+
+Angles = NDArray[np.float64]
+
+WIDEST = np.pi / 8
+"""Angle of an arc, seen from the centre."""
+
+CLOSE = 0.05
+"""Of the radius: what is nearer to a circle has a point of it beside."""
+
+MOST_ROUNDS = 20
+
+
+class Chords(NamedTuple):
+    """Segments in m, shape (segment, end, 2), and the curvature in 1/m of the arcs over them, shape
+    (segment,): positive where an arc lies left of its chord, 0 where it is straight."""
+
+    segments: Points
+    curvature: NDArray[np.float64]
+
+
+def chords(
+    shapes: Sequence[Circle | Points], marks: Points, same: float, widest: float = WIDEST
+) -> list[Chords]:
+    """Those of circles and of straight segments, shape (segment, end, 2); m.
+
+    marks: points at which circles are divided if they lie on them, shape (point, 2). same: what is
+    nearer than that [m] to a circle lies on it. widest: angle of an arc at most. A circle that
+    comes again has no chords.
+    """
+    straight = np.concatenate(
+        [np.empty((0, 2, 2)), *(shape for shape in shapes if not isinstance(shape, Circle))]
+    )
+    circles = [shape for shape in shapes if isinstance(shape, Circle)]
+    first = [circle for k, circle in enumerate(circles) if not _known(circle, circles[:k], same)]
+    points = np.concatenate([straight.reshape(-1, 2), marks])
+    divided = _divided(first, straight, points, same, widest)
+    found = {circle: _around(circle, at) for circle, at in zip(first, divided, strict=True)}
+    none = np.empty((0, 2, 2))
+    return [
+        found.pop(shape, Chords(none, np.zeros(0)))
+        if isinstance(shape, Circle)
+        else Chords(shape, np.zeros(len(shape)))
+        for shape in shapes
+    ]
+
+
+def _known(circle: Circle, others: Sequence[Circle], same: float) -> bool:
+    return any(np.abs(np.subtract(circle, other)).max() <= same for other in others)
+
+
+def _around(circle: Circle, angles: Angles) -> Chords:
+    points = circle.at(angles)
+    segments = np.stack([points, np.roll(points, -1, axis=0)], axis=1)
+    return Chords(segments, np.full(len(angles), -1 / circle.radius))
+
+
+def _divided(
+    circles: Sequence[Circle], segments: Points, points: Points, same: float, widest: float
+) -> list[Angles]:
+    """The angles of the points that divide each circle, ascending, rad."""
+    found = []
+    for k, circle in enumerate(circles):
+        others = [*circles[:k], *circles[k + 1 :]]
+        pairs = [_crossings(circle, segments, same), *(_met(circle, each, same) for each in others)]
+        beside = [points, _feet(circle, segments), *(c.at(_towards(c, circle)) for c in others)]
+        first = [
+            _near(circle, points, same),
+            *_with_middles(pairs),
+            _near(circle, np.concatenate(beside), CLOSE * circle.radius),
+        ]
+        apart = _distinct(np.concatenate(first), same / circle.radius)
+        found.append(_filled(apart, widest))
+    for _ in range(MOST_ROUNDS):
+        before = sum(map(len, found))
+        for k, circle in enumerate(circles):
+            there = [c.at(at) for c, at in zip(circles, found, strict=True) if c is not circle]
+            cut_off = _cut_off(circle, found[k], np.concatenate([points, *there]), same)
+            found[k] = np.sort(_distinct([*found[k], *cut_off], same / circle.radius))
+        if sum(map(len, found)) == before:
+            break
+    return found
+
+
+def _near(circle: Circle, points: Points, reach: float) -> Angles:
+    """The angles of points within reach [m] of a circle."""
+    return circle.angle(points[np.abs(circle.beyond(points)) <= reach])
+
+
+def _feet(circle: Circle, segments: Points) -> Points:
+    """The points of segments that are nearest to a circle's centre, shape (segment, 2)."""
+    along, _ = nearest(circle.centre[None], segments)
+    return segments[:, 0] + along[0][:, None] * (segments[:, 1] - segments[:, 0])
+
+
+def _towards(circle: Circle, other: Circle) -> Angles:
+    """The angles of the points of a circle that are nearest to and farthest from another."""
+    angle = circle.angle(other.centre)
+    return np.array([angle, angle + np.pi])
+
+
+def _crossings(circle: Circle, segments: Points, same: float) -> NDArray[np.float64]:
+    """Angles at which segments meet a circle, shape (segment, 2); NaN where they do not."""
+    start, run = segments[:, 0], segments[:, 1] - segments[:, 0]
+    length = np.linalg.norm(run, axis=1)
+    run = run / length[:, None]
+    foot = ((circle.centre - start) * run).sum(axis=1)
+    off = np.linalg.norm(start + foot[:, None] * run - circle.centre, axis=1)
+    half = np.sqrt(np.maximum(circle.radius**2 - off**2, 0.0))
+    half[np.abs(off - circle.radius) <= same] = 0.0
+    at = foot[:, None] + half[:, None] * [-1, 1]
+    met = (off <= circle.radius + same)[:, None] & (at >= -same) & (at <= length[:, None] + same)
+    angle = circle.angle(start[:, None] + at[:, :, None] * run[:, None])
+    return np.where(met, angle, np.nan)
+
+
+def _met(circle: Circle, other: Circle, same: float) -> NDArray[np.float64]:
+    """Angles on a circle at which it meets another, shape (1, 2); NaN where it does not."""
+    r, R = circle.radius, other.radius
+    far = float(np.linalg.norm(other.centre - circle.centre))
+    towards = circle.angle(other.centre)
+    if abs(far - r - R) <= same or abs(r - R - far) <= same:
+        return np.full((1, 2), towards)
+    if abs(R - r - far) <= same:
+        return np.full((1, 2), (towards + np.pi) % (2 * np.pi))
+    if not abs(r - R) < far < r + R:
+        return np.full((1, 2), np.nan)
+    aside = np.arccos((far**2 + r**2 - R**2) / (2 * far * r))
+    return (towards + np.array([[-aside, aside]])) % (2 * np.pi)
+
+
+def _with_middles(pairs: Sequence[NDArray[np.float64]]) -> tuple[Angles, Angles]:
+    """All angles, then those half-way between the two at which one thing meets a circle.
+
+    Between these no chord of the circle may lie along a segment, or along another circle's.
+    """
+    every = np.concatenate(pairs)
+    middle = every[every[:, 0] != every[:, 1]].mean(axis=1)
+    both = np.concatenate([middle, (middle + np.pi) % (2 * np.pi)])
+    return every[~np.isnan(every)], both[~np.isnan(both)]
+
+
+def _distinct(angles: Sequence[float] | Angles, same: float) -> Angles:
+    """Without those that are the same as an earlier one, on the circle, in order."""
+    kept: list[float] = []
+    for angle in angles:
+        apart = np.abs(np.array(kept) - angle)
+        if (np.minimum(apart, 2 * np.pi - apart) > 2 * same).all():
+            kept.append(float(angle))
+    return np.array(kept)
+
+
+def _filled(angles: Angles, widest: float) -> Angles:
+    """With evenly spaced ones between those that are further apart than that, ascending."""
+    start = np.sort(angles) if len(angles) else np.zeros(1)
+    gaps = np.diff(np.append(start, start[0] + 2 * np.pi))
+    parts = np.ceil(gaps / widest - 1e-9).astype(int)
+    every = [at + gap * np.arange(n) / n for at, gap, n in zip(start, gaps, parts, strict=True)]
+    return np.sort(np.concatenate(every) % (2 * np.pi))
+
+
+def _cut_off(circle: Circle, angles: Angles, points: Points, same: float) -> Angles:
+    """The angles of points between a circle's chords and its arcs, or on the chords."""
+    at, beyond = circle.angle(points), circle.beyond(points)
+    number = np.searchsorted(angles, at, side="right") - 1
+    start = angles[number]
+    half = (angles[(number + 1) % len(angles)] - start) % (2 * np.pi) / 2
+    from_middle = (at - start - half + np.pi) % (2 * np.pi) - np.pi
+    chord = circle.radius * np.cos(half) / np.cos(from_middle)
+    return at[(beyond < -same) & (circle.radius + beyond > chord - 2 * same)]

@@ -1,0 +1,135 @@
+"""Triangles of a file made to conform: points moved onto curves, edges cut where they cross."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.planar import nearest
+from .domain import Domain, Numbers, Points, areas
+from .triangles import edges_of, halves, rim_points
+
+
+def cut(mesh: Domain, segments: Points, same: float) -> Domain:
+    """The mesh with each segment, seen along z, a union of edges as far as it lies on the mesh.
+
+    segments: m, shape (segment, end, 2). Points nearer to a segment than `same` [m] lie on it. The
+    triangles in which a segment ends are cut through. Labels and foils are inherited.
+    """
+    for segment in segments:
+        mesh = _cut_along(mesh, segment, same)
+    return mesh
+
+
+def _cut_along(mesh: Domain, segment: Points, same: float) -> Domain:
+    run = segment[1] - segment[0]
+    length = np.hypot(*run)
+    offset = mesh.p[:2] - segment[0][:, None]
+    at = (run @ offset) / length
+    off = (run[0] * offset[1] - run[1] * offset[0]) / length
+    off[np.abs(off) <= same] = 0.0
+    edges, of_triangle = edges_of(mesh.t)
+    crossed = off[edges[0]] * off[edges[1]] < 0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        part = np.where(crossed, off[edges[0]] / (off[edges[0]] - off[edges[1]]), np.nan)
+    met = at[edges[0]] + part * (at[edges[1]] - at[edges[0]])
+    entered = _entered(np.where(off == 0, at, np.nan)[mesh.t], met[of_triangle], length, same)
+    split = np.zeros(len(crossed), dtype=bool)
+    split[of_triangle[:, entered]] = True
+    split &= crossed
+    if not split.any():
+        return mesh
+    new = np.full(len(split), -1, dtype=np.int64)
+    new[split] = mesh.p.shape[1] + np.arange(np.count_nonzero(split))
+    start, stop = mesh.p[:, edges[0, split]], mesh.p[:, edges[1, split]]
+    p = np.hstack([mesh.p, start + part[split] * (stop - start)])
+    t, parent = _split(mesh.t, new[of_triangle])
+    foils = {name: halves(lines, edges, new) for name, lines in mesh.foils.items()}
+    t, covered = np.sort(t, axis=0), mesh.covered[:, parent]
+    return replace(mesh, p=p, t=t, pixel=mesh.pixel[parent], covered=covered, foils=foils)
+
+
+def _entered(at_corners: Points, at_edges: Points, length: float, same: float) -> NDArray[np.bool_]:
+    """Whether the segment runs through the inside of each triangle, shape (triangle,).
+
+    at_corners, at_edges: where along the segment's line they meet it, NaN where they do not.
+    """
+    at = np.concatenate([at_corners, at_edges])
+    first = np.where(np.isnan(at), np.inf, at).min(axis=0)
+    last = np.where(np.isnan(at), -np.inf, at).max(axis=0)
+    through = np.isfinite(at_edges).any(axis=0)
+    return through & (np.minimum(last, length) - np.maximum(first, 0.0) > same)
+
+
+def _split(t: Numbers, new: Numbers) -> tuple[Numbers, Numbers]:
+    """The triangles within others, shape (3, child), and the number of the one around each.
+
+    new: points on the edges 0-1, 1-2, 2-0, at most two of them; -1 where there is none.
+    """
+    turn = _apex(new >= 0)
+    turned = (np.arange(3)[:, None] + turn) % 3
+    (a, b, c), (ab, bc, ca) = (np.take_along_axis(each, turned, axis=0) for each in (t, new))
+    first, third = ab >= 0, ca >= 0
+    cases = [
+        (~first, [(a, b, c)]),
+        (first & ~third, [(a, ab, c), (ab, b, c)]),
+        (first & third, [(a, ab, ca), (ab, b, c), (ab, c, ca)]),
+    ]
+    children = [np.stack(child)[:, case] for case, parts in cases for child in parts]
+    parents = [np.flatnonzero(case) for case, parts in cases for _ in parts]
+    return np.concatenate(children, axis=1), np.concatenate(parents)
+
+
+def _apex(there: NDArray[np.bool_]) -> Numbers:
+    """By how much to turn triangles for edge 0-1 to be one that is cut, and 2-0 the other one."""
+    one = there & ~np.roll(there, -1, axis=0)
+    return one.argmax(axis=0) * one.any(axis=0)
+
+
+REACH = 0.35
+"""How far a point is moved, over the least height of the triangles around it: none turns over."""
+
+
+def snapped(p: Points, t: Numbers, fixed: Numbers, corners: Points, segments: Points) -> Points:
+    """Points of a mesh in the plane, shape (2, point), the nearest moved onto corners and segments.
+
+    fixed: points that stay, beside those of the boundary. corners: shape (corner, 2). segments:
+    shape (segment, end, 2); they meet at corners only.
+    """
+    p, reach = p.copy(), _reach(p, t)
+    reach[rim_points(t)] = 0.0
+    reach[fixed] = 0.0
+    for number, place in _nearest(p, reach, corners):
+        p[:, number], reach[number] = corners[place], 0.0
+    free = np.flatnonzero(reach)
+    along, away = nearest(p[:, free].T, segments)
+    segment = away.argmin(axis=1)
+    near = np.flatnonzero(away[np.arange(len(free)), segment] < reach[free])
+    free, segment = free[near], segment[near]
+    at = along[near, segment][:, None]
+    segment = segments[segment]
+    p[:, free] = ((1 - at) * segment[:, 0] + at * segment[:, 1]).T
+    return p
+
+
+def _reach(p: Points, t: Numbers) -> NDArray[np.float64]:
+    """How far each point may be moved, m."""
+    a, b, c = (p[:, corner] for corner in t)
+    longest = np.linalg.norm([a - b, b - c, c - a], axis=1).max(axis=0)
+    reach = np.full(p.shape[1], np.inf)
+    np.minimum.at(reach, t.ravel(), np.tile(REACH * 2 * areas(p, t) / longest, 3))
+    return reach
+
+
+def _nearest(p: Points, reach: NDArray[np.float64], places: Points) -> list[tuple[int, int]]:
+    """The points within reach of a place, each with the place: one each, the nearest."""
+    from scipy.spatial import KDTree
+
+    away, number = map(np.asarray, KDTree(p.T).query(places))
+    found: dict[int, tuple[float, int]] = {}
+    for place in np.flatnonzero(away < reach[number]).tolist():
+        point = int(number[place])
+        found[point] = min(found.get(point, (np.inf, 0)), (float(away[place]), place))
+    return [(point, place) for point, (_, place) in found.items()]

@@ -1,0 +1,126 @@
+"""A skin drawn by its outline: everything that the mesh conforms to, meshed and labelled."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..press.capacitance import pixel_lines
+from ..press.press import Press
+from ..scene.contacts import Contact, section
+from ..scene.outline import Curve
+from ..scene.planar import Circle
+from ..scene.scene import Scene
+from ..scene.skin import curves
+from .arcs import Arcs, arc_length, on_arcs
+from .arrangement import Arrangement, Chords, arranged, chords
+from .domain import Domain, Numbers, Points, closed, edges_of_touches, labelled, unlabelled
+from .mesher import Meshed, meshed
+from .untangled import untangled
+
+SAME = 1e-8
+"""What is nearer than this times the skin's longer side is at one place."""
+
+
+def drawn(scene: Scene, press: Press, size: float, creases: Sequence[Circle | Points]) -> Domain:
+    """See `skin_mesh.domain`."""
+    skin = scene.skin
+    around = curves(skin)
+    marks = np.array([end for contact in scene.contacts for end in contact.ends(skin)])
+    same = SAME * max(skin.length, skin.width)
+    found = chords(
+        [*(closed(curve.shape) for curve in around), *_inner(scene, press, creases)], marks, same
+    )
+    segments, curvature = (np.concatenate(part) for part in zip(*found, strict=True))
+    drawing = _clipped(arranged(segments, same, marks), curvature, around, found)
+    bends = curvature[drawing.segment]
+    curve, middle = _on_boundary(drawing, bends, around, found)
+    mesh = meshed(drawing.points, drawing.pieces, bends, curve, size)
+
+    def under(contact: Contact) -> Numbers:
+        along = section(contact, skin)
+        there = (curve == along.curve) & (along.start < middle) & (middle < along.stop)
+        return mesh.lines[:, there[mesh.piece]]
+
+    foils = {contact.name: under(contact) for contact in scene.contacts}
+    bare = unlabelled(mesh.p, mesh.t, foils, mesh.lines, _arcs(mesh, drawing, bends))
+    return labelled(scene, press, untangled(bare))
+
+
+def _inner(scene: Scene, press: Press, creases: Sequence[Circle | Points]) -> list[Circle | Points]:
+    """Circles, and segments (segment, 2, 2), of lines between pixels, touches and creases; m."""
+    x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
+    return [
+        np.array([[(line, y[0]), (line, y[-1])] for line in x[1:-1]]).reshape(-1, 2, 2),
+        np.array([[(x[0], line), (x[-1], line)] for line in y[1:-1]]).reshape(-1, 2, 2),
+        *edges_of_touches(scene, press, creases),
+    ]
+
+
+def _clipped(
+    whole: Arrangement,
+    curvature: NDArray[np.float64],
+    around: Sequence[Curve],
+    found: Sequence[Chords],
+) -> Arrangement:
+    """The boundary, and the pieces within the outline and in none of its holes."""
+    middle = _middles(whole, curvature[whole.segment]).T
+    outline, *holes = around
+    kept = outline.holds(middle)
+    for hole in holes:
+        kept &= ~hole.holds(middle)
+    kept |= whole.segment < _boundary_segments(around, found)
+    return Arrangement(whole.points, whole.pieces[kept], whole.segment[kept])
+
+
+def _boundary_segments(around: Sequence[Curve], found: Sequence[Chords]) -> int:
+    return sum(len(each.curvature) for each in found[: len(around)])
+
+
+def _on_boundary(
+    drawing: Arrangement,
+    bends: NDArray[np.float64],
+    around: Sequence[Curve],
+    found: Sequence[Chords],
+) -> tuple[Numbers, NDArray[np.float64]]:
+    """The closed curve that each piece is part of, -1 inside, and how far along it, m.
+
+    Both of shape (piece,); the latter is that of the piece's middle.
+    """
+    rims = found[: len(around)]
+    of_curve = np.repeat(np.arange(len(rims)), [len(each.curvature) for each in rims])
+    starts = np.concatenate(
+        [_starts(curve, each) for curve, each in zip(around, rims, strict=True)]
+    )
+    first = np.concatenate([each.segments[:, 0] for each in rims])
+    curve, along = np.full(len(bends), -1), np.zeros(len(bends))
+    there = np.flatnonzero(drawing.segment < len(starts))
+    segment = drawing.segment[there]
+    off = np.linalg.norm(_middles(drawing, bends)[there] - first[segment], axis=1)
+    curve[there], along[there] = of_curve[segment], starts[segment] + arc_length(off, bends[there])
+    return curve, along
+
+
+def _starts(curve: Curve, rim: Chords) -> NDArray[np.float64]:
+    """How far along a curve its chords begin, m."""
+    shape = curve.shape
+    if isinstance(shape, Circle):
+        return shape.radius * shape.angle(rim.segments[:, 0])
+    return curve.marks[:-1]
+
+
+def _middles(drawing: Arrangement, bends: NDArray[np.float64]) -> Points:
+    """Of pieces or the arcs over them, m, shape (piece, 2)."""
+    start, stop = (drawing.points[end].T for end in drawing.pieces.T)
+    return on_arcs(start, stop, bends).T
+
+
+def _arcs(mesh: Meshed, drawing: Arrangement, bends: NDArray[np.float64]) -> Arcs:
+    """The mesh's lines along pieces that bend."""
+    bent = bends[mesh.piece] != 0
+    lines, piece = mesh.lines[:, bent], mesh.piece[bent]
+    run = mesh.p[:, lines[1]] - mesh.p[:, lines[0]]
+    start, stop = (drawing.points[end].T for end in drawing.pieces[piece].T)
+    return Arcs(lines, bends[piece] * np.sign((run * (stop - start)).sum(axis=0)))

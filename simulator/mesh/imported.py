@@ -1,0 +1,228 @@
+"""A flat mesh that conforms to chords, made to conform to the arcs over them."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..press.capacitance import pixel_lines
+from ..press.press import Press
+from ..press.touch import place_of
+from ..scene.mesh_file import Surface, foil_lines, read_surface
+from ..scene.planar import Circle, distance, nearest
+from ..scene.scene import Scene
+from ..sweeps import InputError, ToleranceError
+from .arcs import Arcs, on_arcs
+from .arrangement import WIDEST, Arrangement, arranged, chords
+from .cutting import cut, snapped
+from .domain import Domain, Numbers, Points, edges_of_touches, labelled, polygonal, unlabelled
+from .mending import collapsed, compressed, edges_along, flipped
+from .refinement import refined
+from .sound import check
+from .triangles import edges_of, rim_points
+from .untangled import untangled
+
+
+def bent(mesh: Domain, drawing: Arrangement, curvature: Points, same: float) -> Domain:
+    """The mesh with its points between the ends of chords moved onto the arcs.
+
+    drawing: pieces that edges of the mesh make up, points nearer to them than `same` [m] lie on
+    them. curvature: of the arc over each piece in 1/m, 0 where it is straight.
+    """
+    which = np.flatnonzero(curvature)
+    chords, curvature = drawing.points[drawing.pieces[which]], curvature[which]
+    if not len(which):
+        return mesh
+    along, off = nearest(mesh.p.T, chords)
+    on = off <= 2 * same
+    point, piece = np.nonzero(on)
+    p = mesh.p.copy()
+    start, stop = chords[piece].transpose(1, 2, 0)
+    p[:, point] = on_arcs(start, stop, curvature[piece], along[point, piece])
+    edges, _ = edges_of(mesh.t)
+    edge, piece = np.nonzero(on[edges[0]] & on[edges[1]])
+    lines = edges[:, edge]
+    forward = along[lines[1], piece] > along[lines[0], piece]
+    return replace(mesh, p=p, arcs=Arcs(lines, np.where(forward, 1, -1) * curvature[piece]))
+
+
+SAME = 1e-8
+"""What is nearer than this times the mesh's extent to a line lies on it."""
+
+MENDED = 3
+"""Times that points are taken out and edges turned, for what one allows the other."""
+
+SIDES_IN_SPACE = 128
+"""Of the polygon that a disc is on a mesh in space: its area is the same, as seen along z."""
+
+OUT_OF_ROUND = 2 * (np.pi / SIDES_IN_SPACE) ** 3 / 3
+"""How far it is from the circle at most, over the radius, for the part of a radius that a side is
+long: what is in excess at its corners lacks at its middle."""
+
+WIDEST_ARCS = (WIDEST, WIDEST / 4, WIDEST / 16)
+COARSEST = 2.0
+"""Longest edges of triangles over the length of what they are cut along."""
+
+
+def imported(scene: Scene, press: Press, creases: Sequence[Circle | Points]) -> Domain:
+    """See `skin_mesh.domain`."""
+    path = scene.skin.mesh
+    assert path is not None
+    surface = read_surface(path)
+    _check(path, surface)
+    in_space = len(surface.p) == 3
+    if in_space:
+        _check_directions(scene, path)
+        press = _angular(press)
+    foils = {contact.name: foil_lines(surface, contact.edge, path) for contact in scene.contacts}
+    pixel = _grouped(path, surface, scene)
+    whole = replace(unlabelled(surface.p, surface.t, foils), pixel=pixel)
+    shapes = [*_grid(scene), *edges_of_touches(scene, press, creases)]
+    mesh = (_cut_as_seen if in_space else _conforming)(whole, shapes)
+    labels = labelled(scene, press, mesh)
+    if scene.pixels.groups is not None:
+        labels = replace(labels, pixel=mesh.pixel)
+    return replace(labels, out_of_round=OUT_OF_ROUND) if in_space else labels
+
+
+def _conforming(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
+    """The mesh cut along circles and segments (segment, 2, 2); a flat one is kept well shaped.
+
+    Where one of its points is caught between a chord and its arc, circles are divided more finely.
+    """
+    if not len(shapes):
+        return mesh
+    for widest in WIDEST_ARCS[:-1]:
+        try:
+            return _conforming_by(mesh, shapes, widest)
+        except ToleranceError:
+            continue
+    return _conforming_by(mesh, shapes, WIDEST_ARCS[-1])
+
+
+def _conforming_by(mesh: Domain, shapes: Sequence[Circle | Points], widest: float) -> Domain:
+    """The same by arcs of that angle at most; raises ToleranceError where they do not serve."""
+    same = SAME * float(np.ptp(mesh.p, axis=1).max())
+    kept = mesh.p[:, _kept_edges(mesh)].transpose(2, 1, 0)
+    drawn = chords([*shapes, kept], np.empty((0, 2)), same, widest)[:-1]
+    segments, curvature = (np.concatenate(part) for part in zip(*drawn, strict=True))
+    lines = arranged(segments, same)
+    pieces = lines.points[lines.pieces]
+    mesh = _as_fine(mesh, pieces)
+    between = _between(mesh.t, mesh.pixel)
+    mesh = replace(mesh, p=snapped(mesh.p, mesh.t, between, lines.points, pieces))
+    mesh = cut(mesh, pieces, same)
+    fixed = [rim_points(mesh.t), _between(mesh.t, mesh.pixel), _at(mesh.p, lines.points, same)]
+    movable = ~np.isin(np.arange(mesh.p.shape[1]), np.concatenate(fixed))
+    for _ in range(MENDED):
+        mesh = collapsed(mesh, movable, edges_along(mesh.p, mesh.t, pieces, same))
+        mesh = replace(mesh, t=flipped(mesh.p, mesh.t, mesh.pixel, pieces, same))
+    mesh = compressed(mesh)
+    seams = np.hstack([edges_along(mesh.p, mesh.t, pieces, same), _kept_edges(mesh)])
+    mesh = replace(mesh, seams=np.unique(seams, axis=1))
+    return untangled(bent(mesh, lines, curvature[lines.segment], same))
+
+
+def _cut_as_seen(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
+    """A mesh in space cut along segments (segment, 2, 2) as they are seen along z."""
+    straight = [each for each in shapes if not isinstance(each, Circle)]
+    if not straight:
+        return mesh
+    segments = np.concatenate(straight)
+    same = SAME * float(np.ptp(mesh.p, axis=1).max())
+    lines = arranged(segments, same)
+    pieces = lines.points[lines.pieces]
+    return cut(_as_fine(mesh, pieces), pieces, same)
+
+
+def _angular(press: Press) -> Press:
+    """With polygons for discs, in their places."""
+    touches = press.sharp.touches
+    return Press(tuple(polygonal(place_of(touch), SIDES_IN_SPACE) for touch in touches))
+
+
+def _check_directions(scene: Scene, path: str) -> None:
+    """Raises InputError for what has a direction, of which a mesh in space tells none."""
+    skin = scene.skin
+    ratios = skin.stretch.ratios if skin.stretch else (1.0, 1.0)
+    directed = {
+        "skin.top.anisotropy": skin.top.anisotropy,
+        "skin.bottom.anisotropy": skin.bottom.anisotropy,
+        "skin.stretch": ratios[0] != ratios[1],
+        "skin.shape": skin.shape,
+    }
+    for key, there in directed.items():
+        if there:
+            raise InputError(f"{scene.name}: skin.mesh {path} must lie in a plane for `{key}`")
+
+
+def _kept_edges(mesh: Domain) -> Numbers:
+    """The edges at the boundary and between pixels, by numbers of points, shape (2, edge)."""
+    edges, of_triangle = edges_of(mesh.t)
+    low, high = (np.full(edges.shape[1], start) for start in (mesh.pixel.max(), mesh.pixel.min()))
+    every = np.tile(mesh.pixel, 3)
+    np.minimum.at(low, of_triangle.ravel(), every)
+    np.maximum.at(high, of_triangle.ravel(), every)
+    kept = (low < high) | (np.bincount(of_triangle.ravel()) == 1)
+    return edges[:, kept]
+
+
+def _as_fine(mesh: Domain, pieces: Points) -> Domain:
+    """Refined until triangles beside a piece are no more than COARSEST times as long as it."""
+    length = np.linalg.norm(pieces[:, 1] - pieces[:, 0], axis=1)
+    while True:
+        middle = mesh.p[:2, mesh.t].mean(axis=1).T
+        wanted = COARSEST * (length + distance(middle, pieces)).min(axis=1)
+        coarse = np.flatnonzero(mesh.lengths > wanted)
+        if not len(coarse):
+            return mesh
+        mesh = refined(mesh, coarse)
+
+
+def _between(t: Numbers, pixel: Numbers) -> Numbers:
+    """The points at which triangles of more than one pixel meet."""
+    least, most = (np.full(int(t.max()) + 1, start) for start in (pixel.max(), pixel.min()))
+    np.minimum.at(least, t.ravel(), np.tile(pixel, 3))
+    np.maximum.at(most, t.ravel(), np.tile(pixel, 3))
+    return np.flatnonzero(least < most)
+
+
+def _at(p: Points, places: Points, same: float) -> Numbers:
+    """The points at places, shape (place, 2)."""
+    from scipy.spatial import KDTree
+
+    return np.flatnonzero(np.asarray(KDTree(places).query(p.T)[0]) <= 2 * same)
+
+
+@functools.lru_cache(maxsize=4)
+def _check(path: str, surface: Surface) -> None:
+    check(path, surface.p, surface.t)
+
+
+def _grid(scene: Scene) -> list[Points]:
+    """Lines around pixels, shape (segment, 2, 2), unless those are groups."""
+    x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
+    across = [np.array([(line, y[0]), (line, y[-1])]) for line in x]
+    along = [np.array([(x[0], line), (x[-1], line)]) for line in y]
+    return [] if scene.pixels.groups else [np.array([*across, *along])]
+
+
+def _grouped(path: str, surface: Surface, scene: Scene) -> Numbers:
+    """The pixel of each triangle by the groups of the mesh, -1 for those in none."""
+    pixel = np.full(surface.t.shape[1], -1, dtype=np.int64)
+    names = [name for row in scene.pixels.groups or () for name in row]
+    for number, name in enumerate(names):
+        members = surface.triangle_groups.get(name, pixel[:0])
+        if not len(members):
+            there = [known for known, found in surface.triangle_groups.items() if len(found)]
+            raise InputError(
+                f"`pixels.groups` names {name!r}, which holds no triangle of {path}; "
+                f"there are {', '.join(map(repr, there)) or 'no groups'}"
+            )
+        if (pixel[members] >= 0).any():
+            raise InputError(f"`pixels.groups`: group {name!r} shares triangles with another")
+        pixel[members] = number
+    return pixel

@@ -1,0 +1,244 @@
+"""Meshes that conform to pixels and contact ends, finer where the field is steep."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem import MeshQuad
+
+from ..press.capacitance import pixel_lines
+from ..scene.contacts import Contact
+from ..scene.planar import NO_LINES, SAME_LINE, Lines, distinct
+from ..scene.scene import Scene
+from ..scene.skin import Skin
+from ..scene.wiring import touch_at
+from .rings import Cells, rectangles, ringed
+
+
+def nodes(
+    lines: NDArray[np.float64], cells: int, widths: Mapping[float, float], growth: float = np.inf
+) -> NDArray[np.float64]:
+    """Nodes on all `lines`, `cells` even cells between neighbours, finer where asked.
+
+    widths: by line (given to within rounding) the width in m that cells beside it do not exceed;
+    they are halved towards it until they are that narrow. growth: cells are divided until none is
+    more than that many times as wide as its neighbour.
+    """
+    if cells == 1 and growth == np.inf and all(width == np.inf for width in widths.values()):
+        return lines
+    at_lines = [_narrowest(line, lines[-1], widths) for line in lines]
+    pieces = [
+        _halved(low, high, cells, at_low, at_high)
+        for (low, high), (at_low, at_high) in zip(
+            itertools.pairwise(lines), itertools.pairwise(at_lines), strict=True
+        )
+    ]
+    return _growing(np.concatenate([lines[:1], *(piece[1:] for piece in pieces)]), growth)
+
+
+def _narrowest(line: float, length: float, widths: Mapping[float, float]) -> float:
+    same = [width for at, width in widths.items() if abs(at - line) <= SAME_LINE * length]
+    return min(same, default=np.inf)
+
+
+def _halved(
+    low: float, high: float, cells: int, at_low: float, at_high: float
+) -> NDArray[np.float64]:
+    width = (high - low) / cells
+    both = width > at_low and width > at_high
+    even = np.linspace(low, high, (max(cells, 2) if both else cells) + 1)
+    width = even[1] - even[0]
+    above_low, below_high = _steps(width, at_low), _steps(width, at_high)
+    return np.concatenate(
+        [even[:1], low + above_low, even[1:-1], high - below_high[::-1], even[-1:]]
+    )
+
+
+def _steps(cell: float, widest: float) -> NDArray[np.float64]:
+    """Distances from the line at which a cell beside it is divided, ascending."""
+    divisions = int(np.ceil(np.log2(max(1.0, cell / widest)) - SAME_LINE))
+    return cell * 0.5 ** np.arange(divisions, 0.0, -1.0)
+
+
+def _growing(nodes: NDArray[np.float64], growth: float) -> NDArray[np.float64]:
+    while True:
+        width = np.diff(nodes)
+        too_wide = growth * (1 + SAME_LINE)
+        after = np.flatnonzero(width[1:] > too_wide * width[:-1]) + 1
+        before = np.flatnonzero(width[:-1] > too_wide * width[1:])
+        if after.size:
+            cell = after[0]
+            node = nodes[cell] + min(growth * width[cell - 1], width[cell] / 2)
+        elif before.size:
+            cell = before[0]
+            node = nodes[cell + 1] - min(growth * width[cell + 1], width[cell] / 2)
+        else:
+            return nodes
+        nodes = np.insert(nodes, cell + 1, node)
+
+
+GROWTH = 4.0
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """How finely a sheet is resolved.
+
+    order: polynomial order of the elements. cells: cells between neighbouring conforming lines.
+    layers: rings around the ends of foils, for the square-root singularity there. edge_cell: width
+    in m that cells do not exceed next to contacted edges, for the layer of the field there.
+    touch_cell: the same next to the lines `touched`, where the capacitance jumps. lines: those that
+    the mesh conforms to beside the pixels' and the ends of foils.
+    """
+
+    order: int
+    cells: int = 1
+    layers: int = 0
+    edge_cell: float = np.inf
+    touch_cell: float = np.inf
+    touched: Lines = NO_LINES
+    lines: Lines = NO_LINES
+
+    def __str__(self) -> str:
+        rings = f", {self.layers} rings at ends of foils" if self.layers else ""
+        cells = f", {self.cells}x{self.cells} cells between lines" if self.cells > 1 else ""
+        return f"Q{self.order}{cells}{rings}"
+
+
+@dataclass(frozen=True)
+class PixelMesh:
+    """A mesh with the pixel that every element lies in, or the part of one between further lines.
+
+    pixel: row * columns + column, both from 0, of those between `tile_lines`, shape (element,).
+    """
+
+    skin: Skin
+    mesh: MeshQuad
+    cells: Cells
+    pixel: NDArray[np.int64]
+
+    def facets(self, contact: Contact) -> NDArray[np.int64]:
+        """The boundary facets under a foil."""
+        start, stop = contact.ends(self.skin)
+        along = 1 if contact.edge in ("left", "right") else 0
+        boundary = self.mesh.boundary_facets()
+        ends = self.mesh.p[:, np.asarray(self.mesh.facets)[:, boundary]]
+        on_edge = (ends[1 - along] == start[1 - along]).all(axis=0)
+        middle = ends[along].mean(axis=0)
+        return boundary[on_edge & (start[along] < middle) & (middle < stop[along])]
+
+    def edges(self, facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """The element at each boundary facet, and which of its edges that is.
+
+        Returns element, shape (facet,), and length in m at the edge and 0 at the other three, shape
+        (facet, 4).
+        """
+        element = np.asarray(self.mesh.f2t, dtype=np.int64)[0, facets]
+        is_edge = np.asarray(self.mesh.t2f)[:, element] == facets
+        along, across, twist = (
+            v[:, element] for v in (self.cells.along, self.cells.across, self.cells.twist)
+        )
+        length = np.linalg.norm([along, across + twist, along + twist, across], axis=1)
+        return element, (is_edge * length).T
+
+
+def pixel_mesh(scene: Scene, contacts: Sequence[Contact], resolution: Resolution) -> PixelMesh:
+    """The mesh of a scene at a resolution, conforming to its pixels and the ends of `contacts`."""
+    skin = scene.skin
+    tips = singular_ends(contacts, skin) if resolution.layers else []
+    size = _patch(scene, contacts, resolution, tips) if tips else np.inf
+    x = _nodes(scene, 0, contacts, resolution, tips, size)
+    y = _nodes(scene, 1, contacts, resolution, tips, size)
+    at = np.array(
+        [np.abs(y - q).argmin() * len(x) + np.abs(x - p).argmin() for p, q in tips], dtype=np.int64
+    )
+    cells = ringed(rectangles(x, y), at, resolution.layers)
+    middle = cells.p[:, cells.t].mean(axis=1)
+    mesh = MeshQuad(cells.p, cells.t)
+    tiles_x, tiles_y = tile_lines(scene, 0, resolution), tile_lines(scene, 1, resolution)
+    column, row = np.searchsorted(tiles_x, middle[0]) - 1, np.searchsorted(tiles_y, middle[1]) - 1
+    return PixelMesh(skin, mesh, cells, row * (len(tiles_x) - 1) + column)
+
+
+def tile_lines(scene: Scene, axis: int, resolution: Resolution) -> NDArray[np.float64]:
+    """Lines across x (axis 0) or y (axis 1) that the capacitance may jump at, m, ascending."""
+    return np.sort([*pixel_lines(scene, axis), *resolution.lines[axis]])
+
+
+def _lines(
+    scene: Scene, axis: int, contacts: Sequence[Contact], resolution: Resolution
+) -> NDArray[np.float64]:
+    """Lines across an axis that a mesh keeps: those of tiles and ends of foils."""
+    ends = (end[axis] for contact in contacts for end in contact.ends(scene.skin))
+    return distinct([*tile_lines(scene, axis, resolution), *ends])
+
+
+def _patch(
+    scene: Scene,
+    contacts: Sequence[Contact],
+    resolution: Resolution,
+    tips: Sequence[tuple[float, float]],
+) -> float:
+    """Width in m of the square cells around the tips: none reaches another line, or another tip."""
+    widths = [resolution.edge_cell, resolution.touch_cell]
+    for axis, length in enumerate((scene.skin.length, scene.skin.width)):
+        lines = _lines(scene, axis, contacts, resolution)
+        at_tip = np.array(
+            [any(abs(line - tip[axis]) <= SAME_LINE * length for tip in tips) for line in lines]
+        )
+        shared = at_tip[:-1].astype(int) + at_tip[1:]
+        widths.extend(np.diff(lines)[shared > 0] / shared[shared > 0])
+    return float(min(widths))
+
+
+def _nodes(
+    scene: Scene,
+    axis: int,
+    contacts: Sequence[Contact],
+    resolution: Resolution,
+    tips: Sequence[tuple[float, float]],
+    patch: float,
+) -> NDArray[np.float64]:
+    """Nodes along x (axis 0) or y (axis 1)."""
+    length = (scene.skin.length, scene.skin.width)[axis]
+    widths = dict.fromkeys(resolution.touched[axis], resolution.touch_cell)
+    for contact in contacts:
+        if axis == (0 if contact.edge in ("left", "right") else 1):
+            line = length if contact.edge in ("right", "top") else 0.0
+            widths[line] = min(widths.get(line, np.inf), resolution.edge_cell)
+    beside = [tip[axis] + side * patch for tip in tips for side in (-1, 1)]
+    lines = distinct(
+        [
+            *_lines(scene, axis, contacts, resolution),
+            *(line for line in beside if 0 < line < length),
+        ]
+    )
+    return nodes(lines, resolution.cells, widths, GROWTH if tips else np.inf)
+
+
+def singular_ends(contacts: Sequence[Contact], skin: Skin) -> list[tuple[float, float]]:
+    """Ends of foils within an edge, and where a foil meets another that it is not joined with."""
+    found = {
+        end: None
+        for contact in contacts
+        for fraction, end in zip(contact.span, contact.ends(skin), strict=True)
+        if _is_singular(contact, fraction, end, contacts, skin)
+    }
+    return list(found)
+
+
+def _is_singular(
+    contact: Contact,
+    fraction: float,
+    end: tuple[float, float],
+    contacts: Sequence[Contact],
+    skin: Skin,
+) -> bool:
+    met = [other for other in contacts if other != contact and touch_at(end, contact, other, skin)]
+    if met:
+        return not all(contact.ideal and other.ideal for other in met)
+    return 0 < fraction < 1

@@ -1,0 +1,30 @@
+"""Meshes of triangles for skins of any outline, and those that mesh files bring."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..press.press import Press
+from ..scene.planar import Circle
+from ..scene.scene import Scene
+from .domain import Domain, Points
+from .drawn import drawn
+from .imported import imported
+
+
+def domain(
+    scene: Scene, press: Press, size: float, creases: Sequence[Circle | Points] = ()
+) -> Domain:
+    """The skin of a scene as triangles that conform to all at which something jumps.
+
+    These are its outline and holes, the lines of pixels, the ends of foils, the edges of the
+    press's touches that have a factor, and `creases`, circles and polylines of shape (point, 2).
+    All are in m. Edges along circles are arcs. size: the longest edge asked for [m]; edges are
+    shorter where something small is near. A mesh that a file brings keeps its own size, and is cut
+    where it does not conform.
+
+    Raises InputError where a mesh file does not serve, or gmsh cannot be loaded.
+    """
+    if scene.skin.mesh is not None:
+        return imported(scene, press, creases)
+    return drawn(scene, press, size, creases)

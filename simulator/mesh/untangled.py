@@ -1,0 +1,131 @@
+"""Triangles that stay upright however their arcs bend: edges are turned, then arcs halved."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..sweeps import ToleranceError
+from .arcs import mapped
+from .domain import Domain, Numbers
+from .refinement import arcs_halved, refined
+from .triangles import edge_numbers, edges_of
+
+STEPS = 6
+"""Parts of an edge, at the ends of which triangles are looked at."""
+LEAST = 1e-3
+"""Area of a bent triangle over that of the straight one, but at its corners: where a circle touches
+a line it falls evenly from 1 to 0 there."""
+ROUNDING = 1e-6
+MOST_ROUNDS = 10
+
+
+def finer(mesh: Domain, marked: ArrayLike) -> Domain:
+    """The mesh with the marked triangles, by number, cut in four; raises as `untangled`."""
+    return untangled(refined(mesh, marked))
+
+
+def untangled(mesh: Domain) -> Domain:
+    """The mesh with none of its triangles turned over by its arcs, or nearly.
+
+    Raises ToleranceError where triangles would be halved without end.
+    """
+    if not len(mesh.arcs.curvature):
+        return mesh
+    for _ in range(MOST_ROUNDS):
+        if not _tangled(mesh).size:
+            return mesh
+        mesh = _turned(mesh)
+        mesh = arcs_halved(mesh, _tangled(mesh))
+    raise ToleranceError("circles of the skin or of the press are too near to other lines to mesh")
+
+
+def _tangled(mesh: Domain) -> Numbers:
+    """The triangles that their arcs turn over, and those that lie upon a neighbour."""
+    curvature = mesh.curvature
+    bent = np.flatnonzero(curvature.any(axis=0))
+    turned = bent[_upright(mesh, mesh.t[:, bent], curvature[:, bent]) < LEAST]
+    return np.union1d(turned, _folded(mesh))
+
+
+def _folded(mesh: Domain) -> Numbers:
+    """Of two triangles on the same side of their common edge the smaller one."""
+    edges, of_triangle = edges_of(mesh.t)
+    order = np.argsort(of_triangle.ravel(), kind="stable")
+    edge, triangle = of_triangle.ravel()[order], np.tile(np.arange(mesh.t.shape[1]), 3)[order]
+    first = np.flatnonzero(edge[:-1] == edge[1:])
+    pair, (start, stop) = triangle[[first, first + 1]], edges[:, edge[first]]
+    apex = mesh.t[:, pair].sum(axis=0) - start - stop
+    run = mesh.p[:, stop] - mesh.p[:, start]
+    side = _cross(run[:, None], mesh.p[:, apex] - mesh.p[:, start][:, None])
+    same = np.flatnonzero(side[0] * side[1] > 0)
+    return np.unique(pair[np.abs(side[:, same]).argmin(axis=0), same])
+
+
+def _upright(mesh: Domain, t: Numbers, curvature: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Least area over that of the straight triangle, shape (triangle,); t of ascending points.
+
+    At corners, where it may be none, LEAST more; -1 of a straight triangle that has no area.
+    """
+    a, b = (each.ravel() / STEPS for each in np.meshgrid(*2 * [np.arange(STEPS + 1.0)]))
+    within = a + b < 1 + ROUNDING
+    a, b = a[within], b[within]
+    cornered = np.maximum(np.maximum(a, b), 1 - a - b) > 1 - ROUNDING
+    _, along, across = mapped(mesh.p, t, curvature, np.stack([a, b]))
+    straight = _area(mesh, t)[:, None]
+    flat = np.full((t.shape[1], len(a)), -1.0)
+    part = np.divide(_cross(along, across), straight, out=flat, where=straight != 0)
+    return (part + (LEAST + ROUNDING) * cornered).min(axis=1)
+
+
+def _turned(mesh: Domain) -> Domain:
+    """The mesh with edges of tangled triangles turned within pairs where that makes both better."""
+    for triangle in _tangled(mesh).tolist():
+        edges, of_triangle = edges_of(mesh.t)
+        fixed = np.zeros(edges.shape[1], dtype=bool)
+        fixed[edge_numbers(mesh.seams, edges)] = True
+        best, chosen = 0.0, mesh
+        for number in of_triangle[:, triangle][~fixed[of_triangle[:, triangle]]]:
+            pair = np.flatnonzero((of_triangle == number).any(axis=0))
+            beyond = np.sort(mesh.t[:, pair].sum(axis=0) - edges[:, number].sum())
+            if edge_numbers(beyond[:, None], edges)[0] >= 0:
+                continue
+            found = _with_diagonal(mesh, pair, edges[:, number], beyond)
+            gain = _gain(mesh, found, pair)
+            if gain > best:
+                best, chosen = gain, found
+        mesh = chosen
+    return mesh
+
+
+def _gain(mesh: Domain, other: Domain, pair: Numbers) -> float:
+    """By how much the worst of a pair of triangles is better in another mesh.
+
+    Infinite where one no longer lies upon the other, negative so where it does.
+    """
+    before, after = (np.abs(_area(each, each.t[:, pair])) for each in (mesh, other))
+    if after.sum() > before.sum() * (1 + ROUNDING) or after.min() < ROUNDING * before.max():
+        return -np.inf
+    if after.sum() < before.sum() * (1 - ROUNDING):
+        return np.inf
+    worst = [_upright(m, m.t[:, pair], m.curvature[:, pair]).min() for m in (other, mesh)]
+    return float(worst[0] - worst[1])
+
+
+def _with_diagonal(mesh: Domain, pair: Numbers, edge: Numbers, beyond: Numbers) -> Domain:
+    """With the edge between `beyond` in place of that between a pair of triangles."""
+    t = mesh.t.copy()
+    t[:, pair] = np.sort([edge, np.full(2, beyond[0]), np.full(2, beyond[1])], axis=0)
+    return replace(mesh, t=t)
+
+
+def _area(mesh: Domain, t: Numbers) -> NDArray[np.float64]:
+    """Twice the area of straight triangles, negative where they run clockwise, m²."""
+    origin, first, second = (mesh.p[:, each] for each in t)
+    return _cross(first - origin, second - origin)
+
+
+def _cross(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+    return u[0] * v[1] - u[1] * v[0]

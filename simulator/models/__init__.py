@@ -1,0 +1,1 @@
+"""What answers for a skin; `solver` picks the cheapest that keeps the tolerance."""

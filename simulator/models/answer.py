@@ -1,0 +1,143 @@
+"""Rungs offered for one press, and the answer gathered from those that keep the tolerance."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..fem.estimate import SAFETY
+from ..scene.meter import Leads
+from ..sweeps import parallel_capacitance
+
+
+@dataclass(frozen=True)
+class Rung:
+    """What one model says of one press at some frequencies.
+
+    Z: ohm, shape (interface, frequency). error: estimated relative errors of Rs and Cp, shape (2,
+    interface, frequency). unknowns: of the system solved, 0 for a formula.
+    """
+
+    model: str
+    unknowns: int
+    Z: NDArray[np.complex128]
+    error: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Z of one press with the estimated errors of Rs and Cp; all of shape (interface, frequency).
+
+    frequency: Hz. Z, Rs_error, Cp_error: ohm, ohm, F. models, unknowns: of the rung that answered
+    each frequency. rejected: what did not serve, and why.
+    """
+
+    frequency: NDArray[np.float64]
+    Z: NDArray[np.complex128]
+    Rs_error: NDArray[np.float64]
+    Cp_error: NDArray[np.float64]
+    models: tuple[str, ...]
+    unknowns: tuple[int, ...]
+    rejected: tuple[str, ...] = ()
+
+    @property
+    def model(self) -> str:
+        """The models that answered, from the lowest frequency up."""
+        return "; ".join(dict.fromkeys(self.models))
+
+    @property
+    def relative_errors(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Estimated errors of Rs and Cp as fractions of their values."""
+        Cp = parallel_capacitance(self.Z, self.frequency)
+        return self.Rs_error / np.abs(self.Z.real), self.Cp_error / np.abs(Cp)
+
+    def seen_through(self, leads: Leads) -> Answer:
+        """The same at the meter's end of the leads.
+
+        The error of Z is taken to be SAFETY times as large as that of Rs or of Cp tells: near a
+        phase of -45 degrees Cp does not tell X.
+        """
+        if leads.ideal:
+            return self
+        Z, omega = leads.seen_through(self.Z, self.frequency), 2 * np.pi * self.frequency
+        off = SAFETY * np.maximum(self.Rs_error, omega * self.Cp_error * np.abs(self.Z) ** 2)
+        off /= np.abs(1 + 1j * omega * leads.unguarded * self.Z) ** 2
+        return replace(self, Z=Z, Rs_error=off, Cp_error=off / (omega * np.abs(Z) ** 2))
+
+    def told(self) -> list[str]:
+        """For people: each model with its frequencies and errors, then what was rejected."""
+        Rs, Cp = (error.max(axis=0) for error in self.relative_errors)
+        lines = []
+        served = zip(self.models, self.unknowns, strict=True)
+        for model, group in itertools.groupby(enumerate(served), key=lambda each: each[1]):
+            lines.append(f"chosen    {model[0]}, {model[1]} unknowns")
+            lines += [
+                f"          {self.frequency[k]:10.5g} Hz: estimated error {Rs[k]:.1e} of Rs, "
+                f"{Cp[k]:.1e} of Cp"
+                for k, _ in group
+            ]
+        return lines + [f"rejected  {reason}" for reason in self.rejected]
+
+
+class Progress:
+    """The frequencies of one press that are answered, and those that are left."""
+
+    def __init__(self, interfaces: int, frequency: NDArray[np.float64], rtol: float) -> None:
+        self.rtol, self._all = rtol, frequency
+        self._left = np.arange(len(frequency))
+        self._Z = np.zeros((interfaces, len(frequency)), dtype=np.complex128)
+        self._error = np.zeros((2, interfaces, len(frequency)))
+        self._served = [("", 0)] * len(frequency)
+        self.rejected: list[str] = []
+
+    @property
+    def done(self) -> bool:
+        """Whether every frequency is answered."""
+        return not self._left.size
+
+    @property
+    def frequency(self) -> NDArray[np.float64]:
+        """Those that are left, Hz."""
+        return self._all[self._left]
+
+    def offer(self, rung: Rung) -> None:
+        """Take what keeps the tolerance of a rung for the frequencies that are left."""
+        within = (rung.error <= self.rtol) & np.isfinite(rung.Z)
+        kept = within.all(axis=(0, 1))
+        taken = self._left[kept]
+        self._Z[:, taken], self._error[:, :, taken] = rung.Z[:, kept], rung.error[:, :, kept]
+        for index in taken:
+            self._served[index] = rung.model, rung.unknowns
+        if not kept.all():
+            self.reject(self._reason(rung))
+        self._left = self._left[~kept]
+
+    def reject(self, reason: str) -> None:
+        """Note why a rung did not serve."""
+        self.rejected.append(reason)
+
+    def answer(self) -> Answer:
+        """The gathered answer, once done."""
+        Cp = parallel_capacitance(self._Z, self._all)
+        models, unknowns = zip(*self._served, strict=True)
+        return Answer(
+            frequency=self._all,
+            Z=self._Z,
+            Rs_error=self._error[0] * np.abs(self._Z.real),
+            Cp_error=self._error[1] * np.abs(Cp),
+            models=models,
+            unknowns=unknowns,
+            rejected=tuple(self.rejected),
+        )
+
+    def _reason(self, rung: Rung) -> str:
+        error = rung.error.max(axis=1)
+        Rs, Cp = (int(np.argmax(each)) for each in error)
+        f = self.frequency
+        return (
+            f"{rung.model}: estimated error {error[0, Rs]:.1e} of Rs at {f[Rs]:.4g} Hz and "
+            f"{error[1, Cp]:.1e} of Cp at {f[Cp]:.4g} Hz, asked {self.rtol:g}"
+        )

@@ -1,0 +1,131 @@
+"""The fields of a skin at an interface: potentials, currents, power and sensitivities."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..press.press import Press
+from ..scene.frequency import laplace_variable
+from ..scene.scene import Scene, checked_interface, interface_names
+from .varied.coefficients import ELECTRODES
+from .varied.discretised import Discretised
+from .varied.meshes import indented, meshes
+from .varied.sampling import Sampler
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Fields:
+    """What a press does at one interface, with 1 V (amplitude) between high and low.
+
+    x: flat places in m, shape (2, point). position: the same in space, m, (3, point). cells:
+    numbers of points, (3, cell) of triangles or (4, cell) of quadrilaterals, counter-clockwise.
+    frequency: Hz, (frequency,). Z: ohm, (frequency,).
+    potential: V, (2, frequency, point), top and bottom sheet.
+    current: A/m in a sheet along flat x and y, (2, frequency, 2, point).
+    power: W/m² dissipated in both sheets, mean over time, (frequency, point).
+    by_rise_Rs, by_rise_Cp: change of ln Rs and ln Cp per m² whose capacitance is doubled,
+    (frequency, point).
+    capacitance: F/m², (point,). factor: that over the one at rest. deflection: m, (point,).
+    """
+
+    x: Real
+    position: Real
+    cells: NDArray[np.int64]
+    frequency: Real
+    Z: Complex
+    potential: Complex
+    current: Complex
+    power: Real
+    by_rise_Rs: Real
+    by_rise_Cp: Real
+    capacitance: Real
+    factor: Real
+    deflection: Real
+
+
+def fields(
+    scene: Scene, press: Press, frequencies: Sequence[float], interface: str, rtol: float = 1e-3
+) -> Fields:
+    """Those of a press at frequencies in Hz.
+
+    Solved on the flat skin at rest, on a mesh that keeps the tolerance of Rs and Cp; currents and
+    power are those per length and area of the flat skin. Raises InputError where the interface is
+    none of the scene's, ToleranceError where the tolerance is not reached.
+    """
+    frequency = np.array(sorted(frequencies), dtype=np.float64)
+    drive = interface_names(scene).index(checked_interface(interface, scene))
+    discretised, Z = _resolved(scene, press, frequency, rtol)
+    sampler = Sampler(scene, discretised)
+    s = laplace_variable(frequency, scene.skin.foam.loss)
+    potential, current, power, rises = zip(
+        *(_at(discretised, sampler, drive, complex(each)) for each in s), strict=True
+    )
+    by_rise = np.stack(rises)
+    x, coefficients = sampler.surface.x, discretised.coefficients
+    by_Rs, by_Cp = _relative(scene, by_rise, Z[drive], frequency)
+    return Fields(
+        x=_flat(x),
+        position=_flat(sampler.position),
+        cells=sampler.parts,
+        frequency=frequency,
+        Z=scene.leads.seen_through(Z[drive], frequency),
+        potential=_flat(np.stack(potential, axis=1)),
+        current=_flat(np.stack(current, axis=1)),
+        power=_flat(np.stack(power)),
+        by_rise_Rs=_flat(by_Rs),
+        by_rise_Cp=_flat(by_Cp),
+        capacitance=_flat(coefficients.capacitance(x)),
+        factor=_flat(coefficients.factor(x)),
+        deflection=_flat(coefficients.deflection(x)),
+    )
+
+
+def _resolved(
+    scene: Scene, press: Press, frequency: Real, rtol: float
+) -> tuple[Discretised, Complex]:
+    """A mesh that keeps the tolerance at all frequencies, and Z in ohm, (interface, frequency)."""
+    finer = meshes(scene, *indented(scene, press, rtol), rtol)
+    while True:
+        discretised = finer.finer(frequency)
+        rung = discretised.rung(frequency, rtol)
+        if rung.error.max() <= rtol:
+            return discretised, rung.Z
+
+
+def _at(
+    discretised: Discretised, sampler: Sampler, drive: int, s: complex
+) -> tuple[Complex, Complex, Real, Complex]:
+    """Potential, current, power; and the change of Y in S per m² of doubled capacitance."""
+    x, coefficients = sampler.surface.x, discretised.coefficients
+    potential, slope = sampler.sampled(drive, s)
+    potential, slope = coefficients.of_both_sheets(potential), coefficients.of_both_sheets(slope)
+    conductance = np.stack([coefficients.conductance_of(each, x) for each in ELECTRODES])
+    xx, yy, xy = conductance.transpose(1, 0, 2, 3)
+    current = -np.stack(
+        [xx * slope[:, 0] + xy * slope[:, 1], xy * slope[:, 0] + yy * slope[:, 1]], axis=1
+    )
+    power = -np.real(current * slope.conj()).sum(axis=(0, 1)) / 2
+    by_rise = s * coefficients.capacitance(x) * (potential[0] - potential[1]) ** 2
+    return potential, sampler.along_x_and_y(current), power, by_rise
+
+
+def _relative(scene: Scene, by_rise: Complex, Z: Complex, frequency: Real) -> tuple[Real, Real]:
+    """Changes of ln Rs and ln Cp at the meter's end from those of Y at the skin."""
+    along = np.s_[:, None, None]
+    seen = scene.leads.seen_through(Z, frequency)
+    through = (1 + 2j * np.pi * frequency * scene.leads.unguarded * Z) ** -2
+    change = (-(Z**2) * through)[along] * by_rise
+    of_Y = -change / (seen**2)[along]
+    return change.real / seen.real[along], of_Y.imag / (1 / seen).imag[along]
+
+
+def _flat(values: NDArray) -> NDArray:
+    """Cells and their corners as points one after the other."""
+    return values.reshape(*values.shape[:-2], -1)

@@ -1,0 +1,136 @@
+"""The exact one-dimensional line: both sheets fed along one whole edge, nothing varies across it.
+
+A uniform segment of total resistance R and capacitance C, closed by an admittance Y_L, shows
+Y = (Y_L + s C T) / (1 + Y_L R T) with T = tanh(q)/q, q² = s R C: the chain of cosh and sinh in a
+form that neither overflows at high frequency nor loses the small real part of Y at low.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..fem.circuit import one_field
+from ..press.capacitance import lines, pixel_lines, tile_map
+from ..press.press import Press
+from ..scene.frequency import laplace_variable
+from ..scene.scene import Scene
+from ..sweeps import InputError
+from .plain import require_plain
+
+LEVELS_OF_FRACTION = 12
+
+
+class Line:
+    """A scene that is a line; its impedance is exact to rounding."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Raises InputError, saying why, where the scene is no line."""
+        require_plain(scene, "the line")
+        circuit = one_field(scene)
+        if circuit is None:
+            raise InputError(f"{scene.name} is no line: its sheets are not fed in pairs of foils")
+        contacts = circuit.contacts
+        if len(contacts) != 1 or contacts[0].span != (0.0, 1.0):
+            raise InputError(f"{scene.name} is no line: it is not fed along one whole edge alone")
+        self.scene, self._contact = scene, contacts[0]
+        self._interfaces = len(circuit.drives)
+        skin = scene.skin
+        along_x = self._contact.edge in ("left", "right")
+        self._length, self._width = (
+            (skin.length, skin.width) if along_x else (skin.width, skin.length)
+        )
+
+    def impedance(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Z in ohm, shape (interface, frequency); frequency in Hz.
+
+        Raises InputError where the press varies across the line. Source: chain matrices of the
+        RC line, with paper Eqs 1-2.
+        """
+        c, segments = self.profile(press)
+        s = laplace_variable(frequency, self.scene.skin.foam.loss)
+        sheets = self.scene.skin.top.sheet_resistance + self.scene.skin.bottom.sheet_resistance
+        Y = np.zeros(s.shape, dtype=complex)
+        for R, C in zip(
+            sheets * segments[::-1] / self._width, (c * segments)[::-1] * self._width, strict=True
+        ):
+            T = tanh_ratio(s * R * C)
+            Y = (Y + s * C * T) / (1 + Y * R * T)
+        film = self._contact.resistance / self._width
+        return np.tile(film + 1 / Y, (self._interfaces, 1)).astype(np.complex128)
+
+    def profile(self, press: Press) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """c in F/m² and length in m of each segment from the fed edge on, shape (segment,).
+
+        Raises InputError where the press varies across the line.
+        """
+        x, y = (
+            np.sort([*pixel_lines(self.scene, axis), *of_touches])
+            for axis, of_touches in enumerate(lines(self.scene, press))
+        )
+        along, c = x, tile_map(self.scene, press, x, y)
+        if self._contact.edge in ("bottom", "top"):
+            along, c = y, c.T
+        if not (c == c[:1]).all():
+            raise InputError(f"press {press} varies across {self.scene.name}: it is no line")
+        c = c[0] * self.scene.skin.foam.rest_capacitance_per_area
+        from_feed = slice(None, None, 1 if self._contact.edge in ("left", "bottom") else -1)
+        return c[from_feed], np.diff(along)[from_feed]
+
+
+def tanh_ratio(z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """tanh(q)/q for q² = z, with a relative error of rounding in real and imaginary part alike.
+
+    Small z by Lambert's continued fraction 1/(1 + z/(3 + z/(5 + ...))), large z as it stands.
+    """
+    small = np.abs(z) < 1
+    fraction = np.zeros(z.shape, dtype=complex)
+    for level in range(LEVELS_OF_FRACTION, 0, -1):
+        fraction = np.where(small, z, 0) / (2 * level + 1 + fraction)
+    q = np.sqrt(np.where(small, 1, z))
+    ratio = (np.tanh(q) / q).astype(np.complex128)
+    ratio[small] = 1 / (1 + fraction[small])
+    return ratio
+
+
+HALF_POWER = 1 / np.sqrt(2)
+PAPER_CONSTANT = 0.0382
+
+
+def propagation_constant(frequency: ArrayLike, R: float, C: float) -> NDArray[np.complex128]:
+    """gamma = alpha + j beta = sqrt(j omega R C), 1/m (paper Eq 3).
+
+    frequency: Hz. R: ohm/m. C: F/m.
+    """
+    return np.sqrt(2j * np.pi * np.asarray(frequency, dtype=float) * R * C)
+
+
+def attenuation(frequency: ArrayLike, x: float, R: float, C: float) -> NDArray[np.float64]:
+    """Amplitude exp(-Re(gamma) x) of the wave on an infinite line (paper Eqs 4, 5).
+
+    frequency: Hz. x: m from the interface. R: ohm/m. C: F/m. The paper prints the exponent as
+    sqrt(pi R C) f; the root covers f as well.
+    """
+    return np.exp(-propagation_constant(frequency, R, C).real * x)
+
+
+def interrogation_frequency(
+    x: ArrayLike, R: float, C: float, constant: float = PAPER_CONSTANT
+) -> NDArray[np.float64]:
+    """f_i in Hz where the amplitude at x_i has fallen to half power (paper Eq 6).
+
+    x: m. R: ohm/m. C: F/m. constant: (ln sqrt 2)² / pi = 0.03823, which the paper rounds to 0.0382.
+    """
+    return constant / (R * C * np.asarray(x, dtype=float) ** 2)
+
+
+def open_line_amplitude(
+    frequency: ArrayLike, x: float, length: float, R: float, C: float
+) -> NDArray[np.float64]:
+    """|V(x) / V(0)| = |cosh(gamma (l - x)) / cosh(gamma l)| on a line of length l, open at its end.
+
+    frequency: Hz. x, length: m. R: ohm/m. C: F/m. Written with decaying exponentials only.
+    """
+    gamma = propagation_constant(frequency, R, C)
+    reflected = np.exp(-2 * gamma * (length - x))
+    return np.abs(np.exp(-gamma * x) * (1 + reflected) / (1 + np.exp(-2 * gamma * length)))

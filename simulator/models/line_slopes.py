@@ -1,0 +1,158 @@
+"""The exact line as a differentiable function: what `Forward` is to sheets, without any training.
+
+The chain of `models.line` is differentiated segment by segment. Of the resistance no slope is
+needed beside: Z(a R, s) = a Z(R, a s), so that R dZ/dR = Z + s dZ/ds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..press.press import Press
+from ..press.touch import Touch
+from ..scene.frequency import REFERENCE, laplace_variable
+from ..scene.meter import Leads
+from ..scene.scene import Scene
+from ..sweeps import InputError
+from .line import Line, tanh_ratio
+from .parameters import all_values, leads_of, loss_of, own_values
+from .reduced.forward import Response
+
+SMALL = 1e-2
+TAYLOR = (248 / 2835, -51 / 315, 4 / 15, -1 / 3)
+"""Of d(tanh q / q)/dz about z = q² = 0, highest power first."""
+
+
+class LineModel:
+    """A scene that is a line of pixels, as a function of parameters and presses, exact anywhere."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Raises InputError, saying why, where the scene is no line or has pixels across it."""
+        c, lengths = Line(scene).profile(Press())
+        skin, pixels, edge = scene.skin, scene.pixels, scene.contacts[0].edge
+        along_x = edge in ("left", "right")
+        across, width = (pixels.rows, skin.width) if along_x else (pixels.columns, skin.length)
+        if across != 1:
+            raise InputError(f"{scene.name} is no line: it has {across} pixels across")
+        self.scene, self._C, self._shares = scene, c * lengths * width, lengths / lengths.sum()
+        self._order = np.arange(len(c))[:: 1 if edge in ("left", "bottom") else -1]
+        sheets = np.array([skin.top.sheet_resistance, skin.bottom.sheet_resistance])
+        self._sheets = sheets * lengths.sum() / width
+        self._film = sum(contact.resistance for contact in scene.contacts) / width
+
+    @property
+    def free(self) -> tuple[str, ...]:
+        """Parameters that the impedance of the scene depends on."""
+        return tuple(n for n in own_values(self.scene) if n != "contact_resistance" or self._film)
+
+    def cells(self, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Pixels that a press touches, from 0, and by how much of c at rest each rises.
+
+        Raises InputError for touches that are not whole pixels.
+        """
+        touches = [touch for touch in press.touches if isinstance(touch, Touch)]
+        if len(touches) < len(press.touches):
+            raise InputError(f"press {press}: all touches must be whole pixels here")
+        cells = [max(touch.row, touch.column) - 1 for touch in touches]
+        return np.array(cells, dtype=np.int64), np.array([touch.factor - 1 for touch in touches])
+
+    def certificate(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        given: Mapping[str, float] | None = None,
+    ) -> float:
+        """Nothing is left out of an exact line."""
+        return 0.0
+
+    def respond(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        given: Mapping[str, float] | None = None,
+    ) -> Response:
+        """Of one press, with exact derivatives; see `Forward.respond`."""
+        values = all_values(self.scene, given)
+        s = laplace_variable(self.scene.frequencies, loss_of(values))
+        sheets = self._both_sheets(values)
+        map_of_c = np.ones(len(self._C))
+        np.add.at(map_of_c, cells, rises)
+        map_of_c *= math.exp(values["capacitance"])
+        Y, by_charging = chain(sheets.sum() * self._shares, self._C * map_of_c[self._order], s)
+        Z, turn = 1 / Y, -1 / Y**2
+        by_cell = np.empty((len(s), len(self._C)), dtype=complex)
+        by_cell[:, self._order] = (turn * by_charging * s * self._C[:, None]).T
+        by_s = by_cell @ map_of_c / s
+        by_sheets, film = Z + s * by_s, self._film * math.exp(values["contact_resistance"])
+        halves = float(sheets @ [0.5, -0.5] / sheets.sum())
+        slopes = {
+            "sheet_resistance": by_sheets,
+            "sheet_mismatch": halves * by_sheets,
+            "capacitance": s * by_s,
+            "contact_resistance": np.full_like(Z, film),
+            "loss_tangent": by_s * self._turned(values) * 2 * np.pi * self.scene.frequencies,
+            "phase_exponent": by_s * s * np.log(1j * self.scene.frequencies / REFERENCE),
+        }
+        return self._at_meter(Z + film, slopes, by_cell, leads_of(values))
+
+    def _both_sheets(self, values: Mapping[str, float]) -> NDArray[np.float64]:
+        """Resistance of each whole sheet in ohm."""
+        half = values["sheet_mismatch"] / 2
+        return self._sheets * np.exp(values["sheet_resistance"] + np.array([half, -half]))
+
+    def _turned(self, values: Mapping[str, float]) -> NDArray[np.complex128]:
+        """(j f / REFERENCE)^(a - 1)."""
+        f = 1j * self.scene.frequencies / REFERENCE
+        return f ** (values["phase_exponent"] - 1)
+
+    def _at_meter(
+        self,
+        Z: NDArray[np.complex128],
+        slopes: Mapping[str, NDArray[np.complex128]],
+        by_cell: NDArray[np.complex128],
+        leads: Leads,
+    ) -> Response:
+        """Behind the leads, alike at every interface."""
+        omega = 2j * np.pi * self.scene.frequencies
+        seen = 1 / (1 + omega * leads.stray_capacitance * Z) ** 2
+        by_parameter = {name: seen * slope for name, slope in slopes.items()}
+        by_parameter["lead_resistance"] = np.ones_like(Z)
+        by_parameter["lead_inductance"] = omega
+        by_parameter["stray_capacitance"] = -omega * Z**2 * seen
+        times = len(self.scene.interfaces)
+        return Response(
+            np.tile(leads.seen_through(Z, self.scene.frequencies), (times, 1)),
+            {name: np.tile(slope, (times, 1)) for name, slope in by_parameter.items()},
+            np.tile(seen[:, None] * by_cell, (times, 1, 1)),
+            np.zeros((times, len(Z), 0), dtype=complex),
+        )
+
+
+def chain(
+    R: NDArray[np.float64], C: NDArray[np.float64], s: NDArray[np.complex128]
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Y in S of segments in series, open at the far end, and its slopes to each segment's s C.
+
+    R in ohm and C in F from the fed end on, shape (segment,); s in rad/s. Shapes (s,) and
+    (segment, s). A segment shows Y = (Y' + p T) / (1 + Y' R T), p = s C, T = tanh(q)/q, q² = R p.
+    """
+    Y, slopes = np.zeros(s.shape, dtype=complex), np.zeros((len(R), *s.shape), dtype=complex)
+    for k in range(len(R) - 1, -1, -1):
+        p = s * C[k]
+        T, dT = tanh_ratio(R[k] * p), R[k] * tanh_ratio_slope(R[k] * p)
+        top, bottom = Y + p * T, 1 + Y * R[k] * T
+        slopes[k + 1 :] *= (bottom - top * R[k] * T) / bottom**2
+        slopes[k] = ((T + p * dT) * bottom - top * Y * R[k] * dT) / bottom**2
+        Y = top / bottom
+    return Y, slopes
+
+
+def tanh_ratio_slope(z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """d(tanh q / q)/dz for q² = z: (1 - T - z T²) / (2 z), by its Taylor series about 0."""
+    small = np.abs(z) < SMALL
+    away, T = np.where(small, 1, z), tanh_ratio(z)
+    return np.where(small, np.polyval(TAYLOR, np.where(small, z, 0)), (1 - T - z * T**2) / 2 / away)

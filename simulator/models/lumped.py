@@ -1,0 +1,132 @@
+"""One resistor and one capacitor: the low-frequency limit of any press on any skin.
+
+Z(s) = 1/(s C) + R_lf + z_1 s + z_2 s² + ..., of which the first two terms are the model. Z is a sum
+of poles on s <= 0 with residues >= 0, so what is left out is never larger than its next terms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..fem.circuit import Drive
+from ..fem.galerkin import Galerkin
+from ..fem.network import allowed_potentials
+from ..press.press import Press
+from ..scene.frequency import laplace_variable, penetration_depth
+from ..scene.scene import Scene
+from ..sweeps import InputError, parallel_capacitance
+from .sheet import Sheet
+
+
+@dataclass(frozen=True)
+class Series:
+    """Z(s) = 1/(s C) + R + first s + second s² + ... of one interface; F, ohm, ohm s, ohm s²."""
+
+    C: float
+    R: float
+    first: float
+    second: float
+
+
+class Lumped:
+    """A scene as one R and one C at each interface, with a bound of what that leaves out."""
+
+    def __init__(self, sheet: Sheet, space: Galerkin | None = None) -> None:
+        """space: that of the sheet which gives R and C, its finest one by default.
+
+        `series` raises InputError where an interface is no capacitor at zero frequency.
+        """
+        self.scene, self._sheet, self._space = sheet.scene, sheet, space or sheet.space
+        self._series: dict[Press, list[Series]] = {}
+
+    def impedance(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Z in ohm, shape (interface, frequency); frequency in Hz."""
+        s = laplace_variable(frequency, self.scene.skin.foam.loss)
+        return np.stack([1 / (s * term.C) + term.R for term in self.series(press)])
+
+    def bounds(
+        self, press: Press, frequency: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Largest possible error of Rs in ohm and Cp in F, shapes (interface, frequency).
+
+        Of the truncation; the discretisation of R and C is not part of it.
+        """
+        s = laplace_variable(frequency, self.scene.skin.foam.loss)
+        Rs, Cp = zip(*(_bounds(term, s, frequency) for term in self.series(press)), strict=True)
+        return np.stack(Rs), np.stack(Cp)
+
+    def left_out(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The bounds as fractions of Rs and Cp, shape (2, interface, frequency)."""
+        Z = self.impedance(press, frequency)
+        Rs, Cp = self.bounds(press, frequency)
+        return np.stack([Rs / Z.real, Cp / parallel_capacitance(Z, frequency)])
+
+    def series(self, press: Press) -> list[Series]:
+        """The expansion at low frequency, one for each interface."""
+        if press not in self._series:
+            moments = self._space.moments(self._sheet.mass(press), 4)
+            field, drives = self._space.terminal_field, self._sheet.circuit.drives
+            self._series = {press: [_series(moments, field, drive) for drive in drives]}
+        return self._series[press]
+
+
+def least_left_out(scene: Scene) -> float:
+    """What one R and one C leave out of Cp at the highest frequency, where they do it least.
+
+    That is a skin fed at both ends of its shorter side: two lines of u = omega R c (side / 2)².
+    Of such a line Cp = C (1 - 2 u² / 15), and of R = R_line / 3 and C in series C (1 - u² / 9).
+    """
+    skin = scene.skin
+    sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
+    depth = penetration_depth(
+        scene.frequencies[-1], sheets, skin.foam.rest_capacitance_per_area, skin.foam.loss
+    )
+    u = 2 * (min(skin.length, skin.width) / 2 / depth) ** 2
+    return min(1.0, u**2 / 45)
+
+
+def _bounds(
+    term: Series, s: NDArray[np.complex128], frequency: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Next terms of the series, or the range that Rs in [0, R] and Cp in [0, C] leave."""
+    size = np.abs(s)
+    Z = 1 / (s * term.C) + term.R
+    Rs_error = np.minimum(abs(term.first) * s.real + term.second * size**2, term.R)
+    Z_error = abs(term.first) * size
+    Y_error = np.divide(
+        Z_error,
+        np.abs(Z) * (np.abs(Z) - Z_error),
+        out=np.full(size.shape, np.inf),
+        where=np.abs(Z) > Z_error,
+    )
+    Cp = parallel_capacitance(Z, frequency)
+    Cp_error = np.minimum(Y_error / (2 * np.pi * frequency), np.maximum(term.C - Cp, Cp))
+    return Rs_error, Cp_error
+
+
+def _series(moments: NDArray[np.float64], field: NDArray[np.int64], drive: Drive) -> Series:
+    modes, common = allowed_potentials(tuple(field.tolist()), drive)
+    if not common[0] or common[1:].any():
+        raise InputError("the lumped model needs an interface between the two sheets, both driven")
+    Y = modes.T @ moments @ modes
+    y = _without_floating(Y)
+    C = y[1]
+    R = -y[2] / C**2
+    first = (y[2] ** 2 / C - y[3]) / C**2
+    second = (-(y[2] ** 3) / C**2 + 2 * y[2] * y[3] / C - y[4]) / C**2
+    return Series(C, R, first, second)
+
+
+def _without_floating(Y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Coefficients of Y_00 - Y_0f Y_ff^-1 Y_f0 from those of Y, shape (power of s,)."""
+    orders = len(Y)
+    X = np.zeros((orders, Y.shape[1] - 1))
+    for k in range(1, orders):
+        known = Y[k, 1:, 0] - sum(Y[i, 1:, 1:] @ X[k - i] for i in range(1, k))
+        X[k] = np.linalg.solve(Y[0, 1:, 1:], known)
+    return np.array(
+        [Y[k, 0, 0] - sum(Y[i, 0, 1:] @ X[k - i] for i in range(1, k)) for k in range(orders)]
+    )

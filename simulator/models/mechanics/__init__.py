@@ -1,0 +1,1 @@
+"""From depth or force of a press to the strain of the foam."""

@@ -1,0 +1,157 @@
+"""The deflection under a press to a tolerance: triangles refined until its elements hold it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...press.press import Press
+from ...press.touch import Depth
+from ...scene.foam_mechanics import Mechanics
+from ...sweeps import InputError
+from ...sweeps.errors import ToleranceError
+from .contact import Pushed, Rest, above, at_rest, deepest, held_by
+from .ground import Ground
+from .membrane import ELEMENT, Membrane, Surface, tails
+from .pressed import check_reached
+
+SAFETY = 5.0
+"""Error of the factor over what the highest order alone holds of it: 4.7 at the point of a narrow
+polygon, less at right angles and where all is smooth."""
+SHRINKS = 2 ** (-2 / 3)
+"""The error at the corner of a square, where w grows like r^(2/3), as its triangles are halved."""
+OF_TAIL = 0.1
+"""Mean error of w in a triangle over the largest that the highest order alone holds of it there. Of
+presses up to the closing of the cells its size was 0.05 to 0.14 of that, itself 0.006 to 0.034."""
+MOST_AT_ONCE = 8
+HALF_AGAIN = 2.0
+"""Of the tolerance: what the largest error counts as where the first triangles hold it already."""
+MOST_TRIANGLES = 60_000
+LEAST_ALONG = 4
+"""Triangles for every length of the skins' spread along an applicator's edge."""
+TOO_FINE = (
+    f"the press needs more than {MOST_TRIANGLES} triangles at this tolerance; a tension that "
+    "spreads it by next to nothing may be set to 0"
+)
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A deflection, where and how what holds it pushes, and how little is known of it.
+
+    error: of the factor, relatively, anywhere. unsure: of the deflection in m, averaged over each
+    triangle, shape (triangle,).
+    """
+
+    surface: Surface
+    rest: Rest
+    error: float
+    unsure: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class _Level:
+    ground: Ground
+    membrane: Membrane
+    held: NDArray[np.int64]
+    rest: Rest
+    refined: bool
+
+    @property
+    def surface(self) -> Surface:
+        """Its deflection anywhere."""
+        return Surface(ELEMENT, self.ground.mesh.p, self.membrane.nodes, self.rest.w)
+
+
+def solved(
+    press: Press, ground: Ground, mechanics: Mechanics, thickness: float, rtol: float
+) -> Solved:
+    """The deflection by a press's applicators, within `rtol` of the factor anywhere.
+
+    Raises InputError where one of given force meets another, ToleranceError where `rtol` is out of
+    reach.
+    """
+    pushed = _pushed(press)
+    _check_apart(press, ground, pushed)
+    _check_length(ground, mechanics, thickness)
+    pressing = _Pressing(mechanics, thickness, pushed)
+    level = pressing.level(ground)
+    while True:
+        check_reached(press, level.rest.depth, mechanics, thickness)
+        found = SAFETY * pressing.relative(level)
+        if not (found > rtol).any():
+            if level.refined:
+                unsure = OF_TAIL * tails(level.membrane, level.rest.w)
+                return Solved(level.surface, level.rest, float(found.max()), unsure)
+            found *= HALF_AGAIN * rtol / found.max()
+        level = pressing.level(_refined(level.ground, found / rtol), level.surface)
+
+
+def _refined(ground: Ground, excess: NDArray[np.float64]) -> Ground:
+    """Finer where an error exceeds its target, and at corners as often as they are to shrink it."""
+    worst = excess[ground.cornered].max(initial=0.0)
+    finer = ground.refined(excess > 1)
+    for _ in range(_times(worst)):
+        finer = finer.refined(finer.cornered)
+    return finer
+
+
+@dataclass(frozen=True)
+class _Pressing:
+    """Applicators pushed into foam with these mechanics and thickness [m]."""
+
+    mechanics: Mechanics
+    thickness: float
+    pushed: Pushed
+
+    def level(self, ground: Ground, start: Surface | None = None) -> _Level:
+        if ground.mesh.nelements > MOST_TRIANGLES:
+            raise ToleranceError(TOO_FINE)
+        tension = self.mechanics.tension
+        membrane = Membrane(ground.mesh, tension, self.thickness, self.mechanics.elastic)
+        under = above(membrane.nodes, len(membrane.places.T), ground.covered)
+        first = np.zeros(under.shape[1]) if start is None else start(membrane.places)
+        held = held_by(membrane, tension, deepest(under, self.pushed), self.pushed, first)
+        rest = at_rest(membrane, held, self.pushed, first)
+        return _Level(ground, membrane, held, rest, start is not None)
+
+    def relative(self, level: _Level) -> NDArray[np.float64]:
+        """Tails as relative changes of the factor, shape (triangle,)."""
+        strain = level.rest.w[level.membrane.nodes].max(axis=0) / self.thickness
+        moved = tails(level.membrane, level.rest.w)
+        return moved / self.thickness * self.mechanics.gain(strain)
+
+
+def _times(excess: float) -> int:
+    """How often more to halve triangles at corners that exceed the target by so much."""
+    if excess <= 1:
+        return 0
+    return min(MOST_AT_ONCE, math.ceil(math.log(excess) / -math.log(SHRINKS)) - 1)
+
+
+def _pushed(press: Press) -> Pushed:
+    by = [touch.by for touch in press.indented]
+    depth = [each.value if isinstance(each, Depth) else np.nan for each in by]
+    force = [np.nan if isinstance(each, Depth) else each.value for each in by]
+    return Pushed(np.array(depth), np.array(force))
+
+
+def _check_length(ground: Ground, mechanics: Mechanics, thickness: float) -> None:
+    spread = math.sqrt(mechanics.tension * thickness / mechanics.young)
+    if LEAST_ALONG * ground.edges > MOST_TRIANGLES * spread:
+        raise ToleranceError(TOO_FINE)
+
+
+def _check_apart(press: Press, ground: Ground, pushed: Pushed) -> None:
+    t = ground.domain.t
+    under = above(t, int(t.max()) + 1, ground.covered)
+    for each in pushed.by_force:
+        others = np.delete(under, each, axis=0)
+        if (under[each] & others).any():
+            raise InputError(
+                f"press {press}: touches of a given force must lie apart from the others; "
+                "join those that meet in one poly with the sum of their forces"
+            )

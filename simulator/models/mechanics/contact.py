@@ -1,0 +1,195 @@
+"""Applicators on the membrane at rest: which points they hold, and by which force."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csr_matrix
+from scipy.sparse.linalg import splu
+
+from ...sweeps.errors import ToleranceError
+from .membrane import Membrane, Net
+
+STILL = 1e-12
+"""Of the deflection: steps that are but rounding where much tension outweighs the foam."""
+
+SETTLED = 1e-10
+"""What is left at free nodes over the largest that holds a node, both N."""
+
+SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0}
+MOST_STEPS = 100
+SUFFICIENT = 1e-4
+ROUNDING = 1e-13
+
+
+class Body(Protocol):
+    """What has an energy, and is at rest where it is least."""
+
+    thickness: float
+
+    def residual(self, w: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def tangent(self, w: NDArray[np.float64]) -> csr_matrix: ...
+    def energy(self, w: NDArray[np.float64]) -> float: ...
+
+
+@dataclass(frozen=True)
+class Pushed:
+    """What applicators do: depth [m] of each, nan where it is pushed by `force` [N] instead."""
+
+    depth: NDArray[np.float64]
+    force: NDArray[np.float64]
+
+    @property
+    def by_force(self) -> NDArray[np.int64]:
+        """Numbers of the applicators of given force."""
+        return np.flatnonzero(np.isnan(self.depth))
+
+
+@dataclass(frozen=True)
+class Rest:
+    """Deflection w [m] (node,), and depth [m] and force [N] of each applicator."""
+
+    w: NDArray[np.float64]
+    depth: NDArray[np.float64]
+    force: NDArray[np.float64]
+
+
+def at_rest(
+    body: Body, held: NDArray[np.int64], pushed: Pushed, start: NDArray[np.float64]
+) -> Rest:
+    """Least energy less the work of given forces, by damped Newton steps from deflections `start`.
+
+    held: (node,) number of the applicator that holds each node, -1 where none does. Nodes that one
+    of given force holds move as one, and what holds them adds up to that force.
+    """
+    turn, fixed = _freedoms(held, pushed)
+    q = _first(start, held, pushed)
+    work, count = np.zeros_like(q), len(pushed.by_force)
+    work[len(q) - count :] = pushed.force[pushed.by_force]
+    for _ in range(MOST_STEPS):
+        w = turn @ q + fixed
+        reaction = body.residual(w)
+        downhill = work - turn.T @ reaction
+        if np.abs(downhill).max(initial=0.0) <= SETTLED * np.abs(reaction).max():
+            return _rest(w, reaction, held, pushed, q[len(q) - count :])
+        stiffness = (turn.T @ body.tangent(w) @ turn).tocsc()
+        step = splu(stiffness, options={"SymmetricMode": True}, **SYMMETRIC).solve(downhill)
+        if np.abs(step).max() <= STILL * np.abs(q).max():
+            return _rest(w, reaction, held, pushed, q[len(q) - count :])
+        q = q + _damped(body, turn, fixed, work, q, step, float(downhill @ step)) * step
+    raise ToleranceError("the press did not come to rest: its depth or force is too great")
+
+
+def _freedoms(held: NDArray[np.int64], pushed: Pushed) -> tuple[csr_matrix, NDArray[np.float64]]:
+    """w = turn q + fixed, q the free nodes, then the depths of applicators of given force."""
+    free = np.flatnonzero(held < 0)
+    rank = np.full(len(pushed.depth), -1)
+    rank[pushed.by_force] = len(free) + np.arange(len(pushed.by_force))
+    carried = np.flatnonzero((held >= 0) & np.isnan(pushed.depth)[held])
+    rows = np.concatenate([free, carried])
+    columns = np.concatenate([np.arange(len(free)), rank[held[carried]]])
+    shape = (len(held), len(free) + len(pushed.by_force))
+    turn = coo_array((np.ones(len(rows)), (rows, columns)), shape=shape)
+    fixed = np.where(held < 0, 0.0, np.nan_to_num(pushed.depth)[held])
+    return csr_matrix(turn), fixed
+
+
+def _first(
+    start: NDArray[np.float64], held: NDArray[np.int64], pushed: Pushed
+) -> NDArray[np.float64]:
+    depths = [start[held == each].max(initial=0.0) for each in pushed.by_force]
+    return np.concatenate([start[held < 0], depths])
+
+
+def _damped(
+    body: Body,
+    turn: csr_matrix,
+    fixed: NDArray[np.float64],
+    work: NDArray[np.float64],
+    q: NDArray[np.float64],
+    step: NDArray[np.float64],
+    descent: float,
+) -> float:
+    """The part of a Newton step that lowers the energy enough: halved until it does."""
+
+    def height(at: NDArray[np.float64]) -> float:
+        return body.energy(turn @ at + fixed) - float(work @ at)
+
+    here, part = height(q), 1.0
+    slack = ROUNDING * (abs(here) + abs(float(work @ q)))
+    while height(q + part * step) > here - SUFFICIENT * part * descent + slack:
+        part /= 2
+    return part
+
+
+def _rest(
+    w: NDArray[np.float64],
+    reaction: NDArray[np.float64],
+    held: NDArray[np.int64],
+    pushed: Pushed,
+    found: NDArray[np.float64],
+) -> Rest:
+    depth = pushed.depth.copy()
+    depth[pushed.by_force] = found
+    force = [reaction[held == each].sum() for each in range(len(depth))]
+    return Rest(w, depth, np.array(force))
+
+
+MOST_CHANGES = 200
+CLOSE = 1e-6
+SAME = 1e-12
+"""Of the foam's thickness, deflections that are one."""
+
+
+def above(nodes: NDArray[np.int64], count: int, covered: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(applicator, node): which applicators lie on which nodes, edges included."""
+    found = np.zeros((len(covered), count), bool)
+    for under, triangles in zip(found, covered, strict=True):
+        under[nodes[:, triangles]] = True
+    return found
+
+
+def deepest(under: NDArray[np.bool_], pushed: Pushed) -> NDArray[np.int64]:
+    """(node,): the deepest applicator on each node, -1 where there is none.
+
+    Applicators of given force must share no node with another.
+    """
+    depth = np.where(under, np.nan_to_num(pushed.depth)[:, None], -1.0)
+    return np.where(under.any(axis=0), depth.argmax(axis=0), -1)
+
+
+def held_by(
+    membrane: Membrane,
+    tension: float,
+    most: NDArray[np.int64],
+    pushed: Pushed,
+    start: NDArray[np.float64],
+) -> NDArray[np.int64]:
+    """(node,): the applicator that holds each node, of those that `most` says could, or -1.
+
+    start: deflections near those searched for, m.
+    """
+    if len(pushed.depth) < 2:
+        return most
+    net, w = Net(membrane, tension), start
+    held = np.where(start > _depths(start, most, pushed)[most] + CLOSE * net.thickness, -1, most)
+    for _ in range(MOST_CHANGES):
+        rest = at_rest(net, held, pushed, w)
+        w, reaction = rest.w, net.residual(rest.w)
+        reaches = (most >= 0) & (w < rest.depth[most] - SAME * net.thickness)
+        stays = np.where(held >= 0, reaction > 0, reaches)
+        changed = np.where(stays, most, -1)
+        if np.array_equal(changed, held):
+            return held
+        held = changed
+    raise ToleranceError("the press did not come to rest: its touches neither hold nor let go")
+
+
+def _depths(
+    start: NDArray[np.float64], most: NDArray[np.int64], pushed: Pushed
+) -> NDArray[np.float64]:
+    least = [start[most == each].min(initial=np.inf) for each in range(len(pushed.depth))]
+    return np.where(np.isnan(pushed.depth), least, pushed.depth)

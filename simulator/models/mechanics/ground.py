@@ -1,0 +1,122 @@
+"""Triangles of the skin that conform to applicators, and which of these lie on each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+from skfem import MeshTri
+
+from ...mesh.domain import Domain, polygon_of, polygonal, shape_of
+from ...mesh.refinement import refined
+from ...mesh.skin_mesh import domain
+from ...press.press import Press
+from ...press.touch import Disc, Place, Touch
+from ...scene.outline import Curve
+from ...scene.planar import Circle, regular
+from ...scene.scene import Scene
+from ...sweeps import InputError
+
+COARSEST = 8
+"""Triangles along the longer side of the skin, before any are refined."""
+RIM_SIDES = 512
+"""Of the polygon that a circle of the outline is to the membrane, which hardly reaches it."""
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The skin under applicators.
+
+    pixel: (applicator,) number of the pixel that it is, -1 where it is one of the domain's touches,
+    in order. sharp: (2, corner) corners of applicators, m. edges: around all of these, m.
+    """
+
+    domain: Domain
+    pixel: NDArray[np.int64]
+    sharp: NDArray[np.float64]
+    edges: float
+
+    @cached_property
+    def mesh(self) -> MeshTri:
+        """As scikit-fem takes it."""
+        return MeshTri(np.ascontiguousarray(self.domain.p), np.ascontiguousarray(self.domain.t))
+
+    @cached_property
+    def covered(self) -> NDArray[np.bool_]:
+        """(applicator, triangle)."""
+        found = np.equal.outer(self.pixel, self.domain.pixel)
+        found[self.pixel < 0] = self.domain.covered
+        return found
+
+    @cached_property
+    def cornered(self) -> NDArray[np.bool_]:
+        """(triangle,): those with a corner of an applicator for a point."""
+        if not self.sharp.size:
+            return np.zeros(self.domain.t.shape[1], bool)
+        points = KDTree(self.domain.p.T).query(self.sharp.T)[1]
+        return np.any(np.isin(self.domain.t, points), axis=0)
+
+    def refined(self, marked: NDArray[np.bool_]) -> Ground:
+        """The same with the marked triangles halved each way."""
+        return replace(self, domain=refined(self.domain, np.flatnonzero(marked)))
+
+
+def ground(scene: Scene, places: Sequence[Place]) -> Ground:
+    """The skin of a scene under applicators of the shapes of `places`.
+
+    Raises InputError where it is no plane, or a place lies beside it.
+    """
+    size = max(scene.skin.length, scene.skin.width) / COARSEST
+    apart = tuple(place for place in places if not isinstance(place, Touch))
+    found = domain(scene, Press(apart), size)
+    if len(found.p) > 2:
+        raise InputError(
+            f"skin.mesh {scene.skin.mesh}: must lie in a plane for depth and force of a press"
+        )
+    columns = scene.pixels.columns
+    pixel = [(p.row - 1) * columns + p.column - 1 if isinstance(p, Touch) else -1 for p in places]
+    shapes = [shape_of(scene, place) for place in places]
+    angular = [shape for shape in shapes if not isinstance(shape, Circle)]
+    sharp = np.concatenate([np.zeros((0, 2)), *angular]).T
+    laid = Ground(found, np.array(pixel), sharp, sum(map(_around, shapes)))
+    for place, covered in zip(places, laid.covered, strict=True):
+        if not covered.any():
+            raise InputError(f"press {place.where}: must touch the skin of {scene.name}")
+    return laid
+
+
+def straight_ground(scene: Scene, places: Sequence[Place], sides: int) -> Ground:
+    """The same of straight triangles: a disc is a polygon of so many sides and of the same area.
+
+    Its corners are so blunt that they count as none.
+    """
+    laid = ground(_angular(scene), [polygonal(place, sides) for place in places])
+    angular = [polygon_of(scene, place) for place in places if not isinstance(place, Disc)]
+    return replace(laid, sharp=np.concatenate([np.zeros((0, 2)), *angular]).T)
+
+
+def _angular(scene: Scene) -> Scene:
+    """With polygons for the circles of its outline."""
+    outline = scene.skin.outline
+    if outline is None:
+        return scene
+    holes = tuple(Curve(points=_sides(hole)) for hole in outline.holes)
+    changed = {"points": _sides(outline), "circle": None, "holes": holes}
+    skin = scene.skin.model_copy(update={"outline": outline.model_copy(update=changed)})
+    return scene.model_copy(update={"skin": skin})
+
+
+def _sides(curve: Curve) -> tuple[tuple[float, float], ...] | None:
+    if curve.circle is None:
+        return curve.points
+    return tuple((x, y) for x, y in regular(*curve.circle, RIM_SIDES).tolist())
+
+
+def _around(shape: Circle | NDArray[np.float64]) -> float:
+    if isinstance(shape, Circle):
+        return 2 * np.pi * shape.radius
+    return float(np.linalg.norm(shape - np.roll(shape, 1, axis=0), axis=1).sum())

@@ -1,0 +1,86 @@
+"""From depth or force of a press to the foam's strain and the factor on its capacitance.
+
+Electrode skins of tension T lie on foam of thickness d as on an elastic foundation (a Winkler
+foundation with a Pasternak layer): div(T grad w) = p(w/d). Rigid flat applicators hold them at
+their depth; beside these the deflection falls off over the length sqrt(T d / E).
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...mesh.domain import polygon_of, polygonal
+from ...press.press import Press, check_press
+from ...press.touch import Disc
+from ...scene.foam_mechanics import Mechanics
+from ...scene.scene import Scene
+from .pressed import Pressed, check_depths
+from .stamps import stamped
+
+DISC_SIDES = 128
+"""Of the polygon of the same area that a disc is to the membrane."""
+OUT_OF_ROUND = 0.02 * (np.pi / DISC_SIDES) ** 3
+"""What that changes of Rs and Cp: it falls with the cube of the sides; a third of it was seen, all
+of it far above cut-off."""
+
+__all__ = ["Pressed", "pressed"]
+
+
+def pressed(scene: Scene, press: Press, rtol: float) -> Pressed:
+    """What the touches of given depth or force do, the factor within `rtol` relatively, anywhere.
+
+    Raises InputError as `check_press`, where the foam cannot give way so far, where touches of a
+    given force meet others, and where a touch lies beside the skin; ToleranceError where `rtol` is
+    out of reach.
+    """
+    touches = press.indented
+    if not touches:
+        return Pressed(None, 1.0, _flat, (), (), 0.0, (), press)
+    check_press(press, scene)
+    mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
+    assert mechanics is not None and thickness is not None
+    check_depths(press, mechanics, thickness)
+    if not mechanics.tension:
+        return stamped(scene, press, mechanics, thickness)
+    return _spread(scene, press, mechanics, thickness, rtol)
+
+
+def _spread(
+    scene: Scene,
+    press: Press,
+    mechanics: Mechanics,
+    thickness: float,
+    rtol: float,
+) -> Pressed:
+    from .adaptive import solved
+    from .ground import straight_ground
+
+    places = [touch.place for touch in press.indented]
+    kinks = tuple(_closed(polygon_of(scene, polygonal(each, DISC_SIDES))) for each in places)
+    at_first = straight_ground(scene, places, DISC_SIDES)
+    found = solved(press, at_first, mechanics, thickness, rtol)
+    depth, force = tuple(found.rest.depth.tolist()), tuple(found.rest.force.tolist())
+    return Pressed(
+        mechanics,
+        thickness,
+        found.surface,
+        depth,
+        force,
+        found.error,
+        kinks,
+        None,
+        out_of_round=OUT_OF_ROUND * any(isinstance(each, Disc) for each in places),
+        closer=partial(pressed, scene, press),
+        unsure=found.surface.in_triangles(found.unsure),
+    )
+
+
+def _flat(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.zeros(x.shape[1:])
+
+
+def _closed(polygon: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.vstack([polygon, polygon[:1]])

@@ -1,0 +1,96 @@
+"""What a press by depth or force does to the foam, and how far it may go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...press.press import Press
+from ...press.touch import Depth
+from ...scene.foam_mechanics import Mechanics
+from ...scene.planar import Circle
+from ...sweeps import InputError
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """The skin under the touches of a press that have a depth or a force.
+
+    What touches of a given factor add is not in it: they multiply it. thickness: of the foam, m.
+    w: deflection in m at flat positions (2, ...) in m. depth [m], force [N]: of each applicator, in
+    order. error: bound on the relative error of `factor` anywhere. kinks: circles and closed
+    polylines (point, 2) in m, the edges of applicators, across which `factor` has a kink, or jumps
+    where nothing is spread. sharp: there the same press with factors instead, unless applicators
+    overlap, else None. out_of_round: relative error of Rs and Cp by applicators that are polygons
+    in place of discs. unsure: by how much w may be off, m, as w. closer: the same press within
+    another `error`.
+    """
+
+    mechanics: Mechanics | None
+    thickness: float
+    w: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    depth: tuple[float, ...]
+    force: tuple[float, ...]
+    error: float
+    kinks: tuple[Circle | NDArray[np.float64], ...]
+    sharp: Press | None
+    out_of_round: float = 0.0
+    unsure: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
+    closer: Callable[[float], Pressed] | None = None
+
+    def deflection(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of the upper electrode towards the lower at flat positions x (2, ...) in m; m, (...)."""
+        return np.clip(self.w(x), 0.0, max(self.depth, default=0.0))
+
+    def deeper(self, times: float) -> Pressed:
+        """With the deflection larger by so many times what it may be off by."""
+        w, unsure = self.w, self.unsure
+        if unsure is None:
+            return self
+        return replace(self, w=lambda x: w(x) + times * unsure(x))
+
+    def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Compressive strain of the foam at flat positions x (2, ...) in m, shape (...)."""
+        return self.deflection(x) / self.thickness
+
+    def factor(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Capacitance over that at rest at flat positions x (2, ...) in m, shape (...)."""
+        strain = self.strain(x)
+        return np.ones_like(strain) if self.mechanics is None else self.mechanics.factor(strain)
+
+
+def check_depths(press: Press, mechanics: Mechanics, thickness: float) -> None:
+    """Raises InputError where a given depth is beyond what the foam can be compressed to."""
+    for touch in press.indented:
+        if isinstance(touch.by, Depth) and touch.by.value > greatest(mechanics, thickness):
+            raise InputError(
+                f"press {press}: depth must be {_range(mechanics, thickness)}, got {touch.by}"
+            )
+
+
+def check_reached(
+    press: Press, depth: Iterable[float], mechanics: Mechanics, thickness: float
+) -> None:
+    """Raises InputError where a given force would take a deeper press than that."""
+    for touch, reached in zip(press.indented, depth, strict=True):
+        if not reached <= greatest(mechanics, thickness):
+            raise InputError(
+                f"press {press}: force must leave the depth {_range(mechanics, thickness)}, "
+                f"got {touch.by}"
+            )
+
+
+def greatest(mechanics: Mechanics, thickness: float) -> float:
+    """The greatest depth, m."""
+    return mechanics.elastic.greatest_strain * thickness
+
+
+def _range(mechanics: Mechanics, thickness: float) -> str:
+    strain = mechanics.elastic.greatest_strain
+    return (
+        f"<= {strain * thickness:.4g} m, where foam of {thickness:g} m is compressed by "
+        f"{strain:.3g} and its cells are closed"
+    )

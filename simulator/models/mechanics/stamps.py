@@ -1,0 +1,116 @@
+"""Applicators on foam that no tension spreads: each presses what it covers, and nothing else."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import root_scalar
+
+from ...mesh.domain import shape_of
+from ...press.capacitance import touched_box
+from ...press.press import Press, order
+from ...press.touch import Box, Depth, Place, Touch, touch_at
+from ...scene.foam_mechanics import Elastic, Mechanics
+from ...scene.planar import SAME_EDGE, Circle, area, inside
+from ...scene.scene import Scene
+from ...sweeps import InputError
+from .ground import ground
+from .pressed import Pressed, check_reached
+
+ROUNDING = 1e-15
+Shapes = tuple[Circle | NDArray[np.float64], ...]
+"""Circles, and polygons by their corners (corner, 2); m."""
+
+
+def stamped(scene: Scene, press: Press, mechanics: Mechanics, thickness: float) -> Pressed:
+    """A press of which each touch presses what it covers; raises InputError as `pressed`."""
+    places = [touch.place for touch in press.indented]
+    shapes = tuple(shape_of(scene, place) for place in places)
+    boxes = [_box(scene, place) for place in places]
+    apart = not any(meet(one, other) for one, other in combinations(boxes, 2))
+    by_depth = all(isinstance(touch.by, Depth) for touch in press.indented)
+    if not apart and not by_depth:
+        raise InputError(f"press {press}: touches of a given force must lie apart from the others")
+    area = _areas(scene, press, shapes, apart)
+    strain = np.array(
+        [
+            touch.by.value / thickness
+            if isinstance(touch.by, Depth)
+            else strain_at(touch.by.value / own, mechanics.elastic)
+            for touch, own in zip(press.indented, area, strict=True)
+        ]
+    )
+    depth = tuple((strain * thickness).tolist())
+    check_reached(press, depth, mechanics, thickness)
+    force = tuple((mechanics.elastic.stress(strain) * area).tolist())
+    sharp = _sharp(press, mechanics.factor(strain)) if apart else None
+    kinks = tuple(each if isinstance(each, Circle) else _closed(each) for each in shapes)
+    w = Stamps(shapes, depth)
+    return Pressed(mechanics, thickness, w, depth, force, 0.0, kinks, sharp)
+
+
+class Stamps:
+    """Deflection [m] by applicators of known depth: of those over a place the deepest counts."""
+
+    def __init__(self, shapes: Shapes, depth: tuple[float, ...]) -> None:
+        self.shapes, self.depth = shapes, depth
+
+    def __call__(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """At flat positions x (2, ...) in m, shape (...)."""
+        found = np.zeros(x.shape[1:])
+        for shape, depth in zip(self.shapes, self.depth, strict=True):
+            within = shape.holds(x) if isinstance(shape, Circle) else inside(shape, x)
+            found = np.maximum(found, np.where(within, depth, 0.0))
+        return found
+
+
+def strain_at(pressure: float, elastic: Elastic) -> float:
+    """Of foam under a pressure in Pa; infinite where that closes its cells."""
+    top = elastic.greatest_strain
+
+    def excess(strain: float) -> float:
+        return float(elastic.stress(np.array(strain))) - pressure
+
+    if excess(top) < 0:
+        return math.inf
+    return float(root_scalar(excess, bracket=(0.0, top), xtol=ROUNDING).root)
+
+
+def meet(one: Box, other: Box) -> bool:
+    """Whether two boxes share more than an edge."""
+    low = np.maximum([one.left, one.bottom], [other.left, other.bottom])
+    high = np.minimum([one.right, one.top], [other.right, other.top])
+    return bool((high - low > SAME_EDGE * np.abs(high)).all())
+
+
+def _box(scene: Scene, place: Place) -> Box:
+    return touched_box(scene, place) if isinstance(place, Touch) else place.box
+
+
+def _closed(polygon: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.vstack([polygon, polygon[:1]])
+
+
+def _areas(scene: Scene, press: Press, shapes: Shapes, apart: bool) -> NDArray[np.float64]:
+    """Of the skin that each applicator presses, m²; where they overlap that of the deepest."""
+    if apart and scene.skin.outline is None and scene.skin.mesh is None:
+        return np.array(
+            [
+                np.pi * each.radius**2 if isinstance(each, Circle) else abs(area(each))
+                for each in shapes
+            ]
+        )
+    under = ground(scene, [touch.place for touch in press.indented])
+    depth = [touch.by.value if isinstance(touch.by, Depth) else 1.0 for touch in press.indented]
+    holds = np.where(under.covered, np.array(depth)[:, None], 0.0).argmax(axis=0)
+    alone = under.covered & (holds == np.arange(len(depth))[:, None])
+    return alone @ under.domain.areas
+
+
+def _sharp(press: Press, factor: NDArray[np.float64]) -> Press:
+    """The press with factors in place of depths and forces."""
+    by_factor = [touch_at(t.place, float(f)) for t, f in zip(press.indented, factor, strict=True)]
+    return Press(tuple(sorted([*press.sharp.touches, *by_factor], key=order)))

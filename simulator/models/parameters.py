@@ -1,0 +1,163 @@
+"""What can differ from a scene by a number: its parameters, and a skin that differs so."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.frequency import Loss
+from ..scene.meter import Leads
+from ..scene.scene import Scene
+from ..scene.skin import Foam
+from ..sweeps import InputError
+
+WAVES = ((0, 0), (1, 0), (0, 1), (1, 1))
+"""Half waves along x and along y of the modes of a sheet's conductance; the first is its mean."""
+
+
+@dataclass(frozen=True)
+class Variation:
+    """Factors on what a scene says of its skin.
+
+    top, bottom: coefficients of `mode_values` in conductance over nominal, shape (mode,), 1 and
+    zeros for the scene's own. films: conductance of each contact's resistance over nominal, shape
+    (contact,); nothing at ideal ones. capacitance: of the foam at rest over nominal, shape (rows,
+    columns). loss: as it is, not a factor.
+    """
+
+    top: NDArray[np.float64]
+    bottom: NDArray[np.float64]
+    films: NDArray[np.float64]
+    capacitance: NDArray[np.float64]
+    loss: Loss
+
+    @property
+    def alike(self) -> bool:
+        """Whether both sheets vary over the skin in the same way."""
+        top, bottom = self.top / self.top[0], self.bottom / self.bottom[0]
+        return bool(np.allclose(top, bottom, rtol=1e-12, atol=1e-12))
+
+
+def nominal(scene: Scene, modes: int = 1) -> Variation:
+    """The scene as it stands."""
+    uniform = np.eye(1, modes).ravel()
+    return Variation(
+        uniform,
+        uniform,
+        np.ones(len(scene.contacts)),
+        np.ones((scene.pixels.rows, scene.pixels.columns)),
+        scene.skin.foam.loss,
+    )
+
+
+def mode_values(scene: Scene, x: NDArray[np.float64], modes: int) -> NDArray[np.float64]:
+    """cos(pi i x / L) cos(pi j y / W) for the first of WAVES, shape (mode, ...).
+
+    x: positions in m, shape (2, ...). Raises InputError for more modes than there are.
+    """
+    if not 1 <= modes <= len(WAVES):
+        raise InputError(f"`modes` must be between 1 and {len(WAVES)}, got {modes}")
+    along, across = np.pi * x[0] / scene.skin.length, np.pi * x[1] / scene.skin.width
+    return np.stack([np.cos(i * along) * np.cos(j * across) for i, j in WAVES[:modes]])
+
+
+FACTORS = {
+    "sheet_resistance": "both sheets' resistance",
+    "sheet_mismatch": "the top sheet's resistance over the bottom's",
+    "capacitance": "capacitance of all the foam",
+    "contact_resistance": "resistance of all contacts",
+}
+"""Parameters counted by the logarithm of a factor on the scene's own value."""
+
+VALUES = {
+    "loss_tangent": "(tan d)",
+    "phase_exponent": "(1: ideal)",
+    "lead_resistance": "ohm",
+    "lead_inductance": "H",
+    "stray_capacitance": "F",
+}
+"""Parameters counted as they are, and their units."""
+
+PARAMETERS = (*FACTORS, *VALUES)
+
+
+def own_values(scene: Scene) -> dict[str, float]:
+    """The scene's own parameters."""
+    foam, leads = scene.skin.foam, scene.leads
+    values = (
+        foam.loss_tangent,
+        foam.phase_exponent,
+        leads.resistance,
+        leads.inductance,
+        leads.unguarded,
+    )
+    return dict.fromkeys(FACTORS, 0.0) | dict(zip(VALUES, values, strict=True))
+
+
+def all_values(scene: Scene, given: Mapping[str, float] | None) -> dict[str, float]:
+    """Those given, and the scene's own for the others. Raises InputError for an unknown name."""
+    for name in given or {}:
+        if name not in PARAMETERS:
+            raise InputError(f"`parameter` must be one of {', '.join(PARAMETERS)}, got {name!r}")
+    return own_values(scene) | dict(given or {})
+
+
+def loss_of(values: Mapping[str, float]) -> Loss:
+    """The foam's losses."""
+    return Loss(values["loss_tangent"], values["phase_exponent"])
+
+
+def leads_of(values: Mapping[str, float]) -> Leads:
+    """The leads."""
+    return Leads(
+        resistance=values["lead_resistance"],
+        inductance=values["lead_inductance"],
+        stray_capacitance=values["stray_capacitance"],
+    )
+
+
+def variation_of(scene: Scene, values: Mapping[str, float]) -> Variation:
+    """The skin, as factors on the scene's: half of a mismatch of sheets up, half of it down."""
+    common, half = math.exp(-values["sheet_resistance"]), values["sheet_mismatch"] / 2
+    return Variation(
+        top=np.array([common * math.exp(-half)]),
+        bottom=np.array([common * math.exp(half)]),
+        films=np.full(len(scene.contacts), math.exp(-values["contact_resistance"])),
+        capacitance=np.full(
+            (scene.pixels.rows, scene.pixels.columns), math.exp(values["capacitance"])
+        ),
+        loss=loss_of(values),
+    )
+
+
+def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
+    """The scene with these parameters. Raises InputError for an unknown name."""
+    values = all_values(scene, given)
+    skin, half = scene.skin, values["sheet_mismatch"] / 2
+    sheets = {
+        name: sheet.model_copy(
+            update={
+                "sheet_resistance": sheet.sheet_resistance
+                * math.exp(values["sheet_resistance"] + turn)
+            }
+        )
+        for name, sheet, turn in (("top", skin.top, half), ("bottom", skin.bottom, -half))
+    }
+    foam = Foam(
+        capacitance_per_area=skin.foam.rest_capacitance_per_area * math.exp(values["capacitance"]),
+        loss_tangent=values["loss_tangent"],
+        phase_exponent=values["phase_exponent"],
+    )
+    film = math.exp(values["contact_resistance"])
+    contacts = tuple(
+        contact.model_copy(update={"resistance": contact.resistance * film})
+        for contact in scene.contacts
+    )
+    changed = skin.model_copy(update={**sheets, "foam": foam})
+    return scene.model_copy(
+        update={"skin": changed, "contacts": contacts, "leads": leads_of(values)}
+    )

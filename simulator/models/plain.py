@@ -1,0 +1,149 @@
+"""The plain scene that a stretched, bent or evenly mapped one is electrically.
+
+A uniform stretch of an isotropic rectangle leaves a rectangle: its sides grow, the sheets'
+resistance R' = R J^(p / (1 - p)) and the foam's capacitance per area c' = c0 J^(q / (1 - q)) are
+uniform again (see `materials`), and contact resistance times length of contact line is taken to
+stay. Bending to a cylinder changes no length at all. Maps of one factor are factors.
+
+Places in m of a press are those of the skin at rest, so they move with it: `electrical_press`. What
+is no pixel or rectangle has no plain scene: it is solved as it is on the flat skin at rest, with
+the coefficients of `materials`.
+"""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+from ..press.press import Press
+from ..press.touch import AnyTouch, Rectangle, Touch
+from ..scene.scene import Scene
+from ..scene.skin import Foam, Sheet, Skin
+from ..sweeps import InputError
+
+Part = TypeVar("Part", Sheet, Foam)
+
+
+def electrical(scene: Scene) -> Scene:
+    """The scene with all folded in that a plain scene can hold.
+
+    Even maps and directions of no preference always are, and bending to a cylinder; a stretch where
+    nothing else is left that is not plain. A plain scene is returned as it is.
+    """
+    even = _evened(scene)
+    skin = even.skin
+    if skin.stretch is None:
+        return even
+    unstretched = even.model_copy(update={"skin": skin.model_copy(update={"stretch": None})})
+    if not unstretched.plain:
+        return even
+    return even.model_copy(update={"skin": _stretched(skin)})
+
+
+def electrical_press(scene: Scene, press: Press) -> Press | None:
+    """The same press on `electrical(scene)`; None where that is no plain press on a plain scene."""
+    if not (press.plain and electrical(scene).plain):
+        return None
+    ratios = scene.skin.stretch.ratios if scene.skin.stretch else (1.0, 1.0)
+    if ratios == (1.0, 1.0):
+        return press
+    return Press(tuple(_moved(touch, *ratios) for touch in press.touches))
+
+
+def plain_scene(scene: Scene, what: str) -> Scene:
+    """The plain scene that it is electrically, for `what` that takes no other.
+
+    Places in m are those of the skin as it is stretched. Raises InputError as `require_plain` does,
+    and where pixels are pressed by depth or force.
+    """
+    if not scene.press.plain:
+        raise InputError(
+            f"{scene.name}: {what} cannot take `press.depth` or `press.force`: it needs "
+            "`press.capacitance_factor`"
+        )
+    return require_plain(electrical(scene), what)
+
+
+def require_plain(scene: Scene, what: str) -> Scene:
+    """The same scene, for `what` that takes plain scenes only.
+
+    Raises InputError naming the key by which the scene is another one.
+    """
+    key = scene.beyond_plain
+    if key is not None:
+        raise InputError(
+            f"{scene.name}: {what} cannot take `{key}`: it needs uniform sheets and foam on a "
+            "rectangle"
+        )
+    return scene
+
+
+def _evened(scene: Scene) -> Scene:
+    """Without even maps, without directions of no preference, and flat where it only bends."""
+    skin = scene.skin
+    changed = {
+        "top": _without_even_map(_without_idle_direction(skin.top)),
+        "bottom": _without_even_map(_without_idle_direction(skin.bottom)),
+        "foam": _without_even_map(skin.foam),
+        "shape": None if skin.shape is not None and skin.shape.developable else skin.shape,
+    }
+    if all(getattr(skin, name) is part for name, part in changed.items()):
+        return scene
+    return scene.model_copy(update={"skin": skin.model_copy(update=changed)})
+
+
+def _without_idle_direction(sheet: Sheet) -> Sheet:
+    if sheet.anisotropy is None or sheet.anisotropy.ratio != 1:
+        return sheet
+    return sheet.model_copy(update={"anisotropy": None})
+
+
+def _without_even_map(part: Part) -> Part:
+    factor = None if part.map is None else part.map.uniform
+    if factor is None:
+        return part
+    return _times(part, factor).model_copy(update={"map": None})
+
+
+def _times(part: Part, factor: float) -> Part:
+    """With `factor` times the resistance, or times the capacitance per area."""
+    if isinstance(part, Sheet):
+        return part.model_copy(update={"sheet_resistance": part.sheet_resistance * factor})
+    if part.capacitance_per_area is None and part.mechanics is None:
+        assert part.thickness is not None
+        return part.model_copy(update={"thickness": part.thickness / factor})
+    c = part.rest_capacitance_per_area * factor
+    return part.model_copy(update={"capacitance_per_area": c, "relative_permittivity": None})
+
+
+def _stretched(skin: Skin) -> Skin:
+    stretch = skin.stretch
+    assert stretch is not None
+    along, across = stretch.ratios
+    of_sheets, of_foam = ((along * across) ** power for power in stretch.thinning)
+    return skin.model_copy(
+        update={
+            "length": skin.length * along,
+            "width": skin.width * across,
+            "top": _times(skin.top, of_sheets),
+            "bottom": _times(skin.bottom, of_sheets),
+            "foam": _thinned(skin.foam, of_foam),
+            "stretch": None,
+        }
+    )
+
+
+def _thinned(foam: Foam, factor: float) -> Foam:
+    """With `factor` times the capacitance per area, all by its thickness where that is known."""
+    thinner = _times(foam, factor)
+    if foam.thickness is None:
+        return thinner
+    return thinner.model_copy(update={"thickness": foam.thickness / factor})
+
+
+def _moved(touch: AnyTouch, along: float, across: float) -> AnyTouch:
+    match touch:
+        case Rectangle(x, y, width, height, factor):
+            return Rectangle(x * along, y * across, width * along, height * across, factor)
+        case _:
+            assert isinstance(touch, Touch)
+            return touch

@@ -1,0 +1,85 @@
+"""Certificates of many cases at once, as `certificate` gives them one by one.
+
+Potentials of the reduced model come from a few Lanczos steps on small dense matrices, whatever the
+press; their residuals and what K^-1 makes of those are found for all presses of a skin together.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.lanczos import potentials
+from .cases import Case, by_skin
+from .certificate import relative_bound
+from .family import Family
+from .kernel import Feed, Rest, dense_pencil, written_out
+from .model import Reduced, ReducedSkin
+
+KRYLOV_RTOL = 1e-6
+
+
+def bounds(reduced: Reduced, cases: list[Case], s: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Of each case, the largest bound on the relative errors of Rs and Cp. s: rad/s."""
+    found = np.empty(len(cases))
+    for group in by_skin(cases):
+        skin = reduced.skin(cases[group[0]].variation)
+        found[group] = _on_skin(skin, [cases[k] for k in group], s)
+    return found
+
+
+def _on_skin(
+    skin: ReducedSkin, cases: list[Case], s: NDArray[np.complex128]
+) -> NDArray[np.float64]:
+    family, reduced = skin.reduced.family, skin.reduced
+    solved = [_solved(skin, case, feed, s) for case in cases for feed in skin.feeds]
+    u = skin.turn @ np.hstack([each for each, _ in solved])
+    Y = np.stack([each for _, each in solved])
+    potential = reduced.coordinates @ np.hstack([u.real, u.imag])
+    current = family.space.currents(potential, skin.system.sheets, skin.system.films)
+    charge = _charges(family, [case.map_on(reduced.scene) for case in cases], potential)
+    s, (real, imag) = np.tile(s, len(solved)), np.split(charge, 2, axis=1)
+    turned = np.hstack([s.real * real - s.imag * imag, s.real * imag + s.imag * real])
+    residual = current + turned
+    power = (residual * family.space.solve(residual)).sum(axis=0).reshape(2, *Y.shape).sum(axis=0)
+    bound = relative_bound(Y, np.sqrt(2) * power / skin.least_conductance)
+    return bound.max(axis=0).reshape(len(cases), -1).max(axis=1)
+
+
+def _charges(
+    family: Family, maps: list[NDArray[np.float64]], potential: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """M of each map times its own potentials, in C, inside."""
+    own = potential.reshape(len(potential), 2, len(maps), -1)
+    charge = np.empty((family.space.inner, *own.shape[1:]))
+    for k, each in enumerate(maps):
+        mass, here = family.space.restricted(family.mass(each)), own[:, :, k]
+        found = mass @ here.reshape(len(own), -1)
+        charge[:, :, k] = found[: family.space.inner].reshape(-1, 2, own.shape[-1])
+    return charge.reshape(len(charge), -1)
+
+
+def _solved(
+    skin: ReducedSkin, case: Case, feed: Feed, s: NDArray[np.complex128]
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Potentials of one drive at 1 V in the skin's coordinates, shape (N + n, s), and Y in S."""
+    mass = _mass(skin.rest, case.cells, case.rises * skin.rest_factors[case.cells])
+    at_zero = np.zeros(len(mass))
+    at_zero[: len(feed.driven)] = feed.driven
+    for common in feed.common:
+        sheet = np.pad(common, (0, len(mass) - len(common)))
+        at_zero -= sheet * (sheet @ mass @ at_zero) / (sheet @ mass @ sheet)
+    pencil = dense_pencil(mass, feed)
+    at_shifts: Any = s
+    v = potentials(pencil, at_shifts, KRYLOV_RTOL).astype(np.complex128)
+    Y = pencil.admittance + s * (pencil.capacitance + pencil.start @ v)
+    return at_zero[:, None] + v, Y
+
+
+def _mass(rest: Rest, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
+    """M of a press in F, as `written_out`, by one product of matrices."""
+    U = rest.factors[cells].reshape(-1, rest.factors.shape[2])
+    touched = (U.T * np.repeat(rises, rest.factors.shape[1])) @ U
+    return written_out(rest, np.zeros(0, dtype=np.int64), np.zeros(0)) + touched

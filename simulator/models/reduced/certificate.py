@@ -1,0 +1,73 @@
+"""A bound on what a reduced skin leaves out of Rs and Cp: from the residual, of second order.
+
+With r = (K + s M) u of the reduced potentials u at 1 V, |Y - Y_r| <= sqrt(2) r*(K + omega M)^-1 r,
+of which K^-1 in place of the inverse is an upper bound, and K of the scene's own skin over the
+least factor on its conductance another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+
+from ...fem.circuit import Circuit
+from ...fem.galerkin import Galerkin
+from ...fem.system import PixelSystem
+from ...scene.scene import Scene
+from ...sweeps import InputError
+from ..parameters import Variation
+from .family import weights_of
+
+
+def certificate(
+    space: Galerkin,
+    system: PixelSystem,
+    mass: csc_matrix,
+    solved: Iterable[tuple[NDArray[np.complex128], NDArray[np.complex128]]],
+    s: NDArray[np.complex128],
+    least: float,
+) -> NDArray[np.float64]:
+    """Bound on the relative errors of Rs and Cp, shape (2, interface, s); of the reduction alone.
+
+    system, mass: K of the skin and M of the press, in F. solved: of each interface, potentials of 1
+    V in the full space, shape (unknown, s), and Y in S. s: rad/s. least: as `least_conductance`.
+    """
+    mass = space.restricted(mass)
+    bounds = []
+    for u, Y in solved:
+        current = space.currents(u, system.sheets, system.films)
+        residual = current + s * (mass @ u)[: space.inner]
+        power = sum((part * space.solve(part)).sum(axis=0) for part in _parts(residual))
+        bounds.append(relative_bound(Y, np.sqrt(2) * power / least))
+    return np.stack(bounds, axis=1)
+
+
+def least_conductance(
+    variation: Variation | None, scene: Scene, circuit: Circuit, modes_of_sheet: int
+) -> float:
+    """A lower bound of the factor on K anywhere. Raises InputError where it is not above zero."""
+    if variation is None:
+        return 1.0
+    weights = weights_of(variation, scene, circuit)
+    count = circuit.fields * modes_of_sheet
+    modes, films = weights[:count].reshape(-1, modes_of_sheet), weights[count:]
+    least = min([*(modes[:, 0] - np.abs(modes[:, 1:]).sum(axis=1)), *films])
+    if not least > 0:
+        raise InputError(f"conductance must stay above zero everywhere, got {least:g} of nominal")
+    return float(least)
+
+
+def _parts(residual: NDArray[np.complex128]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    return np.ascontiguousarray(residual.real), np.ascontiguousarray(residual.imag)
+
+
+def relative_bound(Y: NDArray[np.complex128], error: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of Rs and Cp, shape (2, s), from a bound on |Y| - inf where that says nothing."""
+    size = np.abs(Y)
+    Z_error = np.divide(
+        error, size * (size - error), out=np.full(size.shape, np.inf), where=size > error
+    )
+    return np.stack([Z_error / (1 / Y).real, error / np.abs(Y.imag)])

@@ -1,0 +1,272 @@
+"""How the admittance of a reduced skin changes with its parameters, without any further solve.
+
+K + s M is symmetric, so the problem is its own adjoint: dY = u'(dK + s dM) u with the potentials u
+of 1 V, transposed and not conjugated; floating terminals carry no net current and add nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.circuit import one_field
+from ...fem.galerkin import one_blas_thread
+from ...press.pieces import random_presses
+from ...press.press import Press
+from ...scene.frequency import REFERENCE, laplace_variable
+from ...scene.meter import FrequencyGrid, Leads, Sweep
+from ...scene.scene import Pixels, Scene
+from ..parameters import Variation, all_values, leads_of, loss_of, own_values, variation_of
+from ..plain import require_plain
+from .cases import Case, Draw, pixel_touches
+from .family import weights_of
+from .greedy import reduce
+from .model import Reduced, ReducedSkin, touched_cells
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Y of each interface and its exact derivatives.
+
+    Y: S, shape (interface, s). by_cell: S, to c of each pixel over the scene's own at rest, shape
+    (interface, s, pixel). by_weight: S, to the weight of each term of K (see `family.weights_of`)
+    and of terms beside them, shape (interface, s, term). by_s: F, to s, shape (interface, s).
+    """
+
+    Y: NDArray[np.complex128]
+    by_cell: NDArray[np.complex128]
+    by_weight: NDArray[np.complex128]
+    by_s: NDArray[np.complex128]
+
+
+def sensitivity(
+    skin: ReducedSkin,
+    cells: NDArray[np.int64],
+    rises: NDArray[np.float64],
+    s: NDArray[np.complex128],
+    beside: NDArray[np.float64] | None = None,
+) -> Sensitivity:
+    """Of one press on one skin; cells, rises: as of `ReducedSkin.sweeps`. s: rad/s.
+
+    beside: further terms of K, in the model's coordinates, S, shape (term, N + n, N + n).
+    """
+    reduced, map_of_c = skin.reduced, skin.map_of(cells, rises).ravel()
+    own = reduced.stiffness
+    stiffness = own if beside is None else np.concatenate([own, beside])
+    found = [
+        _of_drive(reduced.factors, stiffness, map_of_c, u, s, Y)
+        for u, Y in skin.solved(cells, rises, s)
+    ]
+    return Sensitivity(*(np.stack(each) for each in zip(*found, strict=True)))
+
+
+def _of_drive(
+    factors: NDArray[np.float64],
+    stiffness: NDArray[np.float64],
+    map_of_c: NDArray[np.float64],
+    u: NDArray[np.complex128],
+    s: NDArray[np.complex128],
+    Y: NDArray[np.complex128],
+) -> tuple[NDArray[np.complex128], ...]:
+    squares = ((factors @ u) ** 2).sum(axis=1).T
+    by_weight = np.stack([((term @ u) * u).sum(axis=0) for term in stiffness], axis=1)
+    return Y, s[:, None] * squares, by_weight, squares @ map_of_c
+
+
+REACH = 3.0
+PIXEL_FACTORS = (0.5, 3.0)
+BAND_POINTS = 20
+
+
+@dataclass(frozen=True)
+class Response:
+    """What the meter sees of one press, and its exact derivatives.
+
+    Z: ohm, shape (interface, frequency). by_parameter: ohm for each unit of a parameter, of the
+    same shape. by_cell: ohm, to c of each cell over that at rest in the scene, shape (interface,
+    frequency, cell). by_term: ohm, to the weight of each term beside K's own, shape
+    (interface, frequency, term).
+    """
+
+    Z: NDArray[np.complex128]
+    by_parameter: Mapping[str, NDArray[np.complex128]]
+    by_cell: NDArray[np.complex128]
+    by_term: NDArray[np.complex128]
+
+
+class Forward:
+    """A scene at a tolerance, as a function of PARAMETERS and of presses on cells."""
+
+    def __init__(self, scene: Scene, cells_per_pixel: int = 1, rtol: float = 1e-4) -> None:
+        """rtol: largest relative error of Rs and Cp at the skin, for factors within REACH.
+
+        cells_per_pixel: along each side; touches that are no pixels are laid on cells. Raises
+        InputError for a scene that is not plain.
+        """
+        require_plain(scene, "a reduced model")
+        self.scene, self.rtol, self.cells_per_pixel = scene, rtol, cells_per_pixel
+        pixels = scene.pixels
+        divided = Pixels(
+            rows=cells_per_pixel * pixels.rows, columns=cells_per_pixel * pixels.columns
+        )
+        self.divided = scene.model_copy(update={"pixels": divided})
+        self._kept: tuple[Mapping[str, float], ReducedSkin] | None = None
+
+    def cells(self, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Cells that a press touches, row by row from 0, and by how much of c at rest it rises."""
+        return touched_cells(self.divided, press)
+
+    def respond(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        given: Mapping[str, float] | None = None,
+        beside: NDArray[np.float64] | None = None,
+    ) -> Response:
+        """Of one press; given: parameters that are not the scene's own; beside: terms that K has
+        not, see `sensitivity`.
+
+        Raises InputError for an unknown name, ToleranceError where the scene does not reduce.
+        """
+        values = all_values(self.scene, given)
+        s, skin = self._s(values), self._skin(values)
+        with one_blas_thread():
+            found = sensitivity(skin, cells, rises, s, beside)
+        terms = len(self.reduced.stiffness)
+        by_name = {name: found.by_s * slope for name, slope in self._slopes(values, s).items()}
+        assert skin.variation is not None
+        by_name |= self._by_weights(found.by_weight[..., :terms], skin.variation)
+        by_term, leads = found.by_weight[..., terms:], leads_of(values)
+        return _at_meter(found, by_name, by_term, leads, self.scene.frequencies)
+
+    def impedances(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        starts: NDArray[np.int64],
+        given: Mapping[str, float] | None = None,
+    ) -> NDArray[np.complex128]:
+        """Z in ohm of many presses, shape (press, interface, frequency), see `Reduced.sweeps`."""
+        values = all_values(self.scene, given)
+        Z = self._skin(values).sweeps(cells, rises, starts, self._s(values))
+        return leads_of(values).seen_through(Z, self.scene.frequencies)
+
+    def certificate(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        given: Mapping[str, float] | None = None,
+    ) -> float:
+        """Largest bound on the relative error of Rs and Cp of one press, at the skin."""
+        values = all_values(self.scene, given)
+        bound = self._skin(values).certificate(cells, rises, self._s(values))
+        return float(bound.max()) + self.reduced.mesh_error
+
+    @cached_property
+    def free(self) -> tuple[str, ...]:
+        """Parameters that the impedance of the scene depends on."""
+        idle = set() if self._resistive else {"contact_resistance"}
+        return tuple(name for name in own_values(self.scene) if name not in idle)
+
+    @cached_property
+    def reduced(self) -> Reduced:
+        """The model, trained at first use."""
+        low, high = self.scene.frequencies[0], self.scene.frequencies[-1]
+        band = FrequencyGrid(start=low / REACH, stop=high * REACH, points=BAND_POINTS).values()
+        trained = self.divided.model_copy(update={"sweep": Sweep(frequencies=tuple(band))})
+        return reduce(trained, self.rtol, self._draw(), alike=not self._two_fields)
+
+    @cached_property
+    def _two_fields(self) -> bool:
+        return one_field(self.scene) is None
+
+    @cached_property
+    def _resistive(self) -> bool:
+        return any(not contact.ideal for contact in self.scene.contacts)
+
+    def _draw(self) -> Draw:
+        """Presses on pixels, or anywhere where they are divided, on skins of any parameters."""
+        on_pixels, own = pixel_touches(self.divided, PIXEL_FACTORS), own_values(self.scene)
+        varied = self._resistive or self._two_fields
+
+        def draw(random: np.random.Generator) -> Case:
+            mismatch, film = random.uniform(-1, 1, 2) * math.log(REACH)
+            drawn = own | {"sheet_mismatch": mismatch, "contact_resistance": film}
+            variation = variation_of(self.divided, drawn) if varied else None
+            if self.cells_per_pixel == 1:
+                return replace(on_pixels(random), variation=variation)
+            press = random_presses(self.divided, random, 2)[int(random.integers(2))]
+            return Case(variation, *self.cells(press))
+
+        return draw
+
+    def _skin(self, values: Mapping[str, float]) -> ReducedSkin:
+        """The last one is kept: many presses of one skin are asked for in a row."""
+        if self._kept is None or self._kept[0] != values:
+            self._kept = dict(values), self.reduced.skin(variation_of(self.divided, values))
+        return self._kept[1]
+
+    def _s(self, values: Mapping[str, float]) -> NDArray[np.complex128]:
+        return laplace_variable(self.scene.frequencies, loss_of(values))
+
+    def _slopes(
+        self, values: Mapping[str, float], s: NDArray[np.complex128]
+    ) -> dict[str, NDArray[np.complex128]]:
+        """ds by what s depends on; capacitance is a factor on it."""
+        turned, loss = 1j * self.scene.frequencies / REFERENCE, loss_of(values)
+        omega = 2 * np.pi * self.scene.frequencies
+        return {
+            "capacitance": s,
+            "loss_tangent": omega * turned ** (loss.exponent - 1),
+            "phase_exponent": s * np.log(turned),
+        }
+
+    def _by_weights(
+        self, by_weight: NDArray[np.complex128], variation: Variation
+    ) -> dict[str, NDArray[np.complex128]]:
+        """dY by the logarithms of what K's terms are weighed with."""
+        circuit = self.reduced.circuit
+        by_weight = by_weight * weights_of(variation, self.scene, circuit)
+        sheets, films = np.split(by_weight, [circuit.fields], axis=-1)
+        return {
+            "sheet_resistance": -sheets.sum(axis=-1),
+            "sheet_mismatch": sheets @ self._by_mismatch(variation),
+            "contact_resistance": -films.sum(axis=-1),
+        }
+
+    def _by_mismatch(self, variation: Variation) -> NDArray[np.float64]:
+        """Of the logarithm of each field's conductance."""
+        if self.reduced.circuit.fields == 2:
+            return np.array([-0.5, 0.5])
+        skin = self.scene.skin
+        top = skin.top.sheet_resistance / variation.top[0]
+        bottom = skin.bottom.sheet_resistance / variation.bottom[0]
+        return np.array([0.5 * (bottom - top) / (bottom + top)])
+
+
+def _at_meter(
+    found: Sensitivity,
+    by_name: Mapping[str, NDArray[np.complex128]],
+    by_term: NDArray[np.complex128],
+    leads: Leads,
+    frequency: NDArray[np.float64],
+) -> Response:
+    """From admittance at the skin to impedance behind the leads."""
+    omega, Z = 2j * np.pi * frequency, 1 / found.Y
+    seen = -((Z / (1 + omega * leads.stray_capacitance * Z)) ** 2)
+    slopes = {
+        **{name: seen * slope for name, slope in by_name.items()},
+        "lead_resistance": np.ones_like(Z),
+        "lead_inductance": np.broadcast_to(omega, Z.shape),
+        "stray_capacitance": omega * seen,
+    }
+    by_parameter = {name: slope.astype(np.complex128) for name, slope in slopes.items()}
+    at_meter = leads.seen_through(Z, frequency).astype(np.complex128)
+    return Response(
+        at_meter, by_parameter, seen[..., None] * found.by_cell, seen[..., None] * by_term
+    )

@@ -1,0 +1,246 @@
+"""Reduction of a scene's family to a small real basis, greedily over skins, presses, frequencies.
+
+The first vectors come from a sample of presses at real shifts, compressed by their energy in K;
+then, batch by batch, the draws whose certificates are worst add what the basis lacks, until fresh
+draws keep the tolerance.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.circuit import Circuit, Drive, one_field, two_fields
+from ...fem.estimate import relative_difference
+from ...fem.galerkin import Galerkin, one_blas_thread
+from ...fem.lanczos import potentials
+from ...press.press import Press
+from ...press.touch import Touch
+from ...scene.frequency import laplace_variable
+from ...scene.scene import Scene
+from ...sweeps import ToleranceError
+from ..plain import require_plain
+from ..resolution import Ladder
+from .bounds import bounds
+from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins
+from .family import Family
+from .model import Reduced, ReducedSkin
+
+SHARE = 0.5
+"""Of the tolerance, for the mesh; the rest is for the basis."""
+IDLE_DRAWS = 50
+"""In a row that touch no new cell: enough to begin with."""
+AT_ONCE, PRESSES_ON_SKIN = 64, 8
+BATCH = 32
+FEWEST_QUIET, MOST_QUIET = 64, 192
+LARGEST = 1200
+MESH_DRAWS = 4
+FREQUENCIES = 6
+SNAPSHOT_SHARE = 0.1
+"""Of what may be dropped of a snapshot: what it may be off by, in the norm of K."""
+WORTH_ADDING = 0.3
+"""Of the most that any of the worst cases lacks: so much is added whatever the tolerance."""
+CERTIFIED_SHARE, NEAR = 0.7, 0.5
+COMPRESSED_SHARE = 0.01
+DROPPED_SHARE = 0.1
+"""Of the tolerance: what any snapshot of unit energy may lose of that."""
+
+
+def reduce(
+    scene: Scene,
+    rtol: float = 1e-5,
+    draw: Draw | None = None,
+    *,
+    modes: int = 1,
+    alike: bool = True,
+    seed: int = 0,
+) -> Reduced:
+    """A reduced model of a scene, within rtol in Rs and Cp for skins and presses as drawn.
+
+    draw: of what the model is trained on, by default one or two touched pixels. modes: of each
+    sheet's conductance, see `variation.WAVES`. alike: whether both sheets vary in the same way, so
+    that one field may serve. Raises InputError for a scene that is not plain, ToleranceError where
+    mesh or basis do not get there.
+    """
+    require_plain(scene, "a reduced model")
+    draw = draw or pixel_touches(scene)
+    circuit = (one_field(scene) if alike else None) or two_fields(scene)
+    random = np.random.default_rng(seed)
+    with one_blas_thread():
+        family, mesh_error = _resolved(scene, circuit, modes, rtol, draw, random)
+        return _Basis(family, rtol, mesh_error).grow(draw, random)
+
+
+def _resolved(
+    scene: Scene,
+    circuit: Circuit,
+    modes: int,
+    rtol: float,
+    draw: Draw,
+    random: np.random.Generator,
+) -> tuple[Family, float]:
+    """The coarsest family whose discretisation keeps its share of the tolerance, and its error."""
+    ladder = Ladder(scene, circuit)
+    cases = [draw(random) for _ in range(MESH_DRAWS)]
+    press = _everywhere(scene, max(float(case.rises.max(initial=0)) for case in cases))
+    for level in range(ladder.first(rtol), len(ladder.levels)):
+        resolution = ladder.resolution(level, press, scene.frequencies[-1])
+        family = Family(scene, circuit, resolution, modes)
+        error = max(family.solved(case.variation, case.map_on(scene), rtol)[1] for case in cases)
+        if error <= SHARE * rtol:
+            return family, error
+    raise ToleranceError(f"the mesh of the reduced model does not reach {rtol:g}: {error:.1e}")
+
+
+def _everywhere(scene: Scene, rise: float) -> Press:
+    pixels = np.ndindex(scene.pixels.rows, scene.pixels.columns)
+    return Press(tuple(Touch(i + 1, j + 1, 1 + rise) for i, j in pixels))
+
+
+class _Basis:
+    """Vectors of a family's space, orthonormal in K, growing."""
+
+    def __init__(self, family: Family, rtol: float, mesh_error: float) -> None:
+        self.family, self.rtol, self.mesh_error = family, rtol, mesh_error
+        self.vectors: NDArray[np.float64] = np.zeros((family.space.inner, 0))
+        scene, loss = family.scene, family.scene.skin.foam.loss
+        low, high = float(scene.frequencies[0]), float(scene.frequencies[-1])
+        decades = max(4, math.ceil(math.log10(high / low)) + 1)
+        self._shifts = np.abs(laplace_variable(np.geomspace(low, high, decades), loss))
+        self._s = laplace_variable(np.geomspace(low, high, FREQUENCIES), loss)
+
+    def grow(self, draw: Draw, random: np.random.Generator) -> Reduced:
+        """Until enough fresh draws in a row keep what the mesh leaves of the tolerance."""
+        pixels, left = self.family.scene.pixels, self.rtol - self.mesh_error
+        limit, cells = CERTIFIED_SHARE * left, pixels.rows * pixels.columns
+        first = sharing_skins(covering(draw, random, cells, IDLE_DRAWS), PRESSES_ON_SKIN)
+        for start in range(0, len(first), AT_ONCE):
+            self._add(first[start : start + AT_ONCE])
+        quiet, reduced, roughly = 0, self._reduced(), True
+        while quiet < min(max(FEWEST_QUIET, cells // 2), MOST_QUIET):
+            cases = [draw(random) for _ in range(BATCH)]
+            roughly = roughly and any(case.variation is not None for case in cases)
+            cases = sharing_skins(cases, PRESSES_ON_SKIN) if roughly else cases
+            found = bounds(reduced, cases, self._s)
+            if found.max() <= limit:
+                quiet, roughly = quiet + (0 if roughly else BATCH), False
+                continue
+            self._add([cases[k] for k in np.flatnonzero(~(found <= NEAR * limit))])
+            quiet, reduced, roughly = 0, self._reduced(), True
+            if reduced.size > LARGEST:
+                told = f"{found.max():.1e} with {reduced.size} vectors"
+                raise ToleranceError(f"the scene does not reduce to {self.rtol:g}: {told}")
+        return compressed(reduced, [draw(random) for _ in range(BATCH)])
+
+    def _add(self, cases: list[Case]) -> None:
+        """What the snapshots of these cases have beyond the basis, as far as it matters."""
+        found = np.hstack(list(self._snapshots(cases)))
+        found = self._beyond(self._beyond(found))
+        power, turn = np.linalg.eigh(found.T @ (self.family.space.K @ found))
+        lost = np.cumsum(np.maximum(power, 0.0) * turn**2, axis=1).max(axis=0)
+        kept = lost > min(DROPPED_SHARE * self.rtol, WORTH_ADDING * lost[-1])
+        new = found @ (turn[:, kept] / np.sqrt(power[kept]))
+        for _ in range(2):
+            new = self._beyond(new)
+            new = np.linalg.solve(np.linalg.cholesky(new.T @ (self.family.space.K @ new)), new.T).T
+        self.vectors = np.hstack([self.vectors, new]).astype(np.float64)
+
+    def _beyond(self, found: NDArray) -> NDArray[np.float64]:
+        """What is K-orthogonal to the basis."""
+        return found - self.vectors @ (self.vectors.T @ (self.family.space.K @ found))
+
+    def _snapshots(self, cases: list[Case]) -> Iterator[NDArray[np.float64]]:
+        """Deviations from the lifted terminals' potentials at the shifts, each of unit energy."""
+        for group in by_skin(cases):
+            space = self.family.skin(cases[group[0]].variation)
+            for drive in self.family.circuit.drives:
+                yield self._at_shifts(space, drive, [cases[k] for k in group])
+
+    def _at_shifts(self, space: Galerkin, drive: Drive, cases: list[Case]) -> NDArray[np.float64]:
+        family, rtol = self.family, SNAPSHOT_SHARE * math.sqrt(DROPPED_SHARE * self.rtol)
+        pencils = [
+            space.pencil(family.mass(case.map_on(family.scene)), drive, 0.0) for case in cases
+        ]
+        found = [self._deviation(potentials(each, self._shifts, rtol)) for each in pencils]
+        energies = [(each * (family.space.K @ each)).sum(axis=0) for each in found]
+        unit = [each / np.sqrt(energy) for each, energy in zip(found, energies, strict=True)]
+        if space is family.space:
+            return np.hstack(unit)
+        driven = space.driven(drive)
+        at_zero = self._deviation(np.column_stack([driven.potential, driven.floating]))
+        return np.hstack([*unit, at_zero / np.sqrt(min(energy.max() for energy in energies))])
+
+    def _deviation(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        inner = self.family.space.inner
+        return u[:inner] - self.family.space.lift[:inner] @ u[inner:]
+
+    def _reduced(self) -> Reduced:
+        """The model as it now is."""
+        family = self.family
+        reduced = Reduced(
+            scene=family.scene,
+            circuit=family.circuit,
+            resolution=family.resolution,
+            modes=family.modes,
+            rtol=self.rtol,
+            mesh_error=self.mesh_error,
+            terminal_field=family.space.terminal_field,
+            conductance=family.space.conductance,
+            basis=self.vectors,
+            stiffness=np.zeros((0, 0, 0)),
+            factors=np.zeros((0, 0, 0)),
+            built=family,
+        )
+        W = reduced.coordinates
+        terms = [family.space.sheet_energy(W, term) for term in family.sheet_terms]
+        terms += [family.space.film_energy(W, term) for term in family.film_terms]
+        return replace(reduced, stiffness=np.stack(terms), factors=family.pixels.factors(W))
+
+
+def compressed(reduced: Reduced, cases: list[Case]) -> Reduced:
+    """The same with pixels' factors of lower rank, as far as that leaves these cases unchanged."""
+    exact = _impedances(reduced, cases)
+    omega = 2 * np.pi * reduced.scene.frequencies
+    share = COMPRESSED_SHARE * reduced.rtol
+    while True:
+        candidate = replace(reduced, factors=_of_lower_rank(reduced, share))
+        change = relative_difference(_impedances(candidate, cases), exact, omega)
+        if change.max() <= COMPRESSED_SHARE * reduced.rtol:
+            return candidate
+        share *= 0.1
+
+
+def _skins(reduced: Reduced, cases: list[Case]) -> Iterator[ReducedSkin]:
+    """The skin of each case; that of the scene is set up once."""
+    own = reduced.skin(None)
+    return (own if c.variation is None else reduced.skin(c.variation) for c in cases)
+
+
+def _impedances(reduced: Reduced, cases: list[Case]) -> NDArray[np.complex128]:
+    return np.concatenate(
+        [
+            skin.sweeps(case.cells, case.rises, np.array([0, len(case.cells)]))
+            for skin, case in zip(_skins(reduced, cases), cases, strict=True)
+        ]
+    )
+
+
+def _of_lower_rank(reduced: Reduced, share: float) -> NDArray[np.float64]:
+    """Each pixel's factor without what adds less than a share of its energy.
+
+    Potentials are weighed as they are: 1 V at terminals, as much as the skin at rest has of the
+    basis.
+    """
+    skin = reduced.skin(None)
+    none = np.zeros(0, dtype=np.int64)
+    at_rest = np.hstack([u for u, _ in skin.solved(none, np.zeros(0), skin.s)])
+    terminals = len(reduced.conductance)
+    size = np.full(len(at_rest), np.linalg.norm(at_rest[terminals:], axis=0).max())
+    size[:terminals] = 1.0
+    _, power, right = np.linalg.svd(reduced.factors * size, full_matrices=False)
+    rank = int((power**2 > share * power[:, :1] ** 2).sum(axis=1).max())
+    return power[:, :rank, None] * right[:, :rank] / size

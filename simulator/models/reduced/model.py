@@ -1,0 +1,291 @@
+"""A reduced model: a scene's whole family of skins and presses in a small real basis.
+
+Coordinates are the terminals' potentials, lifted into the sheets as without any capacitance, and a
+basis that is orthonormal in K: Galerkin's method in it has poles on the negative axis only and is
+passive for every skin and press. Free of any rebuilding are, exactly: a common factor of all
+resistances or of all capacitance, the loss tangent, and any map of c over the pixels; and, as K is
+a sum of terms they weigh: each sheet's resistance, its slow variation, each contact resistance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.circuit import Circuit
+from ...fem.driven import Driven, driven_by
+from ...fem.galerkin import one_blas_thread
+from ...fem.system import PixelSystem
+from ...mesh.quadrilaterals import Resolution
+from ...press.capacitance import grid_map
+from ...press.press import Press
+from ...press.touch import Touch
+from ...scene.frequency import laplace_variable
+from ...scene.scene import Scene
+from ...sweeps import ToleranceError
+from ..parameters import Variation, nominal
+from ..resolution import Ladder
+from .certificate import certificate, least_conductance
+from .coordinates import own_coordinates
+from .family import Family, weights_of
+from .kernel import Feed, Rest, swept
+
+KRYLOV_SHARE = 0.03
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """What `reduction.reduce` leaves of a scene's family: arrays, and how to build the full one.
+
+    rtol: of Rs and Cp, asked of mesh and reduction together. mesh_error: estimated, of the mesh's
+    share. terminal_field: shape (N,). conductance: between terminals, S, shape (N, N). basis: V in
+    the full space's inner unknowns, shape (inner, n). stiffness: of each term of K, S, shape (term,
+    N + n, N + n). factors: F of each pixel at rest, M = F'F in F, shape (pixel, rank, N + n).
+    """
+
+    scene: Scene
+    circuit: Circuit
+    resolution: Resolution
+    modes: int
+    rtol: float
+    mesh_error: float
+    terminal_field: NDArray[np.int64]
+    conductance: NDArray[np.float64]
+    basis: NDArray[np.float64]
+    stiffness: NDArray[np.float64]
+    factors: NDArray[np.float64]
+    built: Family | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def size(self) -> int:
+        """How many vectors the basis has."""
+        return self.basis.shape[1]
+
+    @property
+    def grid(self) -> tuple[int, int]:
+        """Rows and columns of the pixels on which maps of capacitance are given."""
+        return self.scene.pixels.rows, self.scene.pixels.columns
+
+    @cached_property
+    def family(self) -> Family:
+        """The full model, built again where it is not at hand."""
+        return self.built or Family(self.scene, self.circuit, self.resolution, self.modes)
+
+    @cached_property
+    def coordinates(self) -> NDArray[np.float64]:
+        """W = [lift, V]: potentials of the full space in V, shape (inner + N, N + n)."""
+        beside = np.zeros((len(self.conductance), self.size))
+        return np.hstack([self.family.space.lift, np.vstack([self.basis, beside])])
+
+    def impedance(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Z in ohm of the scene's own skin, shape (interface, frequency). frequency: Hz.
+
+        Touches that are no pixels count by the area they cover of each.
+        """
+        cells, rises = touched_cells(self.scene, press)
+        s = laplace_variable(frequency, self.scene.skin.foam.loss)
+        return self.skin(None).sweeps(cells, rises, np.array([0, len(cells)]), s)[0]
+
+    def skin(self, variation: Variation | None) -> ReducedSkin:
+        """One skin of the family, the scene's own for None.
+
+        Raises InputError where the fields of the family cannot follow the variation.
+        """
+        return ReducedSkin(self, variation)
+
+    def __getstate__(self) -> dict[str, Any]:
+        own = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return own | {"built": None}
+
+
+class ReducedSkin:
+    """One skin of a family: answers any press on its pixels in microseconds.
+
+    turn: from this skin's coordinates, in which K is 1 and M at rest diagonal but for terminals, to
+    those of the model, shape (N + n, N + n). rest_factors: c of each pixel over the scene's own.
+    """
+
+    def __init__(self, reduced: Reduced, variation: Variation | None) -> None:
+        self.reduced, self.variation = reduced, variation
+        own = nominal(reduced.scene, reduced.modes) if variation is None else variation
+        self.rest_factors = np.ascontiguousarray(own.capacitance, dtype=float).ravel()
+        self.s = laplace_variable(reduced.scene.frequencies, own.loss)
+        K = self._stiffness()
+        rows = (np.sqrt(self.rest_factors)[:, None, None] * reduced.factors).reshape(-1, len(K))
+        M = rows.T @ rows
+        conductance, self.turn = own_coordinates(K, M, reduced.terminal_field)
+        terminals, M = len(conductance), self.turn.T @ M @ self.turn
+        self.rest = Rest(
+            np.ascontiguousarray(M[:terminals]),
+            np.ascontiguousarray(M.diagonal()[terminals:]),
+            np.ascontiguousarray(reduced.factors @ self.turn),
+        )
+        self._drives = [
+            driven_by(drive, reduced.terminal_field, conductance, np.eye(terminals))
+            for drive in reduced.circuit.drives
+        ]
+        self.feeds = [_feed(driven) for driven in self._drives]
+
+    def sweeps(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        starts: NDArray[np.int64],
+        s: NDArray[np.complex128] | None = None,
+    ) -> NDArray[np.complex128]:
+        """Z in ohm of many presses, shape (press, interface, s).
+
+        Press k multiplies c of the pixels cells[starts[k]:starts[k + 1]] (row * columns + column,
+        from 0) by 1 + rises. s: rad/s, by default of the scene's frequencies.
+        """
+        s = self.s if s is None else s
+        weights, rtol = rises * self.rest_factors[cells], KRYLOV_SHARE * self.reduced.rtol
+        Y = [swept(self.rest, feed, cells, weights, starts, s, rtol) for feed in self.feeds]
+        return (1 / np.stack(Y, axis=1)).astype(np.complex128)
+
+    def certificate(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        s: NDArray[np.complex128] | None = None,
+    ) -> NDArray[np.float64]:
+        """Bound on what the reduction leaves out of Rs and Cp of one press, relatively.
+
+        Of shape (2, interface, s); s in rad/s, by default of the scene's frequencies.
+        """
+        s, family = self.s if s is None else s, self.reduced.family
+        mass = family.mass(self.map_of(cells, rises))
+        with one_blas_thread():
+            solved = ((self.reduced.coordinates @ u, Y) for u, Y in self.solved(cells, rises, s))
+            return certificate(family.space, self.system, mass, solved, s, self.least_conductance)
+
+    @property
+    def system(self) -> PixelSystem:
+        """K of the skin in the full space."""
+        family = self.reduced.family
+        return family.system if self.variation is None else family.varied(self.variation)
+
+    @property
+    def least_conductance(self) -> float:
+        """A lower bound of the factor on K anywhere; raises InputError unless above zero."""
+        reduced = self.reduced
+        return least_conductance(self.variation, reduced.scene, reduced.circuit, reduced.modes)
+
+    def exact(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Z in ohm of one press by the full system, shape (interface, frequency).
+
+        On the mesh that was reduced where that keeps rtol for this press, on finer ones otherwise.
+        Raises ToleranceError where none does.
+        """
+        rtol, error = self.reduced.rtol, np.inf
+        with one_blas_thread():
+            for family in self._families(cells, rises):
+                Z, error = family.solved(self.variation, self.map_of(cells, rises), rtol)
+                if error <= rtol:
+                    return Z
+        raise ToleranceError(f"a press leaves {error:.1e} by the full system, asked {rtol:g}")
+
+    def _families(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> Iterator[Family]:
+        """The one that was reduced, then those of all levels, meshed for this press."""
+        reduced, columns = self.reduced, self.reduced.grid[1]
+        yield reduced.family
+        touched = zip(cells.tolist(), rises.tolist(), strict=True)
+        press = Press(
+            tuple(
+                Touch(cell // columns + 1, cell % columns + 1, 1 + rise) for cell, rise in touched
+            )
+        )
+        ladder = Ladder(reduced.scene, reduced.circuit)
+        for level in range(ladder.first(reduced.rtol), len(ladder.levels)):
+            resolution = ladder.resolution(level, press, reduced.scene.frequencies[-1])
+            yield Family(reduced.scene, reduced.circuit, resolution, reduced.modes)
+
+    def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
+        """c of a pressed skin over the scene's own at rest, shape (row, column)."""
+        factors = np.ones(len(self.rest_factors))
+        np.add.at(factors, cells, rises)
+        return (factors * self.rest_factors).reshape(self.reduced.grid)
+
+    def solved(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
+    ) -> list[tuple[NDArray[np.complex128], NDArray[np.complex128]]]:
+        """Potentials of each drive at 1 V in the model's coordinates, shape (N + n, s), and Y in S.
+
+        One small complex system for each s.
+        """
+        weights = rises * self.rest_factors[cells]
+        found = [_solved(driven, self.rest, cells, weights, s) for driven in self._drives]
+        return [(self.turn @ u, Y) for u, Y in found]
+
+    def _stiffness(self) -> NDArray[np.float64]:
+        """K in the model's coordinates, S, shape (N + n, N + n)."""
+        reduced = self.reduced
+        terminals = len(reduced.conductance)
+        K = np.eye(terminals + reduced.size)
+        K[:terminals, :terminals] = reduced.conductance
+        if self.variation is None:
+            return K
+        own = nominal(reduced.scene, reduced.modes)
+        weights, own_weights = (
+            weights_of(each, reduced.scene, reduced.circuit) for each in (self.variation, own)
+        )
+        return K + np.tensordot(weights - own_weights, reduced.stiffness, axes=1)
+
+
+def touched_cells(scene: Scene, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Pixels of which c rises, row * columns + column, and by how much of that at rest."""
+    rises = grid_map(scene, press, scene.pixels.rows, scene.pixels.columns).ravel() - 1
+    cells = np.flatnonzero(rises)
+    return cells, rises[cells]
+
+
+def _feed(driven: Driven) -> Feed:
+    own = driven.floating_conductance[np.ix_(~driven.common, ~driven.common)]
+    return Feed(
+        conductance=driven.conductance,
+        driven=np.ascontiguousarray(driven.potential),
+        tied=np.ascontiguousarray(driven.floating[:, ~driven.common].T),
+        tied_inverse=np.linalg.inv(own).astype(np.float64),
+        common=np.ascontiguousarray(driven.floating[:, driven.common].T),
+    )
+
+
+def _solved(
+    driven: Driven,
+    rest: Rest,
+    cells: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    s: NDArray[np.complex128],
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Potentials at 1 V, shape (N + n, s), and Y in S; weights: rises of the cells' M.
+
+    K + s M is diagonal in the basis but for floating terminals f and what the cells' factors U see
+    of it, z = U v: they are solved for, and v follows.
+    """
+    N, F = len(driven.potential), driven.floating
+    U = rest.factors[cells].reshape(-1, rest.factors.shape[2])
+    C = np.repeat(weights, rest.factors.shape[1])
+    rows = rest.rows + (U[:, :N].T * C) @ U
+    charge = driven.potential @ rows
+    beside = np.vstack([F.T @ rows[:, N:], U[:, N:]])
+    floats = F.shape[1]
+    weighed = np.concatenate([np.ones(floats), C])
+    P = 1 / (1 + s[:, None] * rest.diagonal)
+    sign = np.repeat(np.stack([-(s**2), s], axis=1), [floats, len(C)], axis=1)
+    seen = (beside * P[:, None]) @ beside.T
+    own = np.zeros((len(s), len(weighed), len(weighed)), dtype=complex)
+    own[:, :floats, :floats] = driven.floating_conductance
+    own[:, :floats, :floats] += s[:, None, None] * (F.T @ rows[:, :N] @ F)
+    own[:, range(floats, len(weighed)), range(floats, len(weighed))] = 1.0
+    right = -sign * ((P * charge[N:]) @ beside.T)
+    right[:, :floats] -= s[:, None] * (F.T @ charge[:N])
+    found = np.linalg.solve(own + sign[:, :, None] * seen * weighed, right[:, :, None])[:, :, 0]
+    v = -s[:, None] * P * (charge[N:] + (found * weighed) @ beside)
+    at_terminals = driven.potential + found[:, :floats] @ F.T
+    Y = driven.conductance + s * (at_terminals @ charge[:N] + v @ charge[N:])
+    return np.hstack([at_terminals, v]).T, Y

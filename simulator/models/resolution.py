@@ -1,0 +1,138 @@
+"""Resolutions of increasing accuracy for a scene, a press and the highest frequency asked."""
+
+from __future__ import annotations
+
+import math
+
+from ..fem.circuit import Circuit
+from ..mesh.quadrilaterals import Resolution, singular_ends
+from ..press.capacitance import lines, patch, tile_map, touched_box
+from ..press.press import Press
+from ..press.touch import AnyTouch, Touch
+from ..scene.contacts import Contact
+from ..scene.frequency import penetration_depth
+from ..scene.planar import Lines, distinct
+from ..scene.scene import Scene
+
+ONE_CELL = [(order, 1) for order in (2, 3, 4, 5, 6, 7, 9)]
+"""Not 8 and 10: within a pixel most fields are nearly even, so the next order hardly gains on them,
+and their difference, 1.3 times smaller than the error at 10, tells too little of it."""
+SMOOTH = [*ONE_CELL, (6, 2), (8, 2), (10, 2), (8, 3), (10, 3)]
+SINGULAR = [*ONE_CELL, (8, 2), (10, 2)]
+RINGS_PER_ORDER, RINGS_AT_LEAST = 1.2, 3
+FAINTEST = 1e-3
+
+
+class Ladder:
+    """The levels of one scene: elements of growing order, then smaller cells.
+
+    The rings at ends of foils shrink as fast as the order gains: they add 0.2^rings to the error,
+    and elements of order p leave 0.15^p in each of them. Cells at contacted edges grow with the
+    order from the depth the field reaches, as a polynomial follows an exponential over p/4 of that.
+    """
+
+    def __init__(self, scene: Scene, circuit: Circuit) -> None:
+        self.scene = scene
+        contacts = circuit.contacts
+        self.singular = bool(singular_ends(contacts, scene.skin))
+        self.levels = SINGULAR if self.singular else SMOOTH
+
+    def first(self, rtol: float) -> int:
+        """The level to begin at: one that often serves."""
+        return max(0, min(round(-0.45 * math.log10(rtol) - 1.05), 4))
+
+    def resolution(self, level: int, press: Press, frequency: float) -> Resolution:
+        """The mesh and order of a level, up to a frequency in Hz.
+
+        The order is one more than the level's: the answer's own, and one to check it by.
+        """
+        order, cells = self.levels[level]
+        factor = strongest(press, self.scene)
+        depth = self.depth(frequency)
+        reached = self._reached(press, depth)
+        layer = depth / math.sqrt(factor if reached.touches else 1.0) * followed(order)
+        if self.halved(layer) == math.inf:
+            reached = Press()
+        return Resolution(
+            order + 1,
+            self._no_plane_of_symmetry(cells),
+            math.ceil(RINGS_PER_ORDER * order) + RINGS_AT_LEAST if self.singular else 0,
+            edge_cell=self.halved(layer),
+            touch_cell=self.halved(layer) if reached.touches else math.inf,
+            touched=all_lines(reached, self.scene),
+            lines=lines(self.scene, press),
+        )
+
+    def depth(self, frequency: float) -> float:
+        """How far from a foil the field reaches at a frequency in Hz, m."""
+        skin = self.scene.skin
+        sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
+        c = skin.foam.rest_capacitance_per_area
+        return penetration_depth(frequency, sheets, c, skin.foam.loss)
+
+    @property
+    def _widest_pixel(self) -> float:
+        skin, pixels = self.scene.skin, self.scene.pixels
+        return max(skin.length / pixels.columns, skin.width / pixels.rows)
+
+    def _no_plane_of_symmetry(self, cells: int) -> int:
+        """No element spans the whole skin, of which a plane of symmetry leaves every second order
+        without effect."""
+        pixels = self.scene.pixels
+        return max(cells, 2 if 1 in (pixels.rows, pixels.columns) else 1)
+
+    def halved(self, width: float) -> float:
+        """No wider, and one of few widths, so that presses and frequencies share meshes."""
+        skin = self.scene.skin
+        longest = max(skin.length, skin.width)
+        if width >= self._widest_pixel:
+            return math.inf
+        return longest * 2.0 ** math.floor(math.log2(width / longest))
+
+    def _reached(self, press: Press, depth: float) -> Press:
+        """The touches near enough to a foil for the field to come back from them."""
+        return Press(
+            tuple(
+                touch
+                for touch in press.touches
+                if touch.factor > 1 and felt(touch, self.scene, depth)
+            )
+        )
+
+
+def followed(order: int) -> float:
+    """Widths of a cell, of the depth of a layer that elements of that order follow."""
+    return max(1.0, order / 4)
+
+
+def felt(touch: AnyTouch, scene: Scene, depth: float) -> bool:
+    """Whether a touch is near enough to a foil for a field of that depth in m to come back."""
+    return math.exp(-2 * _distance(touch, scene) / depth) > FAINTEST
+
+
+def all_lines(press: Press, scene: Scene) -> Lines:
+    """Lines that c jumps at by these touches, ascending."""
+    patches = [patch(scene, touch) for touch in press.touches]
+    x, y = ({line for p in patches for line in (p.x, p.y)[axis].tolist()} for axis in (0, 1))
+    return tuple(sorted(x)), tuple(sorted(y))
+
+
+def strongest(press: Press, scene: Scene) -> float:
+    """The largest factor anywhere, where touches lie over each other their product."""
+    if all(isinstance(touch, Touch) for touch in press.touches):
+        return max((touch.factor for touch in press.touches), default=1.0)
+    x, y = (distinct(each) for each in all_lines(press, scene))
+    return float(tile_map(scene, press, x, y).max())
+
+
+def _distance(touch: AnyTouch, scene: Scene) -> float:
+    """From a touch to the nearest foil, m."""
+    box, skin = touched_box(scene, touch), scene.skin
+
+    def gap(touched: tuple[float, float], contact: Contact, axis: int) -> float:
+        low, high = (end[axis] for end in contact.ends(skin))
+        return max(0.0, low - touched[1], touched[0] - high)
+
+    return min(
+        math.hypot(gap(box[:2], contact, 0), gap(box[2:], contact, 1)) for contact in scene.contacts
+    )

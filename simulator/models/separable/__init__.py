@@ -1,0 +1,1 @@
+"""Rectangles pressed anywhere on plain skins fed along whole edges, in products of cosines."""

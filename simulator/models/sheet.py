@@ -1,0 +1,95 @@
+"""The skin in two dimensions: finite elements for one or two fields, any contacts, any press."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+
+from ..fem.circuit import Circuit
+from ..fem.galerkin import Galerkin, one_blas_thread, swept
+from ..fem.network import Network
+from ..fem.system import build_system
+from ..mesh.quadrilaterals import Resolution, tile_lines
+from ..press.capacitance import capacitance_map, lines, tile_map
+from ..press.press import Press
+from ..scene.frequency import laplace_variable
+from ..scene.planar import NO_LINES
+from ..scene.scene import Scene
+from ..sweeps import InputError
+
+
+class Sheet:
+    """A scene discretised once, solved for any press and frequency."""
+
+    def __init__(self, scene: Scene, circuit: Circuit, resolution: Resolution) -> None:
+        self.scene, self.circuit, self.resolution = scene, circuit, resolution
+        self.system = build_system(scene, circuit, resolution)
+        self.space = Galerkin(self.system, circuit, resolution.order)
+        self._filled: tuple[Press, csc_matrix] | None = None
+
+    @cached_property
+    def nested(self) -> Galerkin:
+        """The same mesh with elements of one order less."""
+        return Galerkin(self.system, self.circuit, self.resolution.order - 1)
+
+    @property
+    def unknowns(self) -> int:
+        """Size of the sparse system."""
+        return self.space.inner
+
+    def impedance(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Z in ohm at every interface, shape (interface, frequency). frequency: Hz.
+
+        One complex system for each frequency: the reference that faster ways are held against.
+        """
+        network = self.network(press, frequency)
+        return np.stack([network.impedance(drive) for drive in self.circuit.drives])
+
+    def network(self, press: Press, frequency: NDArray[np.float64]) -> Network:
+        """The N-terminal network at these frequencies in Hz."""
+        with one_blas_thread():
+            return self.space.network(self.mass(press), self._s(frequency))
+
+    def sweep(
+        self, press: Press, frequency: NDArray[np.float64], rtol: float, *spaces: Galerkin
+    ) -> list[tuple[NDArray[np.complex128], NDArray[np.float64]]]:
+        """Z in ohm and what few real solves may leave of relative error in Rs and Cp.
+
+        One pair for each of `spaces`, or for the whole space; of shape (interface, frequency).
+        frequency: Hz. rtol: the error to end at.
+        """
+        mass, s = self.mass(press), self._s(frequency)
+        with one_blas_thread():
+            return [
+                swept(space, mass, self.circuit.drives, s, rtol)
+                for space in spaces or (self.space,)
+            ]
+
+    def mass(self, press: Press) -> csc_matrix:
+        """M in F of a press, in the system's pattern.
+
+        Raises InputError where a touch ends within the cells between the mesh's lines.
+        """
+        if self._filled is None or self._filled[0] != press:
+            self._filled = press, self.system.mass(self._capacitance(press))
+        return self._filled[1]
+
+    def _capacitance(self, press: Press) -> NDArray[np.float64]:
+        """c in F/m² between the lines that the mesh conforms to, shape (row, column)."""
+        if self.resolution.lines == NO_LINES:
+            return capacitance_map(self.scene, press)
+        for own, of_touches in zip(self.resolution.lines, lines(self.scene, press), strict=True):
+            if not set(of_touches) <= set(own):
+                raise InputError(f"press {press} has edges that the mesh does not conform to")
+        x, y = (tile_lines(self.scene, axis, self.resolution) for axis in (0, 1))
+        return self.scene.skin.foam.rest_capacitance_per_area * tile_map(self.scene, press, x, y)
+
+    def moments(self, press: Press, count: int) -> NDArray[np.float64]:
+        """Taylor coefficients of the network's Y(s), shape (count + 1, N, N)."""
+        return self.space.moments(self.mass(press), count)
+
+    def _s(self, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+        return laplace_variable(frequency, self.scene.skin.foam.loss)

@@ -1,0 +1,259 @@
+"""The cheapest rung of the ladder that keeps the asked tolerance of Rs and Cp, and why.
+
+Rungs: the exact line, one R and one C, two-dimensional elements for one field or for two, of
+growing order. Each answers the frequencies at which it keeps the tolerance and leaves the others to
+the next. An answer of elements is checked by elements of one order more on the same mesh: the
+output error is the square of the field's, so their difference is the error.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..fem.circuit import Circuit, one_field, two_fields
+from ..fem.estimate import ROUNDING, SAFETY, checked, relative_difference
+from ..mesh.quadrilaterals import Resolution
+from ..press.press import Press
+from ..press.press import require_plain as require_plain_press
+from ..press.touch import Touch
+from ..scene.scene import Scene
+from ..sweeps import InputError, ToleranceError
+from .answer import Answer, Progress, Rung
+from .line import Line
+from .lumped import Lumped, least_left_out
+from .plain import electrical, electrical_press, require_plain
+from .reduced.cases import pixel_touches
+from .reduced.greedy import reduce
+from .reduced.model import KRYLOV_SHARE as REDUCED_KRYLOV
+from .reduced.model import ReducedSkin, touched_cells
+from .resolution import Ladder
+from .separable.model import Separable
+from .sheet import Sheet
+from .varied.meshes import indented, meshes
+
+if TYPE_CHECKING:
+    from .mechanics.pressed import Pressed
+
+ModelName = Literal["auto", "lumped", "line", "sheet", "reduced"]
+DEFAULT_RTOL = 1e-4
+GAIN = 0.1
+SEPARABLE_SHARE = 0.3
+"""Of the tolerance: the certificate is several times the error."""
+SHEETS_KEPT = 16
+CLOSER = 0.1
+LUMPED = "one R and one C"
+TRAINED = (0.5, 3.0)
+"""Factors of capacitance that a reduced model is trained on."""
+ASKED = {"auto": ["line", "lumped", "sheet"], "reduced": ["reduced", "sheet"]}
+
+
+def checked_model(name: str) -> ModelName:
+    """The same name, if it is one of a model; raises InputError."""
+    for known in get_args(ModelName):
+        if name == known:
+            return known
+    raise InputError(f"`model` must be one of {', '.join(get_args(ModelName))}, got {name!r}")
+
+
+class Solver:
+    """A scene at a tolerance: answers any press, refining as far as the tolerance needs."""
+
+    def __init__(self, scene: Scene, rtol: float = DEFAULT_RTOL, model: ModelName = "auto") -> None:
+        """rtol: largest relative error of Rs and of Cp. Raises InputError where it is not > 0."""
+        if not (np.isfinite(rtol) and rtol > 0):
+            raise InputError(f"`rtol` must be finite and > 0, got {rtol}")
+        self.scene, self.rtol = scene, rtol
+        self._even = electrical(scene)
+        self.model: ModelName = model
+        self._sheets: dict[Resolution, Sheet] = {}
+
+    @cached_property
+    def _first_level(self) -> int:
+        return self._ladder.first(self.rtol)
+
+    def solve(self, press: Press) -> Answer:
+        """The answer, at each frequency, of the cheapest rung that keeps the tolerance.
+
+        Behind leads the skin is solved as much closer as they need for it. Raises ToleranceError
+        where no rung keeps it, InputError where a model asked for by name does not apply to the
+        scene or the press.
+        """
+        solver = self
+        while True:
+            answer = solver._of_skin(press).seen_through(self.scene.leads)
+            if max(error.max() for error in answer.relative_errors) <= self.rtol:
+                return answer
+            solver = solver._closer
+
+    @cached_property
+    def _closer(self) -> Solver:
+        return Solver(self.scene, CLOSER * self.rtol, self.model)
+
+    def _of_skin(self, press: Press) -> Answer:
+        """The answer at the skin's own contacts."""
+        progress = Progress(len(self.scene.interfaces), self.scene.frequencies, self.rtol)
+        sharp, pressed = indented(self.scene, press, self.rtol)
+        even = None if pressed else electrical_press(self.scene, sharp)
+        if even is None:
+            self._varied(sharp, pressed, progress)
+        else:
+            self._plain(even, progress)
+        return progress.answer()
+
+    def _plain(self, press: Press, progress: Progress) -> None:
+        rungs = {
+            "line": self._line,
+            "lumped": self._lumped,
+            "sheet": self._elements,
+            "reduced": self._reduced,
+        }
+        asked = ASKED.get(self.model, [self.model])
+        for name in asked:
+            try:
+                rungs[name](press, progress)
+            except (InputError, ToleranceError) as reason:
+                if name == asked[-1]:
+                    raise
+                progress.reject(f"{name}: {reason}")
+            if progress.done:
+                return
+        raise ToleranceError(progress.rejected[-1])
+
+    def _varied(self, press: Press, pressed: Pressed | None, progress: Progress) -> None:
+        """Elements for what is not plain. Raises InputError where another model is asked for.
+
+        A reduced model leaves touches of other shapes to them.
+        """
+        if self.model not in ("auto", "sheet"):
+            require_plain(self._even, f"the model {self.model!r}")
+            if self.model != "reduced" or pressed:
+                require_plain_press(press)
+            progress.reject(f"reduced: answers pixels and rect, got {press}")
+        finer = meshes(self.scene, press, pressed, self.rtol)
+        while not progress.done:
+            try:
+                discretised = finer.finer(progress.frequency)
+            except ToleranceError as end:
+                raise ToleranceError(": ".join([str(end), *progress.rejected[-1:]])) from end
+            progress.offer(discretised.rung(progress.frequency, self.rtol))
+
+    def explain(self, press: Press, answer: Answer) -> str:
+        """What answered a press at each frequency, its own estimated error, and what did not."""
+        lines = [f"press {press}, asked {self.rtol:g}", *answer.told()]
+        return "\n  ".join(lines)
+
+    def _line(self, press: Press, progress: Progress) -> None:
+        if isinstance(self._exact_line, str):
+            raise InputError(self._exact_line)
+        Z = self._exact_line.impedance(press, progress.frequency)
+        progress.offer(Rung("exact line", 0, Z, np.full((2, *Z.shape), ROUNDING)))
+
+    @cached_property
+    def _exact_line(self) -> Line | str:
+        """The line that the scene is, or why it is none."""
+        try:
+            return Line(self._even)
+        except InputError as no_line:
+            return str(no_line)
+
+    def _lumped(self, press: Press, progress: Progress) -> None:
+        if self.model == "auto" and self._left_out_at_rest > self.rtol:
+            left_out = f"{self._left_out_at_rest:.1e}"
+            return progress.reject(f"{LUMPED}: at rest leaves out {left_out} of Rs or Cp or more")
+        frequency = progress.frequency
+        sheet = self._sheet(self._ladder.resolution(self._first_level, press, frequency[-1]))
+        lumped, finer = Lumped(sheet, sheet.nested), Lumped(sheet)
+        Z, omega = lumped.impedance(press, frequency), 2 * np.pi * frequency
+        resolved = SAFETY * relative_difference(Z, finer.impedance(press, frequency), omega)
+        error = resolved + lumped.left_out(press, frequency) + ROUNDING
+        return progress.offer(Rung(LUMPED, sheet.nested.inner, Z, error))
+
+    @cached_property
+    def _left_out_at_rest(self) -> float:
+        """Relative error of Rs and Cp by one R and one C, at the worst of the frequencies.
+
+        Where even the short line that leaves out least loses too much, the skin is not solved.
+        """
+        frequency = self.scene.frequencies
+        least = least_left_out(self._even)
+        if least > self.rtol:
+            return least
+        sheet = self._sheet(self._ladder.resolution(self._first_level, Press(), frequency[-1]))
+        left_out = Lumped(sheet, sheet.nested).left_out(Press(), frequency)
+        return float(left_out.max())
+
+    def _elements(self, press: Press, progress: Progress) -> None:
+        level = self._first_level
+        while not progress.done and level < len(self._ladder.levels):
+            rung = self._element_rung(level, press, progress.frequency)
+            progress.offer(rung)
+            level += self._levels_ahead(float(rung.error.max()))
+
+    def _levels_ahead(self, error: float) -> int:
+        """How many levels on the tolerance is likely to be kept, if each gains GAIN."""
+        return max(1, math.floor(math.log(self.rtol / error) / math.log(GAIN)))
+
+    def _element_rung(self, level: int, press: Press, frequency: NDArray[np.float64]) -> Rung:
+        sheet = self._sheet(self._ladder.resolution(level, press, frequency[-1]))
+        Z, error = checked(
+            lambda f, rtol: sheet.sweep(press, f, rtol, sheet.nested, sheet.space),
+            frequency,
+            self.rtol,
+        )
+        answered = replace(sheet.resolution, order=sheet.resolution.order - 1)
+        told = f"2-D elements, {self._circuit.told}, {answered}"
+        return Rung(told, sheet.nested.inner, Z, error)
+
+    def _reduced(self, press: Press, progress: Progress) -> None:
+        if not all(isinstance(touch, Touch) for touch in press.touches):
+            return self._separable(press, progress)
+        _check_trained(press)
+        skin = self._reduced_skin
+        cells, rises = touched_cells(self._even, press)
+        Z = skin.sweeps(cells, rises, np.array([0, len(cells)]))[0]
+        at_most = skin.certificate(cells, rises) + REDUCED_KRYLOV * self.rtol
+        told = f"reduced to {skin.reduced.size} vectors, {skin.reduced.circuit.told}"
+        return progress.offer(Rung(told, skin.reduced.size, Z, at_most + skin.reduced.mesh_error))
+
+    def _separable(self, press: Press, progress: Progress) -> None:
+        model, frequency = self._separable_model, progress.frequency
+        Z, error = model.impedance(press, frequency), model.certificate(press, frequency)
+        progress.offer(Rung(model.explain(), int(model.products.counts.sum()), Z, error))
+
+    @cached_property
+    def _reduced_skin(self) -> ReducedSkin:
+        return reduce(self._even, self.rtol, pixel_touches(self._even, TRAINED)).skin(None)
+
+    @cached_property
+    def _separable_model(self) -> Separable:
+        return Separable(self._even, SEPARABLE_SHARE * self.rtol)
+
+    def _sheet(self, resolution: Resolution) -> Sheet:
+        """Discretised at a resolution; the oldest are forgotten, for they are large."""
+        if resolution not in self._sheets:
+            if len(self._sheets) == SHEETS_KEPT:
+                del self._sheets[next(iter(self._sheets))]
+            self._sheets[resolution] = Sheet(self._even, self._circuit, resolution)
+        return self._sheets[resolution]
+
+    @cached_property
+    def _circuit(self) -> Circuit:
+        return one_field(self._even) or two_fields(self._even)
+
+    @cached_property
+    def _ladder(self) -> Ladder:
+        return Ladder(self._even, self._circuit)
+
+
+def _check_trained(press: Press) -> None:
+    """Raises InputError for a press unlike those that reduced models are trained on."""
+    low, high = TRAINED
+    for touch in press.touches:
+        if not low <= touch.factor <= high:
+            raise InputError(f"trained on factors from {low} to {high}, got {touch}")

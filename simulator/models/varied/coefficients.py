@@ -1,0 +1,99 @@
+"""What a pressed skin is made of at the points of one mesh: conductance of sheets, capacitance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.skin import Electrode
+from .materials import Materials, strain_of
+
+if TYPE_CHECKING:
+    from ..mechanics.pressed import Pressed
+
+Located = tuple[NDArray[np.float64], NDArray[np.float64]]
+"""Places in m and strain there."""
+ELECTRODES: tuple[Electrode, Electrode] = ("top", "bottom")
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """Of one press on one mesh; x stands for points of all its cells, m, shape (2, cell, point).
+
+    factors: c over that at rest by touches with sharp edges, shape (cell,). pressed: by what
+    mechanics spreads, None for nothing of that kind. fields: 1 where both sheets are one.
+    """
+
+    materials: Materials
+    factors: NDArray[np.float64]
+    pressed: Pressed | None
+    fields: int
+    _spread: dict[int, Located] = field(default_factory=dict, compare=False, repr=False)
+
+    def conductance(self, field: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """S in S by its xx, yy and xy, shape (3, cell, point)."""
+        S = self.conductance_of(ELECTRODES[field], x)
+        return S * self._share if self.fields == 1 else S
+
+    def conductance_of(self, electrode: Electrode, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The same of one sheet."""
+        if not self.materials.scene.skin.sheet(electrode).piezoresistance:
+            return self.materials.conductance(electrode, x)
+        return self.materials.conductance(electrode, x, self.strain(x))
+
+    def of_both_sheets(self, potential: NDArray) -> NDArray:
+        """Top and bottom sheet's from those of the fields, shape (field, ...) to (2, ...).
+
+        The difference of both falls to each sheet as its resistance is of both in series.
+        """
+        if self.fields == 2:
+            return potential
+        return np.concatenate([self._share * potential, (self._share - 1) * potential])
+
+    def capacitance(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """c in F/m², shape (cell, point)."""
+        return self.materials.capacitance(x) * self.factor(x)
+
+    def factor(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """c over that at rest, shape (cell, point)."""
+        whole = self.factors[:, None] * np.ones(x.shape[1:])
+        mechanics = self.pressed.mechanics if self.pressed else None
+        return whole * mechanics.factor(self._spread_strain(x)) if mechanics else whole
+
+    def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far the foam is compressed, of its thickness at rest, shape (cell, point).
+
+        Where only a factor is given it is what brings it about, without mechanics at constant
+        permittivity.
+        """
+        mechanics = self.materials.scene.skin.foam.mechanics
+        sharp = (mechanics.strain_at if mechanics else strain_of)(self.factors)[:, None]
+        return np.maximum(sharp, self._spread_strain(x))
+
+    def deflection(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far the skin is pushed in where mechanics tells, m, shape (cell, point)."""
+        return self.pressed.deflection(x) if self.pressed else np.zeros(x.shape[1:])
+
+    def line_stretch(
+        self, x: NDArray[np.float64], direction: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Length along an edge over that of the flat skin at rest."""
+        return self.materials.line_stretch(x, direction)
+
+    def _spread_strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """By mechanics, kept for places that are asked for again."""
+        known = self._spread.get(id(x))
+        if known is None or known[0] is not x:
+            found = self.pressed.strain(x) if self.pressed else np.zeros(x.shape[1:])
+            self._spread[id(x)] = known = (x, found)
+        return known[1]
+
+    @property
+    def _share(self) -> float:
+        """Of the top sheet's conductance, of both in series: the sheets vary alike."""
+        corner = np.zeros((2, 1))
+        top, bottom = (self.materials.conductance(each, corner)[0, 0] for each in ELECTRODES)
+        return float(bottom / (top + bottom))

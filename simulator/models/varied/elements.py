@@ -1,0 +1,263 @@
+"""Elements of a varied skin, and the matrices that coefficients at their points give."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+from skfem import Element, MeshTri
+from skfem.mesh import Mesh2D
+
+from ...fem.assembly import fill, quadrilateral
+from ...fem.circuit import Circuit, Terminal
+from ...fem.quadrature import (
+    Rule,
+    Surface,
+    Terms,
+    gauss_rule,
+    mass_terms,
+    rule_at,
+    stiffness_terms,
+    surface,
+    triangle_rule,
+)
+from ...fem.system import System, films
+from ...fem.unknowns import (
+    TRIANGLES,
+    Trial,
+    Unknowns,
+    numbered,
+    quadrilateral_trial,
+    triangle_trial,
+)
+from ...mesh.arcs import mapped
+from ...mesh.domain import Domain
+from ...mesh.quadrilaterals import PixelMesh
+from ...scene.contacts import Contact
+from .coefficients import Coefficients
+
+MORE_ON_SQUARES, MORE_ON_TRIANGLES = 6, 4
+"""Degrees of the rules beyond twice the order: for the coefficients."""
+
+
+@dataclass(frozen=True)
+class Elements:
+    """Trial functions on a mesh.
+
+    surface_at: where points of a rule lie, in some of the cells. beside: the cell at each facet
+    and which of its edges that is, shapes (facet,). facets: those under a foil. groups: the cells
+    that are straight, and those that are bent. in_space: of triangles in space their first corners
+    and the two edges from there, m, each of shape (3, cell, 1); None in the plane.
+    """
+
+    element: Element
+    order: int
+    trial: Trial
+    rule: Rule
+    surface_at: Callable[[Rule, NDArray[np.int64] | slice], Surface]
+    beside: Callable[[NDArray[np.int64]], tuple[NDArray[np.int64], NDArray[np.int64]]]
+    facets: Callable[[Contact], NDArray[np.int64]]
+    groups: Sequence[NDArray[np.int64] | slice] = (slice(None),)
+    in_space: tuple[NDArray[np.float64], ...] | None = None
+
+    @property
+    def cells(self) -> int:
+        """How many there are."""
+        return self.trial.dofs.element_dofs.shape[1]
+
+    @cached_property
+    def surface(self) -> Surface:
+        """Where the rule's points lie in all cells."""
+        return self.surface_at(self.rule, slice(None))
+
+    def edge_rule(self, edge: int) -> tuple[Rule, NDArray[np.float64]]:
+        """A rule along one edge of the reference cell, and the direction of that edge."""
+        corners = np.asarray(self.element.refdom.p)
+        start, end = (corners[:, k] for k in np.asarray(self.element.refdom.facets)[edge])
+        nodes, weights = np.polynomial.legendre.leggauss(self.order + 1 + MORE_ON_TRIANGLES // 2)
+        points = start[:, None] + (end - start)[:, None] * (nodes + 1) / 2
+        return rule_at(self.element, points, weights / 2), end - start
+
+
+def squares(pixels: PixelMesh, order: int) -> Elements:
+    """Quadrilaterals that conform to pixels."""
+    element = quadrilateral(order)
+
+    def beside(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        return _beside(pixels.mesh, facets)
+
+    return Elements(
+        element=element,
+        order=order,
+        trial=quadrilateral_trial(pixels.mesh, order),
+        rule=gauss_rule(element, 2 * order + MORE_ON_SQUARES),
+        surface_at=lambda rule, some: surface(pixels.cells.some(some), rule),
+        beside=beside,
+        facets=pixels.facets,
+    )
+
+
+def triangles(domain: Domain, order: int) -> Elements:
+    """Triangles of a domain in the plane or in space, orders 1 to 4."""
+    element = TRIANGLES[order - 1]()
+    p, t = np.ascontiguousarray(domain.p[:2]), np.ascontiguousarray(domain.t)
+    mesh = MeshTri(p, t, sort_t=False)
+
+    def beside(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        return _beside(mesh, facets)
+
+    return Elements(
+        element=element,
+        order=order,
+        trial=triangle_trial(mesh, order),
+        rule=triangle_rule(element, 2 * order + MORE_ON_TRIANGLES),
+        surface_at=_on_triangles(domain),
+        beside=beside,
+        facets=lambda contact: numbers_of(mesh, domain.foils[contact.name]),
+        groups=_straight_and_bent(domain),
+        in_space=_edges(domain.p, domain.t) if len(domain.p) == 3 else None,
+    )
+
+
+def _on_triangles(domain: Domain) -> Callable[[Rule, NDArray[np.int64] | slice], Surface]:
+    """Where points of a rule lie in some of the triangles."""
+    curvature = domain.curvature
+
+    def surface_at(rule: Rule, some: NDArray[np.int64] | slice) -> Surface:
+        t = domain.t[:, some]
+        if len(domain.p) == 3:
+            return flat_triangles(domain.p, t, rule)
+        return Surface(*mapped(domain.p, t, curvature[:, some], rule.points))
+
+    return surface_at
+
+
+def _straight_and_bent(domain: Domain) -> Sequence[NDArray[np.int64] | slice]:
+    bent = domain.curvature.any(axis=0)
+    return (np.flatnonzero(~bent), np.flatnonzero(bent)) if bent.any() else (slice(None),)
+
+
+def flat_triangles(p: NDArray[np.float64], t: NDArray[np.int64], rule: Rule) -> Surface:
+    """Of triangles, x = x0 + a along + b across; in space each has a frame of its own."""
+    origin, along, across = _edges(p, t)
+    a, b = rule.points
+    x = (origin + a * along + b * across)[:2]
+    if len(p) == 3:
+        along, across = _in_their_plane(along, across)
+    every = np.ones_like(a)
+    return Surface(x, along * every, across * every)
+
+
+def _edges(p: NDArray[np.float64], t: NDArray[np.int64]) -> tuple[NDArray[np.float64], ...]:
+    """First corners and the edges from there to the other two, each of shape (dim, cell, 1)."""
+    origin = p[:, t[0]][:, :, None]
+    return origin, *(p[:, t[k]][:, :, None] - origin for k in (1, 2))
+
+
+def numbers_of(mesh: MeshTri, ends: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Numbers of facets given by their two points, ascending, shape (2, facet)."""
+    count = mesh.p.shape[1]
+    keys = np.asarray(mesh.facets, dtype=np.int64)
+    known = keys[0] * count + keys[1]
+    order = np.argsort(known)
+    return order[np.searchsorted(known[order], ends[0] * count + ends[1])]
+
+
+def _beside(mesh: Mesh2D, facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    cell = np.asarray(mesh.f2t, dtype=np.int64)[0, facets]
+    return cell, np.argmax(np.asarray(mesh.t2f)[:, cell] == facets, axis=0)
+
+
+def _in_their_plane(
+    along: NDArray[np.float64], across: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The same two edges by lengths and angle alone: the first one runs along the frame's first."""
+    length = np.linalg.norm(along, axis=0)
+    shared = (along * across).sum(axis=0) / length
+    height = np.sqrt((across**2).sum(axis=0) - shared**2)
+    return np.stack([length, np.zeros_like(length)]), np.stack([shared, height])
+
+
+@dataclass(frozen=True)
+class PressedSystem(System):
+    """With the capacitance of one press: mass is M in F."""
+
+    mass: csc_matrix
+
+
+def pressed_system(
+    circuit: Circuit, elements: Elements, coefficients: Coefficients
+) -> PressedSystem:
+    """The matrices of one press on one mesh."""
+    unknowns = numbered(circuit, elements.trial, elements.facets)
+    return PressedSystem(
+        unknowns=unknowns,
+        sheets=_sheets(circuit, elements, coefficients, unknowns),
+        films=films(circuit, unknowns, _film_of(circuit, elements, coefficients, unknowns)),
+        mass=_mass(circuit, elements, coefficients, unknowns),
+    )
+
+
+def _sheets(
+    circuit: Circuit, elements: Elements, coefficients: Coefficients, unknowns: Unknowns
+) -> csc_matrix:
+    values, at = np.zeros(len(unknowns.pattern.indices)), elements.surface
+    for field in range(circuit.fields):
+        S = coefficients.conductance(field, at.x)
+        alone = circuit.field_alone(field)
+        for cells in elements.groups:
+            terms = stiffness_terms(elements.rule, at.some(cells), S[:, cells], alone)
+            _add(values, unknowns.slots[cells], terms)
+    return unknowns.pattern.matrix(values)
+
+
+def _mass(
+    circuit: Circuit, elements: Elements, coefficients: Coefficients, unknowns: Unknowns
+) -> csc_matrix:
+    values, at = np.zeros(len(unknowns.pattern.indices)), elements.surface
+    c = coefficients.capacitance(at.x)
+    for cells in elements.groups:
+        terms = mass_terms(elements.rule, at.some(cells), c[cells], circuit.coupling)
+        _add(values, unknowns.slots[cells], terms)
+    return unknowns.pattern.matrix(values)
+
+
+def _film_of(circuit: Circuit, elements: Elements, coefficients: Coefficients, unknowns: Unknowns):
+    """The form of (V - U)² / r_c along the foils of a terminal."""
+
+    def film(terminal: Terminal) -> csc_matrix:
+        values = np.zeros(len(unknowns.pattern.indices))
+        alone = circuit.field_alone(terminal.field)
+        for contact in terminal.contacts:
+            if contact.ideal:
+                continue
+            cells, edges = elements.beside(elements.facets(contact))
+            for edge in np.unique(edges):
+                own = cells[edges == edge]
+                rule, direction = elements.edge_rule(int(edge))
+                at = elements.surface_at(rule, own)
+                tangent = at.along * direction[0] + at.across * direction[1]
+                density = coefficients.line_stretch(at.x, tangent) / contact.resistance
+                length = np.linalg.norm(tangent, axis=0)
+                along_edge = _edge_terms(rule.values, rule.weights * length * density, alone)
+                _add(values, unknowns.slots[own], [along_edge])
+        return unknowns.pattern.matrix(values)
+
+    return film
+
+
+def _edge_terms(
+    u: NDArray[np.float64], weights: NDArray[np.float64], fields: NDArray[np.float64]
+) -> Terms:
+    """Of the form u v along an edge. u: functions at points of it; weights: (cell, point)."""
+    matrices = np.einsum("fg,ip,jp->pfigj", fields, u, u)
+    return weights, matrices.reshape(len(matrices), -1)
+
+
+def _add(values: NDArray[np.float64], slots: NDArray[np.int64], terms: Iterable[Terms]) -> None:
+    for weights, matrices in terms:
+        fill(values, slots, np.ascontiguousarray(weights), matrices)

@@ -1,0 +1,60 @@
+"""Cells that narrow towards edges of touches: where a coefficient jumps, the field has a layer."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from ...fem.circuit import one_field
+from ...mesh.quadrilaterals import Resolution
+from ...press.press import Press
+from ...scene.planar import Lines
+from ...scene.scene import Scene
+from ..plain import electrical
+from ..resolution import Ladder, all_lines, felt, followed, strongest
+from .materials import strain_of
+
+
+def layered(ladder: Ladder, resolution: Resolution, press: Press, frequency: float) -> Resolution:
+    """The same, as narrow at all jumps that the field reaches as layers at a frequency in Hz are.
+
+    Foils in pairs, one on each sheet, are reached from as far as the field goes. Any others drive a
+    current along the sheets at any frequency, and where it passes from one sheet to the other, at
+    each change of what a sheet carries, the foam charges.
+    """
+    scene, depth = ladder.scene, ladder.depth(frequency)
+    in_pairs = one_field(electrical(scene)) is not None
+    jumps = Press(
+        tuple(
+            touch
+            for touch in press.touches
+            if touch.factor != 1 and (not in_pairs or felt(touch, scene, depth))
+        )
+    )
+    width = depth / math.sqrt(_thinner(scene, press)) * followed(resolution.order - 1)
+    narrow = ladder.halved(width)
+    if not jumps.touches or narrow == math.inf:
+        return resolution
+    return replace(
+        resolution,
+        edge_cell=min(resolution.edge_cell, narrow),
+        touch_cell=narrow,
+        touched=_inner(all_lines(jumps, scene), scene),
+    )
+
+
+def _inner(lines: Lines, scene: Scene) -> Lines:
+    """Those that are no edge of the skin."""
+    length, width = scene.skin.sides
+    x, y = lines
+    return (
+        tuple(line for line in x if 0 < line < length),
+        tuple(line for line in y if 0 < line < width),
+    )
+
+
+def _thinner(scene: Scene, press: Press) -> float:
+    """The largest c (R_t + R_b) under a press, over that at rest."""
+    factor = max(1.0, strongest(press, scene))
+    gauge = max(scene.skin.top.piezoresistance, scene.skin.bottom.piezoresistance, 0.0)
+    return factor * (1 + gauge * float(strain_of(factor)))

@@ -1,0 +1,201 @@
+"""Symmetric 2x2 tensors as (xx, yy, xy), shape (3, ...)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...scene.planar import SAME_EDGE, Lines, distinct
+from ...scene.scene import Scene
+from ...scene.shape import Stretch
+from ...scene.skin import Electrode, Sheet, Skin
+
+
+@dataclass(frozen=True)
+class Metric:
+    """G = F'F of the tangents F = d(position)/d(flat x), as (xx, yy, xy), shape (3, ...).
+
+    area: J = sqrt(det G), area over that at rest, shape (...).
+    """
+
+    G: NDArray[np.float64]
+    area: NDArray[np.float64]
+
+
+def position(scene: Scene, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """In space, m, of places x in m of the flat skin at rest, shape (2, ...) to (3, ...)."""
+    skin = scene.skin
+    stretched = _ratios(skin, x) * np.asarray(x)
+    if skin.shape is None:
+        return np.stack([*stretched, np.zeros(np.shape(x)[1:])])
+    return skin.shape.position(stretched, skin.stretched_sides)
+
+
+def tangents(scene: Scene, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of `position` by x, shape (3, 2, ...)."""
+    skin, ratios = scene.skin, _ratios(scene.skin, x)
+    if skin.shape is None:
+        flat = np.eye(3, 2).reshape((3, 2) + (1,) * (np.ndim(x) - 1))
+        return np.broadcast_to(flat * ratios, (3, 2, *np.shape(x)[1:]))
+    return skin.shape.tangents(ratios * np.asarray(x), skin.stretched_sides) * ratios
+
+
+def metric(scene: Scene, x: NDArray[np.float64]) -> Metric:
+    """At places x in m of the flat skin at rest, shape (2, ...)."""
+    F = tangents(scene, x)
+    xx, yy, xy = (
+        np.einsum("i...,i...->...", F[:, i], F[:, j]) for i, j in ((0, 0), (1, 1), (0, 1))
+    )
+    return Metric(np.stack([xx, yy, xy]), np.sqrt(xx * yy - xy**2))
+
+
+def isometric(skin: Skin) -> bool:
+    """Whether all lengths within the skin are those at rest."""
+    unstretched = skin.stretch is None or skin.stretch.ratios == (1.0, 1.0)
+    return unstretched and (skin.shape is None or skin.shape.developable)
+
+
+def _ratios(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    ratios = skin.stretch.ratios if skin.stretch else (1.0, 1.0)
+    return np.reshape(ratios, (2,) + (1,) * (np.ndim(x) - 1))
+
+
+def directed(ratio: float, angle: float) -> NDArray[np.float64]:
+    """Of determinant 1, `ratio` times as large along `angle` [rad] from x as across, shape (3,)."""
+    along, across = ratio**0.5, ratio**-0.5
+    mean, half, turned = (along + across) / 2, (along - across) / 2, 2 * angle
+    part = half * np.cos(turned)
+    return np.array([mean + part, mean - part, half * np.sin(turned)])
+
+
+def root(G: NDArray[np.float64], determinant: NDArray[np.float64]) -> NDArray[np.float64]:
+    """U = sqrt(G) of that determinant: (G + det U) / sqrt(tr G + 2 det U), by Cayley-Hamilton."""
+    xx, yy, xy = G
+    scale = 1 / np.sqrt(xx + yy + 2 * determinant)
+    return scale * np.stack([xx + determinant, yy + determinant, xy])
+
+
+def adjugate(U: NDArray[np.float64]) -> NDArray[np.float64]:
+    """det(U) times the inverse of U."""
+    xx, yy, xy = U
+    return np.stack([yy, xx, -xy])
+
+
+def between(B: NDArray[np.float64], A: NDArray[np.float64]) -> NDArray[np.float64]:
+    """B A B."""
+    (bx, by, b), (ax, ay, a) = B, A
+    return np.stack(
+        [
+            bx * bx * ax + 2 * bx * b * a + b * b * ay,
+            b * b * ax + 2 * b * by * a + by * by * ay,
+            bx * b * ax + (bx * by + b * b) * a + b * by * ay,
+        ]
+    )
+
+
+ISOTROPIC = np.array([1.0, 1.0, 0.0])
+
+
+def strain_of(factor: ArrayLike) -> NDArray[np.float64]:
+    """Compressive strain of foam of constant permittivity at that factor of its capacitance.
+
+    1 - 1 / factor; 0 where the factor is below 1.
+    """
+    return np.maximum(1 - 1 / np.asarray(factor, dtype=np.float64), 0.0)
+
+
+class Materials:
+    """Conductances and capacitance of a scene's skin at any places x, flat and in m."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self._isometric = isometric(scene.skin)
+        self._sheet_power, self._foam_power = (scene.skin.stretch or Stretch()).thinning
+
+    def conductance(
+        self, electrode: Electrode, x: NDArray[np.float64], strain: ArrayLike = 0.0
+    ) -> NDArray[np.float64]:
+        """S of an electrode as (xx, yy, xy) in S, shape (3, ...), at x of shape (2, ...).
+
+        strain: compressive strain of the foam there, which broadcasts with (...), see `strain_of`.
+        """
+        sheet = self.scene.skin.sheet(electrode)
+        R = self._resistance(sheet, x) * (1 + sheet.piezoresistance * np.asarray(strain))
+        own = sheet.anisotropy
+        A = directed(own.ratio, own.angle) if own else ISOTROPIC
+        A = A.reshape(3, *(1,) * np.ndim(R))
+        if self._isometric:
+            return A / R
+        found = metric(self.scene, x)
+        J = found.area
+        B = adjugate(root(found.G, J))
+        return between(B, A) / (R * J ** (1 + self._sheet_power))
+
+    def capacitance(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """c of the foam at rest in F per flat m², shape (...), at x of shape (2, ...)."""
+        foam = self.scene.skin.foam
+        c = foam.rest_capacitance_per_area * self._factors(foam.map, x)
+        if self._isometric:
+            return c
+        return c * metric(self.scene, x).area ** (1 + self._foam_power)
+
+    def line_stretch(
+        self, x: NDArray[np.float64], direction: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Length over that at rest of a line through x, both of shape (2, ...), along a direction.
+
+        The direction need not be of unit length. Shape (...).
+        """
+        along = np.asarray(direction) / np.hypot(*direction)
+        if self._isometric:
+            return np.ones(np.broadcast_shapes(np.shape(x)[1:], np.shape(along)[1:]))
+        return np.sqrt(np.sum(np.sum(tangents(self.scene, x) * along, axis=1) ** 2, axis=0))
+
+    @property
+    def alike(self) -> bool:
+        """Whether both sheets' conductances are in one ratio everywhere, pressed or not."""
+        top, bottom = self.scene.skin.top, self.scene.skin.bottom
+        same_maps = top.map == bottom.map or None not in (_uniform(top), _uniform(bottom))
+        return (
+            same_maps
+            and top.piezoresistance == bottom.piezoresistance
+            and np.allclose(_direction(top), _direction(bottom), rtol=1e-12, atol=1e-12)
+        )
+
+    @cached_property
+    def lines(self) -> Lines:
+        """Lines in m across x, and across y, at which a map's slope jumps; ascending."""
+        sides, maps = self.scene.skin.sides, self.scene.skin.maps.values()
+        kinks = [of_place.kinks(sides) for of_place in maps]
+        found = []
+        for axis, side in enumerate(sides):
+            all_lines = [line for each in kinks for line in each[axis]]
+            found.append(tuple(distinct([*all_lines, side], SAME_EDGE)[:-1].tolist()))
+        return found[0], found[1]
+
+    @property
+    def shortest(self) -> float:
+        """The least length in m over which a map varies; inf where none does."""
+        maps = self.scene.skin.maps.values()
+        return min((each.shortest(self.scene.skin.sides) for each in maps), default=np.inf)
+
+    def _resistance(self, sheet: Sheet, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """At rest, ohm/sq."""
+        return sheet.sheet_resistance * self._factors(sheet.map, x)
+
+    def _factors(self, of_place, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        if of_place is None:
+            return np.ones(np.shape(x)[1:])
+        return of_place.factors(np.asarray(x, dtype=np.float64), self.scene.skin.sides)
+
+
+def _uniform(sheet: Sheet) -> float | None:
+    return 1.0 if sheet.map is None else sheet.map.uniform
+
+
+def _direction(sheet: Sheet) -> NDArray[np.float64]:
+    own = sheet.anisotropy
+    return directed(own.ratio, own.angle) if own else ISOTROPIC

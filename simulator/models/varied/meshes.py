@@ -1,0 +1,114 @@
+"""Which kind of mesh a press on a skin is solved on, and what mechanics makes of it first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.circuit import Circuit, one_field, two_fields
+from ...press.press import Press
+from ...scene.scene import Scene
+from ...sweeps import ToleranceError
+from ..plain import electrical
+from .discretised import Discretised
+from .materials import Materials
+from .squares import Squares
+from .triangles import Triangles
+from .unsure import of_deflection
+
+if TYPE_CHECKING:
+    from ..mechanics.pressed import Pressed
+
+MECHANICS_SHARE = 0.3
+"""Of the tolerance: what the mechanics of a press may leave of it."""
+LEAST_STEP = 0.3
+"""Of the mechanics' error, asked of the next ones, where Rs and Cp feel more of it than that."""
+FACTOR_SHARE, COARSEST_FACTOR = 30.0, 1e-2
+"""Of the tolerance and at most: what its factor may be off by anywhere. It is at corners alone."""
+
+
+class Meshes(Protocol):
+    """Discretisations of one press, each finer than the one before."""
+
+    def finer(self, frequency: NDArray[np.float64]) -> Discretised:
+        """The next one, for frequencies in Hz. Raises ToleranceError where there is none."""
+        ...
+
+
+class InTurn:
+    """Quadrilaterals as long as there are finer ones, then triangles."""
+
+    def __init__(self, squares: Squares, triangles: Triangles) -> None:
+        self._kinds: list[Meshes] = [squares, triangles]
+
+    def finer(self, frequency: NDArray[np.float64]) -> Discretised:
+        """As of `Meshes`."""
+        try:
+            return self._kinds[0].finer(frequency)
+        except ToleranceError:
+            if len(self._kinds) == 1:
+                raise
+            del self._kinds[0]
+            return self.finer(frequency)
+
+
+class Spread:
+    """Triangles of what mechanics spreads, told as closely as Rs and Cp feel it."""
+
+    def __init__(self, triangles: Callable[[Pressed], Triangles], first: Pressed, rtol: float):
+        """triangles: of a press that mechanics spreads so."""
+        self._of, self._rtol = triangles, rtol
+        self._pressed, self._triangles = first, triangles(first)
+
+    def finer(self, frequency: NDArray[np.float64]) -> Discretised:
+        """As of `Meshes`."""
+        most = MECHANICS_SHARE * self._rtol
+        while True:
+            found = self._triangles.finer(frequency)
+            raised, closer = of_deflection(found.coefficients), self._pressed.closer
+            if raised is None or closer is None:
+                return found
+            error = found.changes(raised, frequency, self._rtol)
+            if error.max() <= most:
+                return replace(found, felt=error)
+            self._pressed = closer(max(LEAST_STEP, most / error.max()) * self._pressed.error)
+            self._triangles = self._of(self._pressed)
+
+
+def indented(scene: Scene, press: Press, rtol: float) -> tuple[Press, Pressed | None]:
+    """Touches of a factor, and what mechanics makes of the others: factors too, if it can.
+
+    rtol: the tolerance asked of Rs and Cp.
+    """
+    if not press.indented:
+        return press, None
+    from ..mechanics.indentation import pressed
+
+    found = pressed(scene, press, min(COARSEST_FACTOR, FACTOR_SHARE * rtol))
+    return (press.sharp, found) if found.sharp is None else (found.sharp, None)
+
+
+def meshes(scene: Scene, press: Press, pressed: Pressed | None, rtol: float) -> Meshes:
+    """Those that a scene and a press need: quadrilaterals first wherever they serve.
+
+    press, pressed: as of `indented`.
+    """
+    circuit, rectangular = circuit_of(scene), scene.skin.outline is None and scene.skin.mesh is None
+    if pressed is not None:
+        return Spread(partial(Triangles, scene, circuit, press, rtol), pressed, rtol)
+    triangles = Triangles(scene, circuit, press, rtol)
+    if rectangular and press.plain:
+        return InTurn(Squares(scene, circuit, press, rtol), triangles)
+    return triangles
+
+
+def circuit_of(scene: Scene) -> Circuit:
+    """One field where both sheets and their foils vary alike."""
+    even = electrical(scene)
+    alike = one_field(even) if Materials(scene).alike else None
+    return alike or two_fields(even)

@@ -1,0 +1,92 @@
+"""Meshes of quadrilaterals for rectangles that vary: the levels of the plain ladder, and finer."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.circuit import Circuit
+from ...fem.galerkin import Galerkin
+from ...mesh.quadrilaterals import Resolution, pixel_mesh, tile_lines
+from ...press.capacitance import pixel_lines, tile_map
+from ...press.press import Press
+from ...scene.planar import SAME_EDGE, Lines
+from ...scene.scene import Scene
+from ...sweeps import ToleranceError
+from ..resolution import ONE_CELL, Ladder
+from .coefficients import Coefficients
+from .discretised import Discretised, Solved
+from .elements import pressed_system, squares
+from .layers import layered
+from .materials import Materials
+
+CELLS_TO_A_LENGTH = 2.0
+"""For the shortest length of a map, of elements of order 1; fewer of higher order."""
+
+LOWEST = 1
+"""The first level that has two orders below the one that checks it."""
+
+
+class Squares:
+    """Discretisations of one press, each of a higher order than the one before.
+
+    Where those do not serve, the answer is singular somewhere: triangles find the place.
+    """
+
+    def __init__(self, scene: Scene, circuit: Circuit, press: Press, rtol: float) -> None:
+        self.scene, self.circuit, self.press = scene, circuit, press
+        self.materials = Materials(scene)
+        self._ladder = Ladder(scene, circuit)
+        self._level = max(LOWEST, self._ladder.first(rtol))
+
+    def finer(self, frequency: NDArray[np.float64]) -> Discretised:
+        """The next one, for frequencies in Hz. Raises ToleranceError after the finest."""
+        if self._level == len(ONE_CELL):
+            raise ToleranceError("there is no finer mesh")
+        highest = float(frequency[-1])
+        found = self._ladder.resolution(self._level, self.press, highest)
+        self._level += 1
+        found = layered(self._ladder, found, self.press, highest)
+        return self._discretised(self._varied(found))
+
+    def _discretised(self, resolution: Resolution) -> Discretised:
+        scene, circuit = self.scene, self.circuit
+        pixels = pixel_mesh(scene, circuit.contacts, resolution)
+        x, y = (tile_lines(scene, axis, resolution) for axis in (0, 1))
+        factors = tile_map(scene, self.press, x, y).ravel()[pixels.pixel]
+        coefficients = Coefficients(self.materials, factors, None, circuit.fields)
+        elements = squares(pixels, resolution.order)
+        system = pressed_system(circuit, elements, coefficients)
+        coarser, coarse, fine = (
+            Solved(Galerkin(system, circuit, resolution.order - less), system, elements)
+            for less in (2, 1, 0)
+        )
+        answered = replace(resolution, order=resolution.order - 1)
+        return Discretised(
+            circuit,
+            scene.skin.foam.loss,
+            coefficients,
+            coarse,
+            fine,
+            f"2-D elements, {circuit.told}, varied, {answered}",
+            coarser=coarser,
+        )
+
+    def _varied(self, resolution: Resolution) -> Resolution:
+        """With lines where maps have kinks, and cells that follow the shortest of them."""
+        kinks = self.materials.lines
+        lines = (self._with(0, resolution.lines, kinks), self._with(1, resolution.lines, kinks))
+        finer = replace(resolution, lines=lines)
+        widest = max(np.diff(tile_lines(self.scene, axis, finer)).max() for axis in (0, 1))
+        needed = CELLS_TO_A_LENGTH * widest / self.materials.shortest / resolution.order
+        return replace(finer, cells=max(resolution.cells, math.ceil(needed)))
+
+    def _with(self, axis: int, lines: Lines, kinks: Lines) -> tuple[float, ...]:
+        """Lines across an axis and those kinks that are apart from them and from pixels' lines."""
+        known = np.array([*pixel_lines(self.scene, axis), *lines[axis]])
+        least = SAME_EDGE * self.scene.skin.sides[axis]
+        apart = [kink for kink in kinks[axis] if np.abs(known - kink).min() > least]
+        return tuple(sorted([*lines[axis], *apart]))

@@ -1,0 +1,152 @@
+"""Meshes of triangles for any outline, refined where the answer is least certain."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.circuit import Circuit
+from ...fem.galerkin import Galerkin
+from ...mesh.domain import Domain, sharp_touches
+from ...mesh.skin_mesh import domain
+from ...mesh.untangled import finer
+from ...press.press import Press
+from ...press.touch import Disc, Touch
+from ...scene.frequency import penetration_depth
+from ...scene.scene import Scene
+from ...sweeps import InputError, ToleranceError
+from .coefficients import Coefficients
+from .discretised import Discretised, Solved, indicators, most
+from .elements import pressed_system, triangles
+from .materials import Materials
+
+if TYPE_CHECKING:
+    from ..mechanics.pressed import Pressed
+
+ORDERS = ((1e-3, 2), (0.0, 3))
+"""From which tolerance on which order of elements answers; one order more checks it. Order 1 needs
+more unknowns for 1e-2 than order 2 for 1e-3."""
+MOST_TRIANGLES = 60_000
+DEPTHS_PER_ORDER = 1.0
+"""Longest edges at foils, of what a polynomial of that order follows at the highest frequency."""
+FALLS = 2.0
+"""How fast |V|² falls towards a touch, for the depth of the field."""
+
+
+class Triangles:
+    """Discretisations of one press, each finer than the one before where it was least certain."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        circuit: Circuit,
+        press: Press,
+        rtol: float,
+        pressed: Pressed | None = None,
+    ) -> None:
+        """pressed: what the touches do that have no factor."""
+        self.scene, self.circuit, self.press = scene, circuit, press.sharp
+        self.pressed, self.rtol = pressed, rtol
+        self.materials = Materials(scene)
+        self.order = next(order for least, order in ORDERS if rtol >= least)
+        self._before: Discretised | None = None
+        self._domain: Domain | None = None
+
+    def finer(self, frequency: NDArray[np.float64]) -> Discretised:
+        """The next one, for frequencies in Hz.
+
+        Raises ToleranceError where it would have more than MOST_TRIANGLES, or could not serve.
+        """
+        ends = np.unique(frequency[[0, -1]])
+        if self._before is None or self._domain is None:
+            found = self._first(float(ends[-1]))
+        else:
+            found = finer(self._domain, most(indicators(self._before, ends)))
+        if found.t.shape[1] > MOST_TRIANGLES:
+            raise ToleranceError(f"{found.t.shape[1]} triangles are too many")
+        self._domain = found
+        left_out = self._left_out(found, float(ends[-1]))
+        if left_out > self.rtol:
+            raise ToleranceError(f"what the press is taken for leaves out {left_out:.1e}")
+        self._before = self._discretised(found, left_out)
+        return self._before
+
+    def _first(self, frequency: float) -> Domain:
+        """The coarsest mesh there is, finer at foils and no coarser than maps vary."""
+        scene, skin = self.scene, self.scene.skin
+        creases = self.pressed.kinks if self.pressed else []
+        pixel = max(side / n for side, n in zip(skin.sides, scene.pixels.shape[::-1], strict=True))
+        size = min(pixel, self.order * self.materials.shortest)
+        found = domain(scene, self.press, size, [*creases, *self._kinks()])
+        return _fine_at_foils(found, DEPTHS_PER_ORDER * self.order * self._depth(frequency))
+
+    def _depth(self, frequency: float) -> float:
+        """How far from a foil the field reaches at a frequency in Hz, m."""
+        skin = self.scene.skin
+        sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
+        c = skin.foam.rest_capacitance_per_area
+        return penetration_depth(frequency, sheets, c, skin.foam.loss)
+
+    def _left_out(self, mesh: Domain, frequency: float) -> float:
+        """Relative error of Rs and Cp by touches and foam that are not quite what was asked."""
+        radii = [touch.radius for touch in self.press.touches if isinstance(touch, Disc)]
+        depths = max(radii, default=0.0) / self._depth(frequency)
+        by_foam = self.pressed.out_of_round if self.pressed else 0.0
+        return by_foam + mesh.out_of_round * (1 + FALLS * depths) * bool(radii)
+
+    def _kinks(self) -> list[NDArray[np.float64]]:
+        """The lines at which maps have kinks, m, each of shape (2, 2)."""
+        x, y = self.materials.lines
+        length, width = self.scene.skin.sides
+        across = [np.array([[line, 0.0], [line, width]]) for line in x]
+        return [*across, *(np.array([[0.0, line], [length, line]]) for line in y)]
+
+    def _discretised(self, mesh: Domain, left_out: float) -> Discretised:
+        factors = sharp_factors(self.press, mesh, self.scene.pixels.columns)
+        coefficients = Coefficients(self.materials, factors, self.pressed, self.circuit.fields)
+        coarse, fine = (self._solved(mesh, self.order + more, coefficients) for more in (0, 1))
+        return Discretised(
+            self.circuit,
+            self.scene.skin.foam.loss,
+            coefficients,
+            coarse,
+            fine,
+            f"2-D elements, {self.circuit.told}, {mesh.t.shape[1]} triangles of order {self.order}",
+            left_out,
+        )
+
+    def _solved(self, mesh: Domain, order: int, coefficients: Coefficients) -> Solved:
+        elements = triangles(mesh, order)
+        system = pressed_system(self.circuit, elements, coefficients)
+        return Solved(Galerkin(system, self.circuit, order), system, elements)
+
+
+def sharp_factors(press: Press, mesh: Domain, columns: int) -> NDArray[np.float64]:
+    """c over that at rest in each triangle by touches of a factor, shape (triangle,).
+
+    Raises InputError where a touch lies beside the skin.
+    """
+    factors = np.ones(mesh.t.shape[1])
+    pixels = [touch for touch in press.touches if isinstance(touch, Touch)]
+    covered = [mesh.pixel == (each.row - 1) * columns + each.column - 1 for each in pixels]
+    for touch, within in zip(
+        [*pixels, *sharp_touches(press)], [*covered, *mesh.covered], strict=True
+    ):
+        if not within.any():
+            raise InputError(f"press {touch}: there is no skin at that place")
+        factors[within] *= touch.factor
+    return factors
+
+
+def _fine_at_foils(mesh: Domain, longest: float) -> Domain:
+    """With no edge longer than that, m, in triangles that have a point on a foil."""
+    while True:
+        on_foil = np.zeros(mesh.p.shape[1], dtype=bool)
+        for facets in mesh.foils.values():
+            on_foil[facets] = True
+        coarse = np.flatnonzero(on_foil[mesh.t].any(axis=0) & (mesh.lengths > longest))
+        if not coarse.size or mesh.t.shape[1] > MOST_TRIANGLES:
+            return mesh
+        mesh = finer(mesh, coarse)

@@ -1,0 +1,96 @@
+"""How little coefficients are known, and what that does to Rs and Cp at each frequency.
+
+At real s the admittance rises with capacitance and with conductance at any place. So nothing
+cancels where all of them are raised by what they may be off by.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.quadrature import Rule, divided
+from .coefficients import Coefficients
+from .elements import Elements
+
+if TYPE_CHECKING:
+    from ..mechanics.pressed import Pressed
+
+NEGLIGIBLE = 1e-2
+"""Of the tolerance: what a coefficient may be off by unasked."""
+TWICE = 2.0
+"""What a rule misses, over what it differs by from one of a quarter of the cells."""
+
+
+@dataclass(frozen=True)
+class Raised(Coefficients):
+    """With the deflection at its largest for the capacitance, at its least for gauges.
+
+    share: by which capacitance, and conductance of gauges, are raised besides, shape (cell,).
+    """
+
+    least: Pressed | None = None
+    share: NDArray[np.float64] | None = None
+
+    def capacitance(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """As of `Coefficients`."""
+        return super().capacitance(x) * self._raise
+
+    def conductance(self, field: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """As of `Coefficients`."""
+        skin = self.materials.scene.skin
+        S = super().conductance(field, x)
+        return S * self._raise if skin.top.piezoresistance or skin.bottom.piezoresistance else S
+
+    def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """As of `Coefficients`."""
+        return Coefficients(self.materials, self.factors, self.least, self.fields).strain(x)
+
+    @property
+    def _raise(self) -> NDArray[np.float64] | float:
+        return 1.0 if self.share is None else 1 + self.share[:, None]
+
+
+def of_deflection(known: Coefficients) -> Raised | None:
+    """By what mechanics leaves of error; None where there is none."""
+    pressed = known.pressed
+    if pressed is None or pressed.unsure is None:
+        return None
+    return Raised(
+        known.materials, known.factors, pressed.deeper(1.0), known.fields, least=pressed.deeper(-1)
+    )
+
+
+def of_rule(known: Coefficients, missed: NDArray[np.float64]) -> Raised:
+    """By what a rule misses of each cell, shape (cell,)."""
+    return Raised(
+        known.materials,
+        known.factors,
+        known.pressed,
+        known.fields,
+        least=known.pressed,
+        share=missed,
+    )
+
+
+def missed(elements: Elements, known: Coefficients) -> NDArray[np.float64]:
+    """Part of each cell's capacitance that a rule is off by, shape (cell,): against finer ones.
+
+    Only where mechanics spreads a press: what else varies within cells varies slowly there.
+    """
+    if known.pressed is None:
+        return np.zeros(elements.cells)
+    coarse, fine = (
+        _integrated(elements, known, rule)
+        for rule in (elements.rule, divided(elements.element, elements.rule))
+    )
+    return TWICE * np.abs(coarse / fine - 1)
+
+
+def _integrated(elements: Elements, known: Coefficients, rule: Rule) -> NDArray[np.float64]:
+    """Capacitance of each cell in F by a rule, shape (cell,)."""
+    at = elements.surface_at(rule, slice(None))
+    return (known.capacitance(at.x) * at.area) @ rule.weights

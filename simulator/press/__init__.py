@@ -1,0 +1,1 @@
+"""Touches on the skin, and the capacitance they make."""

@@ -1,0 +1,135 @@
+"""From a press to the capacitance per area: of every pixel, of any grid, and exactly.
+
+A pixel and a rectangle are patches that a mesh of lines follows. A disc is none: it enters a grid
+by the part that it takes of each cell's area, and what is solved for discs has arcs for edges.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.planar import NO_LINES, SAME_EDGE, SAME_LINE, Lines, disc_fraction, distinct, shared
+from ..scene.scene import Scene
+from ..sweeps import InputError
+from .press import Press, require_plain
+from .touch import AnyTouch, Box, Disc, Rectangle, Touch
+
+
+@dataclass(frozen=True)
+class Patch:
+    """What a touch covers between two lines x and two lines y in m, and its factor."""
+
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    factor: float
+
+    def factors(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """c over that without the touch, in the mean of each cell between other lines."""
+        covered = shared(self.y, y).T @ shared(self.x, x)
+        return weighed(covered, self.factor)
+
+
+def capacitance_map(scene: Scene, press: Press) -> NDArray[np.float64]:
+    """c in F/m², shape (row, column): the foam at rest, times each touch's factor where it is.
+
+    Raises InputError where a touch is not whole pixels; `grid_map` then gives the pixels' means.
+    """
+    require_plain(press)
+    c = np.full(
+        (scene.pixels.rows, scene.pixels.columns), scene.skin.foam.rest_capacitance_per_area
+    )
+    for touch in press.touches:
+        if isinstance(touch, Touch):
+            c[touch.row - 1, touch.column - 1] *= touch.factor
+        elif lines(scene, Press((touch,))) != NO_LINES:
+            raise InputError(f"press {press}: all touches must be whole pixels here")
+        else:
+            c *= patch(scene, touch).factors(pixel_lines(scene, 0), pixel_lines(scene, 1))
+    return c
+
+
+def grid_map(scene: Scene, press: Press, rows: int, columns: int) -> NDArray[np.float64]:
+    """c over that at rest, on a uniform grid over the skin, shape (row, column).
+
+    Each touch enters a cell as 1 + (factor - 1) times the fraction of its area that it covers, a
+    disc as the circle it is; factors multiply.
+    """
+    x = np.linspace(0, scene.skin.length, columns + 1)
+    y = np.linspace(0, scene.skin.width, rows + 1)
+    total = np.ones((rows, columns))
+    for touch in press.touches:
+        if isinstance(touch, Disc):
+            covered = disc_fraction(touch.x, touch.y, touch.radius, x, y)
+            total *= weighed(covered, touch.factor)
+        else:
+            total *= patch(scene, touch).factors(x, y)
+    return total
+
+
+def tile_map(
+    scene: Scene, press: Press, x: NDArray[np.float64], y: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """c over that at rest between lines in m, shape (row, column): exact where they are `lines`.
+
+    Edges that are not told apart from a line enter the cells beside it by the area covered.
+    """
+    total = np.ones((len(y) - 1, len(x) - 1))
+    for touch in press.touches:
+        total *= patch(scene, touch).factors(x, y)
+    return total
+
+
+def lines(scene: Scene, press: Press) -> Lines:
+    """Lines beside those of the pixels that c may jump at, ascending."""
+    areas = [patch(scene, touch) for touch in press.touches if not isinstance(touch, Touch)]
+    if not areas:
+        return NO_LINES
+    return _between_pixels(scene, areas, 0), _between_pixels(scene, areas, 1)
+
+
+def pixel_lines(scene: Scene, axis: int) -> NDArray[np.float64]:
+    """The lines that pixels lie between, across x (axis 0) or y (axis 1); m."""
+    skin, pixels = scene.skin, scene.pixels
+    length, count = ((skin.length, pixels.columns), (skin.width, pixels.rows))[axis]
+    return np.linspace(0, length, count + 1)
+
+
+def patch(scene: Scene, touch: AnyTouch) -> Patch:
+    """What a touch covers. Raises InputError where it is not plain."""
+    box = touched_box(scene, touch)
+    return Patch(np.array(box[:2]), np.array(box[2:]), touch.factor)
+
+
+def touched_box(scene: Scene, touch: AnyTouch) -> Box:
+    """The rectangle that a touch is; its sides are pixels' lines where they are the same.
+
+    Raises InputError where it is none.
+    """
+    require_plain(Press((touch,)))
+    assert isinstance(touch, Touch | Rectangle)
+    x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
+    if isinstance(touch, Touch):
+        row, column = touch.row, touch.column
+        return Box(x[column - 1], x[column], y[row - 1], y[row])
+    left, right, bottom, top = touch.box
+    return Box(_snapped(left, x), _snapped(right, x), _snapped(bottom, y), _snapped(top, y))
+
+
+def weighed(fraction: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
+    """1 + (factor - 1) fraction, exact where all or nothing is covered."""
+    return (1 - fraction) + factor * fraction
+
+
+def _snapped(line: float, known: NDArray[np.float64], same: float = SAME_LINE) -> float:
+    nearest = known[np.abs(known - line).argmin()]
+    return float(nearest if abs(nearest - line) <= same * known[-1] else line)
+
+
+def _between_pixels(scene: Scene, patches: list[Patch], axis: int) -> tuple[float, ...]:
+    known = pixel_lines(scene, axis)
+    of_touches = [line for each in patches for line in (each.x, each.y)[axis]]
+    lines_apart = distinct([*of_touches, known[-1]], SAME_EDGE).tolist()
+    return tuple(line for line in lines_apart if _snapped(line, known, SAME_EDGE) not in known)

@@ -1,0 +1,252 @@
+"""A press: the touches of the skin at one time, how they are written, and where they may lie."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import astuple, dataclass
+
+import numpy as np
+
+from ..scene.outline import check_simple
+from ..scene.planar import SAME_LINE
+from ..scene.scene import Pressing, Scene
+from ..sweeps import UNPRESSED, InputError
+from .touch import (
+    AnyTouch,
+    Depth,
+    Disc,
+    Force,
+    Indentation,
+    Place,
+    Polygon,
+    Rectangle,
+    Strength,
+    Touch,
+    place_of,
+    touch_at,
+)
+
+SYNTAX = (
+    "ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR], disc(X,Y,RADIUS)[:FACTOR] or "
+    "poly(X1,Y1,X2,Y2,X3,Y3,...)[:FACTOR], a depth (2mm, 0.002m) or a force (5N) in place of "
+    "FACTOR, touches joined by '+', or 'none'"
+)
+
+JOINT = re.compile(r"(?<!\de)\+", re.IGNORECASE)
+TOUCH = re.compile(
+    r"\s*(?:(?P<row>\d+)\s*,\s*(?P<column>\d+)|(?P<shape>rect|disc|poly)\s*\((?P<place>[^()]*)\))"
+    r"\s*(?::\s*(?P<strength>.+?)\s*)?"
+)
+
+MEASURED = re.compile(r"(?P<number>.*?)\s*(?P<unit>mm|m|N)")
+SHAPES = {"rect": (Rectangle, ("WIDTH", "HEIGHT")), "disc": (Disc, ("RADIUS",))}
+ORDER = (Touch, Rectangle, Disc, Polygon)
+
+
+@dataclass(frozen=True)
+class Press:
+    """Several touches at once; none at all is the skin at rest.
+
+    Pixels are pressed once each; other touches may lie over them and over each other. Factors
+    multiply where they do; of applicators the deeper one counts.
+    """
+
+    touches: tuple[AnyTouch, ...] = ()
+
+    def __str__(self) -> str:
+        return "+".join(map(str, self.touches)) or UNPRESSED
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is nothing but factors of pixels and rectangles."""
+        return all(isinstance(touch, Touch | Rectangle) for touch in self.touches)
+
+    @property
+    def sharp(self) -> Press:
+        """Its touches of a given factor."""
+        return Press(tuple(each for each in self.touches if not isinstance(each, Indentation)))
+
+    @property
+    def indented(self) -> tuple[Indentation, ...]:
+        """Its touches of a given depth or force."""
+        return tuple(each for each in self.touches if isinstance(each, Indentation))
+
+    @property
+    def pixel(self) -> tuple[int, int]:
+        """(row, column) of a single touch, (0, 0) at rest, (-1, -1) where it is no single pixel."""
+        if not self.touches:
+            return 0, 0
+        first, *others = self.touches
+        place = place_of(first)
+        if others or not isinstance(place, Touch):
+            return -1, -1
+        return place.row, place.column
+
+
+def require_plain(press: Press) -> None:
+    """Raises InputError unless the press is plain."""
+    if not press.plain:
+        raise InputError(
+            f"press {press}: must be capacitance factors of pixels or rect here, "
+            "without depth, force, disc or poly"
+        )
+
+
+def parse_press(text: str, default: Strength) -> Press:
+    """The press written as `text` in SYNTAX; `0,0` and `none` are the skin at rest.
+
+    `default` is how strongly touches are pressed that do not say so. Touches are put in order:
+    those with factors before those with depths and forces, pixels before rectangles, discs and
+    polygons. Raises InputError on other syntax, a factor, depth, force or size that is not finite
+    and > 0, or a pixel named twice.
+    """
+    if text.strip() in (UNPRESSED, "0,0"):
+        return Press()
+    touches = [_parse_touch(part, text, default) for part in JOINT.split(text)]
+    places = [place_of(touch) for touch in touches]
+    pixels = [(place.row, place.column) for place in places if isinstance(place, Touch)]
+    if len(set(pixels)) < len(pixels):
+        raise InputError(f"press {text!r}: a pixel is named twice")
+    return Press(tuple(sorted(touches, key=order)))
+
+
+def order(touch: AnyTouch) -> tuple:
+    """What the touches of a press are sorted by."""
+    place = place_of(touch)
+    by = (touch.by.unit, touch.by.value) if isinstance(touch, Indentation) else ()
+    return bool(by), ORDER.index(type(place)), astuple(place), by
+
+
+def _parse_touch(part: str, text: str, default: Strength) -> AnyTouch:
+    match = TOUCH.fullmatch(part)
+    if match is None:
+        raise InputError(f"press {text!r}: must be {SYNTAX}")
+    given = match["strength"]
+    strength = default if given is None else _strength(given, text)
+    return touch_at(_parse_place(match, text), strength)
+
+
+def _parse_place(match: re.Match[str], text: str) -> Place:
+    if match["shape"] is None:
+        return Touch(int(match["row"]), int(match["column"]), 1.0)
+    given = match["place"].split(",")
+    if match["shape"] == "poly":
+        return Polygon(_points(given, text), 1.0)
+    shape, sizes = SHAPES[match["shape"]]
+    if len(given) != 2 + len(sizes):
+        raise InputError(f"press {text!r}: must be {SYNTAX}")
+    place = [_number(value, name, text) for name, value in zip("XY", given[:2], strict=True)]
+    extent = [_positive(value, name, text) for name, value in zip(sizes, given[2:], strict=True)]
+    return shape(*place, *extent, 1.0)
+
+
+def _points(given: list[str], text: str) -> tuple[tuple[float, float], ...]:
+    if len(given) < 6 or len(given) % 2:
+        raise InputError(f"press {text!r}: poly needs X,Y of at least 3 corners")
+    named_values = [(value, f"{'XY'[k % 2]}{k // 2 + 1}") for k, value in enumerate(given)]
+    values = [_number(value, name, text) for value, name in named_values]
+    return tuple(zip(values[::2], values[1::2], strict=True))
+
+
+def _strength(given: str, text: str) -> Strength:
+    match = MEASURED.fullmatch(given)
+    if match is None:
+        return _positive(given, "FACTOR", text)
+    if match["unit"] == "N":
+        return Force(_positive(match["number"], "force in N", text))
+    depth = _positive(match["number"], f"depth in {match['unit']}", text)
+    return Depth(depth / 1000 if match["unit"] == "mm" else depth)
+
+
+def _positive(given: str, name: str, text: str) -> float:
+    value = _float(given)
+    if not (math.isfinite(value) and value > 0):
+        raise InputError(f"press {text!r}: {name} must be finite and > 0, got {given.strip()}")
+    return value
+
+
+def _number(given: str, name: str, text: str) -> float:
+    value = _float(given)
+    if not math.isfinite(value):
+        raise InputError(f"press {text!r}: {name} must be a finite number, got {given.strip()}")
+    return value
+
+
+def _float(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+LEAST_SIZE = 1e-6
+"""Of a touch, over that of the skin: a thousand times what lines are told apart by."""
+
+
+def strength_of(pressing: Pressing) -> Strength:
+    """How strongly a touch presses that does not say so."""
+    if pressing.depth is not None:
+        return Depth(pressing.depth)
+    return pressing.capacitance_factor if pressing.force is None else Force(pressing.force)
+
+
+def pixel_by_pixel(scene: Scene) -> list[Press]:
+    """The skin at rest, then every pixel alone, row by row."""
+    strength = strength_of(scene.press)
+    pixels = [Touch(i + 1, j + 1, 1.0) for i, j in np.ndindex(*scene.pixels.shape)]
+    return [Press(), *(Press((touch_at(pixel, strength),)) for pixel in pixels)]
+
+
+def check_press(press: Press, scene: Scene) -> Press:
+    """The same press, if it lies on the scene's skin; raises InputError."""
+    for place in map(place_of, press.touches):
+        if isinstance(place, Touch):
+            _check_pixel(place, press, scene)
+        else:
+            _check_place(place, press, scene)
+        if isinstance(place, Polygon):
+            _check_polygon(place, press, scene)
+    if press.indented and scene.skin.foam.mechanics is None:
+        raise InputError(
+            f"press {press}: depth and force need the table skin.foam.mechanics in {scene.name}"
+        )
+    return press
+
+
+def _check_polygon(touch: Polygon, press: Press, scene: Scene) -> None:
+    least = LEAST_SIZE * max(scene.skin.length, scene.skin.width)
+    try:
+        check_simple("poly", np.array(touch.points), least)
+    except ValueError as error:
+        raise InputError(f"press {press}: {error}") from error
+
+
+def _check_pixel(touch: Touch, press: Press, scene: Scene) -> None:
+    for axis, index, count in (
+        ("row", touch.row, scene.pixels.rows),
+        ("column", touch.column, scene.pixels.columns),
+    ):
+        if not 1 <= index <= count:
+            raise InputError(
+                f"press {press}: {axis} must be in 1..{count} on {scene.name}, got {index}"
+            )
+
+
+def _check_place(touch: Rectangle | Disc | Polygon, press: Press, scene: Scene) -> None:
+    box, skin = touch.box, scene.skin
+    for axis, length, low, high in (
+        ("x", skin.length, box.left, box.right),
+        ("y", skin.width, box.bottom, box.top),
+    ):
+        rounding = SAME_LINE * length
+        if low < -rounding or high > length + rounding:
+            raise InputError(
+                f"press {press}: touches must lie within {axis} = 0..{length:g} m on {scene.name}, "
+                f"got {low:g}..{high:g} m"
+            )
+        if not high - low >= LEAST_SIZE * length:
+            raise InputError(
+                f"press {press}: touches must be at least {LEAST_SIZE * length:g} m large along "
+                f"{axis} on {scene.name}, got {high - low:g} m"
+            )

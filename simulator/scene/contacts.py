@@ -1,0 +1,127 @@
+"""Foils on the edges of the sheets, and the interfaces that connect them to a meter."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, NamedTuple, Self
+
+from pydantic import AfterValidator, Field, model_validator
+
+from .outline import Outline
+from .skin import Electrode, Name, Skin, curves
+from .validation import Number, Table, at_least_zero, whole_within_rounding
+
+EDGES = ("left", "right", "bottom", "top")
+EDGE = re.compile(r"(?P<curve>outline|hole(?P<hole>[1-9]\d*))(?:\.(?P<side>[1-9]\d*))?")
+
+
+class Section(NamedTuple):
+    """A part of a closed curve: the curve's number, and from where to where along it, m."""
+
+    curve: int
+    start: float
+    stop: float
+
+
+def section(contact: Contact, skin: Skin) -> Section:
+    """The part of the curves of a skin without mesh that a foil lies along."""
+    low, high = contact.span
+    if skin.outline is None:
+        return _along_rectangle(contact.edge, low, high, skin)
+    curve, side = _parsed(contact.edge)
+    marks = curves(skin)[curve].marks
+    start, stop = (marks[0], marks[-1]) if side is None else (marks[side - 1], marks[side])
+    return Section(curve, start + low * (stop - start), start + high * (stop - start))
+
+
+def _along_rectangle(edge: str, low: float, high: float, skin: Skin) -> Section:
+    """Anticlockwise from the corner (0, 0); spans run from an edge's low-coordinate end."""
+    x, y = skin.length, skin.width
+    start, run = {
+        "bottom": (0.0, x),
+        "right": (x, y),
+        "top": (2 * x + y, -x),
+        "left": (2 * (x + y), -y),
+    }[edge]
+    first, last = sorted((start + low * run, start + high * run))
+    return Section(0, first, last)
+
+
+def _parsed(edge: str) -> tuple[int, int | None]:
+    match = EDGE.fullmatch(edge)
+    assert match is not None
+    return int(match["hole"] or 0), int(match["side"]) if match["side"] else None
+
+
+def check_edge(edge: str, skin: Skin) -> str | None:
+    """What an edge of a skin without mesh must be, where it is something else."""
+    if skin.outline is None:
+        return None if edge in EDGES else "must be 'left', 'right', 'bottom' or 'top'"
+    allowed = _edges(skin.outline)
+    match = EDGE.fullmatch(edge)
+    if match is not None:
+        sides_there = allowed.get(match["curve"])
+        if sides_there is not None and int(match["side"] or 0) <= sides_there:
+            return None
+    return "must be " + " or ".join(
+        f"'{name}', '{name}.1'..'{name}.{count}'" if count else f"'{name}'"
+        for name, count in allowed.items()
+    )
+
+
+def _edges(outline: Outline) -> dict[str, int]:
+    """The curves by name, and how many sides each has that a foil can be named after."""
+    named = {"outline": outline, **{f"hole{i + 1}": hole for i, hole in enumerate(outline.holes)}}
+    return {name: len(curve.points or ()) for name, curve in named.items()}
+
+
+Fraction = Annotated[Number, Field(ge=0, le=1), AfterValidator(whole_within_rounding)]
+
+
+class Contact(Table):
+    """A foil strip on one electrode: an equipotential terminal along part of an edge.
+
+    edge: left, right, bottom or top on a rectangle; "outline", "outline.3" (its third side),
+    "hole1" or "hole1.2" on an outline; the name of a group of boundary lines on a mesh.
+    """
+
+    name: Name
+    electrode: Electrode
+    edge: Name
+    span: tuple[Fraction, Fraction] = (0.0, 1.0)
+    resistance: Annotated[Number, at_least_zero("ohm m")] = 0.0
+
+    @property
+    def ideal(self) -> bool:
+        """Whether it holds its part of the edge at one potential."""
+        return self.resistance == 0
+
+    def ends(self, skin: Skin) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Both end points (x, y) in m, the low-coordinate end first; on outlines in their order.
+
+        Foils on meshes are told by their facets instead.
+        """
+        if skin.outline is not None:
+            along = section(self, skin)
+            curve = curves(skin)[along.curve]
+            return curve.at(along.start), curve.at(along.stop)
+        low, high = self.span
+        if self.edge in ("left", "right"):
+            x = 0.0 if self.edge == "left" else skin.length
+            return (x, low * skin.width), (x, high * skin.width)
+        y = 0.0 if self.edge == "bottom" else skin.width
+        return (low * skin.length, y), (high * skin.length, y)
+
+    @model_validator(mode="after")
+    def _span_has_length(self) -> Self:
+        if not self.span[0] < self.span[1]:
+            raise ValueError(f"span must run from a lower to a higher fraction, got {self.span}")
+        return self
+
+
+class Interface(Table):
+    """One way of connecting the meter; contacts in neither list float."""
+
+    name: Name
+    high: Annotated[tuple[str, ...], Field(min_length=1)]
+    low: Annotated[tuple[str, ...], Field(min_length=1)]

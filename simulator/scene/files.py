@@ -1,0 +1,182 @@
+"""Scenes on disk: TOML files, the grids their maps name, and the scenes of the package."""
+
+from __future__ import annotations
+
+import csv
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+import tomli_w
+from numpy.typing import NDArray
+from pydantic import Field, ValidationError, model_validator
+
+from ..sweeps import InputError
+from .maps import MOST_VALUES, Factor
+from .planar import shared
+from .scene import Scene
+from .validation import Table, Whole, one_line
+
+Count = Annotated[Whole, Field(ge=1, le=MOST_VALUES)]
+
+MAPPED = {"top", "bottom", "foam"}
+
+
+class MapFile(Table):
+    """A CSV file, or a picture from dark, `low`, to light, `high`; colours by their lightness.
+
+    The first line of a CSV is row 1, along the bottom edge, as rows of pixels are counted; a
+    picture lies on the skin as it is seen, its lower side along the bottom edge. rows, columns: to
+    which the values are reduced, by their means; by default they are taken as they are.
+    """
+
+    kind: Literal["file"] = "file"
+    path: str
+    low: Factor | None = None
+    high: Factor | None = None
+    rows: Count | None = None
+    columns: Count | None = None
+
+    @property
+    def table(self) -> bool:
+        """Whether it is a table of factors."""
+        return Path(self.path).suffix.lower() == ".csv"
+
+    @model_validator(mode="after")
+    def _range_of_a_picture(self) -> Self:
+        given = [self.low, self.high].count(None)
+        if self.table and given != 2:
+            raise ValueError("low and high are for pictures; a CSV holds the factors themselves")
+        if not self.table and given:
+            raise ValueError("low and high must be given, the factors at black and at white")
+        return self
+
+
+def with_grids(tables: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """The tables of a scene, with maps of the kind "file" read into grids.
+
+    folder: what paths are relative to. Raises InputError that names the key.
+    """
+    skin = tables.get("skin")
+    if not isinstance(skin, dict):
+        return tables
+    read = {
+        name: _with_grid(skin[name], f"skin.{name}.map", folder) for name in MAPPED & skin.keys()
+    }
+    return {**tables, "skin": {**skin, **read}}
+
+
+def _with_grid(part: Any, key: str, folder: Path) -> Any:
+    of_place = part.get("map") if isinstance(part, dict) else None
+    if not isinstance(of_place, dict) or of_place.get("kind") != "file":
+        return part
+    try:
+        asked = MapFile.model_validate(of_place)
+    except ValidationError as error:
+        raise InputError(f"`{key}` {one_line(error)}") from error
+    return {**part, "map": {"kind": "grid", "values": _grid(asked, key, folder).tolist()}}
+
+
+def _grid(asked: MapFile, key: str, folder: Path) -> NDArray[np.float64]:
+    path = folder / asked.path
+    try:
+        values = _table(path) if asked.table else _picture(path, asked)
+    except FileNotFoundError:
+        raise InputError(f"`{key}.path` {path}: no such file") from None
+    except (OSError, ValueError, SyntaxError, csv.Error) as error:
+        raise InputError(f"`{key}.path` {path}: cannot be read: {error}") from error
+    reduced = _reduced(values, asked.rows or len(values), asked.columns or len(values[0]))
+    if max(reduced.shape) > MOST_VALUES:
+        raise InputError(
+            f"`{key}.path` {path} holds {len(values)} rows of {len(values[0])} values; at most "
+            f"{MOST_VALUES} each way are taken: give `rows` and `columns` to have it reduced"
+        )
+    return reduced
+
+
+def _table(path: Path) -> NDArray[np.float64]:
+    with path.open(newline="", encoding="utf-8-sig") as lines:
+        rows = [[float(value) for value in row] for row in csv.reader(lines) if row]
+    if not rows or len({len(row) for row in rows}) > 1:
+        raise ValueError("must be lines of equally many numbers, parted by commas")
+    values = np.array(rows)
+    if not (np.isfinite(values).all() and (values > 0).all()):
+        raise ValueError(f"all factors must be finite and > 0, got {values.min():g}")
+    return values
+
+
+def _picture(path: Path, asked: MapFile) -> NDArray[np.float64]:
+    from PIL import Image
+
+    assert asked.low is not None and asked.high is not None
+    with Image.open(path) as picture:
+        if picture.mode.startswith("I"):
+            lightness = np.asarray(picture, dtype=np.float64) / np.iinfo(np.uint16).max
+        else:
+            lightness = np.asarray(picture.convert("L"), dtype=np.float64) / np.iinfo(np.uint8).max
+    return asked.low + (asked.high - asked.low) * lightness[::-1]
+
+
+def _reduced(values: NDArray[np.float64], rows: int, columns: int) -> NDArray[np.float64]:
+    """Means over the cells of another even grid."""
+    if values.shape == (rows, columns):
+        return values
+    old = [np.linspace(0, 1, n + 1) for n in values.shape]
+    new = [np.linspace(0, 1, n + 1) for n in (rows, columns)]
+    return shared(old[0], new[0]).T @ values @ shared(old[1], new[1])
+
+
+BUILTIN = Path(__file__).parents[1] / "scenes"
+
+
+def builtin_names() -> list[str]:
+    """The names of the scenes that come with the package."""
+    return sorted(path.stem for path in BUILTIN.glob("*.toml"))
+
+
+def load_scene(name_or_path: str | Path) -> Scene:
+    """The built-in scene of that name, or the one in the file at that path.
+
+    Raises InputError in one line naming the file, the key, the value and what is allowed.
+    """
+    if str(name_or_path) in builtin_names():
+        return read_scene(BUILTIN / f"{name_or_path}.toml")
+    path = Path(name_or_path)
+    if not path.exists() and path.suffix != ".toml" and path.parent == Path("."):
+        raise InputError(
+            f"{name_or_path}: no such file, and no built-in scene; "
+            f"there are {', '.join(builtin_names())}"
+        )
+    return read_scene(path)
+
+
+def read_scene(path: Path) -> Scene:
+    """The scene in a TOML file; raises InputError as `load_scene` does."""
+    try:
+        return parse_scene(path.read_text(encoding="utf-8"), str(path), path.parent)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read: {error}") from error
+
+
+def parse_scene(text: str, source: str, folder: Path = Path()) -> Scene:
+    """The scene written in TOML; `source` names it in errors. Raises InputError.
+
+    folder: what the paths of maps and of a mesh are relative to; the maps are read.
+    """
+    try:
+        tables = with_grids(tomllib.loads(text), folder)
+        return Scene.model_validate(tables, context={"folder": folder})
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{source}: not valid TOML: {error}") from error
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from error
+    except ValidationError as error:
+        raise InputError(f"{source}: {one_line(error)}") from error
+
+
+def scene_text(scene: Scene) -> str:
+    """The scene as TOML; `parse_scene` gives the same scene back."""
+    return tomli_w.dumps(scene.model_dump(by_alias=True, exclude_none=True))

@@ -1,0 +1,221 @@
+"""What a foam does when pressed: how its stress rises with strain, and its permittivity."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from .validation import Number, Table, above_zero, at_least_zero
+
+DENSIFICATION = 2.3
+"""D of Maiti, Gibson and Ashby for elastomeric foams."""
+
+REACH = 0.999
+"""Of the densification strain, up to where the law is used; straight on from there."""
+
+
+@dataclass(frozen=True)
+class Elastomer:
+    """Three regimes in one smooth, strictly rising law of the compressive strain e:
+
+        p = P (1 - exp(-E e / P)) + P / D r² / (1 - r),    r = e / densification_strain
+
+    with modulus E and plateau stress P in Pa. Young's modulus at small strain, cell walls that
+    buckle at P (L. J. Gibson and M. F. Ashby, Cellular Solids, 2nd ed. 1997, 5.2 and 5.3), and a
+    stress that diverges as the cells close, P / D / (1 - r) with D = 2.3 (S. K. Maiti, L. J.
+    Gibson and M. F. Ashby, Acta Metallurgica 32 (1984) 1963), less its value and slope at rest.
+    """
+
+    modulus: float
+    plateau_stress: float
+    densification_strain: float
+
+    @property
+    def greatest_strain(self) -> float:
+        """Up to which the law is meant."""
+        return REACH * self.densification_strain
+
+    def stress(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+        """p in Pa."""
+        known = np.clip(strain, 0.0, self.greatest_strain)
+        r = known / self.densification_strain
+        buckled = -np.expm1(-self.modulus * known / self.plateau_stress)
+        within = self.plateau_stress * (buckled + r**2 / (1 - r) / DENSIFICATION)
+        return within + self.stiffness(known) * (strain - known)
+
+    def stiffness(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+        """dp/de in Pa."""
+        known = np.clip(strain, 0.0, self.greatest_strain)
+        r = known / self.densification_strain
+        closing = r * (2 - r) / (1 - r) ** 2 * self.plateau_stress / self.densification_strain
+        buckling = self.modulus * np.exp(-self.modulus * known / self.plateau_stress)
+        return buckling + closing / DENSIFICATION
+
+    def energy(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Integral of p from rest, J per m³ of foam at rest."""
+        known, beyond = np.clip(strain, 0.0, self.greatest_strain), 0.0
+        r = known / self.densification_strain
+        buckled = known + np.expm1(-self.modulus * known / self.plateau_stress) * (
+            self.plateau_stress / self.modulus
+        )
+        closed = self.densification_strain * (-r - r**2 / 2 - np.log1p(-r)) / DENSIFICATION
+        beyond = strain - known
+        straight = beyond * (self.stress(known) + self.stiffness(known) * beyond / 2)
+        return self.plateau_stress * (buckled + closed) + straight
+
+
+@dataclass(frozen=True)
+class Hookean:
+    """p = E e, the law of closed forms."""
+
+    modulus: float
+    greatest_strain: float
+
+    def stress(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+        """p in Pa."""
+        return self.modulus * strain
+
+    def stiffness(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+        """dp/de in Pa."""
+        return np.full_like(strain, self.modulus)
+
+    def energy(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Integral of p from rest, J per m³ of foam at rest."""
+        return self.modulus * strain**2 / 2
+
+
+Elastic = Elastomer | Hookean
+
+Law = Callable[[NDArray[np.float64], float], NDArray[np.float64]]
+
+
+def looyenga(porosity: NDArray[np.float64], solid: float) -> NDArray[np.float64]:
+    """eps^(1/3) mixes by volume: H. Looyenga, Physica 31 (1965) 401."""
+    return ((1 - porosity) * np.cbrt(solid) + porosity) ** 3
+
+
+def bruggeman(porosity: NDArray[np.float64], solid: float) -> NDArray[np.float64]:
+    """Spheres of both in the mixture itself, (1-p)(s-e)/(s+2e) + p(1-e)/(1+2e) = 0: D. A. G.
+    Bruggeman, Annalen der Physik 416 (1935) 636."""
+    half = (2 - 3 * porosity) * solid + 3 * porosity - 1
+    return (half + np.sqrt(half**2 + 8 * solid)) / 4
+
+
+def lichtenecker(porosity: NDArray[np.float64], solid: float) -> NDArray[np.float64]:
+    """ln eps mixes by volume: K. Lichtenecker, Physikalische Zeitschrift 27 (1926) 115."""
+    return solid ** (1 - porosity)
+
+
+def maxwell_garnett(porosity: NDArray[np.float64], solid: float) -> NDArray[np.float64]:
+    """Closed round cells of air in the solid, the upper bound of Hashin and Shtrikman: J. C.
+    Maxwell Garnett, Philosophical Transactions A 203 (1904) 385."""
+    rise = 2 * solid + 1
+    return solid * (rise + 2 * porosity * (1 - solid)) / (rise - porosity * (1 - solid))
+
+
+LAWS: dict[str, Law] = {
+    "looyenga": looyenga,
+    "bruggeman": bruggeman,
+    "lichtenecker": lichtenecker,
+    "maxwell-garnett": maxwell_garnett,
+}
+
+BUCKLING_STRAIN = 0.05
+"""Plateau stress over Young's modulus of elastomeric foams: Gibson and Ashby, eq. 5.18 over 5.6."""
+
+STEP = 1e-6
+HALVINGS = 53
+
+
+class Mechanics(Table):
+    """A foam of porosity `porosity` that narrows nowhere as it is compressed (Poisson's ratio 0).
+
+    Pores close as its volume falls: strain e leaves the porosity (porosity - e)/(1 - e), of which
+    the law `effective_medium` makes the permittivity; "constant" leaves that as it is. modulus
+    [Pa]: Young's, or `solid_modulus` (1 - porosity)², that of open cells (Gibson and Ashby, eq.
+    5.6). plateau_stress [Pa]: 0.05 of the modulus unless given. densification_strain: the porosity
+    unless given. tension [N/m]: of both electrode skins together, the same in every direction.
+    """
+
+    porosity: Annotated[Number, Field(gt=0, lt=1)]
+    solid_permittivity: Annotated[Number, Field(ge=1, allow_inf_nan=False)] | None = None
+    effective_medium: Literal[
+        "looyenga", "bruggeman", "lichtenecker", "maxwell-garnett", "constant"
+    ] = "looyenga"
+    modulus: Annotated[Number, above_zero("Pa")] | None = None
+    solid_modulus: Annotated[Number, above_zero("Pa")] | None = None
+    stress_strain: Literal["elastomer", "linear"] = "elastomer"
+    plateau_stress: Annotated[Number, above_zero("Pa")] | None = None
+    densification_strain: Annotated[Number, Field(gt=0, lt=1)] | None = None
+    tension: Annotated[Number, at_least_zero("N/m")] = 0.0
+
+    @property
+    def young(self) -> float:
+        """Young's modulus of the foam at small strain, Pa."""
+        if self.modulus is not None:
+            return self.modulus
+        assert self.solid_modulus is not None
+        return self.solid_modulus * (1 - self.porosity) ** 2
+
+    @property
+    def elastic(self) -> Elastic:
+        """Its stress-strain law."""
+        densified = self.densification_strain or self.porosity
+        if self.stress_strain == "linear":
+            return Hookean(self.young, densified)
+        return Elastomer(self.young, self.plateau_stress or BUCKLING_STRAIN * self.young, densified)
+
+    @property
+    def rest_permittivity(self) -> float | None:
+        """Relative permittivity at rest by the law; None where that is "constant"."""
+        if self.effective_medium == "constant":
+            return None
+        return float(self._permittivity(np.array(0.0)))
+
+    def factor(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Capacitance over that at rest under compressive strain, eps(e)/eps(0)/(1 - e)."""
+        return self._permittivity(strain) / self._permittivity(np.array(0.0)) / (1 - strain)
+
+    def strain_at(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The strain that brings a factor about, by bisection; 0 below 1, at most the porosity."""
+        low, high = np.zeros(np.shape(factor)), np.full(np.shape(factor), self.porosity)
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            beyond = self.factor(middle) > factor
+            low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+        return np.where(np.asarray(factor) > 1, high, 0.0)
+
+    def gain(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+        """d ln factor / d strain, by central difference."""
+        inside = np.clip(strain, 0.0, self.porosity)
+        low, high = np.maximum(inside - STEP, 0.0), np.minimum(inside + STEP, self.porosity)
+        return np.log(self.factor(high) / self.factor(low)) / (high - low)
+
+    def _permittivity(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+        if self.effective_medium == "constant":
+            return np.ones_like(strain)
+        assert self.solid_permittivity is not None
+        left = (self.porosity - strain) / (1 - strain)
+        return LAWS[self.effective_medium](left, self.solid_permittivity)
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if (self.modulus is None) == (self.solid_modulus is None):
+            raise ValueError("needs either modulus or solid_modulus")
+        if (self.solid_permittivity is None) != (self.effective_medium == "constant"):
+            raise ValueError(
+                'needs solid_permittivity, unless effective_medium = "constant", which takes none'
+            )
+        if (self.densification_strain or 0.0) > self.porosity:
+            raise ValueError(
+                f"densification_strain must be <= porosity {self.porosity:g}, "
+                f"got {self.densification_strain:g}"
+            )
+        if self.stress_strain == "linear" and self.plateau_stress is not None:
+            raise ValueError('plateau_stress has no place in stress_strain = "linear"')
+        return self

@@ -1,0 +1,296 @@
+"""Factors by place: given on a grid, as a formula, or drawn at random."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+
+from .planar import NO_LINES, Lines
+from .validation import Number, Table, Whole, above_zero, at_least_zero, by_kind
+
+GAP = 6.0
+"""exp(-GAP² / 2) = 1.5e-8: what opposite edges still know of each other around the torus."""
+
+BAND = 5.0
+"""Wave numbers over 1 / l that are kept; beyond lies 6e-7 of the variance along each axis."""
+
+AT_ONCE = 2**12
+
+
+def random_field(
+    x: NDArray[np.float64], sides: tuple[float, float], correlation_length: float, seed: int
+) -> NDArray[np.float64]:
+    """The field of mean 0 and variance 1 at positions x in m, shape (2, ...) to (...).
+
+    sides: of the rectangle, m. The same seed gives the same field at any positions.
+    """
+    points = np.asarray(x, dtype=np.float64).reshape(2, -1)
+    waves = [_waves(side, correlation_length) for side in sides]
+    amplitudes = _amplitudes(seed, *(2 * len(k) for k, _ in waves))
+    field = np.empty(points.shape[1])
+    for start in range(0, points.shape[1], AT_ONCE):
+        part = np.s_[start : start + AT_ONCE]
+        along, across = (_basis(at[part], *wave) for at, wave in zip(points, waves, strict=True))
+        field[part] = np.einsum("jp,jp->p", amplitudes.T @ along, across)
+    return field.reshape(np.shape(x)[1:])
+
+
+def _waves(side: float, length: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Wave numbers on the torus in rad/m and their shares of the variance, which sum to 1."""
+    period = side + GAP * length
+    k = 2 * np.pi / period * np.arange(np.ceil(BAND * period / (2 * np.pi * length)) + 1)
+    density = np.where(k > 0, 2.0, 1.0) * np.exp(-((k * length) ** 2) / 2)
+    return k, density / density.sum()
+
+
+def _basis(
+    x: NDArray[np.float64], k: NDArray[np.float64], share: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Cosines, then sines of every wave, each of the size of its share; shape (2 * wave, point).
+
+    By powers of the first wave: of a hundred they are off by a hundred roundings.
+    """
+    turned = np.empty((len(k), len(x)), dtype=np.complex128)
+    turned[0], turned[1:] = 1.0, np.exp(1j * k[1] * x)
+    np.cumprod(turned, axis=0, out=turned)
+    turned *= np.sqrt(share)[:, None]
+    return np.concatenate([turned.real, turned.imag])
+
+
+@lru_cache(maxsize=32)
+def _amplitudes(seed: int, along: int, across: int) -> NDArray[np.float64]:
+    return np.random.default_rng(seed).standard_normal((along, across))
+
+
+MOST_VALUES = 128
+"""Of a grid, along each axis."""
+
+SHORTEST = 0.02
+"""Correlation length over the skin's longer side, at least: finer fields need another mesh."""
+
+MOST_NORMAL, LEAST = 0.3, 0.05
+"""The largest deviation of a factor that is normal itself, and the least that it may fall to."""
+
+LOOK = 4
+"""Places per correlation length at which it is looked at; between them it falls 0.02 at most."""
+
+Factor = Annotated[Number, above_zero("times the nominal value")]
+
+Finite = Annotated[Number, Field(allow_inf_nan=False)]
+
+Sides = tuple[float, float]
+"""Length and width of the skin at rest, m."""
+
+
+class _Map(Table):
+    """What all maps share; of one that has neither kinks nor a length of its own."""
+
+    def kinks(self, sides: Sides) -> Lines:
+        """Lines in m across x and y at which its slope jumps."""
+        return NO_LINES
+
+    def shortest(self, sides: Sides) -> float:
+        """The least length over which it varies, m."""
+        return np.inf
+
+    def check(self, sides: Sides) -> None:
+        """Raises ValueError where the map does not suit a skin of these sides."""
+
+
+class Constant(_Map):
+    """One factor everywhere."""
+
+    kind: Literal["constant"] = "constant"
+    value: Factor
+
+    @property
+    def uniform(self) -> float | None:
+        """The one factor that the map is, None where it varies."""
+        return self.value
+
+    def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
+        """Factors at positions x in m, shape (2, ...) to (...)."""
+        return np.full(np.shape(x)[1:], self.value)
+
+
+class Gradient(_Map):
+    """`middle` in the middle of the skin, and straight along each axis.
+
+    x, y: how much the factor rises from the left edge to the right, and from the bottom edge to the
+    top.
+    """
+
+    kind: Literal["gradient"] = "gradient"
+    x: Finite = 0.0
+    y: Finite = 0.0
+    middle: Factor = 1.0
+
+    @property
+    def uniform(self) -> float | None:
+        """The one factor that the map is, None where it varies."""
+        return None if self.x or self.y else self.middle
+
+    def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
+        """Factors at positions x in m, shape (2, ...) to (...)."""
+        length, width = sides
+        return self.middle + self.x * (x[0] / length - 0.5) + self.y * (x[1] / width - 0.5)
+
+    def shortest(self, sides: Sides) -> float:
+        """The least length over which it varies, m."""
+        return np.inf if self.uniform is not None else min(sides)
+
+    @model_validator(mode="after")
+    def _positive_at_all_corners(self) -> Self:
+        lowest = self.middle - (abs(self.x) + abs(self.y)) / 2
+        if not lowest > 0:
+            raise ValueError(
+                "x and y must leave the factor > 0 at every corner: |x| + |y| < "
+                f"{2 * self.middle:g}, got {abs(self.x) + abs(self.y):g}"
+            )
+        return self
+
+
+class Random(_Map):
+    """A smooth random field of mean 1 and that relative standard deviation, see `random_field`.
+
+    correlation_length [m]: l of exp(-r² / (2 l²)). The logarithm is normal, or the factor itself;
+    the latter is refused where it falls below LEAST.
+    """
+
+    kind: Literal["random"] = "random"
+    deviation: Annotated[Number, at_least_zero("(relative)"), Field(le=1)]
+    correlation_length: Annotated[Number, above_zero("m")]
+    distribution: Literal["lognormal", "normal"] = "lognormal"
+    seed: Annotated[Whole, Field(ge=0)] = 1
+
+    @property
+    def uniform(self) -> float | None:
+        """The one factor that the map is, None where it varies."""
+        return None if self.deviation else 1.0
+
+    def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
+        """Factors at positions x in m, shape (2, ...) to (...)."""
+        field = random_field(x, sides, self.correlation_length, self.seed)
+        if self.distribution == "normal":
+            return 1 + self.deviation * field
+        variance = np.log1p(self.deviation**2)
+        return np.exp(np.sqrt(variance) * field - variance / 2)
+
+    def shortest(self, sides: Sides) -> float:
+        """The least length over which it varies, m."""
+        return self.correlation_length if self.deviation else np.inf
+
+    def check(self, sides: Sides) -> None:
+        """Raises ValueError where the map does not suit a skin of these sides."""
+        least = SHORTEST * max(sides)
+        if not self.correlation_length >= least:
+            raise ValueError(
+                f"correlation_length must be >= {least:g} m, {SHORTEST:g} of the skin's longer "
+                f"side, got {self.correlation_length:g}"
+            )
+        if self.distribution == "normal":
+            self._check_positive(sides)
+
+    def _check_positive(self, sides: Sides) -> None:
+        always = 'distribution = "lognormal" is always positive'
+        if self.deviation > MOST_NORMAL:
+            raise ValueError(
+                f"deviation must be <= {MOST_NORMAL:g} of a normal factor, got "
+                f"{self.deviation:g}; {always}"
+            )
+        lowest = 1 + self.deviation * _least_of_field(sides, self.correlation_length, self.seed)
+        if lowest < LEAST:
+            raise ValueError(
+                f"deviation must leave the factor >= {LEAST:g} everywhere, got {self.deviation:g} "
+                f"and a factor of {lowest:.2g}; {always}"
+            )
+
+
+@lru_cache(maxsize=64)
+def _least_of_field(sides: Sides, correlation_length: float, seed: int) -> float:
+    """On a fine grid over the skin."""
+    counts = [int(np.ceil(LOOK * side / correlation_length)) + 1 for side in sides]
+    lines = (np.linspace(0, side, count) for side, count in zip(sides, counts, strict=True))
+    return float(random_field(np.stack(np.meshgrid(*lines)), sides, correlation_length, seed).min())
+
+
+def _values(rows: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
+    if not rows or not rows[0] or len({len(row) for row in rows}) > 1:
+        raise ValueError("must be rows of equally many values")
+    if max(len(rows), len(rows[0])) > MOST_VALUES:
+        raise ValueError(
+            f"must be at most {MOST_VALUES} x {MOST_VALUES}, got {len(rows)} x {len(rows[0])}"
+        )
+    return rows
+
+
+class Grid(_Map):
+    """Factors by row and column, row 1 along the bottom edge, column 1 along the left one.
+
+    The first and last of them lie on the edges, the others evenly between, and between four of them
+    the map is bilinear: of a smooth map that misses O(h²) everywhere, where values at the centres
+    of cells would miss O(h) along the edges.
+    """
+
+    kind: Literal["grid"] = "grid"
+    values: Annotated[tuple[tuple[Factor, ...], ...], AfterValidator(_values)]
+
+    @property
+    def uniform(self) -> float | None:
+        """The one factor that the map is, None where it varies."""
+        first = self.values[0][0]
+        return first if all(value == first for row in self.values for value in row) else None
+
+    def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
+        """Factors at positions x in m, shape (2, ...) to (...); beyond the edges as on them."""
+        values = np.array(self.values)
+        (low, right), (row, up) = (
+            _between(at, side, count)
+            for at, side, count in zip(x, sides, values.shape[::-1], strict=True)
+        )
+        next_low = np.minimum(low + 1, values.shape[1] - 1)
+        next_row = np.minimum(row + 1, values.shape[0] - 1)
+        below = (1 - right) * values[row, low] + right * values[row, next_low]
+        above = (1 - right) * values[next_row, low] + right * values[next_row, next_low]
+        return (1 - up) * below + up * above
+
+    def kinks(self, sides: Sides) -> Lines:
+        """Lines in m across x and y at which its slope jumps."""
+        across_x = np.linspace(0, sides[0], max(len(self.values[0]), 2))
+        across_y = np.linspace(0, sides[1], max(len(self.values), 2))
+        return tuple(across_x[1:-1].tolist()), tuple(across_y[1:-1].tolist())
+
+    def shortest(self, sides: Sides) -> float:
+        """The least length over which it varies, m."""
+        counts = len(self.values[0]), len(self.values)
+        steps = [side / (n - 1) for side, n in zip(sides, counts, strict=True) if n > 1]
+        return min(steps, default=np.inf)
+
+
+def _between(
+    at: NDArray[np.float64], side: float, count: int
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """The value before each place along a side, and how far on to the next one it lies."""
+    steps = np.clip(np.asarray(at) / side, 0, 1) * (count - 1)
+    before = np.minimum(steps.astype(np.int64), max(count - 2, 0))
+    return before, steps - before
+
+
+AnyMap = Constant | Gradient | Random | Grid
+
+
+def _read_already(given: object) -> object:
+    if isinstance(given, dict) and given.get("kind") == "file":
+        raise ValueError("of the kind 'file' is read along with the scene's file, by load_scene")
+    return given
+
+
+Map = Annotated[
+    AnyMap,
+    by_kind(Constant, Gradient, Random, Grid, elsewhere="file"),
+    BeforeValidator(_read_already),
+]

@@ -1,0 +1,207 @@
+"""Triangles of a mesh file in any format that meshio reads, and the groups that it names.
+
+Quadrilaterals are halved, and second-order elements are cut at their midside nodes, into straight
+triangles and lines. Groups are gmsh's physical groups, any format's named sets of elements, and
+`NAME=VALUE` for elements whose data NAME is the whole number VALUE.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import io
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationInfo
+
+from ..sweeps import InputError
+
+if TYPE_CHECKING:
+    import meshio
+
+MOST_VALUES = 1000
+"""Different whole numbers in data of elements that make groups."""
+LINES = {"line": [(0, 1)], "line3": [(0, 2), (2, 1)]}
+CORNERS = [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]
+TRIANGLES = {
+    "triangle": [(0, 1, 2)],
+    "triangle6": CORNERS,
+    "triangle7": CORNERS,
+    "quad": [(0, 1, 2), (0, 2, 3)],
+    "quad8": [(0, 4, 7), (1, 5, 4), (2, 6, 5), (3, 7, 6), (4, 5, 6), (4, 6, 7)],
+    "quad9": [(0, 4, 8), (0, 8, 7), (1, 5, 8), (1, 8, 4)]
+    + [(2, 6, 8), (2, 8, 5), (3, 7, 8), (3, 8, 6)],
+}
+Numbers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Points p in m, shape (2 or 3, point); t, shape (3, triangle), and lines, shape (2, line), by
+    numbers of points, ascending; and which lines and triangles are in each named group."""
+
+    p: NDArray[np.float64]
+    t: Numbers
+    lines: Numbers
+    line_groups: dict[str, Numbers]
+    triangle_groups: dict[str, Numbers]
+
+    @functools.cached_property
+    def boundary(self) -> Numbers:
+        """The edges that only one triangle has, shape (2, edge)."""
+        every = np.concatenate([self.t[[0, 1]], self.t[[0, 2]], self.t[[1, 2]]], axis=1)
+        edges, count = np.unique(every, axis=1, return_counts=True)
+        return edges[:, count == 1]
+
+
+def absolute(path: str, info: ValidationInfo) -> str:
+    """The path, seen from the folder of the scene file where there is one."""
+    return str((Path((info.context or {}).get("folder", "")) / path).absolute())
+
+
+def read_surface(path: str) -> Surface:
+    """The triangles of a mesh file; raises InputError where it cannot be read or has none."""
+    try:
+        changed = Path(path).stat().st_mtime_ns
+    except OSError:
+        raise InputError(f"{path}: no such file, needed as `skin.mesh`") from None
+    return _read(path, changed)
+
+
+def foil_lines(surface: Surface, group: str, path: str) -> Numbers:
+    """The facets of a group by numbers of points, ascending in each column, shape (2, facet).
+
+    Raises InputError for a group that is not there, or not of lines along the boundary.
+    """
+    lines = surface.lines[:, surface.line_groups.get(group, [])]
+    if not lines.size:
+        there = [name for name, found in surface.line_groups.items() if len(found)]
+        raise InputError(
+            f"contact edge {group!r} must be a group of boundary lines of {path}; "
+            f"there are {', '.join(map(repr, there)) or 'none'}"
+        )
+    if not np.isin(_keys(lines), _keys(surface.boundary)).all():
+        raise InputError(
+            f"contact edge {group!r} must be a group of boundary lines of {path}; "
+            "some of its lines are no edges of just one triangle"
+        )
+    return lines
+
+
+def _keys(lines: Numbers) -> Numbers:
+    return lines[0] * (1 << 32) + lines[1]
+
+
+@functools.lru_cache(maxsize=4)
+def _read(path: str, changed: int) -> Surface:
+    mesh = _parsed(path)
+    for block in mesh.cells:
+        if block.type not in (*TRIANGLES, *LINES, "vertex"):
+            raise InputError(
+                f"{path}: `skin.mesh` must hold triangles, quadrilaterals and lines of first or "
+                f"second order, got {block.type}"
+            )
+    t, t_cells = _pieces(mesh, TRIANGLES)
+    lines, line_cells = _pieces(mesh, LINES)
+    if not t.size:
+        raise InputError(f"{path}: `skin.mesh` must hold triangles or quadrilaterals, got none")
+    t, t_same = _distinct(t)
+    lines, line_same = _distinct(lines)
+    used, t = np.unique(t, return_inverse=True)
+    number = np.full(len(mesh.points), -1, dtype=np.int64)
+    number[used] = np.arange(len(used))
+    groups = dict(_groups(mesh))
+    return Surface(
+        _flat(np.asarray(mesh.points, dtype=float)[used]),
+        t.reshape(3, -1),
+        number[lines],
+        {name: _members(cells, line_cells, line_same) for name, cells in groups.items()},
+        {name: _members(cells, t_cells, t_same) for name, cells in groups.items()},
+    )
+
+
+def _parsed(path: str) -> meshio.Mesh:
+    import meshio
+
+    quiet = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet):
+            return meshio.read(path)
+    except (Exception, SystemExit) as error:
+        told = quiet.getvalue() if isinstance(error, SystemExit) else f"{error}"
+        said = " ".join(told.split()) or type(error).__name__
+        raise InputError(f"{path}: `skin.mesh` cannot be read by meshio: {said}") from error
+
+
+def _pieces(mesh: Any, patterns: dict[str, list[tuple[int, ...]]]) -> tuple[Numbers, Numbers]:
+    """Straight pieces of all elements of some types by numbers of points, and their elements.
+
+    Shape (point, piece) and (piece,); elements are counted through all blocks.
+    """
+    size = len(next(iter(patterns.values()))[0])
+    pieces, cells = [np.empty((0, size), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
+    first = 0
+    for block in mesh.cells:
+        data = np.asarray(block.data, dtype=np.int64)
+        for pattern in patterns.get(block.type, ()):
+            pieces.append(data[:, pattern])
+            cells.append(first + np.arange(len(data)))
+        first += len(data)
+    return np.concatenate(pieces).T, np.concatenate(cells)
+
+
+def _distinct(pieces: Numbers) -> tuple[Numbers, Numbers]:
+    """Pieces without those written twice, and for every piece the number of the one kept.
+
+    Point numbers are ascending in each column.
+    """
+    kept, same = np.unique(np.sort(pieces, axis=0), axis=1, return_inverse=True)
+    return kept, same.ravel()
+
+
+def _members(cells: NDArray[np.bool_], of_piece: Numbers, same: Numbers) -> Numbers:
+    return np.unique(same[cells[of_piece]])
+
+
+def _groups(mesh: Any) -> Iterator[tuple[str, NDArray[np.bool_]]]:
+    """Every group's name, and whether each element is in it."""
+    sizes = [len(block.data) for block in mesh.cells]
+    for key, by_block in mesh.cell_data.items():
+        values = np.concatenate([np.asarray(part) for part in by_block])
+        if values.ndim == 1 and np.issubdtype(values.dtype, np.integer):
+            for value in np.unique(values)[:MOST_VALUES]:
+                yield f"{key}={value}", values == value
+    for name, by_block in mesh.cell_sets.items():
+        if not name.startswith("gmsh:"):
+            yield (
+                name,
+                np.concatenate(
+                    [np.isin(np.arange(n), part) for n, part in zip(sizes, by_block, strict=True)]
+                ),
+            )
+    yield from _physical(mesh, sizes)
+
+
+def _physical(mesh: Any, sizes: list[int]) -> Iterator[tuple[str, NDArray[np.bool_]]]:
+    """gmsh's physical groups: elements of the group's dimension that carry its number."""
+    tags = mesh.cell_data.get("gmsh:physical")
+    if tags is None:
+        return
+    kinds = [0 if block.type == "vertex" else 1 + (block.type in TRIANGLES) for block in mesh.cells]
+    dimension = np.repeat(kinds, sizes)
+    for name, (tag, of_dimension) in mesh.field_data.items():
+        members = (np.concatenate(tags) == tag) & (dimension == of_dimension)
+        if not mesh.cell_sets.get(name):
+            yield name, members
+
+
+def _flat(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """As (x, y) where all points lie in one plane of constant z, otherwise (x, y, z), by rows."""
+    if points.shape[1] == 3 and (points[:, 2] == points[0, 2]).all():
+        points = points[:, :2]
+    return np.ascontiguousarray(points.T)

@@ -1,0 +1,115 @@
+"""How a skin is measured: leads, frequencies, the meter's errors, and the experiment."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BeforeValidator, Field, ValidationError, model_validator
+
+from .validation import Number, Table, Whole, above_zero, at_least_zero, one_line
+
+Hertz = Annotated[Number, above_zero("Hz")]
+
+Relative = Annotated[Number, at_least_zero("of |Z|")]
+
+Radian = Annotated[Number, at_least_zero("rad")]
+
+
+class FrequencyGrid(Table):
+    """Evenly spaced frequencies, both ends included."""
+
+    start: Hertz
+    stop: Hertz
+    points: Annotated[Whole, Field(ge=2, le=100_000)]
+    spacing: Literal["log", "linear"] = "log"
+
+    @model_validator(mode="after")
+    def _start_below_stop(self) -> Self:
+        if not self.start < self.stop:
+            raise ValueError(f"start must be < stop, got {self.start:g} and {self.stop:g} Hz")
+        return self
+
+    def values(self) -> list[float]:
+        """The frequencies, Hz."""
+        space = np.geomspace if self.spacing == "log" else np.linspace
+        return space(self.start, self.stop, self.points).tolist()
+
+
+def _listed(frequencies: object) -> object:
+    if not isinstance(frequencies, dict):
+        return frequencies
+    try:
+        return FrequencyGrid.model_validate(frequencies).values()
+    except ValidationError as error:
+        raise ValueError(one_line(error)) from error
+
+
+class Sweep(Table):
+    """The frequencies [Hz] of one sweep, kept ascending."""
+
+    frequencies: Annotated[
+        tuple[Hertz, ...], BeforeValidator(_listed), Field(min_length=1, max_length=100_000)
+    ]
+
+    @model_validator(mode="after")
+    def _distinct_and_ascending(self) -> Self:
+        ascending = tuple(sorted(set(self.frequencies)))
+        if len(ascending) < len(self.frequencies):
+            raise ValueError("frequencies must be distinct")
+        object.__setattr__(self, "frequencies", ascending)
+        return self
+
+
+class Readout(Table):
+    """The meter's error on |Z| (a fraction) and phase (rad), and the digits it displays.
+
+    Accuracy is the standard deviation of a part that stays fixed for a session; noise that of a
+    part drawn anew for each reading.
+    """
+
+    magnitude_accuracy: Relative = 0.0
+    phase_accuracy: Radian = 0.0
+    magnitude_noise: Relative = 0.0
+    phase_noise: Radian = 0.0
+    display_digits: Annotated[Whole, Field(ge=2, le=17)] = 6
+
+
+class Experiment(Table):
+    """How often every pixel is pressed, and whether the skin at rest is a class of its own."""
+
+    repetitions: Annotated[Whole, Field(ge=1)] = 6
+    unpressed: bool = True
+    seed: Annotated[Whole, Field(ge=0)] = 1
+
+
+class Leads(Table):
+    """Stray capacitance [F] in parallel with the skin; resistance [ohm] and inductance [H] in
+    series with both. Each is the same at every interface.
+
+    guard: part of the stray capacitance that a guard, driven along, keeps from the meter.
+    """
+
+    resistance: Annotated[Number, at_least_zero("ohm")] = 0.0
+    inductance: Annotated[Number, at_least_zero("H")] = 0.0
+    stray_capacitance: Annotated[Number, at_least_zero("F")] = 0.0
+    guard: Annotated[Number, Field(ge=0, le=1)] = 0.0
+
+    @property
+    def unguarded(self) -> float:
+        """The stray capacitance that the meter sees, F."""
+        return (1 - self.guard) * self.stray_capacitance
+
+    @property
+    def ideal(self) -> bool:
+        """Whether the meter sees the skin as it is."""
+        return not (self.resistance or self.inductance or self.unguarded)
+
+    def seen_through(
+        self, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
+    ) -> NDArray[np.complex128]:
+        """Z in ohm at the meter's end: R + j omega L + 1/(1/Z + j omega C); frequency [Hz] last."""
+        omega = 2j * np.pi * frequency
+        series = self.resistance + omega * self.inductance
+        return series + Z / (1 + omega * self.unguarded * Z)

@@ -1,0 +1,157 @@
+"""What bounds a skin that is no rectangle: polygons and circles."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Annotated, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from .planar import Circle, area, distance, gap, inside, sides
+from .validation import Number, Table
+
+LEAST_APART = 1e-6
+"""Sides that do not meet, over the skin's longer side."""
+
+Coordinate = Annotated[Number, Field(allow_inf_nan=False)]
+
+Size = Annotated[Number, Field(gt=0, allow_inf_nan=False)]
+
+
+class Curve(Table):
+    """A closed curve: a polygon of corners (x, y) in m in either sense, or circle = (x, y, radius).
+
+    A circle runs anticlockwise from its point of greatest x on.
+    """
+
+    points: (
+        Annotated[tuple[tuple[Coordinate, Coordinate], ...], Field(min_length=3, max_length=2000)]
+        | None
+    ) = None
+    circle: tuple[Coordinate, Coordinate, Size] | None = None
+
+    @property
+    def shape(self) -> Circle | NDArray[np.float64]:
+        """The circle, or the polygon's corners in order, m, shape (corner, 2)."""
+        if self.circle is not None:
+            return Circle(*self.circle)
+        return np.array(self.points, dtype=float)
+
+    @property
+    def marks(self) -> NDArray[np.float64]:
+        """How far along it its corners lie, m; a circle has one. The first comes again at last."""
+        shape = self.shape
+        if isinstance(shape, Circle):
+            return np.array([0.0, 2 * np.pi * shape.radius])
+        lengths = np.linalg.norm(np.diff(sides(shape), axis=1)[:, 0], axis=1)
+        return np.concatenate([[0.0], np.cumsum(lengths)])
+
+    def at(self, mark: float) -> tuple[float, float]:
+        """The point that far along it [m], (x, y) in m."""
+        shape = self.shape
+        if isinstance(shape, Circle):
+            x, y = shape.at(np.array(mark / shape.radius))
+        else:
+            closed = np.vstack([shape, shape[:1]])
+            x, y = (np.interp(mark, self.marks, closed[:, axis]) for axis in (0, 1))
+        return float(x), float(y)
+
+    def holds(self, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Whether positions x, shape (2, ...), lie within it, shape (...)."""
+        shape = self.shape
+        return shape.holds(x) if isinstance(shape, Circle) else inside(shape, x)
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        if (self.points is None) == (self.circle is None):
+            raise ValueError("needs either points = [[x, y], ...] or circle = [x, y, radius]")
+        return self
+
+
+class Outline(Curve):
+    """The curve around a skin, and those around its holes."""
+
+    holes: tuple[Curve, ...] = ()
+
+
+def check_outline(outline: Outline, length: float, width: float) -> None:
+    """Raise ValueError for curves that meet themselves or each other, or leave the rectangle.
+
+    length, width: of the rectangle that pixels are counted on, m.
+    """
+    every = [outline, *outline.holes]
+    names = ["outline", *(f"outline.holes[{i + 1}]" for i in range(len(outline.holes)))]
+    least = LEAST_APART * max(length, width)
+    for name, curve in zip(names, every, strict=True):
+        shape = curve.shape
+        _check_within(name, shape, length, width)
+        if not isinstance(shape, Circle):
+            check_simple(name, shape, least)
+        elif shape.radius < least:
+            raise ValueError(f"{name}.circle must have a radius of at least {least:g} m")
+    for name, hole in zip(names[1:], every[1:], strict=True):
+        if _apart(outline, hole) < least or not _within(hole, outline):
+            raise ValueError(f"{name} must lie inside the outline, at least {least:g} m from it")
+    for (first, a), (second, b) in itertools.combinations(
+        zip(names[1:], every[1:], strict=True), 2
+    ):
+        if _apart(a, b) < least or _within(a, b) or _within(b, a):
+            raise ValueError(f"{first} and {second} must lie at least {least:g} m apart")
+
+
+def _check_within(
+    name: str, shape: Circle | NDArray[np.float64], length: float, width: float
+) -> None:
+    if isinstance(shape, Circle):
+        x, y, radius = shape
+        ends = np.array([(x - radius, y - radius), (x + radius, y + radius)])
+    else:
+        ends = shape
+    for axis, letter, extent in ((0, "x", length), (1, "y", width)):
+        low, high = ends[:, axis].min(), ends[:, axis].max()
+        if low < -1e-9 * extent or high > extent * (1 + 1e-9):
+            raise ValueError(
+                f"{name} must lie within {letter} = 0..{extent:g} m, got {low:g}..{high:g} m"
+            )
+
+
+def check_simple(name: str, corners: NDArray[np.float64], least: float) -> None:
+    """No side shorter than `least`, none nearer than that to one that it does not meet."""
+    each, count = sides(corners), len(corners)
+    short = np.flatnonzero(np.linalg.norm(each[:, 1] - each[:, 0], axis=1) < least)
+    if len(short):
+        raise ValueError(f"{name} has a side {short[0] + 1} shorter than {least:g} m")
+    apart = gap(each, each)
+    i = np.arange(count)
+    apart[i, i] = apart[i, (i + 1) % count] = apart[(i + 1) % count, i] = np.inf
+    before = np.roll(each, 1, axis=0)
+    folded = np.minimum(
+        distance(each[:, 1], before).diagonal(), distance(before[:, 0], each).diagonal()
+    )
+    if folded.min() < least:
+        raise ValueError(f"{name} turns back on itself at its point {folded.argmin() + 1}")
+    if apart.min() < least:
+        a, b = (int(k) + 1 for k in np.unravel_index(apart.argmin(), apart.shape))
+        raise ValueError(
+            f"{name} must not meet itself: its sides {a} and {b} cross, "
+            f"or come within {least:g} m of each other"
+        )
+    if abs(area(corners)) < least**2:
+        raise ValueError(f"{name} must enclose an area")
+
+
+def _within(one: Curve, other: Curve) -> bool:
+    """Whether a curve that does not meet another lies within it."""
+    return bool(other.holds(np.array(one.at(0.0))))
+
+
+def _apart(one: Curve, other: Curve) -> float:
+    """The least distance between two curves, m; 0 where they meet."""
+    a, b = one.shape, other.shape
+    if isinstance(a, Circle):
+        return a.gap(b)
+    if isinstance(b, Circle):
+        return b.gap(a)
+    return float(gap(sides(a), sides(b)).min())

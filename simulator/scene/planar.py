@@ -1,0 +1,179 @@
+"""Points, lines, polygons and circles in the plane, and how much of cells they cover."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Points = NDArray[np.float64]
+
+
+class Circle(NamedTuple):
+    """Around (x, y), in m."""
+
+    x: float
+    y: float
+    radius: float
+
+    @property
+    def centre(self) -> NDArray[np.float64]:
+        """(x, y) in m, shape (2,)."""
+        return np.array([self.x, self.y])
+
+    def at(self, angle: NDArray[np.float64]) -> Points:
+        """Points at angles [rad] anticlockwise from x, shape (...) to (..., 2)."""
+        return self.centre + self.radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+    def angle(self, points: Points) -> NDArray[np.float64]:
+        """Of points (..., 2) as they are seen from the centre, 0 to 2 pi rad, shape (...)."""
+        x, y = np.moveaxis(points - self.centre, -1, 0)
+        return np.arctan2(y, x) % (2 * np.pi)
+
+    def beyond(self, points: Points) -> NDArray[np.float64]:
+        """How far outside points (..., 2) lie, negative within, m, shape (...)."""
+        return np.linalg.norm(points - self.centre, axis=-1) - self.radius
+
+    def holds(self, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Whether positions x, shape (2, ...), lie within it, shape (...)."""
+        return self.beyond(np.moveaxis(x, 0, -1)) < 0
+
+    def gap(self, other: Circle | Points) -> float:
+        """To another circle or to a polygon's sides, m; 0 where they meet."""
+        if isinstance(other, Circle):
+            far = float(np.linalg.norm(other.centre - self.centre))
+            apart = max(far - other.radius, other.radius - far) - self.radius
+            return max(apart, self.radius - other.radius - far, 0.0)
+        nearest = float(distance(self.centre[None], sides(other)).min()) - self.radius
+        return max(nearest, float(-self.beyond(other).max()), 0.0)
+
+
+def regular(x: float, y: float, radius: float, sides: int) -> Points:
+    """The regular polygon of the same area as a disc around (x, y), shape (sides, 2).
+
+    Anticlockwise; the first corner lies at y. Its circumference exceeds the circle's by
+    (pi / sides)² / 6.
+    """
+    angle = 2 * np.pi * np.arange(sides) / sides
+    corner = radius * np.sqrt(2 * np.pi / sides / np.sin(2 * np.pi / sides))
+    return np.stack([x + corner * np.cos(angle), y + corner * np.sin(angle)], axis=1)
+
+
+def area(polygon: Points) -> float:
+    """Area of a simple polygon, m²; negative where it runs clockwise."""
+    x, y = (polygon - polygon[0]).T
+    return float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum() / 2)
+
+
+def sides(polygon: Points) -> Points:
+    """The sides of a closed polygon, in order, shape (side, end, 2)."""
+    return np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1)
+
+
+def inside(polygon: Points, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether positions x, shape (2, ...), lie within a simple polygon, shape (...)."""
+    crossed = np.zeros(np.shape(x)[1:], dtype=bool)
+    for (x0, y0), (x1, y1) in sides(polygon):
+        if y0 != y1:
+            beside = (y0 > x[1]) != (y1 > x[1])
+            crossed ^= beside & (x[0] < x0 + (x[1] - y0) * ((x1 - x0) / (y1 - y0)))
+    return crossed
+
+
+def nearest(points: Points, segments: Points) -> tuple[Points, Points]:
+    """How far along each segment each point's nearest lies, 0..1, and how far off it is, m.
+
+    Both of shape (point, segment).
+    """
+    x, y = (points[:, axis, None] - segments[:, 0, axis] for axis in (0, 1))
+    run_x, run_y = (segments[:, 1] - segments[:, 0]).T
+    along = np.clip((x * run_x + y * run_y) / (run_x**2 + run_y**2), 0, 1)
+    x -= along * run_x
+    y -= along * run_y
+    return along, np.sqrt(x**2 + y**2)
+
+
+def distance(points: Points, segments: Points) -> NDArray[np.float64]:
+    """From each point to each segment, m, shape (point, segment)."""
+    return nearest(points, segments)[1]
+
+
+def crossings(first: Points, second: Points) -> NDArray[np.float64]:
+    """Where on each of `first` each of `second` crosses it, 0..1; NaN where none does.
+
+    Shape (first, second). Parallel segments do not cross.
+    """
+    (run_x, run_y), (other_x, other_y) = ((each[:, 1] - each[:, 0]).T for each in (first, second))
+    x, y = (second[:, 0, axis] - first[:, 0, axis, None] for axis in (0, 1))
+    across = np.outer(run_x, other_y) - np.outer(run_y, other_x)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = (x * other_y - y * other_x) / across
+        u = (x * run_y[:, None] - y * run_x[:, None]) / across
+    meet = (across != 0) & (t >= 0) & (t <= 1) & (u >= 0) & (u <= 1)
+    return np.where(meet, t, np.nan)
+
+
+def gap(first: ArrayLike, second: ArrayLike) -> NDArray[np.float64]:
+    """Between segments, m, shape (first, second); 0 where they cross."""
+    a, b = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
+    ends_of_a = [distance(a[:, end], b) for end in (0, 1)]
+    ends_of_b = [distance(b[:, end], a).T for end in (0, 1)]
+    apart = np.min([*ends_of_a, *ends_of_b], axis=0)
+    return np.where(np.isnan(crossings(a, b)), apart, 0.0)
+
+
+def shared(spans: NDArray[np.float64], cells: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Fraction of each interval of `cells` within each interval of `spans`, shape (span, cell).
+
+    spans, cells: ascending lines, m.
+    """
+    start = np.maximum(spans[:-1, None], cells[:-1])
+    stop = np.minimum(spans[1:, None], cells[1:])
+    return np.maximum(stop - start, 0.0) / np.diff(cells)
+
+
+def disc_fraction(
+    x: float, y: float, radius: float, columns: NDArray[np.float64], rows: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Fraction of each cell within the disc around (x, y), shape (row, column); all in m.
+
+    columns, rows: ascending lines. Exact but for rounding of 1e-16 radius² in each area.
+    """
+    u, v = (columns - x) / radius, (rows - y) / radius
+    areas = np.diff(np.diff(_area_below(u, v[:, None]), axis=0), axis=1)
+    return np.clip(areas / np.multiply.outer(np.diff(v), np.diff(u)), 0.0, 1.0)
+
+
+def _area_below(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Area of the unit disc where its coordinates are <= u and <= v.
+
+    It is the integral of w(t) + clip(v, -w, w) over t from -1 to u, w(t) = sqrt(1 - t²).
+    """
+    u, v = np.clip(u, -1.0, 1.0), np.clip(v, -1.0, 1.0)
+    w = np.sqrt(1 - v**2)
+    beside = _under_arc(np.minimum(u, -w)) + _under_arc(np.maximum(u, w)) - _under_arc(w)
+    return _under_arc(u) + np.sign(v) * beside + v * (np.clip(u, -w, w) + w)
+
+
+def _under_arc(u: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Integral of sqrt(1 - t²) over t from -1 to u."""
+    return (u * np.sqrt(1 - u**2) + np.arcsin(u)) / 2 + np.pi / 4
+
+
+SAME_LINE = 1e-9
+SAME_EDGE = 1e-8
+"""Over the skin's side, edges of touches are told apart by: in thinner elements rounding tells."""
+
+Lines = tuple[tuple[float, ...], tuple[float, ...]]
+"""Lines across x, and lines across y; m."""
+
+NO_LINES: Lines = ((), ())
+
+
+def distinct(lines: Sequence[float], same: float = SAME_LINE) -> NDArray[np.float64]:
+    """The lines in ascending order, those that are the same but for that part of the last once."""
+    ascending = np.sort(np.asarray(lines))
+    apart = np.diff(ascending) > same * ascending[-1]
+    return ascending[np.append(True, apart)]

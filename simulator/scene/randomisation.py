@@ -1,0 +1,272 @@
+"""How skins and presses of a data set differ: distributions, and what is drawn from them."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, model_validator
+
+from .validation import Number, Table, Whole, above_zero, at_least_zero, one_line
+
+Finite = Annotated[Number, Field(allow_inf_nan=False)]
+
+Cut = Annotated[Number, above_zero("deviations")]
+
+Chances = NDArray[np.float64] | np.float64 | float
+
+LARGEST_EXPONENT = 700.0
+
+
+class Fixed(Table):
+    """One value, always; a plain number means this."""
+
+    distribution: Literal["fixed"] = "fixed"
+    value: Finite
+
+    @property
+    def low(self) -> float:
+        """The least value that is drawn."""
+        return self.value
+
+    @property
+    def high(self) -> float:
+        """The largest value that is drawn."""
+        return self.value
+
+    def at(self, chance: Chances) -> NDArray[np.float64]:
+        """The values below which a draw falls with these chances (quantiles)."""
+        return np.full(np.shape(chance), float(self.value))
+
+
+class Uniform(Table):
+    """Any value between `low` and `high` alike."""
+
+    distribution: Literal["uniform"] = "uniform"
+    low: Finite
+    high: Finite
+
+    @model_validator(mode="after")
+    def _low_to_high(self) -> Self:
+        if not self.low <= self.high:
+            raise ValueError(f"low must be <= high, got {self.low:g} and {self.high:g}")
+        return self
+
+    def at(self, chance: Chances) -> NDArray[np.float64]:
+        """The values below which a draw falls with these chances (quantiles)."""
+        return self.low + (self.high - self.low) * np.asarray(chance)
+
+
+class Normal(Table):
+    """Normal about `mean` with standard `deviation`; nothing beyond `cut` deviations is drawn."""
+
+    distribution: Literal["normal"] = "normal"
+    mean: Finite
+    deviation: Annotated[Number, at_least_zero("(in the unit of mean)")]
+    cut: Cut = 3.0
+
+    @property
+    def low(self) -> float:
+        """The least value that is drawn."""
+        return self.mean - self.cut * self.deviation
+
+    @property
+    def high(self) -> float:
+        """The largest value that is drawn."""
+        return self.mean + self.cut * self.deviation
+
+    def at(self, chance: Chances) -> NDArray[np.float64]:
+        """The values below which a draw falls with these chances (quantiles)."""
+        return self.mean + self.deviation * truncated_normal(chance, self.cut)
+
+
+class Lognormal(Table):
+    """A value whose logarithm is normal about that of `median`.
+
+    spread: standard deviation of the logarithm, for small ones the relative standard deviation;
+    nothing beyond `cut` of them is drawn.
+    """
+
+    distribution: Literal["lognormal"] = "lognormal"
+    median: Annotated[Number, above_zero("(in its own unit)")]
+    spread: Annotated[Number, at_least_zero("(relative)")]
+    cut: Cut = 3.0
+
+    @model_validator(mode="after")
+    def _within_floating_point(self) -> Self:
+        if abs(math.log(self.median)) + self.cut * self.spread > LARGEST_EXPONENT:
+            raise ValueError(f"spread must be smaller, got {self.spread:g} cut at {self.cut:g}")
+        return self
+
+    @property
+    def low(self) -> float:
+        """The least value that is drawn."""
+        return self.median * math.exp(-self.cut * self.spread)
+
+    @property
+    def high(self) -> float:
+        """The largest value that is drawn."""
+        return self.median * math.exp(self.cut * self.spread)
+
+    def at(self, chance: Chances) -> NDArray[np.float64]:
+        """The values below which a draw falls with these chances (quantiles)."""
+        return self.median * np.exp(self.spread * truncated_normal(chance, self.cut))
+
+
+def truncated_normal(chance: Chances, cut: float) -> NDArray[np.float64]:
+    """Quantiles of the standard normal distribution of which only |x| <= cut is kept."""
+    from scipy.special import ndtr, ndtri
+
+    outside = ndtr(-cut)
+    return np.clip(ndtri(outside + (1 - 2 * outside) * np.asarray(chance)), -cut, cut)
+
+
+AnyDistribution = Fixed | Uniform | Normal | Lognormal
+
+KINDS = {
+    kind.model_fields["distribution"].default: kind for kind in (Fixed, Uniform, Normal, Lognormal)
+}
+
+
+def _chosen(given: object) -> object:
+    if isinstance(given, AnyDistribution):
+        return given
+    if isinstance(given, bool) or not isinstance(given, dict | float | int):
+        raise ValueError(f"must be a number or a table with a distribution, got {given!r}")
+    if not isinstance(given, dict):
+        return Fixed(value=given)
+    kind = KINDS.get(given.get("distribution"))
+    if kind is None:
+        named = given.get("distribution")
+        raise ValueError(f"distribution must be one of {', '.join(KINDS)}, got {named!r}")
+    try:
+        return kind.model_validate(given)
+    except ValidationError as error:
+        raise ValueError(one_line(error)) from error
+
+
+Distribution = Annotated[AnyDistribution, BeforeValidator(_chosen)]
+
+
+def bounded(least: float, unit: str, *, strictly: bool = False) -> AfterValidator:
+    """Accepts distributions of which every draw is >= least (or > least); names the unit."""
+
+    def validate(drawn: AnyDistribution) -> AnyDistribution:
+        if not (drawn.low > least if strictly else drawn.low >= least):
+            sign = ">" if strictly else ">="
+            raise ValueError(f"must be {sign} {least:g} {unit} in every draw, got {drawn.low:g}")
+        return drawn
+
+    return AfterValidator(validate)
+
+
+CUT = 3.0
+"""Standard deviations beyond which no coefficient of a slow variation or spread is drawn."""
+
+SLOW_WAVES = 3
+MOST_UNEVEN = 0.1
+"""Conductance and capacitance stay positive: CUT * SLOW_WAVES * MOST_UNEVEN < 1."""
+
+Factor = Annotated[Distribution, bounded(0, "times that at rest", strictly=True)]
+
+Relative = Annotated[Distribution, bounded(0, "times the scene's own", strictly=True)]
+
+Length = Annotated[Distribution, bounded(0, "m", strictly=True)]
+
+Spread = Annotated[Number, Field(ge=0, le=MOST_UNEVEN)]
+
+Shape = Literal["rectangle", "disc"]
+
+
+def _chances(values: tuple[float, ...]) -> tuple[float, ...]:
+    if min(values) < 0 or not math.isclose(sum(values), 1, abs_tol=1e-9):
+        raise ValueError(f"must be >= 0 and sum to 1, got {list(values)}")
+    return values
+
+
+class DrawnPress(Table):
+    """A press: how many touches, where, how large and how strong.
+
+    touches: chances of 0, 1, 2 touches. place: whole pixels, or anywhere on the skin. offset: how
+    far the hand presses beside a pixel, along each side, a standard deviation over that side; the
+    press is told as that of the pixel. factor: capacitance over that at rest. shape and size [m]
+    (sides of a rectangle, diameter of a disc) count only anywhere. cells_per_pixel: along each
+    side, where touches are no whole pixels; each cell rises by the part of it that is covered.
+    """
+
+    touches: Annotated[
+        tuple[Number, ...], Field(min_length=1, max_length=3), AfterValidator(_chances)
+    ] = (0.1, 0.7, 0.2)
+    place: Literal["pixel", "anywhere"] = "pixel"
+    offset: Annotated[Number, Field(ge=0, le=0.5)] = 0.0
+    shape: Annotated[tuple[Shape, ...], Field(min_length=1)] = ("rectangle", "disc")
+    size: Length = Uniform(low=0.01, high=0.02)
+    cells_per_pixel: Annotated[Whole, Field(ge=1, le=20)] = 4
+    factor: Factor = Uniform(low=1.3, high=3.0)
+
+    @property
+    def cells(self) -> int:
+        """Cells along each side of a pixel."""
+        return self.cells_per_pixel if self.place == "anywhere" or self.offset > 0 else 1
+
+    @property
+    def most_touches(self) -> int:
+        """The largest number of touches that has a chance."""
+        return max(count for count, chance in enumerate(self.touches) if chance > 0)
+
+
+class Session(Table):
+    """What is drawn once for every session.
+
+    sheet_resistance: factor on both sheets together (ageing, humidity). sheet_mismatch: further
+    factor on each sheet of its own. unevenness: standard deviation of each slow wave of a sheet's
+    conductance over its mean; the waves are half a cosine along x, along y, and along both.
+    capacitance: factor on all of the foam. foam_spread: relative standard deviation of the
+    capacitance over the foam: of each pixel on its own or, where foam_pattern is smooth, of each
+    slow wave. loss_tangent: added to the foam's own. contact_resistance: factor on each contact's
+    resistance; ideal foils have none. stray_capacitance [F] and lead_resistance [ohm]: added to
+    those of the leads, beyond any guard.
+
+    The defaults are assumptions. Geometry of 3 % and contacts of 4 % a session are what simulations
+    of electrical impedance tomography that were to be carried to real devices took; the sheets'
+    5 % stands for carbon-filled rubber from one batch, the leads for 10 cm of cable after the
+    meter's own open and short correction.
+    """
+
+    sweeps_per_session: Annotated[Whole, Field(ge=1, le=100_000)] = 500
+    sheet_resistance: Relative = Lognormal(median=1.0, spread=0.05)
+    sheet_mismatch: Relative = Lognormal(median=1.0, spread=0.03)
+    unevenness: Spread = 0.02
+    capacitance: Relative = Normal(mean=1.0, deviation=0.03)
+    foam_spread: Spread = 0.02
+    foam_pattern: Literal["pixel", "smooth"] = "pixel"
+    loss_tangent: Annotated[Distribution, bounded(0, "(tan d)")] = Uniform(low=0.0, high=0.02)
+    contact_resistance: Relative = Lognormal(median=1.0, spread=0.04)
+    stray_capacitance: Annotated[Distribution, bounded(0, "F")] = Uniform(low=0.0, high=2e-12)
+    lead_resistance: Annotated[Distribution, bounded(0, "ohm")] = Uniform(low=0.0, high=2.0)
+
+    @property
+    def sheet_range(self) -> tuple[float, float]:
+        """Least and largest mean resistance of a sheet over the scene's own."""
+        common, own = self.sheet_resistance, self.sheet_mismatch
+        return common.low * own.low, common.high * own.high
+
+    @property
+    def unevenness_range(self) -> tuple[float, float]:
+        """Least and largest coefficient of a slow wave of a sheet's conductance over its mean."""
+        return -CUT * self.unevenness, CUT * self.unevenness
+
+    @property
+    def foam_range(self) -> tuple[float, float]:
+        """Least and largest capacitance of a cell over the scene's own."""
+        away = CUT * self.foam_spread * (SLOW_WAVES if self.foam_pattern == "smooth" else 1)
+        return self.capacitance.low * (1 - away), self.capacitance.high * (1 + away)
+
+
+class Randomisation(Table):
+    """How the sweeps of a data set differ: from press to press, and from session to session."""
+
+    press: DrawnPress = DrawnPress()
+    session: Session = Session()

@@ -1,0 +1,155 @@
+"""What is there, whole: a skin, its contacts and interfaces, its pixels, and what is measured."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+
+from ..sweeps import InputError
+from .contacts import Contact, Interface
+from .meter import Experiment, Leads, Readout, Sweep
+from .randomisation import Randomisation
+from .skin import Metre, Name, Skin
+from .validation import Number, Table, Whole, above_zero
+from .wiring import DrivenByTouch, check_wiring, driven_by_touch
+
+PRESSED_BY = ("capacitance_factor", "depth", "force")
+
+
+class Pixels(Table):
+    """The grid that presses are counted on.
+
+    groups: on a mesh, the names of the groups of elements that pixels are, by row and column.
+    """
+
+    rows: Annotated[Whole, Field(ge=1, le=1000)]
+    columns: Annotated[Whole, Field(ge=1, le=1000)]
+    groups: tuple[tuple[Name, ...], ...] | None = None
+
+    @model_validator(mode="after")
+    def _groups_fill_the_grid(self) -> Self:
+        if self.groups is not None and [len(row) for row in self.groups] != (
+            [self.columns] * self.rows
+        ):
+            raise ValueError(
+                f"groups must be {self.rows} rows of {self.columns} names, as many as pixels"
+            )
+        return self
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, columns)."""
+        return self.rows, self.columns
+
+
+class Pressing(Table):
+    """How a pixel is pressed: its capacitance over that at rest, and the spread between presses.
+
+    factor_spread: standard deviation of the rise (factor - 1), as a fraction of that rise. depth
+    [m] or force [N]: pixels are pressed mechanically, by a rigid flat applicator of their shape.
+    """
+
+    capacitance_factor: Annotated[Number, above_zero("times that at rest")] = 2.0
+    factor_spread: Annotated[Number, Field(ge=0, lt=1)] = 0.0
+    depth: Metre | None = None
+    force: Annotated[Number, above_zero("N")] | None = None
+
+    @property
+    def plain(self) -> bool:
+        """Whether pixels are pressed by a capacitance factor."""
+        return self.depth is None and self.force is None
+
+    @model_validator(mode="after")
+    def _pressed_one_way(self) -> Self:
+        asked = [name for name in PRESSED_BY if name in self.model_fields_set]
+        given = [name for name in asked if getattr(self, name) is not None]
+        if len(given) > 1:
+            raise ValueError(f"takes one of {', '.join(PRESSED_BY)}, got {' and '.join(given)}")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _what_was_given(self, everything: SerializerFunctionWrapHandler) -> dict[str, object]:
+        kept = everything(self)
+        return kept if self.plain else {k: v for k, v in kept.items() if k != PRESSED_BY[0]}
+
+
+class Scene(Table):
+    """Everything that determines a simulated measurement."""
+
+    name: Name
+    description: str = ""
+    skin: Skin
+    contacts: Annotated[tuple[Contact, ...], Field(alias="contact", min_length=1)]
+    interfaces: Annotated[tuple[Interface, ...], Field(alias="interface", min_length=1)]
+    pixels: Pixels
+    press: Pressing = Pressing()
+    leads: Leads = Leads()
+    sweep: Sweep
+    readout: Readout = Readout()
+    experiment: Experiment = Experiment()
+    dataset: Randomisation = Randomisation()
+
+    @property
+    def frequencies(self) -> np.ndarray:
+        """Hz, ascending, shape (frequency,)."""
+        return np.array(self.sweep.frequencies)
+
+    @property
+    def beyond_plain(self) -> str | None:
+        """The first key by which it is more than uniform sheets and foam on a rectangle at rest.
+
+        None where there is none. What `electrical` folds in is one until then; bending to a
+        cylinder never is one.
+        """
+        skin = self.skin
+        keys = {
+            "skin.outline": skin.outline is not None,
+            "skin.mesh": skin.mesh is not None,
+            "skin.stretch": skin.stretch is not None,
+            "skin.shape": skin.shape is not None and not skin.shape.developable,
+            **dict.fromkeys(skin.maps, True),
+        }
+        for name, sheet in (("top", skin.top), ("bottom", skin.bottom)):
+            keys[f"skin.{name}.anisotropy"] = sheet.anisotropy is not None
+            keys[f"skin.{name}.piezoresistance"] = sheet.piezoresistance != 0
+        return next((key for key, there in keys.items() if there), None)
+
+    @property
+    def plain(self) -> bool:
+        """Whether uniform sheets and foam on a rectangle at rest are all there is."""
+        return self.beyond_plain is None
+
+    @property
+    def driven_by_touch(self) -> list[DrivenByTouch]:
+        """Its contacts that float but touch driven ones; raises InputError for a mesh not read."""
+        return driven_by_touch(self.contacts, self.interfaces, self.skin)
+
+    def contact(self, name: str) -> Contact:
+        """The contact of that name."""
+        return next(contact for contact in self.contacts if contact.name == name)
+
+    @model_validator(mode="after")
+    def _mechanics_for_depth_and_force(self) -> Self:
+        if not self.press.plain and self.skin.foam.mechanics is None:
+            raise ValueError("`press` depth and force need the table skin.foam.mechanics")
+        return self
+
+    @model_validator(mode="after")
+    def _contacts_and_interfaces_agree(self) -> Self:
+        check_wiring(self.contacts, self.interfaces, self.skin)
+        return self
+
+
+def interface_names(scene: Scene) -> list[str]:
+    """Names of the ways that a meter is connected to a scene."""
+    return [interface.name for interface in scene.interfaces]
+
+
+def checked_interface(name: str | None, scene: Scene) -> str:
+    """The same name, or the first interface's for None. Raises InputError where there is none."""
+    names = interface_names(scene)
+    if name is not None and name not in names:
+        raise InputError(f"`interface` must be one of {', '.join(names)}, got {name!r}")
+    return name or names[0]

@@ -1,0 +1,178 @@
+"""The skin itself: two electrode sheets around a foam, and its bounds.
+
+All lengths in m, resistances in ohm. x runs along `length`, y along `width`; pixel (1, 1) lies at
+the corner x = y = 0.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import AfterValidator, Field, model_validator
+
+from .foam_mechanics import Mechanics
+from .frequency import Loss
+from .maps import Map
+from .mesh_file import absolute
+from .outline import Curve, Outline, check_outline
+from .shape import Shape, Stretch
+from .validation import Number, Table, above_zero, at_least_zero, single_line
+
+
+def curves(skin: Skin) -> list[Curve]:
+    """What bounds a skin without mesh: the curve around it first, then those around its holes."""
+    if skin.outline is not None:
+        return [skin.outline, *skin.outline.holes]
+    x, y = skin.length, skin.width
+    return [Curve(points=((0.0, 0.0), (x, 0.0), (x, y), (0.0, y)))]
+
+
+VACUUM_PERMITTIVITY = 8.8541878128e-12
+
+Metre = Annotated[Number, above_zero("m")]
+
+Name = Annotated[str, Field(min_length=1), AfterValidator(single_line)]
+
+Electrode = Literal["top", "bottom"]
+
+MeshPath = Annotated[Name, AfterValidator(absolute)]
+
+
+class Anisotropy(Table):
+    """Conductance along a direction over that across it; the angle [rad] of the direction from x.
+
+    The geometric mean of both is 1 / sheet_resistance.
+    """
+
+    ratio: Annotated[Number, Field(ge=1e-3, le=1e3)]
+    angle: Annotated[Number, Field(allow_inf_nan=False)] = 0.0
+
+
+class Sheet(Table):
+    """An electrode sheet of a sheet resistance [ohm/sq], and how that varies.
+
+    piezoresistance: its relative rise for each unit of compressive strain of the foam beneath. map:
+    factor by place.
+    """
+
+    sheet_resistance: Annotated[Number, above_zero("ohm/sq")]
+    piezoresistance: Annotated[Number, Field(gt=-1, allow_inf_nan=False)] = 0.0
+    anisotropy: Anisotropy | None = None
+    map: Map | None = None
+
+
+class Foam(Table):
+    """The dielectric: capacitance per area [F/m²], or what it follows from, and its losses.
+
+    loss_tangent: of jwC (1 - j tan d). phase_exponent: a of a constant-phase capacitance (jw)^a,
+    which has the size that is named at 1 kHz; 1 is an ideal one. map: factor by place on the
+    capacitance. mechanics: what depth or force of a press do, for a foam of known thickness; the
+    permittivity then follows unless given.
+    """
+
+    capacitance_per_area: Annotated[Number, above_zero("F/m²")] | None = None
+    thickness: Metre | None = None
+    relative_permittivity: Annotated[Number, Field(ge=1, allow_inf_nan=False)] | None = None
+    loss_tangent: Annotated[Number, at_least_zero("(tan d)")] = 0.0
+    phase_exponent: Annotated[Number, Field(gt=0.5, le=1)] = 1.0
+    map: Map | None = None
+    mechanics: Mechanics | None = None
+
+    @property
+    def loss(self) -> Loss:
+        """Its losses as the equations take them."""
+        return Loss(self.loss_tangent, self.phase_exponent)
+
+    @property
+    def rest_capacitance_per_area(self) -> float:
+        """c of the foam at rest, F/m²."""
+        if self.capacitance_per_area is not None:
+            return self.capacitance_per_area
+        permittivity = self.relative_permittivity
+        if permittivity is None and self.mechanics is not None:
+            permittivity = self.mechanics.rest_permittivity
+        assert self.thickness is not None and permittivity is not None
+        return VACUUM_PERMITTIVITY * permittivity / self.thickness
+
+    @model_validator(mode="after")
+    def _one_way_to_the_capacitance(self) -> Self:
+        if self.mechanics is not None:
+            self._one_way_of_a_foam_with(self.mechanics)
+            return self
+        geometry = (self.thickness, self.relative_permittivity)
+        direct = self.capacitance_per_area is not None
+        if geometry.count(None) == 1 or direct == (None not in geometry):
+            raise ValueError(
+                "needs either capacitance_per_area, or thickness with relative_permittivity"
+            )
+        return self
+
+    def _one_way_of_a_foam_with(self, mechanics: Mechanics) -> None:
+        given = (self.capacitance_per_area, self.relative_permittivity)
+        if self.thickness is None:
+            raise ValueError("needs thickness where mechanics is given")
+        if None not in given:
+            raise ValueError("takes capacitance_per_area or relative_permittivity, not both")
+        if given == (None, None) and mechanics.rest_permittivity is None:
+            raise ValueError(
+                "needs capacitance_per_area or relative_permittivity where "
+                'mechanics.effective_medium = "constant"'
+            )
+
+
+class Skin(Table):
+    """Two electrode sheets around a foam; length and width are those at rest, before stretching.
+
+    It is a rectangle, or of an outline, or as a mesh file has it; the latter two have their pixels
+    on the rectangle.
+    """
+
+    length: Metre
+    width: Metre
+    outline: Outline | None = None
+    mesh: MeshPath | None = None
+    top: Sheet
+    bottom: Sheet
+    foam: Foam
+    stretch: Stretch | None = None
+    shape: Shape | None = None
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """Length and width at rest, m."""
+        return self.length, self.width
+
+    @property
+    def stretched_sides(self) -> tuple[float, float]:
+        """Length and width as it is stretched, m."""
+        along, across = self.stretch.ratios if self.stretch else (1.0, 1.0)
+        return self.length * along, self.width * across
+
+    @property
+    def maps(self) -> dict[str, Map]:
+        """Its maps, by the keys of a scene file."""
+        parts = {"top": self.top, "bottom": self.bottom, "foam": self.foam}
+        return {f"skin.{name}.map": part.map for name, part in parts.items() if part.map}
+
+    def sheet(self, electrode: Electrode) -> Sheet:
+        """The sheet that is the named electrode."""
+        return self.top if electrode == "top" else self.bottom
+
+    @model_validator(mode="after")
+    def _one_outline(self) -> Self:
+        if self.outline is not None and self.mesh is not None:
+            raise ValueError("takes outline or mesh, got both")
+        if self.outline is not None:
+            check_outline(self.outline, self.length, self.width)
+        return self
+
+    @model_validator(mode="after")
+    def _maps_and_shape_suit_its_sides(self) -> Self:
+        for key, of_place in self.maps.items():
+            try:
+                of_place.check(self.sides)
+            except ValueError as error:
+                raise ValueError(f"`{key.removeprefix('skin.')}` {error}") from error
+        if self.shape is not None:
+            self.shape.check(self.stretched_sides)
+        return self

@@ -1,0 +1,184 @@
+"""Whether the contacts of a scene can be where they are and be connected as its interfaces say."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from .contacts import check_edge, section
+from .mesh_file import foil_lines, read_surface
+
+if TYPE_CHECKING:
+    from .contacts import Contact, Interface
+    from .skin import Skin
+
+
+LEAST_GAP = 5e-6
+
+
+def touch(first: Contact, second: Contact, skin: Skin) -> bool:
+    """Whether two foils of one electrode meet end to end: on one edge, or at a corner."""
+    if skin.mesh is not None:
+        a, b = _lines(first, skin), _lines(second, skin)
+        return first.electrode == second.electrode and len(np.intersect1d(a, b)) > 0
+    return any(touch_at(end, first, second, skin) for end in first.ends(skin))
+
+
+def touch_at(end: tuple[float, float], first: Contact, second: Contact, skin: Skin) -> bool:
+    """Whether two foils of one electrode meet at that end of the first."""
+    near = 1e-9 * max(skin.length, skin.width)
+    return first.electrode == second.electrode and any(
+        math.dist(end, other) <= near for other in second.ends(skin)
+    )
+
+
+def joined(contacts: Sequence[Contact], skin: Skin) -> list[int]:
+    """For each contact the index of the first one it is one conductor with.
+
+    Ideal foils that touch carry any current between them (the sheet's current density between two
+    potentials that meet at a point diverges), so they are one terminal.
+    """
+    group = list(range(len(contacts)))
+    for i, j in itertools.combinations(range(len(contacts)), 2):
+        if contacts[i].ideal and contacts[j].ideal and touch(contacts[i], contacts[j], skin):
+            merged, kept = max(group[i], group[j]), min(group[i], group[j])
+            group = [kept if member == merged else member for member in group]
+    return group
+
+
+class DrivenByTouch(NamedTuple):
+    """Contacts that an interface leaves floating, but that are one terminal with driven ones.
+
+    floating, driven: names; each of the driven ones meets one of the floating ones.
+    """
+
+    interface: str
+    floating: tuple[str, ...]
+    driven: tuple[str, ...]
+
+    def __str__(self) -> str:
+        s, es = ("s", "es") if len(self.floating) == 1 else ("", "")
+        are = "is" if len(self.driven) == 1 else "are"
+        both = "both" if len(self.floating + self.driven) == 2 else "all"
+        return (
+            f"contact{'' if s else 's'} {_listed(self.floating)} float{s} at interface "
+            f"{self.interface!r} but touch{es} {_listed(self.driven)}, which {are} driven: "
+            f"{both} are one terminal"
+        )
+
+
+def driven_by_touch(
+    contacts: Sequence[Contact], interfaces: Sequence[Interface], skin: Skin
+) -> list[DrivenByTouch]:
+    """Where floating contacts are driven after all, by interface.
+
+    Raises InputError where the skin's mesh cannot be read.
+    """
+    group = joined(contacts, skin)
+    terminals = [
+        [c for c, own in zip(contacts, group, strict=True) if own == leader]
+        for leader in sorted(set(group))
+    ]
+    each = itertools.product(interfaces, terminals)
+    found = [_driven_by_touch(interface, foils, skin) for interface, foils in each]
+    return [one for one in found if one.driven]
+
+
+def _driven_by_touch(interface: Interface, foils: Sequence[Contact], skin: Skin) -> DrivenByTouch:
+    """Among the foils of one terminal."""
+    named = {*interface.high, *interface.low}
+    floating = [foil for foil in foils if foil.name not in named]
+    driven = tuple(
+        foil.name
+        for foil in foils
+        if foil.name in named and any(touch(foil, other, skin) for other in floating)
+    )
+    return DrivenByTouch(interface.name, tuple(foil.name for foil in floating), driven)
+
+
+def check_wiring(contacts: Sequence[Contact], interfaces: Sequence[Interface], skin: Skin) -> None:
+    """Raise ValueError for names that repeat or do not exist, foils that overlap, and shorts."""
+    _check_distinct("contact", [contact.name for contact in contacts])
+    _check_distinct("interface", [interface.name for interface in interfaces])
+    if skin.mesh is not None and not Path(skin.mesh).exists():
+        return  # told where the mesh is needed; sweeps are read without it
+    _check_edges(contacts, skin)
+    for first, second in itertools.combinations(contacts, 2):
+        if _overlap(first, second, skin):
+            raise ValueError(f"contacts {first.name!r} and {second.name!r} overlap")
+        if skin.mesh is None and _nearly_touch(first, second, skin):
+            raise ValueError(
+                f"contacts {first.name!r} and {second.name!r} must touch, or end at least "
+                f"{LEAST_GAP:g} of the skin's longer side apart"
+            )
+    names = [contact.name for contact in contacts]
+    terminal = dict(zip(names, joined(contacts, skin), strict=True))
+    for interface in interfaces:
+        for name in (*interface.high, *interface.low):
+            if name not in terminal:
+                raise ValueError(
+                    f"interface {interface.name!r} names the contact {name!r}; "
+                    f"there are {', '.join(names)}"
+                )
+        high, low = ({terminal[name] for name in side} for side in (interface.high, interface.low))
+        if high & low:
+            raise ValueError(f"interface {interface.name!r} shorts its high and low side")
+
+
+def _listed(names: Sequence[str]) -> str:
+    *most, last = map(repr, names)
+    return f"{', '.join(most)} and {last}" if most else last
+
+
+def _check_distinct(kind: str, names: Sequence[str]) -> None:
+    repeated = {name for name in names if names.count(name) > 1}
+    if repeated:
+        raise ValueError(f"{kind} name {min(repeated)!r} is used more than once")
+
+
+def _nearly_touch(first: Contact, second: Contact, skin: Skin) -> bool:
+    """A gap too narrow to be resolved in double precision."""
+    return (
+        first.electrode == second.electrode
+        and not touch(first, second, skin)
+        and any(
+            math.dist(a, b) < LEAST_GAP * max(skin.length, skin.width)
+            for a, b in itertools.product(first.ends(skin), second.ends(skin))
+        )
+    )
+
+
+def _overlap(first: Contact, second: Contact, skin: Skin) -> bool:
+    if first.electrode != second.electrode:
+        return False
+    if skin.mesh is not None:
+        both = np.concatenate([_lines(first, skin), _lines(second, skin)], axis=1)
+        return np.unique(both, axis=1).shape[1] < both.shape[1]
+    a, b = section(first, skin), section(second, skin)
+    rounding = 1e-9 * max(skin.length, skin.width)
+    return a.curve == b.curve and min(a.stop, b.stop) - max(a.start, b.start) > rounding
+
+
+def _check_edges(contacts: Sequence[Contact], skin: Skin) -> None:
+    for number, contact in enumerate(contacts):
+        if skin.mesh is None:
+            allowed = check_edge(contact.edge, skin)
+            if allowed is not None:
+                raise ValueError(f"`contact[{number + 1}].edge` {allowed}, got {contact.edge!r}")
+        elif contact.span != (0, 1):
+            raise ValueError(
+                f"`contact[{number + 1}].span` must be [0, 1] on a mesh, got {contact.span}"
+            )
+        else:
+            _lines(contact, skin)
+
+
+def _lines(contact: Contact, skin: Skin) -> np.ndarray:
+    """The facets under a foil on a mesh, shape (2, facet)."""
+    assert skin.mesh is not None
+    return foil_lines(read_surface(skin.mesh), contact.edge, skin.mesh)

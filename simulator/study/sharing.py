@@ -1,0 +1,193 @@
+"""Skins of a study that answer for each other: by symmetry of scale, solved once."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..fem.circuit import Circuit, one_field, two_fields
+from ..models.solver import Solver
+from ..press.press import Press, pixel_by_pixel
+from ..press.touch import Touch
+from ..scene.meter import Sweep
+from ..scene.scene import Scene
+from .curve import Curve, trace
+from .point import Trial
+from .symmetry import AT_REST, Pixel, representative
+
+SAME = 1e-12
+NOT_OF_THE_SKIN = {"name", "description", "press", "sweep", "readout", "experiment", "dataset"}
+
+COUNTED_BY_THE_LAW: dict[str, Any] = {
+    "skin": {
+        "top": {"sheet_resistance"},
+        "bottom": {"sheet_resistance"},
+        "foam": {"capacitance_per_area", "thickness", "relative_permittivity"},
+    },
+    "contacts": {"__all__": {"resistance"}},
+}
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """Z'(f) = impedance * Z(frequency * f)."""
+
+    impedance: float
+    frequency: float
+
+
+class Skin:
+    """What the impedance of a scene depends on, apart from the press and the frequencies."""
+
+    def __init__(self, scene: Scene) -> None:
+        excluded: Any = {**COUNTED_BY_THE_LAW, **dict.fromkeys(NOT_OF_THE_SKIN, True)}
+        self._shape = scene.model_dump(exclude=excluded)
+        self._resistances = _resistances(one_field(scene) or two_fields(scene))
+        self._capacitance = scene.skin.foam.rest_capacitance_per_area
+        self._exponent = scene.skin.foam.phase_exponent
+        self._leads_ideal = scene.leads.ideal
+
+    def follows_from(self, other: Skin) -> Scaling | None:
+        """How this one's impedance follows from the other's; None where it does not by the law."""
+        ratio = _ratio(self._resistances, other._resistances)
+        if ratio is None or self._shape != other._shape:
+            return None
+        slower = ratio * self._capacitance / other._capacitance
+        if not self._leads_ideal and (ratio, slower) != (1.0, 1.0):
+            return None
+        return Scaling(ratio, slower ** (1 / self._exponent))
+
+
+def law_between(scene: Scene, other: Scene) -> Scaling | None:
+    """How the impedance of `scene` follows from that of `other` for any press; None if it does not.
+
+    Sheets and contacts enter as the model sees them: where one field is enough, only their sums of
+    top and bottom.
+    """
+    return Skin(scene).follows_from(Skin(other))
+
+
+def _resistances(circuit: Circuit) -> tuple[float, ...]:
+    """Of each field, then of each contact; how many there are tells the number of fields."""
+    sheets = (1 / conductance for conductance in circuit.conductance)
+    films = (contact.resistance for contact in circuit.contacts)
+    return (*sheets, *films)
+
+
+def _ratio(resistances: tuple[float, ...], others: tuple[float, ...]) -> float | None:
+    """What all of these are times the others; None where there is no one number."""
+    if len(resistances) != len(others):
+        return None
+    ratio = resistances[0] / others[0]
+    alike = all(
+        math.isclose(one, ratio * other, rel_tol=SAME)
+        for one, other in zip(resistances, others, strict=True)
+    )
+    return ratio if alike else None
+
+
+MOST_FREQUENCIES = 4000
+
+SOLVER_SHARE, CURVE_SHARE = 1 / 4, 1 / 2
+
+
+@dataclass
+class Family:
+    """A leading scene, and the points that follow from it with how they do."""
+
+    leader: Scene
+    skin: Skin
+    members: dict[int, Scaling] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Task:
+    """Some pixels of a scene, each with the strengths at which it is pressed."""
+
+    scene: Scene
+    factors: dict[Pixel, list[float]]
+    rtol: float
+
+
+@dataclass(frozen=True)
+class Solution:
+    """The curves of some pixels of one family, and how many solves they took."""
+
+    curves: dict[Pixel, Curve]
+    solves: int
+
+
+def families(scenes: Sequence[Scene]) -> list[Family]:
+    """The points, by index, in families that each need one solve of every press."""
+    found: list[Family] = []
+    for point, scene in enumerate(scenes):
+        skin = Skin(scene)
+        for family in found:
+            room = MOST_FREQUENCIES // max(len(scene.frequencies), 1)
+            law = skin.follows_from(family.skin) if len(family.members) < room else None
+            if law is not None:
+                family.members[point] = law
+                break
+        else:
+            found.append(Family(scene, skin, {point: Scaling(1.0, 1.0)}))
+    return found
+
+
+def tasks(family: Family, scenes: Sequence[Scene], trial: Trial, rtol: float) -> list[Task]:
+    """What is to be solved for a family, a row of pixels at a time."""
+    scene = family.leader.model_copy(
+        update={"sweep": Sweep(frequencies=tuple(_joined(family, scenes).tolist()))}
+    )
+    of = representative(scene)
+    factors: dict[Pixel, set[float]] = defaultdict(set)
+    for point in family.members:
+        for pixel, strengths in trial.factors(scenes[point]).items():
+            factors[of(pixel)] |= strengths
+    rows: dict[int, dict[Pixel, list[float]]] = defaultdict(dict)
+    for pixel in sorted(factors):
+        rows[pixel[0]][pixel] = sorted(factors[pixel])
+    return [Task(scene, row, rtol) for row in rows.values()]
+
+
+def solve(task: Task) -> Solution:
+    """The curves of a task's pixels. Raises ToleranceError where the tolerance is not reached."""
+    solver = Solver(task.scene, SOLVER_SHARE * task.rtol)
+    solves = 0
+
+    def curve(pixel: Pixel, factors: list[float]) -> Curve:
+        def impedance(factor: float) -> NDArray[np.complex128]:
+            nonlocal solves
+            solves += 1
+            touches = () if pixel == AT_REST else (Touch(*pixel, factor),)
+            return solver.solve(Press(touches)).Z
+
+        return trace(impedance, factors, task.scene.frequencies, CURVE_SHARE * task.rtol)
+
+    curves = {pixel: curve(pixel, factors) for pixel, factors in task.factors.items()}
+    return Solution(curves, solves)
+
+
+def member_curves(
+    family: Family, scenes: Sequence[Scene], solved: dict[Pixel, Curve]
+) -> Iterator[tuple[int, dict[Pixel, Curve]]]:
+    """Each member's index and the curves of all its pixels at its own frequencies."""
+    of, joined = representative(family.leader), _joined(family, scenes)
+    pixels = [press.pixel for press in pixel_by_pixel(family.leader)]
+    for point, law in family.members.items():
+        wanted = law.frequency * scenes[point].frequencies
+        places = np.abs(joined[:, np.newaxis] - wanted).argmin(axis=0)
+        own = {pixel: curve.at(places, law.impedance) for pixel, curve in solved.items()}
+        yield point, {pixel: own[of(pixel)] for pixel in pixels if of(pixel) in own}
+
+
+def _joined(family: Family, scenes: Sequence[Scene]) -> NDArray[np.float64]:
+    """The leader's frequencies from which all members follow, Hz; but once those equal to SAME."""
+    scaled = (law.frequency * scenes[point].frequencies for point, law in family.members.items())
+    ascending = np.sort(np.concatenate(list(scaled)))
+    return ascending[np.diff(ascending, prepend=0.0) > SAME * ascending]

@@ -1,0 +1,172 @@
+"""The command `rcskin view`."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from ..scene.scene import Scene
+    from .scenery import Stage
+
+
+def view(
+    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="OUT.png, .gif, .mp4, .vtu, .xdmf or .html."),
+    ] = None,
+    press: Annotated[
+        str, typer.Option(help="As for `rcskin sweep`; without it the skin is at rest.")
+    ] = "none",
+    frequency: Annotated[
+        list[float] | None,
+        typer.Option(help="Hz; may be repeated. Without it one of the scene's, or all."),
+    ] = None,
+    interface: Annotated[
+        str | None, typer.Option(help="One of the scene's; without it the first.")
+    ] = None,
+    what: Annotated[
+        str,
+        typer.Option(
+            help="potential, phase, current, power, sensitivity-Rs, sensitivity-Cp, capacitance, "
+            "deformation or all."
+        ),
+    ] = "potential",
+    rtol: Annotated[float, typer.Option(help="Largest relative error of Rs and of Cp.")] = 1e-4,
+    wrapped: Annotated[
+        bool | None,
+        typer.Option("--wrapped/--flat", help="In space or spread out; without it as it is."),
+    ] = None,
+    exaggerate: Annotated[
+        float | None, typer.Option(help="Times the deflection is drawn; chosen without it.")
+    ] = None,
+    animate: Annotated[
+        str | None, typer.Option(help="frequency or phase, for OUT.gif and OUT.mp4.")
+    ] = None,
+    interactive: Annotated[
+        bool,
+        typer.Option("--interactive", help="A window; without a display a page in the browser."),
+    ] = False,
+) -> None:
+    """Show the fields of a skin: pictures, movies, files for ParaView.
+
+    Of several frequencies a PNG has a panel each and a movie a frame each;
+    VTU holds all fields at all frequencies, XDMF has frequency for time, and
+    HTML is a page to turn the skin about in any browser, offline.
+
+    Potentials, currents and power are those of 1 V at the terminals.
+    """
+    _check(output, what, animate, exaggerate, interactive)
+    every = animate == "frequency" or (output is not None and output.suffix in ALL_FREQUENCIES)
+    stage = _stage(scene, press, frequency, interface, rtol, every and animate != "phase")
+    from dataclasses import replace
+
+    from .outputs import write_output
+
+    stage = replace(stage, wrapped=wrapped, exaggeration=exaggerate)
+    if output is not None:
+        write_output(output, stage, what, animate)
+    if interactive:
+        _interact(stage, what, output)
+
+
+ALL_FREQUENCIES = (".gif", ".mp4", ".vtu", ".xdmf")
+
+
+def _check(
+    output: Path | None,
+    what: str,
+    animate: str | None,
+    exaggerate: float | None,
+    interactive: bool,
+) -> None:
+    from ..sweeps import InputError, checked_output
+    from .movie import check_movie
+    from .outputs import ANIMATIONS, ENDINGS, MOVIES
+    from .quantities import checked_name
+
+    checked_name(what)
+    if output is None and not interactive:
+        raise InputError("give -o OUT or --interactive")
+    if output is not None:
+        check_movie(checked_output(output, ENDINGS))
+    if animate is not None and animate not in ANIMATIONS:
+        raise InputError(f"--animate must be {' or '.join(ANIMATIONS)}, got {animate!r}")
+    if animate is not None and (output is None or output.suffix not in MOVIES):
+        raise InputError(f"--animate needs -o OUT{' or OUT'.join(MOVIES)}")
+    if exaggerate is not None and not (math.isfinite(exaggerate) and exaggerate >= 0):
+        raise InputError(f"--exaggerate must be finite and >= 0, got {exaggerate:g}")
+
+
+def _stage(
+    name: str,
+    press: str,
+    frequency: list[float] | None,
+    interface: str | None,
+    rtol: float,
+    every: bool,
+) -> Stage:
+    from ..models.fields import fields
+    from ..press.press import check_press, parse_press, strength_of
+    from ..scene.files import load_scene
+    from ..scene.scene import checked_interface
+    from .scenery import Stage
+
+    scene = load_scene(name)
+    pressed = check_press(parse_press(press, strength_of(scene.press)), scene)
+    chosen = checked_interface(interface, scene)
+    frequencies = _frequencies(frequency, scene, every)
+    for one_terminal in scene.driven_by_touch:
+        if one_terminal.interface == chosen:
+            typer.echo(f"rcskin: warning: {name}: {one_terminal}", err=True)
+    found = fields(scene, pressed, frequencies, chosen, rtol)
+    wiring = next(each for each in scene.interfaces if each.name == chosen)
+    return Stage(scene, pressed, wiring, found)
+
+
+def _frequencies(asked: list[float] | None, scene: Scene, every: bool) -> list[float]:
+    """Hz, ascending: those asked for, else all of the scene's or the one in their middle."""
+    from ..sweeps import InputError
+
+    for frequency in asked or []:
+        if not (math.isfinite(frequency) and frequency > 0):
+            raise InputError(f"--frequency must be finite and > 0 Hz, got {frequency:g}")
+    known = scene.frequencies.tolist()
+    if asked or every:
+        return sorted(set(asked or known))
+    middle = math.sqrt(known[0] * known[-1])
+    return [min(known, key=lambda each: abs(math.log(each / middle)))]
+
+
+def _interact(stage: Stage, what: str, output: Path | None) -> None:
+    from .outputs import show, write_turnable
+    from .painting import has_display
+
+    if has_display():
+        show(stage, what)
+        return
+    page = output if output is not None and output.suffix == ".html" else _temporary_page()
+    if page != output:
+        write_turnable(page, stage, what)
+    _open(page)
+    typer.echo(page.resolve())
+
+
+def _temporary_page() -> Path:
+    from tempfile import mkdtemp
+
+    return Path(mkdtemp(prefix="rcskin-")) / "skin.html"
+
+
+def _open(page: Path) -> None:
+    """Open a page in the browser, if there is any."""
+    import webbrowser
+
+    try:
+        webbrowser.open(page.resolve().as_uri())
+    except webbrowser.Error:
+        return

@@ -1,0 +1,81 @@
+"""All fields at all frequencies for ParaView: one VTU file, or XDMF with frequency for time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..sweeps import whole_file
+
+if TYPE_CHECKING:
+    from ..models.fields import Fields
+    from .surface import Surface
+
+Array = NDArray[np.float64]
+SHEETS = ("top", "bottom")
+CELLS = {3: "triangle", 4: "quad"}
+
+
+def write_dataset(path: Path, fields: Fields, skin: Surface, about: dict[str, str]) -> None:
+    """Write .vtu or .xdmf, whole or not at all. about: texts kept in a VTU by name."""
+    with whole_file(path) as unfinished:
+        if path.suffix == ".vtu":
+            _write_vtu(unfinished, fields, skin, about)
+        else:
+            _write_xdmf(unfinished, fields, skin)
+
+
+def everywhere(fields: Fields) -> Iterator[tuple[str, Array]]:
+    """What is the same at all frequencies: name with unit, values by point."""
+    yield "capacitance_F_per_m2", fields.capacitance
+    yield "capacitance_factor", fields.factor
+    yield "deflection_m", fields.deflection
+    yield "flat_position_m", _in_space(fields.x)
+
+
+def at_frequency(fields: Fields, at: int) -> Iterator[tuple[str, Array]]:
+    """What is there at a frequency by number: name with unit, values by point."""
+    for number, sheet in enumerate(SHEETS):
+        V, J = fields.potential[number, at], fields.current[number, at]
+        for part, take in (("re", np.real), ("im", np.imag)):
+            yield f"potential_{sheet}_{part}_V", take(V)
+            yield f"current_{sheet}_{part}_A_per_m", _in_space(take(J))
+    V = fields.potential[0, at] - fields.potential[1, at]
+    yield "potential_difference_V", np.abs(V)
+    yield "potential_phase_deg", np.degrees(np.angle(V))
+    yield "power_W_per_m2", fields.power[at]
+    yield "sensitivity_ln_Rs_per_m2", fields.by_rise_Rs[at]
+    yield "sensitivity_ln_Cp_per_m2", fields.by_rise_Cp[at]
+
+
+def _in_space(vectors: Array) -> Array:
+    """Flat vectors (2, point) as rows of three."""
+    return np.vstack([vectors, np.zeros_like(vectors[:1])]).T
+
+
+def _write_vtu(path: Path, fields: Fields, skin: Surface, about: dict[str, str]) -> None:
+    grid = skin.mesh.cast_to_unstructured_grid()
+    for name, values in everywhere(fields):
+        grid.point_data[name] = values
+    for at, frequency in enumerate(fields.frequency):
+        for name, values in at_frequency(fields, at):
+            grid.point_data[f"{name}@{frequency:.9g}Hz"] = values
+    grid.field_data["frequency_Hz"] = fields.frequency
+    grid.field_data["Z_re_ohm"], grid.field_data["Z_im_ohm"] = fields.Z.real, fields.Z.imag
+    for name, text in about.items():
+        grid.field_data[name] = [text]
+    grid.save(path)
+
+
+def _write_xdmf(path: Path, fields: Fields, skin: Surface) -> None:
+    from meshio.xdmf import TimeSeriesWriter
+
+    with TimeSeriesWriter(path, data_format="XML") as writer:
+        writer.write_points_cells(skin.points.T, [(CELLS[len(skin.cells)], skin.cells.T)])
+        for at, frequency in enumerate(fields.frequency):
+            data = {**dict(everywhere(fields)), **dict(at_frequency(fields, at))}
+            writer.write_data(float(frequency), point_data=data)

@@ -1,0 +1,74 @@
+"""`rcskin live` with a localizer of three columns in closed form: `python live_rig.py live ...`."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+from rcskin.hardware.live.answer import answer_of_classes
+from rcskin.hardware.live.command import live_command
+from rcskin.hardware.meter.errors import MeterError
+from rcskin.simulator.cli import app, run
+from rcskin.simulator.sweeps import InputError, impedance
+
+R, C, RISE = 10e3, 1e-9, 0.01
+ROWS, COLUMNS = 2, 3
+
+
+class Cushion:
+    """R in series with C, which a press at ROW,COLUMN raises by COLUMN parts in a hundred."""
+
+    def check(self, press):
+        """ROW,COLUMN or none."""
+        if press != "none" and not press.replace(",", "").isdigit():
+            raise InputError(f"press {press!r}: must be ROW,COLUMN")
+        return press
+
+    def impedance(self, press, frequency):
+        """R + 1/(jwC) in ohm."""
+        column = 0 if press == "none" else int(press.split(",")[1])
+        return R + 1 / (2j * math.pi * frequency * C * (1 + RISE * column))
+
+
+class Columns:
+    """Tells the column from how far C is above C at rest; keeps what it was asked."""
+
+    target, frequencies, interfaces = "column", (1e3, 4e3, 16e3), ("left",)
+    rows, columns, size = ROWS, COLUMNS, (120.0, 80.0)
+    needs_rest, scene = True, 'name = "cushion"\n'
+
+    def __init__(self, **other):
+        self.asked = []
+        for name, value in other.items():
+            setattr(self, name, value)
+
+    def answer(self, sweep, rest, /):
+        """The nearest column, as sure as it is near."""
+        self.asked.append(sweep)
+        rest_C = capacitance(rest).mean() if rest is not None else C
+        distance = np.abs((capacitance(sweep).mean() / rest_C - 1) / RISE - np.arange(4))
+        likely = np.exp(-0.5 * (distance / 0.2) ** 2) + 1e-6
+        return by_column(int(distance.argmin()), likely / likely.sum())
+
+
+def capacitance(sweeps):
+    """-1/(w X) in F, shape of the sweeps."""
+    return -1 / (2 * math.pi * sweeps["frequency"].values * impedance(sweeps).imag)
+
+
+def by_column(column, probabilities):
+    """An answer of the columns 0 to 3."""
+    classes = ["0", "1", "2", "3"]
+    return answer_of_classes("column", str(column), classes, probabilities, (ROWS, COLUMNS))
+
+
+def load(path):
+    """The localizer, whatever the path; `two.skops` is one that needs two interfaces."""
+    two = Path(path).name == "two.skops"
+    return Columns(interfaces=("left", "right")) if two else Columns()
+
+
+command = live_command(load)
+
+if __name__ == "__main__":
+    app.command("live")(command)
+    run((MeterError,))

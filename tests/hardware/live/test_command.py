@@ -1,0 +1,234 @@
+"""`rcskin live` as its user meets it: a process of its own, in a pipe or on a terminal."""
+
+import json
+import os
+import pty
+import re
+import runpy
+import select
+import signal
+import subprocess
+import sys
+import termios
+import time
+from datetime import datetime
+from pathlib import Path
+
+import numpy as np
+import pytest
+import typer
+from rcskin.hardware.meter.errors import NoConnectionError
+from rcskin.hardware.steer import ask
+from rcskin.hardware.virtual.faults import Fault
+from rcskin.simulator.sweeps import UNPRESSED, read
+from typer.testing import CliRunner
+
+SOON = 5
+"""Seconds that the end may take on a busy machine; alone it takes half a second."""
+RIG = Path(__file__).with_name("live_rig.py")
+_rig = runpy.run_path(str(RIG))
+CONTROL_CODE, SHOWN_CURSOR = "\x1b", "\x1b[?25h"
+
+
+@pytest.fixture
+def instrument(make_instrument, cushion):
+    return make_instrument(cushion)
+
+
+@pytest.fixture
+def cushion():
+    return _rig["Cushion"]()
+
+
+@pytest.fixture
+def start(ports):
+    """A function that starts the command at the virtual meter, killed at the end if need be."""
+    started = []
+
+    def start(*arguments, resource=ports.resource, **pipes):
+        words = [sys.executable, RIG, "live", "--model", "m.skops", "--resource", resource]
+        pipes = pipes or {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+        words = [*map(str, [*words, *arguments])]
+        started.append(subprocess.Popen(words, text=True, **pipes))
+        return started[-1]
+
+    yield start
+    for process in started:
+        process.kill()
+        process.wait()
+
+
+@pytest.fixture
+def terminal():
+    """Both ends of a terminal of 30 lines of 100 characters."""
+    ours, theirs = pty.openpty()
+    termios.tcsetwinsize(theirs, (30, 100))
+    yield ours, theirs
+    os.close(ours)
+    os.close(theirs)
+
+
+def until(ours, wanted, seconds=20):
+    """What a terminal showed until it showed this."""
+    shown, end = "", time.monotonic() + seconds
+    while wanted not in shown:
+        assert select.select([ours], [], [], max(0, end - time.monotonic()))[0], shown
+        shown += os.read(ours, 65536).decode(errors="replace")
+    return shown
+
+
+def test_in_a_pipe_each_answer_is_a_line(start, ports):
+    process = start("--sweeps", 4)
+    first = process.stdout.readline()
+    ask(f"127.0.0.1:{ports.control}", "press", press="2,3")
+    out, err = process.communicate(timeout=20)
+    assert process.returncode == 0
+    assert CONTROL_CODE not in out + err
+    lines = [line.split("\t") for line in [first, *out.splitlines()]]
+    assert len(lines) == 4
+    assert lines[0][1] == "nothing pressed" and lines[-1][1] == "column 3"
+    for when, _, probability, latency in lines:
+        assert datetime.fromisoformat(when)
+        assert 0 <= float(probability) <= 1 and 0 < float(latency) < 20e3
+    assert "leave the skin untouched: sweep 1 of 3 at rest" in err
+
+
+def test_ctrl_c_ends_it_and_leaves_meter_and_log_in_order(start, instrument, tmp_path):
+    instrument.pace = 1.0
+    process = start("--log", tmp_path / "run.nc")
+    process.stdout.readline()
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=SOON)
+    assert process.returncode == 130
+    assert "Traceback" not in err
+    assert instrument.settings.trigger == "INTERNAL"
+    assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+    assert read(tmp_path / "run.nc").sizes["sweep"] >= 4
+
+
+def test_ctrl_c_ends_it_while_an_answer_is_awaited(start, instrument):
+    process = start("--timeout", 60)
+    process.stdout.readline()
+    instrument.faults.add(Fault("silent", times=1000))
+    while instrument.faults.waiting[0].times == 1000:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=SOON)
+    assert process.returncode == 130
+
+
+def test_an_unplugged_meter_is_given_up_with_code_1(start, instrument):
+    process = start("--patience", 0.3, "--timeout", 0.2)
+    process.stdout.readline()
+    instrument.faults.add(Fault("drop", times=10**6))
+    _, err = process.communicate(timeout=20)
+    assert process.returncode == 1
+    assert "trying again in" in err and "Traceback" not in err
+    last = err.splitlines()[-1]
+    assert last.startswith("rcskin: given up after 0.3 s without the meter; at last: TCPIP0")
+
+
+def test_a_terminal_shows_the_grid_and_is_left_clean(start, terminal, instrument):
+    ours, theirs = terminal
+    instrument.pace = 1.0
+    before = termios.tcgetattr(theirs)
+    process = start(stdin=theirs, stdout=theirs, stderr=theirs)
+    shown = until(ours, "nothing pressed")
+    assert "rcskin live: column" in shown and "leave the skin untouched" in shown
+    process.send_signal(signal.SIGINT)
+    until(ours, SHOWN_CURSOR)
+    assert process.wait(10) == 130
+    assert termios.tcgetattr(theirs) == before
+
+
+def test_a_key_ends_it_on_a_terminal(start, terminal):
+    ours, theirs = terminal
+    before = termios.tcgetattr(theirs)
+    process = start(stdin=theirs, stdout=theirs, stderr=theirs)
+    until(ours, "nothing pressed")
+    os.write(ours, b"q")
+    until(ours, SHOWN_CURSOR)
+    assert process.wait(10) == 0
+    assert termios.tcgetattr(theirs) == before
+
+
+def test_plain_on_a_terminal_has_no_control_codes(start, terminal):
+    ours, theirs = terminal
+    process = start("--plain", "--sweeps", 2, stdin=theirs, stdout=theirs, stderr=theirs)
+    shown = until(ours, "\tnothing pressed\t")
+    assert process.wait(10) == 0
+    assert CONTROL_CODE not in shown
+
+
+@pytest.fixture
+def live(ports):
+    """A function that runs the command in this process; gives the typer result."""
+    app = typer.Typer()
+    app.command("live")(_rig["command"])
+
+    def live(*arguments):
+        words = ["--resource", ports.resource, "--model", "m.skops"]
+        return CliRunner().invoke(app, [*words, *map(str, arguments)])
+
+    return live
+
+
+def test_an_absent_meter_is_given_up_in_one_line(live):
+    error = live("--patience", 0.1, "--resource", "TCPIP0::127.0.0.1::1::SOCKET").exception
+    assert isinstance(error, NoConnectionError)
+    assert "given up after 0.1 s" in str(error) and "\n" not in str(error)
+
+
+def test_the_log_holds_sweeps_answers_and_the_rest(live, tmp_path):
+    log = tmp_path / "run.nc"
+    assert live("--sweeps", 3, "--rest", 2, "--log", log).exit_code == 0
+    sweeps = read(log)
+    assert list(sweeps["press"].values) == [UNPRESSED] * 2 + ["?"] * 3
+    assert list(sweeps["row"].values) == [0, 0, -1, -1, -1]
+    answers = json.loads(sweeps.attrs["answers"])
+    assert [label for label, _ in answers] == [UNPRESSED] * 2 + ["nothing pressed"] * 3
+    assert sweeps.attrs["meter"].startswith("HIOKI,IM3523")
+    assert len(json.loads(sweeps.attrs["times"])) == 5
+
+
+def test_the_rest_of_a_log_serves_again(live, tmp_path, instrument):
+    log = tmp_path / "run.csv"
+    live("--sweeps", 1, "--log", log)
+    instrument.press = "1,2"
+    output = live("--sweeps", 1, "--rest-file", log).output
+    assert "column 2" in output and "untouched" not in output
+
+
+def test_a_rest_of_other_frequencies_is_refused(live, tmp_path):
+    log, other = tmp_path / "run.csv", tmp_path / "other.csv"
+    live("--sweeps", 1, "--log", log)
+    other.write_text(re.sub(r",4000\b", ",5000", log.read_text()))
+    error = live("--rest-file", other).exception
+    assert "other interfaces or frequencies than the model" in str(error)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--model", "two.skops"], "needs the interfaces left, right at once"),
+        (["--interface", "up"], "the model was trained on interface left, got 'up'"),
+        (["--rest", "0"], "`rest` must be in 1..1000, got 0"),
+        (["--sweeps", "0"], "`sweeps` must be at least 1, got 0"),
+        (["--patience", "0"], "`patience` must be in (0, 1e6] s, got 0"),
+        (["--log", "a.xlsx"], "must end in .nc or .csv"),
+        (["--rest-file", "absent.nc"], "absent.nc: no such file"),
+        (["--accuracy", "absent.toml"], "absent.toml: cannot be read"),
+        (["--timeout", "0", "--sweeps", "1"], "`timeout` must be in (0, 3600] s, got 0"),
+    ],
+)
+def test_bad_input_is_one_line(live, arguments, told):
+    error = live(*arguments).exception
+    assert told in str(error)
+    assert "\n" not in str(error)
+
+
+def test_sweeps_are_those_of_the_skin(live, cushion, tmp_path):
+    log = tmp_path / "run.nc"
+    live("--sweeps", 2, "--log", log)
+    truth = [cushion.impedance("none", f).imag for f in (1e3, 4e3, 16e3)]
+    assert np.allclose(read(log)["X"].values, truth, rtol=1e-5)

@@ -1,0 +1,319 @@
+"""Live localization at a virtual meter, over a real socket: right answers, or none."""
+
+import runpy
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rcskin.hardware.live.link import Link
+from rcskin.hardware.live.log import Log
+from rcskin.hardware.live.rest import RENEWED_AFTER, Rest
+from rcskin.hardware.live.session import END_KEY, REST_KEY, Session
+from rcskin.hardware.meter.accuracy import read_table
+from rcskin.hardware.meter.errors import MeterError, NoConnectionError, ReadingError
+from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.record.checks import Limits
+from rcskin.hardware.steer import ask
+from rcskin.hardware.virtual.faults import Fault
+from rcskin.simulator.sweeps import InputError, impedance
+
+_rig = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))
+Cushion, Columns = _rig["Cushion"], _rig["Columns"]
+
+
+class Witness:
+    """Keeps what is shown, and does `then[n]` after the n-th answer."""
+
+    def __init__(self, then=None):
+        self.moments, self.told, self.notes = [], [], []
+        self.then = then or {}
+
+    def reading(self, frequency, reading):
+        pass
+
+    def answer(self, moment):
+        self.moments.append(moment)
+        self.then.get(len(self.moments), lambda: None)()
+
+    def no_answer(self, why):
+        self.told.append(why)
+
+    def note(self, text):
+        self.notes.append(text)
+
+    @property
+    def labels(self):
+        return [moment.answer.label for moment in self.moments]
+
+
+@pytest.fixture
+def instrument(make_instrument):
+    return make_instrument(Cushion())
+
+
+@pytest.fixture
+def press(ports):
+    """A function that gives a function that presses through the side door."""
+    return lambda where: lambda: ask(f"127.0.0.1:{ports.control}", "press", press=where)
+
+
+@pytest.fixture
+def session(ports):
+    """A function that makes a session at the virtual meter, let go at the end."""
+    links = []
+
+    def session(then=None, *, localizer=None, rest=2, patience=5.0, drift=0.05, **more):
+        localizer = localizer or Columns()
+        connect = lambda: open_meter(ports.resource, 0.2)  # noqa: E731
+        link = Link(localizer, connect, read_table(), Limits(drift=drift), patience)
+        links.append(link)
+        kept = Rest(rest if localizer.needs_rest else 0)
+        return Session(localizer, link, kept, Witness(then), Log(localizer), **more)
+
+    yield session
+    for link in links:
+        link.leave()
+
+
+@pytest.fixture(autouse=True)
+def impatient(monkeypatch):
+    """Waits between connections that a test has time for."""
+    monkeypatch.setattr("rcskin.hardware.live.link.FIRST_WAIT", 0.01)
+
+
+def test_presses_are_answered_at_their_columns(session, press):
+    live = session({1: press("1,2"), 2: press("2,3"), 3: press("none"), 4: press("1,1")})
+    live.run(5)
+    none = "nothing pressed"
+    assert live.show.labels == [none, "column 2", "column 3", none, "column 1"]
+    lit = live.show.moments[2].answer.pixels
+    assert (lit[:, 2] > 0.99).all() and (lit[:, :2] < 0.01).all()
+    assert live.failed == 0
+
+
+def test_it_asks_to_leave_the_skin_untouched_first(session):
+    live = session(rest=3)
+    live.run(1)
+    leave = [f"leave the skin untouched: sweep {n} of 3 at rest" for n in (1, 2, 3)]
+    assert live.show.told == [*leave, "rest is known: the skin may be touched"]
+    assert len(live.rest.sweeps) == 3
+
+
+def test_a_model_that_needs_no_rest_is_answered_from_the_first_sweep(session):
+    live = session(localizer=Columns(needs_rest=False))
+    live.run(1)
+    assert (live.show.told, live.show.labels) == ([], ["nothing pressed"])
+
+
+@pytest.mark.parametrize(
+    ("fault", "told"),
+    [
+        (Fault("drop"), "check"),
+        (Fault("drop", times=3), "check"),
+        (Fault("late", seconds=0.3), "no whole answer within 0.2 s"),
+        (Fault("silent"), "no whole answer within 0.2 s"),
+        (Fault("silent", times=4), "no whole answer within 0.2 s"),
+        (Fault("garbage"), "no line of text"),
+        (Fault("half"), "no whole answer within 0.2 s"),
+        (Fault("status"), "status 7: overflow"),
+        (Fault("status", times=2, status=9), "status 9: sampling error"),
+        (Fault("forget"), "the meter was switched on anew"),
+    ],
+)
+def test_a_fault_costs_its_sweep_and_is_told(session, press, instrument, fault, told):
+    live = session({1: press("1,3"), 2: lambda: instrument.faults.add(fault)})
+    live.run(4)
+    assert live.show.labels == ["nothing pressed", *["column 3"] * 3]
+    assert any(told in why and "trying again" in why for why in live.show.told)
+    assert live.show.moments[-1].failed == live.failed >= 1
+    frequencies = live.localizer.frequencies
+    truth = [Cushion().impedance("1,3", f) for f in frequencies]
+    for asked in live.localizer.asked[1:]:
+        assert impedance(asked)[0, 0] == pytest.approx(np.array(truth), rel=1e-4)
+
+
+def test_faults_before_the_first_answer_are_survived(session, instrument):
+    for kind in ("garbage", "drop", "status", "forget", "silent"):
+        instrument.faults.add(Fault(kind))
+    live = session()
+    live.run(1)
+    assert live.show.labels == ["nothing pressed"]
+
+
+def test_changed_settings_are_told_and_set_back(session, instrument):
+    live = session({1: lambda: setattr(instrument.settings, "cable", 1)})
+    live.run(2)
+    assert any("`cable` is 1 and was 0" in why for why in live.show.told)
+    assert (live.failed, instrument.settings.cable) == (1, 0)
+
+
+def test_another_meter_is_told_and_never_answered(session, instrument):
+    def exchange():
+        instrument.serial = "111111111"
+        instrument.faults.add(Fault("drop"))
+
+    live = session({1: exchange}, patience=0.3)
+    with pytest.raises(NoConnectionError, match=r"given up after 0.3 s.*now HIOKI,IM3523,1111"):
+        live.run(3)
+    assert len(live.show.moments) == 1
+
+
+def test_a_lost_correction_cannot_be_set_again(session, instrument):
+    instrument.settings.open_correction = "ALL"
+    live = session({1: lambda: instrument.faults.add(Fault("forget"))}, patience=0.3)
+    with pytest.raises(NoConnectionError, match=r"open correction was ALL .* and is OFF now"):
+        live.run(3)
+    assert len(live.show.moments) == 1
+
+
+def test_a_meter_that_stays_silent_is_given_up_in_one_line(session, instrument):
+    live = session({1: lambda: instrument.faults.add(Fault("drop", times=10**6))}, patience=0.3)
+    begun = time.monotonic()
+    with pytest.raises(NoConnectionError, match="given up after 0.3 s without the meter") as raised:
+        live.run(3)
+    assert 0.3 <= time.monotonic() - begun < 3
+    assert "\n" not in str(raised.value)
+
+
+def test_waits_grow_and_begin_anew_after_a_whole_sweep(session, instrument):
+    live = session()
+    live.link.ready()
+    failure = MeterError("gone")
+    waits = [live.link.failed(failure) for _ in range(3)]
+    assert waits[1:] == [2 * waits[0], 4 * waits[0]]
+    live.run(1)
+    assert live.link.failed(failure) == waits[0]
+
+
+def test_failed_readings_alone_are_no_reason_to_give_up(session, instrument):
+    live = session({1: lambda: instrument.faults.add(Fault("status", times=30))}, patience=1e-9)
+    live.run(2)
+    assert live.failed == 30
+
+
+def test_a_failed_reading_shows_that_the_meter_is_there(session):
+    link = session(patience=0.2).link
+    link.failed(MeterError("gone"))
+    time.sleep(0.3)
+    assert link.failed(ReadingError("overflow")) == 0
+    assert link.failed(MeterError("gone")) > 0
+
+
+def test_a_sweep_that_breaks_a_law_has_no_answer(session, instrument):
+    whole = instrument.bench.skin.impedance
+    skin = instrument.bench.skin
+
+    def inductive():
+        skin.impedance = lambda press, frequency: whole(press, frequency).conjugate()
+
+    def heal(why):
+        live.show.told.append(why)
+        skin.impedance = whole
+
+    live = session({1: inductive})
+    live.show.no_answer = heal
+    live.run(2)
+    assert "the sweep is unsound: Im Z <= 0 is broken" in live.show.told[-1]
+    assert (live.failed, live.show.labels) == (1, ["nothing pressed"] * 2)
+
+
+def test_a_skin_that_is_touched_while_at_rest_is_asked_for_anew(session, press, instrument):
+    live = session(rest=2, drift=0.005)
+    told = live.show.no_answer
+
+    def no_answer(why):
+        told(why)
+        press("1,3" if "sweep 2 of 2" in why and not live.show.notes else "none")()
+
+    live.show.no_answer = no_answer
+    live.run(1)
+    assert any(
+        "was the skin touched? the skin at rest has drifted by 2." in n for n in live.show.notes
+    )
+    assert live.show.labels == ["nothing pressed"]
+
+
+def test_a_skin_that_never_comes_to_rest_is_an_error(session):
+    typed = iter([""] * 20)
+    live = session(rest=2, drift=-1.0, key=lambda: next(typed, END_KEY))
+    with pytest.raises(MeterError, match="does not come to rest in 5 trials"):
+        live.run(1)
+
+
+class Drifting(Cushion):
+    """A cushion whose capacitance grows with each reading."""
+
+    def __init__(self, each):
+        self.each, self.readings = each, 0
+
+    def impedance(self, press, frequency):
+        """Z in ohm, at a capacitance that has grown."""
+        self.readings += 1
+        grown = 1 + self.each * self.readings
+        Z = super().impedance(press, frequency)
+        return Z.real + 1j * Z.imag / grown
+
+
+def test_slow_drift_is_followed_where_nothing_is_pressed(
+    session, make_instrument, serve, instrument
+):
+    """By the last answer the skin has drifted further than a press of column 2 changes it."""
+    object.__setattr__(instrument.bench, "skin", Drifting(1e-4))
+    live = session({70: lambda: None}, rest=2)
+    live.run(70)
+    assert set(live.show.labels) == {"nothing pressed"}
+    assert any("follow slow drift" in note for note in live.show.notes)
+
+
+def test_drift_since_the_beginning_is_told(session, instrument):
+    object.__setattr__(instrument.bench, "skin", Drifting(1e-4))
+    live = session(rest=2, drift=0.01)
+    live.run(50)
+    assert live.show.moments[0].remarks == ()
+    assert "the skin at rest has drifted by" in live.show.moments[-1].remarks[-1]
+
+
+def test_rest_is_not_renewed_under_a_press(session, press):
+    live = session({1: press("1,1")}, rest=2)
+    live.run(2 + RENEWED_AFTER)
+    assert live.show.notes == []
+    assert live.show.labels[-1] == "column 1"
+
+
+def test_keys_take_the_rest_anew_and_end_the_session(session, press):
+    """What is pressed while the rest is taken belongs to it."""
+    typed = iter(["", "", "", "", REST_KEY, "", "", "", END_KEY])
+    live = session({1: press("1,1")}, rest=2, key=lambda: next(typed))
+    live.run()
+    assert live.show.labels == ["nothing pressed", "column 1", *["nothing pressed"] * 2]
+    assert sum("sweep 1 of 2" in why for why in live.show.told) == 2
+
+
+def test_times_are_what_they_are_called(session, instrument):
+    instrument.pace = 1.0
+    live = session(localizer=Columns(needs_rest=False))
+    begun = time.perf_counter()
+    live.run(4)
+    whole = time.perf_counter() - begun
+    moments = live.show.moments
+    assert sum(moment.latency for moment in moments) < whole
+    assert all(moment.measuring > 3 * 5e-3 for moment in moments)
+    assert moments[0].since_before is None and moments[0].rate is None
+    assert all(moment.latency < moment.since_before < whole for moment in moments[1:])
+    assert 1 / moments[-1].rate < whole
+
+
+def test_the_meter_is_left_as_it_was_found(session, instrument):
+    instrument.settings.frequency = 2e3
+    live = session()
+    live.run(1)
+    assert (instrument.settings.trigger, instrument.settings.frequency) == ("EXTERNAL", 16e3)
+    live.link.leave()
+    assert (instrument.settings.trigger, instrument.settings.frequency) == ("INTERNAL", 2e3)
+
+
+def test_frequencies_that_the_meter_has_not_are_bad_input(session):
+    live = session(localizer=Columns(frequencies=(1e3, 1e6)))
+    with pytest.raises(InputError, match="IM3523 measures from 40 to 200000 Hz"):
+        live.run(1)

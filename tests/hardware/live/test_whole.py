@@ -1,0 +1,57 @@
+"""From the simulated skin through the meter's language to the touch, by the command itself."""
+
+import numpy as np
+import pytest
+from rcskin import __main__ as rcskin
+from rcskin.hardware.steer import ask
+from rcskin.hardware.virtual.serving import instrument, simulated
+from rcskin.localization.model.file import save
+from rcskin.localization.model.model import train
+from rcskin.simulator.measure.readout import read_out
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.sweeps import concatenate
+from typer.testing import CliRunner
+
+SCENE = "strip-1x3"
+NOTHING = ["none"] * 3
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory):
+    """A model of the strip's columns against rest, of four sessions of simulated sweeps."""
+    scene, random = load_scene(SCENE), np.random.default_rng(0)
+    presses = [*NOTHING, *(f"1,{j}:{f}" for j in (1, 2, 3) for f in (1.8, 2.0, 2.2))]
+    exact = simulate(Solver(scene), [parse_press(press, 2.0) for press in presses])
+    sweeps = concatenate([read_out(exact, scene.readout, random, k) for k in range(4)])
+    path = tmp_path_factory.mktemp("model") / "strip.skops"
+    save(path, train(sweeps, "column", quantities=("dlnZ", "dphase")))
+    return path
+
+
+def test_presses_on_the_simulated_strip_are_answered_at_their_columns(model, serve):
+    data = rcskin._scene_data(SCENE, None)
+    meter = instrument(simulated(data, rcskin._skin(data), rcskin._readout(data, 7)), pace=0)
+    with serve(meter) as ports:
+        where = ["--resource", ports.resource, "--model", str(model)]
+        for column in (1, 2, 3):
+            rest = model.with_name(f"{column}.nc")
+            ask(f"127.0.0.1:{ports.control}", "press", press="none")
+            told = live(*where, "--sweeps", "2", "--log", str(rest))
+            assert labels(told) == ["nothing pressed"] * 2
+            ask(f"127.0.0.1:{ports.control}", "press", press=f"1,{column}")
+            told = live(*where, "--sweeps", "2", "--rest-file", str(rest))
+            assert labels(told) == [f"column {column}"] * 2
+
+
+def live(*arguments):
+    result = CliRunner().invoke(rcskin.app, ["live", *arguments])
+    if result.exception:
+        raise result.exception
+    return result.stdout
+
+
+def labels(told):
+    return [line.split("\t")[1] for line in told.splitlines()]

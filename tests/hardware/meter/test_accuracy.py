@@ -1,0 +1,105 @@
+"""The table of accuracy: its formulas, what it vouches for, and one's own in its place."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rcskin.hardware.meter.accuracy import DERIVED, Conditions, full_scale, read_table
+from rcskin.simulator.sweeps import InputError
+
+TABLE = read_table()
+impedances = st.builds(complex, st.floats(1, 1e8), st.floats(-1e8, -1))
+
+
+def test_it_is_named_for_what_it_is():
+    assert TABLE.name == "3522-50-derived"
+
+
+def test_ranges_count_from_100_mohm_to_100_Mohm():
+    assert [full_scale(n) for n in (1, 4, 10)] == pytest.approx([0.1, 100, 1e8])
+
+
+def test_at_full_and_tenth_scale_the_formula_is_its_cell():
+    at = Conditions(5e3, 6, "SLOW2")
+    dz, dt = TABLE.bound(1e3 + 0j, at)
+    assert (dz, dt) == pytest.approx((0.1e-2, math.radians(0.05)))
+    dz, _ = TABLE.bound(1e4 + 0j, at)
+    assert dz == pytest.approx((0.1 + 0.002 * 9) / 100)
+
+
+def test_below_1_kohm_the_formula_turns_round():
+    dz, _ = TABLE.bound(10 + 0j, Conditions(5e3, 4, "SLOW2"))
+    assert dz == pytest.approx((0.15 + 0.01 * 9) / 100)
+
+
+@pytest.mark.parametrize(
+    ("more", "factor"),
+    [
+        ({"speed": "FAST"}, 5),
+        ({"speed": "MEDIUM"}, 2),
+        ({"level": 0.5}, 2),
+        ({"level": 0.05}, 3),
+        ({"level": 5}, 1),
+        ({"cable": 1}, 1.5 + 0.015 * 5),
+    ],
+)
+def test_coefficients_multiply(more, factor):
+    best = TABLE.bound(5e3 + 0j, Conditions(5e3, 6, "SLOW2"))
+    other = TABLE.bound(5e3 + 0j, Conditions(5e3, 6, **{"speed": "SLOW2", **more}))
+    assert other == pytest.approx([factor * each for each in best])
+
+
+@given(impedances, st.floats(1, 1e6), st.integers(1, 10))
+def test_bounds_are_finite_everywhere(Z, frequency, number):
+    dz, dt = TABLE.bound(Z, Conditions(frequency, number))
+    assert 0 < dz < math.inf and 0 < dt < math.inf
+
+
+@given(impedances)
+def test_the_fitting_range_guarantees_what_any_range_does(Z):
+    vouched = [n for n in range(1, 11) if TABLE.guaranteed(Z, Conditions(1e3, n))]
+    assert not vouched or TABLE.fitting_range(Z) == min(vouched)
+
+
+@pytest.mark.parametrize(
+    ("Z", "at"),
+    [
+        (5e3, Conditions(5e3, 10)),
+        (5e3, Conditions(3e5, 6)),
+        (5e3, Conditions(5e3, 6, level=0.005)),
+        (5e2, Conditions(5e3, 6)),
+        (2e4, Conditions(5e3, 6)),
+    ],
+)
+def test_nothing_is_guaranteed_outside_the_table(Z, at):
+    assert TABLE.guaranteed(5e3 + 0j, Conditions(5e3, 6))
+    assert not TABLE.guaranteed(complex(Z), at)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("stop = 200e3", "stop = -1", "`stop`: Input should be greater than 0, got -1"),
+        ("stop = 200e3", "end = 200e3", "`stop`: Field required"),
+        ("stop = 200e3", "stop = 10e3", "`band_starts` does not fit"),
+        ("full_scale = 1e6", "full_scale = 'a'", "`range.0.full_scale`: Input should be"),
+        ("[[0.7, 0.03], ", "[", "`range` does not fit"),
+        ("SLOW = 1.5", "SLO = 1.5", "`coefficients.speed` does not fit"),
+        ("[coefficients]", "[coefficients", "cannot be read as a table"),
+    ],
+)
+def test_a_bad_table_is_told_with_file_and_key(tmp_path, old, new, told):
+    text = DERIVED.read_text()
+    assert old in text
+    path = tmp_path / "mine.toml"
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(InputError) as raised:
+        read_table(path)
+    assert str(raised.value).startswith(f"{path}: ")
+    assert told in str(raised.value)
+
+
+def test_an_absent_table_is_told(tmp_path):
+    with pytest.raises(InputError, match="absent.toml: cannot be read"):
+        read_table(tmp_path / "absent.toml")

@@ -1,0 +1,246 @@
+"""The driver against the virtual meter, over TCP: every setting, readings, corrections."""
+
+import math
+
+import pytest
+from rcskin.hardware.meter.correction import correct
+from rcskin.hardware.meter.errors import (
+    CorrectionError,
+    NoConnectionError,
+    ReadingError,
+    RefusedError,
+    RestartedError,
+)
+from rcskin.hardware.meter.finding import answering
+from rcskin.hardware.meter.hioki import IM3523, open_meter
+from rcskin.hardware.meter.reading import Status, parse_reading
+from rcskin.hardware.meter.snapshot import apply, require, restore, snapshot
+from rcskin.hardware.record.sweep import check_frequencies, measure_sweep
+from rcskin.simulator.sweeps import InputError, parallel_capacitance
+
+SETTINGS = {
+    "mode": "CONTINUOUS",
+    "frequency": 12345.0,
+    "level": "CC",
+    "voltage": 0.5,
+    "constant_voltage": 0.25,
+    "constant_current": 1e-3,
+    "range": 7,
+    "auto_range": False,
+    "trigger": "INTERNAL",
+    "speed": "SLOW2",
+    "averaging": 16,
+    "trigger_delay": 0.25,
+    "cable": 1,
+    "load_correction": True,
+}
+
+
+@pytest.mark.parametrize(("name", "value"), SETTINGS.items())
+def test_a_setting_is_told_as_it_was_set(meter, name, value):
+    setattr(meter, name, value)
+    assert getattr(meter, name) == value
+
+
+def test_the_meter_is_known_and_ready(meter):
+    assert isinstance(meter, IM3523)
+    assert (meter.identity.model, meter.identity.serial) == ("IM3523", "000000000")
+    assert (meter.trigger, meter.mode) == ("EXTERNAL", "LCR")
+
+
+def test_a_reading_is_the_skin_to_six_digits(meter, pillow):
+    for frequency in (40.0, 1e3, 2e5):
+        meter.frequency = frequency
+        Z, reading = pillow.impedance("none", frequency), meter.read()
+        assert reading.Rs == pytest.approx(Z.real, rel=5.1e-6)
+        assert reading.X == pytest.approx(Z.imag, rel=5.1e-6)
+        assert reading.Cp == pytest.approx(parallel_capacitance(Z, frequency), rel=5.1e-6)
+
+
+def test_a_reading_is_never_older_than_its_call(meter, instrument):
+    stale = meter.read()
+    for press in ("5,1", "none", "9,1"):
+        instrument.press = press
+        fresh = meter.read()
+        assert fresh != stale
+        stale = fresh
+
+
+def test_under_internal_trigger_a_reading_is_refused_rather_than_stale(meter):
+    meter.read()
+    meter.trigger = "INTERNAL"
+    with pytest.raises(RefusedError, match="TRG"):
+        meter.read()
+    meter.trigger = "EXTERNAL"
+    assert meter.read().status is Status.NORMAL
+
+
+def test_internal_trigger_gives_stale_values_until_it_has_had_its_time(make_instrument, say):
+    slow = make_instrument(pace=1.0)
+    setting = ":MEAS:ITEM 0,2;VALid 2;:FREQ 1E3;:RANG:SYNC:SPEEd ALL,FAST"
+    first, waited, stale = say(
+        f"{setting};*WAI;:MEAS?",
+        ":MEAS:ITEM 0,16;:FREQ 2E3;*WAI;:MEAS?",
+        ":FREQ 4E3;:MEAS?",
+        to=slow,
+    )
+    assert first != waited == stale
+    assert float(stale) == pytest.approx(-1 / (2 * math.pi * 2e3 * 1e-9), rel=1e-5)
+
+
+def test_before_any_measurement_there_is_no_number(meter):
+    with pytest.raises(ReadingError, match="status 1: nothing was measured"):
+        meter.talk.ask(":MEASure?", parse_reading)
+
+
+@pytest.mark.parametrize(("range_number", "code"), [(3, 7), (10, 2), (8, 0)])
+def test_ranges_end_in_overflow_or_lose_their_guarantee(meter, range_number, code):
+    meter.range = range_number
+    if code == 7:
+        with pytest.raises(ReadingError, match="status 7: overflow"):
+            meter.read()
+    else:
+        assert meter.read().status.code == code
+
+
+def test_a_weak_signal_is_outside_guaranteed_accuracy(meter):
+    meter.voltage = 0.005
+    assert meter.read().status is Status.OUTSIDE_GUARANTEE
+
+
+def test_automatic_range_finds_the_range_of_the_skin(meter):
+    meter.frequency = 1e3
+    meter.read()
+    assert meter.range == 8
+    meter.frequency = 1e5
+    meter.read()
+    assert meter.range == 7
+    assert meter.auto_range
+
+
+def test_a_skin_that_has_no_answer_is_a_sampling_error(make_instrument, serve, pillow):
+    class Broken(type(pillow)):
+        def impedance(self, press, frequency):
+            raise ZeroDivisionError
+
+    with serve(make_instrument(Broken())) as ports, open_meter(ports.resource, 1) as meter:
+        with pytest.raises(ReadingError, match="status 9"):
+            meter.read()
+
+
+def test_measuring_takes_its_time_by_speed_averaging_and_delay(make_instrument):
+    from rcskin.hardware.meter.accuracy import Conditions
+
+    seconds = [Conditions(1e4, 5, speed).seconds for speed in ("FAST", "MEDIUM", "SLOW", "SLOW2")]
+    assert seconds == sorted(set(seconds))
+    assert Conditions(1e4, 5, averaging=8).seconds == 8 * Conditions(1e4, 5).seconds
+    assert Conditions(40, 5, "FAST").seconds == 1 / 40
+
+
+@pytest.mark.parametrize(
+    ("kind", "report"), [("open", "open_correction"), ("short", "short_correction")]
+)
+def test_corrections_are_acquired_and_ended(meter, kind, report):
+    correct(meter, kind, "ALL", interval=0.001)
+    assert getattr(meter, report) == "ALL"
+    correct(meter, kind, "SPOT", interval=0.001)
+    assert getattr(meter, report) == "SPOT"
+    correct(meter, kind, "OFF")
+    assert getattr(meter, report) == "OFF"
+
+
+def test_a_correction_tells_how_long_it_has_taken(instrument, meter):
+    instrument.pace = 0.01
+    seen = []
+    correct(meter, "open", progress=seen.append, interval=0.005)
+    assert seen and seen == sorted(seen)
+
+
+def test_a_correction_that_never_ends_is_cancelled_with_advice(instrument, meter):
+    instrument.pace = 10.0
+    with pytest.raises(CorrectionError, match="did not end.*leads are held apart"):
+        correct(meter, "open", interval=0.001, patience=0.02)
+    instrument.pace = 0.0
+    correct(meter, "open", interval=0.001)
+    assert meter.open_correction == "ALL"
+
+
+def test_a_failed_correction_says_what_to_check(instrument, meter):
+    from rcskin.hardware.virtual.faults import Fault
+
+    instrument.faults.add(Fault("correction"))
+    with pytest.raises(CorrectionError, match="short correction failed with error 1.*shorting bar"):
+        correct(meter, "short", interval=0.001)
+    assert meter.short_correction == "OFF"
+
+
+def test_settings_are_restored_from_a_snapshot(meter):
+    apply(meter, {"speed": "SLOW", "range": 5, "averaging": 4, "voltage": 0.5})
+    kept = snapshot(meter)
+    meter.talk.tell("*RST")
+    with pytest.raises(RestartedError, match="`voltage` is 1.0 and was 0.5"):
+        require(meter, kept)
+    restore(meter, kept)
+    require(meter, kept)
+    assert meter.range == 5
+
+
+def test_a_lost_correction_cannot_be_restored(meter):
+    correct(meter, "open", interval=0.001)
+    kept = snapshot(meter)
+    correct(meter, "open", "OFF")
+    with pytest.raises(CorrectionError, match="open correction was ALL.*is OFF now"):
+        restore(meter, kept)
+
+
+def test_a_sweep_is_a_reading_at_each_frequency(meter, pillow):
+    frequencies, seen = (1e3, 12345.678, 2e5), []
+    sweep = measure_sweep(meter, frequencies, lambda f, reading: seen.append((f, reading.Rs)))
+    assert [f for f, _ in seen] == list(frequencies)
+    exact = [pillow.impedance("none", f) for f in frequencies]
+    assert sweep.Z == pytest.approx(exact, rel=1e-4)
+
+
+def test_frequencies_out_of_reach_are_told_before_anything_is_measured(meter):
+    with pytest.raises(InputError, match="an IM3523 measures from 40 to 200000 Hz, .* asks 20"):
+        check_frequencies(meter, (1e3, 20.0))
+
+
+def test_what_answers_is_identified(ports):
+    assert answering(ports.resource, 1, 9600).identity.model == "IM3523"
+
+
+def test_nothing_behind_an_address_is_told_with_what_to_check():
+    silent = answering("TCPIP0::127.0.0.1::1::SOCKET", 0.3, 9600)
+    assert silent.identity is None
+    assert "check the cable" in silent.failure
+
+
+@pytest.mark.parametrize(
+    ("resource", "error", "told"),
+    [
+        ("nonsense", InputError, "'nonsense' is no VISA resource; such are TCPIP0"),
+        ("TCPIP0::127.0.0.1::1::SOCKET", NoConnectionError, "check"),
+        ("ASRL/dev/absent::INSTR", NoConnectionError, "cannot be opened .* check the address"),
+    ],
+)
+def test_a_meter_that_cannot_be_opened_is_told_in_one_line(resource, error, told):
+    with pytest.raises(error, match=told) as raised:
+        open_meter(resource, 0.3)
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize(("timeout", "baud"), [(0, 9600), (float("nan"), 9600), (1, 1200)])
+def test_lines_out_of_range_are_refused(timeout, baud):
+    with pytest.raises(InputError, match="`(timeout|baud)` must be"):
+        open_meter("ASRL/dev/absent::INSTR", timeout, baud)
+
+
+@pytest.mark.parametrize("model", ["IM3533", "IM3536", "IM3570"])
+def test_siblings_speak_their_dialect(make_instrument, serve, model):
+    with serve(make_instrument(model=model)) as ports, open_meter(ports.resource, 1) as meter:
+        meter.speed, meter.averaging, meter.trigger_delay = "SLOW", 4, 0.5
+        assert (meter.speed, meter.averaging, meter.trigger_delay) == ("SLOW", 4, 0.5)
+        meter.trigger_delay = 0.0
+        assert meter.read().Rs == pytest.approx(10e3)
+        assert meter.model == model

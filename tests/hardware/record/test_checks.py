@@ -1,0 +1,85 @@
+"""A measured sweep is sound, or it is told what is wrong with it."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rcskin.hardware.meter.accuracy import read_table
+from rcskin.hardware.record.checks import Judge, Limits
+from rcskin.hardware.record.sweep import Sweep
+from rcskin.simulator.sweeps import parallel_capacitance
+
+FREQUENCY = np.geomspace(1e3, 1e5, 9)
+SETTINGS = {
+    "level": "V",
+    "voltage": 1.0,
+    "constant_voltage": 1.0,
+    "constant_current": 1e-3,
+    "auto_range": True,
+    "speed": "MEDIUM",
+    "averaging": 1,
+    "cable": 0,
+}
+JUDGE = Judge(FREQUENCY, read_table(), SETTINGS, Limits())
+LINE = 1e5 / np.sqrt(1j * FREQUENCY / 1e4) / np.tanh(np.sqrt(1j * FREQUENCY / 1e4))
+
+
+def sweep_of(Z):
+    Cp = parallel_capacitance(Z, FREQUENCY)
+    return Sweep(tuple(Cp), tuple(Z.real), tuple(Z.imag), (0,) * len(Z))
+
+
+def test_a_line_breaks_no_law():
+    assert JUDGE.remarks(sweep_of(LINE), [], at_rest=False) == []
+
+
+@given(st.integers(1, 7), st.sampled_from([0.6, 1.5]))
+def test_a_reading_far_off_is_noticed(number, factor):
+    Z = LINE.copy()
+    Z[number] *= factor
+    remarks = JUDGE.remarks(sweep_of(Z), [], at_rest=False)
+    assert any("is broken at" in remark and "Hz" in remark for remark in remarks)
+
+
+@given(st.lists(st.tuples(st.floats(-1, 1), st.floats(-1, 1)), min_size=9, max_size=9))
+def test_errors_within_the_meters_bounds_are_no_violation(errors):
+    Z = LINE.copy()
+    for n, (of_size, of_phase) in enumerate(errors):
+        dz, dt = JUDGE.table.bound(complex(Z[n]), JUDGE._conditions(FREQUENCY[n], complex(Z[n])))
+        Z[n] *= (1 + of_size * dz) * np.exp(1j * of_phase * dt)
+    assert JUDGE.remarks(sweep_of(Z), [], at_rest=False) == []
+
+
+def test_a_frequency_that_is_another_shows_in_Cp():
+    wrong = dataclasses.replace(sweep_of(LINE), Cp=tuple(parallel_capacitance(LINE, FREQUENCY / 2)))
+    (remark,) = JUDGE.remarks(wrong, [], at_rest=False)
+    assert remark.startswith("Cp does not follow from Rs, X and f at 9 frequencies")
+
+
+@pytest.mark.parametrize(
+    ("at_rest", "told"),
+    [(False, "differs from earlier repetitions by 8"), (True, "the skin at rest has drifted by 8")],
+)
+def test_departures_are_measured_in_Z(at_rest, told):
+    earlier = [sweep_of(LINE), sweep_of(LINE)]
+    assert JUDGE.remarks(sweep_of(1.04 * LINE), earlier, at_rest) == []
+    (remark,) = JUDGE.remarks(sweep_of(1.08 * LINE), earlier, at_rest)
+    assert remark.startswith(told)
+    assert "(allowed: 5 %)" in remark
+
+
+def test_drift_is_counted_from_the_first_sweep_at_rest():
+    creeping = [sweep_of((1 + 0.02 * n) * LINE) for n in range(4)]
+    assert JUDGE.remarks(creeping[2], creeping[:2], at_rest=True) == []
+    assert JUDGE.remarks(creeping[3], creeping[:3], at_rest=True) != []
+    assert JUDGE.remarks(creeping[3], creeping[:3], at_rest=False) == []
+
+
+def test_speed_and_fixed_range_enter_the_tolerance():
+    fast = dataclasses.replace(JUDGE, settings={**SETTINGS, "speed": "FAST"})
+    far = dataclasses.replace(JUDGE, settings={**SETTINGS, "auto_range": False, "range": 5})
+    usual = JUDGE.tolerance(LINE)
+    assert fast.tolerance(LINE) == pytest.approx(2.5 * usual)
+    assert far.tolerance(LINE) > usual

@@ -1,0 +1,57 @@
+"""Who presses: a machine by command, and what a person sees on the terminal."""
+
+import io
+
+import pytest
+from rcskin.hardware.meter.errors import MeterError
+from rcskin.hardware.meter.reading import Reading, Status
+from rcskin.hardware.record.operators import pressing_by_command
+from rcskin.hardware.record.order import Step
+from rcskin.hardware.record.terminal import Screen
+from rcskin.simulator.sweeps import InputError
+from rich.console import Console
+
+
+@pytest.fixture
+def shown():
+    """What a screen prints of one sweep with two readings."""
+
+    def shown(terminal, remarks):
+        file = io.StringIO()
+        screen = Screen(Console(file=file, force_terminal=terminal, width=100))
+        screen.begin("1/9  press 2,1")
+        screen.reading(1e3, Reading(123.456e-12, 54.321e3, -1e5))
+        screen.reading(2e3, Reading(99.5e-12, 43.21e3, -9e4, Status.OUTSIDE_GUARANTEE))
+        screen.end(remarks)
+        return file.getvalue()
+
+    return shown
+
+
+def test_a_terminal_shows_the_readings_as_they_come(shown):
+    text = shown(True, [])
+    assert all(part in text for part in ("1/9  press 2,1", "54.321", "123.456", "Rs (kohm)"))
+    assert "outside guaranteed accuracy" in text
+    assert "press 2,1: done" in text
+
+
+def test_a_pipe_gets_nothing_but_what_is_wrong(shown):
+    assert shown(False, []) == ""
+    assert shown(False, ["it [slipped]"]) == "1/9  press 2,1: it [slipped]\n"
+
+
+def test_a_pressing_command_gets_the_press(tmp_path):
+    path = tmp_path / "pressed"
+    pressing_by_command(f"touch {path}-{{row}}-{{column}}")(Step("2,1", 2, 1))
+    assert (tmp_path / "pressed-2-1").exists()
+
+
+def test_a_pressing_command_that_fails_is_told():
+    with pytest.raises(MeterError, match="press 1,1: .* check the pressing machine"):
+        pressing_by_command("false {press}")(Step("1,1", 1, 1))
+
+
+@pytest.mark.parametrize("command", ["push {pixel}", "push {", "push '"])
+def test_a_pressing_command_that_cannot_be_filled_in_is_refused(command):
+    with pytest.raises(InputError, match="`press-with` must be a command"):
+        pressing_by_command(command)

@@ -1,0 +1,248 @@
+"""Recording: every finished sweep is on disk, an interrupted one goes on, a bad one is repeated."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from rcskin.hardware.meter.accuracy import read_table
+from rcskin.hardware.meter.errors import (
+    CorrectionError,
+    MeterError,
+    NoConnectionError,
+    WrongMeterError,
+)
+from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.record.dataset import gather
+from rcskin.hardware.record.journal import HEADER, Journal
+from rcskin.hardware.record.operators import Machine, pressing_virtually
+from rcskin.hardware.record.order import REST, Step, parse_step, standard_order
+from rcskin.hardware.record.recorder import Task, record
+from rcskin.hardware.virtual.faults import Fault
+from rcskin.simulator.sweeps import InputError, impedance, read, write
+
+
+class Silent:
+    """Shows nothing, but remembers the remarks."""
+
+    def __init__(self):
+        self.remarks = []
+
+    def begin(self, title): ...
+    def reading(self, frequency, reading): ...
+    def end(self, remarks):
+        self.remarks += remarks
+
+
+@pytest.fixture
+def show():
+    return Silent()
+
+
+@pytest.fixture
+def operator(ports, show):
+    return Machine(pressing_virtually(f"127.0.0.1:{ports.control}"), show, retries=3, pause=0)
+
+
+@pytest.fixture
+def task(ports, scene, tmp_path):
+    return Task(
+        scene,
+        standard_order(2, 2, 2),
+        tmp_path / "run.nc",
+        lambda: open_meter(ports.resource, 0.5),
+        read_table(),
+        {},
+    )
+
+
+def test_a_recording_is_every_press_in_its_order(task, operator, pillow):
+    sweeps = gather(*record(task, operator), "table")
+    assert list(sweeps["press"].values) == [step.press for step in task.order]
+    assert list(sweeps["frequency"].values) == list(task.scene.frequencies)
+    exact = [
+        [pillow.impedance(step.press, f) for f in task.scene.frequencies] for step in task.order
+    ]
+    np.testing.assert_allclose(impedance(sweeps)[:, 0], exact, rtol=1e-5)
+
+
+def test_its_file_tells_scene_meter_settings_and_times(task, operator):
+    task = dataclasses.replace(task, settings={"speed": "SLOW", "range": 8, "auto_range": False})
+    write(gather(*record(task, operator), "table"), task.output)
+    told = read(task.output).attrs
+    assert told["scene"] == task.scene.text
+    assert "IM3523" in told["meter"]
+    settings = json.loads(told["settings"])
+    assert (settings["speed"], settings["range"]) == ("SLOW", 8)
+    assert settings["open_correction"] == "OFF"
+    times = json.loads(told["times"])
+    assert len(times) == len(task.order)
+    assert all(begun <= ended for begun, ended in times)
+    assert times == sorted(times)
+
+
+def test_readings_that_are_not_normal_are_flagged(task, operator):
+    task = dataclasses.replace(
+        task, order=[REST, Step("1,1", 1, 1)], settings={"range": 10, "auto_range": False}
+    )
+    flagged = json.loads(gather(*record(task, operator), "table").attrs["flagged"])
+    assert flagged == [[sweep, index, 2] for sweep in (0, 1) for index in (0, 1, 2)]
+
+
+class Interrupts(Machine):
+    """Stops the recording before its third press."""
+
+    def press(self, step, number, total):
+        if number == 2:
+            raise KeyboardInterrupt
+        super().press(step, number, total)
+
+
+def test_an_interrupted_recording_goes_on_where_it_was(task, operator, show):
+    with pytest.raises(KeyboardInterrupt):
+        record(task, Interrupts(operator.by, show))
+    folder = Journal(task.output).folder
+    finished = {path.name: path.read_bytes() for path in folder.glob("0*.json")}
+    assert len(finished) == 2
+    pressed = []
+    by = operator.by
+    operator.by = lambda step: (pressed.append(step), by(step))
+    _, entries = record(task, operator)
+    assert pressed == list(task.order[2:])
+    assert len(entries) == len(task.order)
+    assert all((folder / name).read_bytes() == content for name, content in finished.items())
+
+
+def test_a_finished_recording_needs_no_meter(task, operator):
+    _, entries = record(task, operator)
+
+    def absent():
+        raise NoConnectionError("gone")
+
+    assert record(dataclasses.replace(task, connect=absent), operator)[1] == entries
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        Fault("silent"),
+        Fault("half"),
+        Fault("garbage"),
+        Fault("drop"),
+        Fault("status"),
+        Fault("late", seconds=0.7),
+        Fault("forget"),
+    ],
+    ids=lambda fault: fault.kind,
+)
+def test_a_fault_costs_a_repetition_and_nothing_else(task, operator, instrument, show, fault):
+    task = dataclasses.replace(task, order=task.order[:3], settings={"speed": "SLOW"})
+    by = operator.by
+    operator.by = lambda step: (by(step), fault.times and instrument.faults.add(fault))
+    header, entries = record(task, operator)
+    assert len(show.remarks) == 1 and "check" in show.remarks[0]
+    assert all(not entry.remarks for entry in entries)
+    assert set(instrument.settings.each_range[n].speed for n in range(1, 11)) == {"SLOW"}
+    assert [entry.press for entry in entries] == [step.press for step in task.order]
+
+
+def test_a_meter_that_keeps_failing_ends_it_with_what_is_done_on_disk(task, operator, instrument):
+    by = operator.by
+
+    def press(step):
+        by(step)
+        if step.press == "1,2":
+            instrument.faults.add(Fault("status", times=1000))
+
+    operator.by = press
+    with pytest.raises(MeterError, match="status 7"):
+        record(task, operator)
+    header = Journal(task.output).header()
+    assert sorted(Journal(task.output).entries(header.order)) == [0, 1]
+
+
+def test_settings_that_change_under_way_are_noticed_and_restored(task, operator, instrument, show):
+    by, meddled = operator.by, []
+
+    def press(step):
+        by(step)
+        if step.press == "1,1" and not meddled:
+            meddled.append(step)
+            instrument.settings.voltage = 2.5
+
+    operator.by = press
+    record(task, operator)
+    assert instrument.settings.voltage == 1.0
+    assert any("`voltage` is 2.5 and was 1.0" in remark for remark in show.remarks)
+
+
+def test_corrections_that_were_lost_end_it(task, operator, show, instrument):
+    instrument.settings.open_correction = "ALL"
+    with pytest.raises(KeyboardInterrupt):
+        record(task, Interrupts(operator.by, show))
+    instrument.settings.open_correction = "OFF"
+    with pytest.raises(CorrectionError, match="acquire it again"):
+        record(task, operator)
+
+
+def test_another_meter_does_not_go_on_with_it(task, operator, show, instrument):
+    with pytest.raises(KeyboardInterrupt):
+        record(task, Interrupts(operator.by, show))
+    instrument.serial = "999999999"
+    with pytest.raises(WrongMeterError, match="check which meter is connected"):
+        record(task, operator)
+
+
+def test_an_unsound_sweep_is_repeated_then_kept_with_its_remark(task, operator, instrument, pillow):
+    class Jumping(type(pillow)):
+        def impedance(self, press, frequency):
+            doubled = press == "2,2" and frequency > 2e3
+            return super().impedance(press, frequency) * (2 if doubled else 1)
+
+    instrument.bench = dataclasses.replace(instrument.bench, skin=Jumping())
+    operator.retries, pressed, by = 2, [], operator.by
+    operator.by = lambda step: (pressed.append(step.press), by(step))
+    task = dataclasses.replace(task, order=[REST, parse_step("2,2", 2, 2)])
+    header, entries = record(task, operator)
+    assert pressed == ["none", "2,2", "2,2", "2,2"]
+    assert entries[0].remarks == ()
+    assert any("broken" in remark for remark in entries[1].remarks)
+    assert json.loads(gather(header, entries, "t").attrs["remarks"])[1] == list(entries[1].remarks)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"order": standard_order(2, 2, 1)}, "another order"),
+        ({"settings": {"speed": "FAST"}}, "another asked"),
+    ],
+)
+def test_a_folder_of_another_recording_is_not_mixed_with_this(task, operator, change, told):
+    record(task, operator)
+    with pytest.raises(InputError, match=f"{told}; give another output"):
+        record(dataclasses.replace(task, **change), operator)
+
+
+@pytest.mark.parametrize("content", ["{}", "[]", "{", '{"press": "none"}'])
+def test_a_spoilt_file_of_a_recording_is_named(task, operator, content):
+    record(task, operator)
+    folder = Journal(task.output).folder
+    for name in ("000002.json", HEADER):
+        (folder / name).write_text(content)
+        with pytest.raises(InputError, match=name):
+            record(task, operator)
+
+
+def test_a_file_in_the_wrong_place_is_named(task, operator):
+    record(task, operator)
+    folder = Journal(task.output).folder
+    (folder / "000001.json").replace(folder / "000002.json")
+    with pytest.raises(InputError, match="000002.json: holds press 1,1, the order has 1,2 here"):
+        record(task, operator)
+
+
+def test_scenes_beyond_the_meter_are_refused_before_anything_is_written(task, operator):
+    scene = dataclasses.replace(task.scene, frequencies=(1.0, 1e3))
+    with pytest.raises(InputError, match="an IM3523 measures from 40 to 200000 Hz"):
+        record(dataclasses.replace(task, scene=scene), operator)
+    assert not Journal(task.output).folder.exists()

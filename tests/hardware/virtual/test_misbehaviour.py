@@ -1,0 +1,100 @@
+"""Whatever a meter does wrong: the driver says so, and never takes a number for another."""
+
+import pytest
+from rcskin.hardware.meter.errors import (
+    GarbledError,
+    LostConnectionError,
+    MeterError,
+    NoAnswerError,
+    ReadingError,
+    RestartedError,
+)
+from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.meter.reading import Status
+from rcskin.hardware.steer import ask
+from rcskin.hardware.virtual.faults import Fault
+from rcskin.simulator.sweeps import InputError
+
+
+@pytest.mark.parametrize(
+    ("fault", "error", "told"),
+    [
+        (Fault("silent"), NoAnswerError, "no whole answer within 0.5 s; check"),
+        (Fault("half"), NoAnswerError, "no whole answer within 0.5 s; check"),
+        (Fault("garbage"), GarbledError, "no line of text; check the baud rate"),
+        (Fault("late", seconds=0.7), NoAnswerError, "slow measurement has time enough"),
+        (Fault("status"), ReadingError, "status 7: overflow: check the leads"),
+        (Fault("status", status=-7), ReadingError, "status -7: underflow"),
+        (Fault("status", status=1), ReadingError, "status 1: nothing was measured"),
+        (Fault("status", status=9), ReadingError, "status 9: sampling error"),
+        (Fault("status", status=14), ReadingError, "status 14: contact error"),
+        (Fault("forget"), RestartedError, "settings and corrections are lost"),
+    ],
+)
+def test_a_fault_is_told_and_the_next_readings_are_right_again(
+    instrument, meter, pillow, fault, error, told
+):
+    instrument.faults.add(fault)
+    with pytest.raises(error, match=told) as raised:
+        meter.read()
+    assert "\n" not in str(raised.value)
+    meter.prepare()
+    for frequency in (2e3, 5e4):
+        meter.frequency = frequency
+        reading = meter.read()
+        assert reading.X == pytest.approx(pillow.impedance("none", frequency).imag, rel=1e-5)
+        assert reading.status is Status.NORMAL
+
+
+def test_a_dropped_connection_is_lost_and_a_new_one_works(instrument, ports, meter):
+    instrument.faults.add(Fault("drop"))
+    with pytest.raises(MeterError, match="check"):
+        meter.read()
+    with pytest.raises(LostConnectionError, match="connect again"):
+        meter.read()
+    with open_meter(ports.resource, 1) as again:
+        assert again.read().status is Status.NORMAL
+
+
+def test_a_meter_that_stays_silent_is_let_go(instrument, meter):
+    instrument.faults.add(Fault("silent", times=5))
+    with pytest.raises(NoAnswerError):
+        meter.read()
+    with pytest.raises(LostConnectionError, match="connect again"):
+        meter.read()
+
+
+@pytest.mark.parametrize("kind", ["silent", "half", "garbage", "drop"])
+def test_a_fault_while_connecting_is_an_error_too(instrument, ports, kind):
+    instrument.faults.add(Fault(kind, times=3))
+    with pytest.raises(MeterError):
+        open_meter(ports.resource, 0.1)
+
+
+def test_settings_lost_within_a_sweep_are_noticed_at_the_next_word(instrument, meter):
+    meter.speed = "SLOW2"
+    instrument.faults.add(Fault("forget"))
+    with pytest.raises(RestartedError, match="check its power"):
+        meter.frequency = 2e3
+
+
+def test_faults_are_asked_for_through_the_side_door(ports, meter):
+    ask(f"127.0.0.1:{ports.control}", "misbehave", kind="status", times=2, status=12)
+    for _ in range(2):
+        with pytest.raises(ReadingError, match="status 12"):
+            meter.read()
+    assert meter.read().status is Status.NORMAL
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"kind": "sing"}, "misbehaves by drop, late"),
+        ({"kind": "late", "seconds": -1}, "`seconds` must be in"),
+        ({"kind": "drop", "times": 0}, "`times` must be in"),
+        ({"kind": "status", "status": 2}, "`status` must be 1, 7"),
+    ],
+)
+def test_misbehaviour_out_of_range_is_refused(ports, given, told):
+    with pytest.raises(InputError, match=told):
+        ask(f"127.0.0.1:{ports.control}", "misbehave", **given)

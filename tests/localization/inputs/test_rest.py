@@ -1,0 +1,75 @@
+"""Quantities told against the skin at rest, and choice of interfaces."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from rcskin.localization.inputs.features import feature_names, features
+from rcskin.simulator.sweeps import InputError, build, concatenate, impedance
+
+
+def seen_by(meter, sweeps):
+    """The sweeps read by a meter whose every reading is that factor too large."""
+    labels = {name: list(sweeps[name].values) for name in ("press", "row", "column", "session")}
+    return build(
+        meter * impedance(sweeps),
+        sweeps["frequency"].values,
+        interface=list(sweeps["interface"].values),
+        **labels,
+    )
+
+
+def test_logarithm_and_phase_are_those_of_the_impedance(sheet):
+    Z = impedance(sheet)
+    X = features(sheet, ("lnZ", "phase"), interfaces=["right"])
+    np.testing.assert_allclose(np.exp(X[:, :20] + 1j * X[:, 20:]), Z[:, 1], rtol=1e-12)
+
+
+def test_fixed_errors_of_a_session_drop_out_against_rest(strip):
+    other = seen_by(1.02 * np.exp(0.01j), strip)
+    against, alone = ("dlnZ", "dphase"), ("lnZ", "phase")
+    np.testing.assert_allclose(features(other, against), features(strip, against), atol=1e-12)
+    assert np.abs(features(other, alone) - features(strip, alone)).min() > 0.009
+
+
+def test_each_session_is_told_against_its_own_rest(strip):
+    later = seen_by(1.05, strip).assign_coords(session=("sweep", np.full(24, 7)))
+    both = features(concatenate([strip, later]), ("dlnZ",))
+    np.testing.assert_allclose(both[24:], both[:24], atol=1e-12)
+
+
+def test_rest_may_be_given_beside_the_sweeps(strip):
+    pressed = strip["column"].values > 0
+    beside = features(strip.isel(sweep=pressed), ("dlnZ",), rest=strip.isel(sweep=~pressed))
+    mean = np.log(np.abs(impedance(strip)[~pressed])).mean(axis=0)
+    expected = np.log(np.abs(impedance(strip)[pressed])) - mean
+    np.testing.assert_allclose(beside, expected.reshape(len(beside), -1), atol=1e-12)
+
+
+def test_a_drift_of_the_session_drops_out_between_sweeps_at_rest(strip):
+    last = np.flatnonzero(strip["row"].values == 0)[-1]
+    still = strip.isel(sweep=slice(0, last + 1))
+    drift = xr.DataArray(1 + 0.002 * np.arange(still.sizes["sweep"]), dims="sweep")
+    moved = still.assign({name: still[name] * drift for name in ("Rs", "X")})
+    found, expected = (features(each, ("dlnZ", "dphase")) for each in (moved, still))
+    np.testing.assert_allclose(found, expected, atol=2e-4)
+
+
+def test_a_session_without_rest_is_named(strip):
+    pressed = strip.isel(sweep=strip["column"].values > 0)
+    with pytest.raises(InputError, match="session 0 has no sweep of the skin at rest"):
+        features(pressed, ("dphase",))
+
+
+def test_interfaces_are_taken_in_the_order_asked(sheet):
+    turned = features(sheet, interfaces=["right", "left"])
+    np.testing.assert_array_equal(turned[:, :20], features(sheet, interfaces=["right"])[:, :20])
+    assert feature_names(sheet, interfaces=["right"])[0] == "Rs right 1000 Hz"
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [(["top"], "no interface 'top', only left, right"), (["left", "left"], "name each once")],
+)
+def test_interfaces_that_cannot_be_had_are_refused(sheet, asked, message):
+    with pytest.raises(InputError, match=message):
+        features(sheet, interfaces=asked)

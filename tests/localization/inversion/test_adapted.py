@@ -1,0 +1,186 @@
+"""Inversion for the skin at hand: skins of closed form that are darker or lighter than the mean."""
+
+import numpy as np
+import pytest
+import skops.io
+from rcskin.localization.inputs.samples import Problem
+from rcskin.localization.inversion.adapted import SKINS_KEPT, AdaptedClassifier, AdaptedPosition
+from rcskin.localization.inversion.classifier import ModelBased
+from rcskin.localization.inversion.position import ModelBasedPosition
+from rcskin.localization.inversion.registered import ADAPTED, NAME, model_based
+from rcskin.simulator.sweeps import InputError
+from sklearn.pipeline import Pipeline
+
+COLUMNS, NUMBERS, NOISE, REST = 4, 8, 0.003, 8
+STRENGTHS = np.array([1.9, 2.0, 2.1])
+ALONG = np.linspace(0, 1, NUMBERS)
+SCENE = '[[interface]]\nname = "left"\n'
+
+
+def change(place, shade):
+    """Of a touch at 0 to 1 along a skin: the darker the skin, the nearer every touch looks."""
+    return 0.1 * np.exp(-3 * ALONG * place * (1 + shade))
+
+
+def at_rest(shade):
+    return shade * np.ones(NUMBERS)
+
+
+class Tables:
+    """Makes tables, and remembers for which curves."""
+
+    def __init__(self):
+        self.curves = []
+
+    def __call__(self, scene, target, presses, rest=None, averaged=1):
+        shade = 0.0 if rest is None else rest.mean()
+        if rest is not None:
+            assert averaged == REST
+            self.curves.append(rest)
+        common = {
+            "deviation": np.full(NUMBERS, NOISE),
+            "drift": 1e-3 * np.ones((NUMBERS, 1)),
+            "chances": np.array([0.1, 0.9, 0.0]),
+            "strengths": STRENGTHS,
+            "weights": np.ones(3) / 3,
+            "spread": np.array(0.05),
+        }
+        return common | (self.places(shade) if target == "position" else self.pixels(shade))
+
+    def pixels(self, shade):
+        single = np.array(
+            [[(f - 1) * change(k / COLUMNS, shade) for f in STRENGTHS] for k in range(COLUMNS)]
+        )
+        return {
+            "grid": np.array([1, COLUMNS]),
+            "pixels": np.stack([np.ones(COLUMNS, dtype=int), np.arange(COLUMNS) + 1], axis=1),
+            "single": single,
+            "shift": np.zeros_like(single),
+            "slope": single / (STRENGTHS - 1)[:, None],
+            "skin": np.zeros((*single.shape, 1)),
+        }
+
+    def places(self, shade):
+        nodes, strengths = np.linspace(0.01, 0.11, 9), np.linspace(1.8, 2.2, 4)
+        values = [
+            [
+                [
+                    (f - 1) * (change(u / 0.12, shade) + change(v / 0.12, shade)[::-1])
+                    for f in strengths
+                ]
+                for v in nodes
+            ]
+            for u in nodes
+        ]
+        return {
+            "x": nodes,
+            "y": nodes,
+            "strength_nodes": strengths,
+            "values": np.array(values),
+            "skin": np.zeros((9, 9, NUMBERS, 1)),
+            "sides": np.array([0.12, 0.12]),
+        }
+
+
+def rows(columns, shades, seed=0):
+    """Sweeps of touches on skins: changes, then curves at rest, with noise."""
+    noise = NOISE * np.random.default_rng(seed).standard_normal((len(columns), 2 * NUMBERS))
+    noise[:, NUMBERS:] /= np.sqrt(REST)
+    told = [
+        np.concatenate([change((k - 1) / COLUMNS, shade), at_rest(shade)])
+        for k, shade in zip(columns, shades, strict=True)
+    ]
+    return np.array(told) + noise
+
+
+@pytest.fixture
+def tables():
+    return Tables()
+
+
+@pytest.fixture
+def adapted(tables):
+    inner = ModelBased("", "column", rest_sweeps=REST)
+    return AdaptedClassifier(inner, tables).fit(np.zeros((1, 2 * NUMBERS)))
+
+
+def test_each_skin_is_read_by_its_own_tables(adapted, tables):
+    columns, shades = np.tile([1, 2, 3, 4], 10), np.repeat([-0.4, 0.6], 20)
+    X = rows(columns, shades)
+    np.testing.assert_array_equal(adapted.predict(X), columns)
+    assert len(tables.curves) == 2
+    for curve, shade in zip(tables.curves, (-0.4, 0.6), strict=True):
+        np.testing.assert_allclose(curve, at_rest(shade), atol=4 * NOISE / np.sqrt(20 * REST))
+    mean = ModelBased("", "column", tables, rest_sweeps=REST).fit()
+    assert (mean.predict(X[:, :NUMBERS]) == columns).mean() < 0.9
+
+
+def test_the_order_of_sweeps_does_not_matter_and_drift_makes_no_new_skin(adapted, tables):
+    columns = np.tile([1, 2, 3, 4], 10)
+    X = rows(columns, np.tile([0.3, -0.3], 20) + np.linspace(0, 0.005, 40))
+    told = adapted.predict(X)
+    assert len(tables.curves) == 2
+    mixed = np.random.default_rng(1).permutation(40)
+    np.testing.assert_array_equal(adapted.predict(X[mixed]), told[mixed])
+
+
+def test_a_skin_that_is_met_again_needs_no_new_tables(adapted, tables):
+    X = rows([1, 2], [0.2, 0.2])
+    np.testing.assert_array_equal(adapted.predict_proba(X), adapted.predict_proba(X))
+    assert len(tables.curves) == 1
+    for shade in range(SKINS_KEPT + 3):
+        adapted.predict(rows([1], [shade]))
+    assert len(adapted._skins) == SKINS_KEPT
+
+
+def test_a_sweep_like_no_touch_of_its_skin_is_novel(adapted):
+    X = rows([1, 2, 3], [0.2, 0.2, 0.2])
+    assert not adapted.novel(X).any()
+    X[1, :NUMBERS] += 0.1 * (-1.0) ** np.arange(NUMBERS)
+    np.testing.assert_array_equal(adapted.novel(X), [False, True, False])
+
+
+def test_places_on_a_dark_skin_are_right_and_their_deviations_told(tables):
+    inner = ModelBasedPosition("", rest_sweeps=REST)
+    adapted = AdaptedPosition(inner, tables).fit(np.zeros((1, 2 * NUMBERS)))
+    u, v = np.random.default_rng(2).uniform(0.02, 0.1, (2, 40))
+    X = [
+        np.concatenate([change(a / 0.12, 0.5) + change(b / 0.12, 0.5)[::-1], at_rest(0.5)])
+        for a, b in zip(u, v, strict=True)
+    ]
+    X = np.array(X) + NOISE * np.random.default_rng(3).standard_normal((40, 2 * NUMBERS))
+    told, deviation = adapted.predict(X, return_std=True)
+    np.testing.assert_array_equal(told, adapted.predict(X))
+    off = (told[:, :2] - 1e3 * np.stack([u, v], axis=1)) / deviation[:, :2]
+    assert 0.6 < np.sqrt((off**2).mean()) < 1.5
+    away = np.abs(inner.set_params(builder=tables).fit().predict(X[:, :NUMBERS]) - told)
+    assert np.median(away[:, 0]) > 3
+
+
+def test_a_model_read_back_is_given_the_tables_anew(adapted, tables, tmp_path):
+    X = rows([1, 3], [0.2, 0.2])
+    before = adapted.predict_proba(X)
+    skops.io.dump(adapted, tmp_path / "m.skops")
+    untrusted = skops.io.get_untrusted_types(file=tmp_path / "m.skops")
+    again = skops.io.load(tmp_path / "m.skops", trusted=untrusted)
+    np.testing.assert_array_equal(again.classes_, adapted.classes_)
+    with pytest.raises(ValueError, match="`builder` is needed"):
+        again.predict(X)
+    by_name = {each.name: each for each in model_based(tables)}
+    by_name[ADAPTED].equip(Pipeline([("invert", again)]))
+    np.testing.assert_array_equal(again.predict_proba(X), before)
+
+
+@pytest.mark.parametrize("name", [NAME, ADAPTED])
+def test_other_features_and_sweeps_without_their_scene_are_refused(tables, name):
+    (made,) = [each for each in model_based(tables) if each.name == name]
+    takes = ("dlnZ", "dphase", "lnZ0", "phase0")[: 2 if name == NAME else 4]
+    problem = Problem("column", NUMBERS, takes, ("left",), (1e3,), SCENE)
+    assert made.build(problem).steps[0][0] == "invert"
+    for wrong, told in (
+        (("Rs", "Cp"), f"takes the features {','.join(takes)}, got Rs,Cp"),
+        (takes, "needs the scene"),
+    ):
+        scene = "" if wrong == takes else SCENE
+        with pytest.raises(InputError, match=told):
+            made.build(Problem("column", NUMBERS, wrong, ("left",), (1e3,), scene))

@@ -1,0 +1,190 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from rcskin.localization.learners.ecoc import (
+    CODINGS,
+    ECOCClassifier,
+    average_loss,
+    one_versus_all,
+    one_versus_one,
+    ordinal,
+)
+from sklearn.base import clone
+from sklearn.datasets import make_blobs
+from sklearn.linear_model import LogisticRegression
+from sklearn.svm import SVC
+from sklearn.utils.estimator_checks import parametrize_with_checks
+
+CORNERS = [[0, 0], [10, 0], [0, 10], [10, 10]]
+EXACT = SVC(tol=1e-10)
+"""Solved far enough that the two classes can change sides without a trace."""
+
+
+@parametrize_with_checks([ECOCClassifier(coding=coding) for coding in CODINGS])
+def test_it_keeps_the_conventions_of_scikit_learn(estimator, check):
+    check(estimator)
+
+
+# Coding matrices
+
+
+@pytest.mark.parametrize("K", range(2, 8))
+def test_one_versus_one_sets_each_pair_of_classes_against_each_other(K):
+    codes = one_versus_one(K)
+    assert codes.shape == (K, K * (K - 1) // 2)
+    assert (codes.sum(axis=0) == 0).all()
+    assert (np.abs(codes).sum(axis=0) == 2).all()
+    assert (np.abs(codes).sum(axis=1) == K - 1).all()
+    assert len(np.unique(np.abs(codes), axis=1).T) == codes.shape[1]
+
+
+def test_coding_matrices_of_three_classes():
+    assert one_versus_one(3).tolist() == [[1, 1, 0], [-1, 0, 1], [0, -1, -1]]
+    assert one_versus_all(3).tolist() == [[1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
+    assert ordinal(3).tolist() == [[-1, -1], [1, -1], [1, 1]]
+
+
+@pytest.mark.parametrize("coding", CODINGS)
+def test_two_classes_need_one_learner(coding):
+    codes = CODINGS[coding](2)
+    assert codes.shape == (2, 1)
+    assert codes[0, 0] == -codes[1, 0]
+
+
+@pytest.mark.parametrize("coding", CODINGS)
+@pytest.mark.parametrize("K", range(2, 8))
+def test_no_two_classes_share_a_code(coding, K):
+    assert len(np.unique(CODINGS[coding](K), axis=0)) == K
+
+
+# Decoding
+
+
+def slow_average_loss(codes, scores):
+    """The definition of loss-weighted decoding, a class and a learner at a time."""
+    losses = []
+    for sample in scores:
+        for code in codes:
+            loss = sum(abs(m) * max(0, 1 - m * s) / 2 for m, s in zip(code, sample, strict=True))
+            losses.append(loss / sum(abs(m) for m in code))
+    return np.reshape(losses, (len(scores), len(codes)))
+
+
+@st.composite
+def codes_and_scores(draw):
+    K, L, n = draw(st.integers(2, 5)), draw(st.integers(1, 6)), draw(st.integers(1, 4))
+    codes = draw(
+        arrays(np.int64, (K, L), elements=st.integers(-1, 1)).filter(
+            lambda codes: np.abs(codes).sum(axis=1).all()
+        )
+    )
+    return codes, draw(arrays(float, (n, L), elements=st.floats(-1e3, 1e3)))
+
+
+@given(codes_and_scores())
+def test_decoding_agrees_with_its_definition(drawn):
+    codes, scores = drawn
+    loss = average_loss(codes, scores)
+    np.testing.assert_allclose(loss, slow_average_loss(codes, scores), rtol=1e-12, atol=1e-12)
+    assert (loss >= 0).all()
+
+
+@given(codes_and_scores(), st.randoms(use_true_random=False))
+def test_turning_a_learner_around_or_renumbering_classes_and_learners_changes_nothing(
+    drawn, random
+):
+    codes, scores = drawn
+    classes, learners = list(range(codes.shape[0])), list(range(codes.shape[1]))
+    random.shuffle(classes)
+    random.shuffle(learners)
+    sides = np.array([random.choice([-1, 1]) for _ in learners])
+    other = average_loss((codes * sides)[classes][:, learners], (scores * sides)[:, learners])
+    np.testing.assert_allclose(
+        other, average_loss(codes, scores)[:, classes], rtol=1e-12, atol=1e-12
+    )
+
+
+@pytest.mark.parametrize("coding", CODINGS)
+def test_scores_beyond_the_margin_on_the_side_of_a_code_cost_its_class_nothing(coding):
+    codes = CODINGS[coding](5)
+    loss = average_loss(codes, 1.5 * codes)
+    np.testing.assert_array_equal(np.diag(loss), 0)
+    assert (loss[~np.eye(5, dtype=bool)] > 0).all()
+
+
+def test_a_learner_without_an_opinion_costs_each_side_half():
+    np.testing.assert_array_equal(average_loss(one_versus_one(3), np.zeros((1, 3))), 0.5)
+
+
+# The classifier
+
+
+def clusters(centers, seed=0, spread=0.5):
+    return make_blobs(
+        n_samples=15 * len(centers), centers=centers, cluster_std=spread, random_state=seed
+    )
+
+
+class Undecided(LogisticRegression):
+    """A learner with no opinion on anything."""
+
+    def decision_function(self, X):
+        return np.zeros(len(X))
+
+
+@pytest.mark.parametrize("coding", CODINGS)
+@pytest.mark.parametrize("K", [2, 3, 4])
+def test_ties_go_to_the_lowest_class(coding, K):
+    X, y = clusters(CORNERS[:K])
+    model = ECOCClassifier(Undecided(), coding).fit(X, y)
+    assert (model.predict(X) == 0).all()
+
+
+@pytest.mark.parametrize("coding", CODINGS)
+@pytest.mark.parametrize("estimator", [None, SVC(C=100), LogisticRegression()])
+def test_well_separated_clusters_are_told_apart(coding, estimator):
+    X, y = clusters(CORNERS)
+    model = ECOCClassifier(estimator, coding).fit(X, y)
+    assert (model.predict(X) == y).all()
+    assert len(model.estimators_) == model.coding_matrix_.shape[1]
+    assert model.decision_function(X).shape == (len(X), 4)
+    np.testing.assert_array_equal(model.decision_function(X).argmax(axis=1), y)
+
+
+def test_each_learner_sees_only_the_classes_it_is_to_tell_apart():
+    X, y = clusters(CORNERS)
+    pair = (y == 1) | (y == 3)
+    model, alone = ECOCClassifier(EXACT).fit(X, y), clone(EXACT).fit(X[pair], y[pair])
+    learner = model.estimators_[model.coding_matrix_.T.tolist().index([0, 1, 0, -1])]
+    np.testing.assert_allclose(
+        learner.decision_function(X), -alone.decision_function(X), rtol=1e-6, atol=1e-9
+    )
+
+
+@pytest.mark.parametrize("coding", CODINGS)
+def test_two_classes_are_told_apart_as_by_the_binary_learner_alone(coding):
+    X, y = clusters([[0, 0], [1, 1]], spread=1.0)
+    model, alone = ECOCClassifier(EXACT, coding).fit(X, y), clone(EXACT).fit(X, y)
+    score, margin = alone.decision_function(X), model.decision_function(X)
+    np.testing.assert_array_equal(model.predict(X), alone.predict(X))
+    inside = np.abs(score) <= 1
+    np.testing.assert_allclose(margin[inside], score[inside], rtol=1e-6, atol=1e-9)
+    np.testing.assert_array_equal(np.sign(margin), np.sign(score))
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.permutations(["a", "b", "c", "d"]), st.sampled_from(sorted(CODINGS)))
+def test_renaming_the_classes_renames_the_answers(names, coding):
+    X, y = clusters(CORNERS, spread=0.3)
+    renamed = np.array(names)[y]
+    answers = ECOCClassifier(coding=coding).fit(X, renamed).predict(X)
+    plain = ECOCClassifier(coding=coding).fit(X, y).predict(X)
+    np.testing.assert_array_equal(answers, np.array(names)[plain])
+
+
+def test_an_unknown_coding_is_refused_with_those_there_are():
+    X, y = clusters(CORNERS)
+    with pytest.raises(ValueError, match="one-versus-one, one-versus-all, ordinal, got 'dense'"):
+        ECOCClassifier(coding="dense").fit(X, y)

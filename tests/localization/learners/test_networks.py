@@ -1,0 +1,81 @@
+"""Networks that learn many sweeps in ever smaller steps."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+from rcskin.localization.learners import classifiers, regressors
+from rcskin.localization.learners.components import Components
+from rcskin.localization.learners.networks import NetworkClassifier, NetworkRegressor
+from rcskin.localization.model.file import load, save
+from rcskin.localization.model.model import train
+from rcskin.localization.trust.folds import PLENTY, held_out_of, judging, splits_of, told
+from rcskin.simulator.sweeps import concatenate
+from sklearn import clone
+from sklearn.utils.estimator_checks import parametrize_with_checks
+
+FEW = ((1e-2, 150), (1e-3, 50))
+FEWER = ((2e-3, 2000), (5e-4, 1000))
+SCENE = "[skin]\nlength = 0.06\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 6\n"
+SEEN = ("dlnZ", "dphase", "lnZ0", "phase0")
+
+
+@pytest.mark.filterwarnings("ignore")
+@parametrize_with_checks(
+    [NetworkClassifier((16,), FEW), NetworkRegressor((16,), FEW), Components(alike=True)]
+)
+def test_scikit_learns_own_checks(estimator, check):
+    check(estimator)
+
+
+@pytest.fixture(scope="module")
+def mountings(make_sweeps):
+    parts = [make_sweeps(1, 6, 4, noise=0.006, session=k, seed=k) for k in range(4)]
+    return concatenate(parts).assign_attrs(scene=SCENE)
+
+
+@pytest.mark.parametrize("target", ["column", "position"])
+def test_a_network_tells_sweeps_never_seen_and_is_the_same_from_its_file(
+    mountings, make_sweeps, tmp_path, monkeypatch, target
+):
+    small = NetworkClassifier((64, 64), FEWER), NetworkRegressor((64,), FEWER)
+    for kinds, network in zip((classifiers, regressors), small, strict=True):
+        monkeypatch.setattr(kinds, type(network).__name__, partial(clone, network))
+    model = train(mountings, target, "network", quantities=SEEN)
+    unseen = make_sweeps(1, 6, 8, noise=0.006, session=9, seed=13).assign_attrs(scene=SCENE)
+    samples = model.samples(unseen)
+    answers = model.pipeline.predict(samples.X)
+    if target == "column":
+        assert (answers == samples.y).mean() > 0.85
+    else:
+        assert np.median(np.abs(answers - samples.y)[:, 0]) < 5
+    save(tmp_path / "n.skops", model)
+    np.testing.assert_array_equal(load(tmp_path / "n.skops").predict(unseen), model.predict(unseen))
+
+
+def test_the_same_seed_gives_the_same_network_and_smaller_steps_fit_better():
+    random = np.random.default_rng(0)
+    X = random.standard_normal((2000, 3))
+    y = np.sin(2 * X[:, 0]) * X[:, 1]
+    coarse, fine, again = (
+        NetworkRegressor((32,), stages).fit(X, y)
+        for stages in (((0.2, 300),), ((0.2, 300), (1e-3, 300)), ((0.2, 300), (1e-3, 300)))
+    )
+    assert np.var(fine.predict(X) - y) < 0.8 * np.var(coarse.predict(X) - y)
+    np.testing.assert_array_equal(fine.predict(X), again.predict(X))
+
+
+def test_components_that_are_alike_each_vary_by_one():
+    X = np.random.default_rng(0).standard_normal((500, 4)) * [1, 10, 100, 1e-3]
+    alike = Components(3, alike=True).fit_transform(X)
+    np.testing.assert_allclose(alike.var(axis=0, ddof=1), 1)
+    assert Components(3).fit_transform(X).var(axis=0, ddof=1).sum() == pytest.approx(1)
+
+
+def test_sweeps_in_plenty_are_held_out_once():
+    sessions = np.arange(PLENTY + 500) // 500
+    once, few = judging(None, sessions), judging(None, sessions[:2000])
+    assert len(once) == 1 and told(once, sessions) == "1 fold, whole sessions held out"
+    assert 0.15 < held_out_of(once).size / sessions.size < 0.25
+    np.testing.assert_array_equal(held_out_of(few), np.arange(2000))
+    assert len(few) == len(splits_of(None, sessions[:2000]))

@@ -1,0 +1,120 @@
+import json
+from dataclasses import replace
+from zipfile import ZipFile
+
+import numpy as np
+import pytest
+import skops.io
+from rcskin.localization.inputs.features import features
+from rcskin.localization.learners.classifiers import CLASSIFIERS
+from rcskin.localization.model.fields import fields_of
+from rcskin.localization.model.file import load, save
+from rcskin.localization.model.model import train
+from rcskin.simulator.sweeps import InputError
+from sklearn.pipeline import Pipeline
+from sklearn.preprocessing import MinMaxScaler
+
+
+@pytest.fixture(scope="module")
+def model(strip):
+    return train(strip)
+
+
+def rewrite(source, target, change):
+    """The archive at `source` with its schema changed by a function of the text."""
+    with ZipFile(source) as old, ZipFile(target, "w") as new:
+        for name in old.namelist():
+            data = old.read(name)
+            new.writestr(name, change(data.decode()) if name == "schema.json" else data)
+
+
+@pytest.mark.parametrize("classifier", CLASSIFIERS)
+@pytest.mark.parametrize("target", ["column", "pixel"])
+def test_a_model_read_back_is_the_same_model(sheet, tmp_path, classifier, target):
+    model = train(sheet, target, classifier)
+    save(tmp_path / "model.skops", model)
+    again = load(tmp_path / "model.skops")
+    X = features(sheet)
+    np.testing.assert_array_equal(again.predict(sheet), model.predict(sheet))
+    np.testing.assert_array_equal(
+        again.pipeline.decision_function(X), model.pipeline.decision_function(X)
+    )
+    assert replace(again, learned=model.learned) == model
+    assert (again.learned.sharpness, again.learned.threshold) == (
+        model.learned.sharpness,
+        model.learned.threshold,
+    )
+
+
+def test_a_file_tampered_to_build_another_type_is_refused(model, tmp_path):
+    save(tmp_path / "good.skops", model)
+    rewrite(
+        tmp_path / "good.skops",
+        tmp_path / "bad.skops",
+        lambda schema: schema.replace("rcskin.localization.learners.ecoc", "os").replace(
+            "ECOCClassifier", "system"
+        ),
+    )
+    with pytest.raises(InputError, match=r"bad\.skops: holds the untrusted type os\.system"):
+        load(tmp_path / "bad.skops")
+
+
+def test_a_file_of_a_foreign_type_is_refused(model, tmp_path):
+    skops.io.dump({"pipeline": model}, tmp_path / "a.skops")
+    with pytest.raises(
+        InputError, match=r"a\.skops: .*untrusted type localization\.learned\.Classifier"
+    ):
+        load(tmp_path / "a.skops")
+
+
+def test_a_file_of_harmless_types_that_is_no_model_is_refused(model, tmp_path):
+    fields = fields_of(model)
+    other = Pipeline([("scale", MinMaxScaler())])
+    for content in ([1, 2], {"pipeline": 3}, {**fields, "guard": 4}, {**fields, "pipeline": other}):
+        skops.io.dump(content, tmp_path / "a.skops")
+        with pytest.raises(InputError, match=r"a\.skops: holds no model of rcskin"):
+            load(tmp_path / "a.skops")
+
+
+def test_a_damaged_file_is_refused_in_one_line(model, tmp_path):
+    save(tmp_path / "good.skops", model)
+    whole = (tmp_path / "good.skops").read_bytes()
+    path = tmp_path / "bad.skops"
+    for data in (b"", b"target,output,count\n", whole[: len(whole) // 2]):
+        path.write_bytes(data)
+        with pytest.raises(
+            InputError, match=r"bad\.skops: not a model in the format of skops"
+        ) as e:
+            load(path)
+        assert "\n" not in str(e.value)
+
+
+@pytest.mark.parametrize("change", [lambda schema: "{}", lambda schema: schema[:-20], json.dumps])
+def test_an_archive_without_a_sound_schema_is_refused(model, tmp_path, change):
+    save(tmp_path / "good.skops", model)
+    rewrite(tmp_path / "good.skops", tmp_path / "bad.skops", change)
+    with pytest.raises(InputError, match=r"bad\.skops: not a model in the format of skops"):
+        load(tmp_path / "bad.skops")
+
+
+def test_a_file_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"none\.skops: cannot be read: No such file"):
+        load(tmp_path / "none.skops")
+
+
+@pytest.mark.parametrize(
+    ("name", "message"), [("a.pkl", "must end in .skops"), ("no/a.skops", "does not exist")]
+)
+def test_a_path_that_cannot_be_written_is_refused(model, tmp_path, name, message):
+    with pytest.raises(InputError, match=message):
+        save(tmp_path / name, model)
+
+
+def test_a_save_that_fails_leaves_the_old_file_as_it_was(model, tmp_path):
+    path = tmp_path / "model.skops"
+    save(path, model)
+    before = path.read_bytes()
+    with pytest.raises(Exception, match="generator"):
+        save(path, replace(model, version=(letter for letter in "unsaveable")))
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]

@@ -1,0 +1,60 @@
+from importlib.metadata import version
+
+import numpy as np
+import pytest
+from rcskin.localization.inputs.targets import labels
+from rcskin.localization.model.model import train
+from rcskin.simulator.sweeps import InputError
+
+
+@pytest.mark.parametrize("target", ["column", "pixel"])
+def test_a_model_tells_where_sweeps_it_never_saw_were_pressed(strip, make_sweeps, target):
+    unseen = make_sweeps(seed=3)
+    np.testing.assert_array_equal(train(strip, target).predict(unseen), labels(unseen, target))
+
+
+def test_a_model_knows_what_it_was_trained_on(sheet):
+    model = train(sheet, "row", "svc", quantities=["X", "Rs"])
+    assert (model.target, model.quantities) == ("row", ("X", "Rs"))
+    assert model.interfaces == ("left", "right")
+    assert model.frequencies == tuple(sheet["frequency"].values)
+    assert model.scene == sheet.attrs["scene"]
+    assert model.version == version("rcskin")
+
+
+def test_sweeps_without_a_scene_train_a_model_without_one(strip):
+    assert train(strip.drop_attrs()).scene == ""
+
+
+def test_the_answer_does_not_depend_on_the_labels_of_the_question(strip):
+    unknown = strip.assign_coords(row=strip["row"] * 0 - 1, column=strip["column"] * 0 - 1)
+    model = train(strip)
+    np.testing.assert_array_equal(model.predict(unknown), model.predict(strip))
+
+
+def test_a_frequency_off_by_rounding_is_the_same_frequency(strip):
+    model = train(strip)
+    nearly = strip.assign_coords(frequency=strip["frequency"] * (1 + 1e-12))
+    np.testing.assert_array_equal(model.predict(nearly), model.predict(strip))
+
+
+@pytest.mark.parametrize(
+    ("other", "message"),
+    [
+        (
+            {"frequency": np.geomspace(1e3, 100e3, 20)},
+            "at 1321.62072943 Hz, the sweeps have 1274.2749857 Hz",
+        ),
+        ({"frequency": np.geomspace(1e3, 200e3, 10)}, "20 frequencies, the sweeps have 10"),
+        ({"interfaces": ("right",)}, "interfaces left, the sweeps have right"),
+        ({"interfaces": ("right",), "rows": 2}, "interfaces left, the sweeps have right"),
+    ],
+)
+def test_sweeps_unlike_those_of_the_training_are_refused(strip, make_sweeps, other, message):
+    with pytest.raises(InputError, match=message):
+        train(strip).predict(make_sweeps(repetitions=1, **other))
+
+
+def test_one_class_alone_trains_no_model(strip):
+    with pytest.raises(InputError, match="at least 2 classes, got 1"):
+        train(strip.isel(sweep=strip["column"] == 1))

@@ -1,0 +1,136 @@
+"""Trained models as a whole: probabilities, refusals, positions, estimators by name."""
+
+import numpy as np
+import pytest
+from rcskin.localization.evaluation.evaluation import nested
+from rcskin.localization.inputs.samples import samples_of
+from rcskin.localization.learners.registry import chosen, estimators
+from rcskin.localization.model.file import load, save
+from rcskin.localization.model.model import train
+from rcskin.localization.trust.answers import CANNOT_TELL
+from rcskin.localization.trust.folds import splits_of
+from rcskin.localization.trust.temperature import calibration_error, probabilities
+from rcskin.simulator.sweeps import InputError, concatenate
+
+SCENE = "[skin]\nlength = 0.06\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 6\n"
+AGAINST_REST = ("dlnZ", "dphase")
+
+
+@pytest.fixture(scope="module")
+def mountings(make_sweeps):
+    """A strip of six pixels with errors, on four mountings: 28 sweeps each, 4 unpressed."""
+    parts = [make_sweeps(1, 6, 4, noise=0.006, session=k, seed=k) for k in range(4)]
+    return concatenate(parts).assign_attrs(scene=SCENE)
+
+
+@pytest.fixture(scope="module")
+def columns(mountings):
+    return train(mountings, quantities=AGAINST_REST, certain=0.95)
+
+
+def test_probabilities_of_sweeps_never_seen_are_honest(columns, make_sweeps):
+    unseen = concatenate([make_sweeps(1, 6, 8, noise=0.006, session=9, seed=k) for k in (9, 10)])
+    samples = columns.samples(unseen)
+    classes, told = columns.probabilities(unseen)
+    right = classes[told.argmax(axis=1)] == samples.y
+    raw = probabilities(columns.pipeline.decision_function(samples.X), 1.0).max(axis=1)
+    honest = calibration_error(told.max(axis=1), right)
+    assert honest < 0.08 < calibration_error(raw, right)
+
+
+def test_answers_are_right_more_often_than_guesses(make_sweeps):
+    noisy = [make_sweeps(1, 6, 10, noise=0.04, session=k, seed=k) for k in range(5)]
+    model = train(concatenate(noisy[:4]), quantities=AGAINST_REST, certain=0.9)
+    unseen = noisy[4]
+    told, truth = model.answers(unseen), model.samples(unseen).y.astype(str)
+    guesses = model.predict(unseen).astype(str)
+    answered = told.labels != CANNOT_TELL
+    assert 0.3 < answered.mean() < 0.95
+    assert (told.labels == truth)[answered].mean() > 0.87 > 0.85 > (guesses == truth).mean()
+
+
+def test_a_sweep_unlike_the_training_cannot_be_told(columns, make_sweeps):
+    unseen = make_sweeps(1, 6, 2, noise=0.006, session=9, seed=12)
+    broken = unseen.copy(deep=True)
+    broken["Rs"] = broken["Rs"] * xr_ramp(unseen)
+    pressed = unseen["column"].values > 0
+    told = columns.answers(broken, rest=unseen.isel(sweep=~pressed))
+    assert told.novel.all() and (told.labels == CANNOT_TELL).all()
+
+
+def xr_ramp(sweeps):
+    """From 1 to 4 over the frequencies."""
+    return 1 + 3 * (sweeps["frequency"] / sweeps["frequency"].max())
+
+
+def test_nothing_pressed_is_known_only_where_it_was_shown(columns, strip):
+    assert columns.knows_rest
+    assert not train(strip.isel(sweep=strip["column"].values > 0)).knows_rest
+
+
+@pytest.mark.parametrize("estimator", ["gaussian-process", "kernel-ridge", "knn-position"])
+def test_positions_are_told_with_deviations_that_hold(mountings, make_sweeps, tmp_path, estimator):
+    model = train(mountings, "position", estimator, quantities=AGAINST_REST)
+    unseen = make_sweeps(1, 6, 8, noise=0.006, session=9, seed=13).assign_attrs(scene=SCENE)
+    samples = model.samples(unseen)
+    told, deviation = model.positions(unseen)
+    away = np.abs(told - [0, 10, 0])[unseen["column"].values > 0]
+    error = np.abs(told[unseen["column"].values > 0] - samples.y)
+    assert np.median(error[:, 0]) < 5
+    assert away[:, 1].max() < 1e-6
+    inside = error[:, 0] < 2 * deviation[unseen["column"].values > 0][:, 0]
+    assert 0.85 < inside.mean() <= 1
+    assert set(model.answers(unseen).labels[unseen["column"].values == 0]) == {"0"}
+    save(tmp_path / "p.skops", model)
+    np.testing.assert_array_equal(load(tmp_path / "p.skops").positions(unseen)[1], deviation)
+
+
+def test_a_model_takes_its_interfaces_of_sweeps_that_have_more(sheet):
+    left = sheet.isel(interface=[0])
+    model = train(sheet, interfaces=["left"])
+    np.testing.assert_array_equal(model.predict(sheet), model.predict(left))
+
+
+def test_sessions_are_held_out_as_a_whole_where_there_are_three(mountings):
+    samples = samples_of(mountings, "column", AGAINST_REST)
+    for kept, tested in splits_of(samples.strata, samples.sessions):
+        assert not set(samples.sessions[kept]) & set(samples.sessions[tested])
+    some = samples.part(np.flatnonzero(samples.sessions < 2))
+    kept, tested = splits_of(some.strata, some.sessions)[0]
+    assert set(some.sessions[kept]) & set(some.sessions[tested])
+
+
+@pytest.mark.parametrize("tune", [False, True])
+def test_nested_scores_count_every_sweep_once(mountings, tune):
+    samples = samples_of(mountings, "column", AGAINST_REST)
+    found = nested(samples, chosen("svc", "column"), tune=tune, folds=2)
+    assert found.whole.confusion.total == len(samples.X)
+    mean, spread = found.figures()["accuracy"]
+    assert 0.6 < mean <= 1 and spread >= 0
+
+
+def test_labels_that_tell_nothing_are_not_told_right(mountings):
+    shuffled = samples_of(mountings, "column", AGAINST_REST)
+    order = np.random.default_rng(0).permutation(len(shuffled.y))
+    shuffled = type(shuffled)(shuffled.problem, shuffled.X, shuffled.y[order], shuffled.sessions)
+    found = nested(shuffled, chosen("ksvm-components", "column"), tune=True, folds=2)
+    assert found.figures()["accuracy"][0] < 0.35
+
+
+def test_every_estimator_is_asked_by_its_name():
+    for name, estimator in estimators().items():
+        for target in estimator.targets:
+            assert chosen(name, target) is not None
+
+
+@pytest.mark.parametrize(
+    ("name", "target", "message"),
+    [
+        ("mlp", "column", "one of ksvm-ovo, .* for `target` column, got 'mlp'"),
+        ("ksvm-ovo", "position", "one of gaussian-process, kernel-ridge, .*got 'ksvm-ovo'"),
+        (None, "depth", "`target` must be one of column, row"),
+    ],
+)
+def test_a_name_that_cannot_tell_the_target_is_refused(name, target, message):
+    with pytest.raises(InputError, match=message):
+        chosen(name, target)

@@ -1,0 +1,76 @@
+"""`rcskin check` as its user meets it: 0 where all pass, 1 where something is flagged, 2 if bad."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.sweeps import write
+
+FREQUENCY = np.geomspace(1e3, 1e5, 12)
+SERIES = 1e3 + 1 / (2j * np.pi * FREQUENCY * 1e-9)
+
+
+@pytest.fixture
+def two_sweeps(make_sweeps, tmp_path):
+    """A function that writes a file of two sweeps, one of them times a factor."""
+
+    def two_sweeps(factor, ending="nc"):
+        path = tmp_path / f"sweeps.{ending}"
+        Z = np.stack([SERIES, SERIES * factor])[:, None]
+        write(make_sweeps(2, ["meter"], FREQUENCY, Z), path)
+        return path
+
+    return two_sweeps
+
+
+@pytest.mark.parametrize("ending", ["nc", "csv"])
+def test_lawful_sweeps_end_with_code_0(run, two_sweeps, ending):
+    code, out, err = run("check", two_sweeps(2, ending))
+    assert (code, err) == (0, "")
+    assert out.count("pass") == 2
+    assert "0 of 2 spectra flagged" in out
+
+
+def test_a_broken_law_ends_with_code_1_and_is_told_with_sweep_and_frequencies(run, two_sweeps):
+    code, out, err = run("check", two_sweeps(-1))
+    assert (code, err) == (1, "")
+    assert "sweep 1, interface meter: Re Z >= 0 is broken at 12 frequencies" in out
+    assert "1 of 2 spectra flagged" in out
+
+
+def test_the_chart_is_written_where_it_is_asked_for(run, two_sweeps, tmp_path):
+    code, _, _ = run("check", two_sweeps(2), "-o", tmp_path / "chart.png")
+    assert code == 0
+    assert (tmp_path / "chart.png").read_bytes().startswith(b"\x89PNG")
+    run("check", two_sweeps(2), "-o", tmp_path / "report")
+    assert (tmp_path / "report" / "verdicts.csv").exists()
+
+
+def test_the_table_of_another_tool_is_checked_as_it_is(run, tmp_path):
+    rows = [f"{f}\t{Z.real}\t{-Z.imag}" for f, Z in zip(FREQUENCY, SERIES, strict=True)]
+    path = tmp_path / "eis.txt"
+    path.write_text("\n".join(["f/Hz\tZ'/ohm\t-Z''/ohm", *rows]))
+    assert run("check", path)[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["absent.nc"], "absent.nc: no such file"),
+        (["absent.csv"], "absent.csv: cannot be read: No such file"),
+        (["SWEEPS", "--noise", "-1"], "`noise` must be finite and > 0, got -1.0"),
+        (["SWEEPS", "--tolerance", "0"], "`tolerance` must be finite and > 0, got 0.0"),
+        (["SWEEPS", "-o", "report.html"], "report.html: must end in .png or be a folder"),
+    ],
+)
+def test_bad_input_ends_with_one_line_and_code_2(run, two_sweeps, arguments, told):
+    sweeps = two_sweeps(1)
+    code, out, err = run("check", *(sweeps if each == "SWEEPS" else each for each in arguments))
+    assert (code, out) == (2, "")
+    assert told in err
+    assert err.count("\n") == 1
+
+
+def test_too_few_frequencies_name_the_file(run, make_sweeps, tmp_path):
+    write(make_sweeps(), tmp_path / "few.nc")
+    code, _, err = run("check", tmp_path / "few.nc")
+    assert code == 2
+    assert f"{tmp_path / 'few.nc'}: noise cannot be told from 3 frequencies" in err

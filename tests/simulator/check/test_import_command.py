@@ -1,0 +1,74 @@
+"""`rcskin import` as its user meets it: exit codes, one clear line, nothing half-written."""
+
+import pytest
+from rcskin.simulator.sweeps import impedance, read
+
+
+@pytest.fixture
+def tables(tmp_path):
+    """Three tables of one sweep each; the third one of Rs and Cp alone."""
+    paths = [tmp_path / f"{name}.txt" for name in "abc"]
+    for path in paths[:2]:
+        path.write_text("f/kHz\tRs/kohm\t-X/kohm\n2\t1\t4\n1\t1\t8\n")
+    paths[2].write_text("f/kHz;Rs/kohm;Cp/nF\n1;1,0;10\n2;1,0;10\n")
+    return paths
+
+
+@pytest.mark.parametrize("ending", ["nc", "csv"])
+def test_tables_become_sweeps(run, tables, tmp_path, ending):
+    path = tmp_path / f"all.{ending}"
+    code, out, err = run("import", *tables[:2], "-o", path)
+    assert (code, err) == (0, "")
+    assert out == f"{path}: sweep 2, interface 1, frequency 2\n"
+    sweeps = read(path)
+    assert sweeps["frequency"].values.tolist() == [1e3, 2e3]
+    assert impedance(sweeps).tolist() == [[[1e3 - 8e3j, 1e3 - 4e3j]]] * 2
+
+
+def test_options_label_every_file_or_each(run, tables, tmp_path):
+    path = tmp_path / "all.nc"
+    run("import", *tables[:2], "--press", "none", "--press", "1,2", "--interface", "left",
+        "--session", "3", "-o", path)  # fmt: skip
+    sweeps = read(path)
+    assert sweeps["press"].values.tolist() == ["none", "1,2"]
+    assert sweeps["column"].values.tolist() == [0, 2]
+    assert sweeps["interface"].values.tolist() == ["left"]
+    assert sweeps["session"].values.tolist() == [3, 3]
+
+
+def test_the_branch_rule_is_told_and_kept(run, tables, tmp_path):
+    path = tmp_path / "all.nc"
+    code, out, _ = run("import", tables[2], "-o", path)
+    assert code == 0
+    assert "|X| >= Rs" in out
+    assert "|X| >= Rs" in read(path).attrs["branch_rule"]
+
+
+def test_the_branch_rule_stands_in_the_help(run):
+    code, out, _ = run("import", "--help")
+    assert code == 0
+    assert "|X| >= Rs" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["a.txt", "-o", "out.xlsx"], "must end in .nc or .csv"),
+        (["absent.txt", "-o", "out.nc"], "absent.txt: cannot be read: No such file"),
+        (["bad.txt", "-o", "out.nc"], "bad.txt: line 3: `X` must be a finite number, got ''"),
+        (["a.txt", "b.txt", "c.txt", "--press", "x", "--press", "y", "-o", "out.nc"],
+         "--press must be given once or 3 times, got 2"),
+        (["a.txt", "one.txt", "-o", "out.nc"], "one.txt: 1 from 1000 to 1000 Hz are not the"),
+    ],
+)  # fmt: skip
+def test_bad_input_ends_with_one_line_and_code_2(
+    run, tables, tmp_path, monkeypatch, arguments, told
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bad.txt").write_text("f,Rs,X\n1,1,-1\n2,1,\n")
+    (tmp_path / "one.txt").write_text("f,Rs,X\n1000,1,-1\n")
+    code, out, err = run("import", *arguments)
+    assert (code, out) == (2, "")
+    assert told in err
+    assert err.count("\n") == 1
+    assert not (tmp_path / "out.nc").exists()

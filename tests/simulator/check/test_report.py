@@ -1,0 +1,214 @@
+"""Checking sweeps: noise told from themselves, laws judged by it, and what the report says."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rcskin.simulator.check.report import checked_report, draw_residuals, explanations, write_report
+from rcskin.simulator.sweeps import InputError, read
+from rcskin.simulator.sweeps.examination import KRAMERS_KRONIG, examine
+from rcskin.simulator.sweeps.kramers_kronig import RESOLUTION
+
+MEASURED = Path(__file__).parents[4] / "shared" / "data" / "blocking_line_eis.csv"
+FREQUENCY = np.geomspace(1e3, 2e5, 20)
+S = 2j * np.pi * FREQUENCY
+NOISE = 1e-3
+
+
+def line(RC=1e-5):
+    q = np.sqrt(S * np.asarray(RC)[..., None])
+    return 1e5 / (q * np.tanh(q))
+
+
+def noisy(Z, seed, noise=NOISE):
+    real, imaginary = np.random.default_rng(seed).standard_normal((2, *Z.shape))
+    return Z * (1 + noise * (real + 1j * imaginary))
+
+
+@pytest.fixture(scope="module")
+def judge(make_sweeps):
+    """A function that judges spectra, shape (sweep, frequency), of one interface."""
+
+    def judge(Z, noise=None, tolerance=0.02, **labels):
+        Z = np.atleast_2d(Z)
+        sweeps = make_sweeps(len(Z), ["meter"], FREQUENCY, Z[:, None], **labels)
+        return examine(sweeps, noise, tolerance)
+
+    return judge
+
+
+def laws(judgements):
+    return [{each.law for each in judgement.broken} for judgement in judgements]
+
+
+@given(seed=st.integers(0, 2**32 - 1), noise=st.sampled_from([0, 1e-6, 1e-3, 1e-2]))
+def test_noise_alone_breaks_no_law(judge, seed, noise):
+    spread = 10.0 ** np.random.default_rng(seed).uniform(-7, -4, 6)
+    assert laws(judge(noisy(line(spread), seed, noise))) == [set()] * 6
+
+
+def test_noise_is_told_from_the_residuals(judge):
+    judged = judge(noisy(line(np.geomspace(1e-6, 1e-5, 10)), 1))
+    assert judged[0].noise_from == "fit"
+    assert np.median(judged[0].noise) == pytest.approx(NOISE, rel=0.2)
+
+
+def test_noise_is_told_from_repeats_of_presses_of_unequal_strength(judge):
+    Z = noisy(line(1e-5 * (1 + 0.02 * np.arange(10))), 1)
+    judged = judge(Z, press=["1,1"] * 10)
+    assert judged[0].noise_from == "repeats"
+    assert np.median(judged[0].noise) == pytest.approx(NOISE, rel=0.2)
+
+
+def test_sweeps_of_another_session_are_no_repeats(judge):
+    judged = judge(noisy(line(np.full(2, 1e-5)), 1), press=["1,1"] * 2, session=[0, 1])
+    assert judged[0].noise_from == "fit"
+
+
+def test_noise_that_is_known_is_taken(judge):
+    (judged,) = judge(line(), noise=0.01)
+    assert judged.noise_from == "given"
+    assert (judged.noise == 0.01).all()
+
+
+def test_a_spectrum_without_noise_has_that_of_the_fit(judge):
+    (judged,) = judge(line())
+    assert (judged.noise == RESOLUTION).all()
+
+
+@given(place=st.integers(0, 19), sweep=st.integers(0, 4), factor=st.sampled_from([0.97, 1 + 0.03j]))
+def test_one_bad_reading_is_flagged_where_it_stands(judge, place, sweep, factor):
+    Z = noisy(line(np.geomspace(1e-6, 1e-5, 5)), 3, 2e-4)
+    Z[sweep, place] *= factor
+    judged = judge(Z)
+    (found,) = [each for each in judged[sweep].broken if each.law == KRAMERS_KRONIG]
+    assert FREQUENCY[place] in found.frequency
+    assert [bool(each.broken) for each in judged] == [each == sweep for each in range(5)]
+
+
+@pytest.mark.parametrize(
+    ("law", "Z"),
+    [
+        ("Re Z >= 0", -5e4 + line()),
+        ("Im Z <= 0", line().conj()),
+        ("Rs not increasing", 1e3 * (1 + 0.05 * np.log(FREQUENCY)) + 1 / (S * 1e-7)),
+        ("Cp not increasing", 1 / (1e-6 + S * 1e-9 * FREQUENCY**0.03)),
+        ("Cs not increasing", 1e3 + 1 / (S * 1e-9 * FREQUENCY**0.03)),
+        (KRAMERS_KRONIG, line() * np.exp(-1j * np.radians(10))),
+    ],
+)
+def test_every_law_can_be_broken_beyond_the_noise(judge, law, Z):
+    (found,) = laws(judge(noisy(Z, 1)))
+    assert law in found
+
+
+def test_a_misfit_beyond_the_tolerance_is_flagged_however_smooth(judge):
+    Z = line() * np.exp(-1j * np.radians(1))
+    (judged,) = judge(Z, tolerance=0.02)
+    assert KRAMERS_KRONIG not in {each.law for each in judged.broken}
+    (judged,) = judge(Z, tolerance=judged.spectrum.misfit / 2)
+    assert KRAMERS_KRONIG in {each.law for each in judged.broken}
+
+
+def test_inductive_readings_are_set_aside_and_the_rest_is_judged_behind_them(judge):
+    Z = noisy(50 + 1 / (S * 1e-6) + S * 5e-6, 1)
+    (judged,) = judge(Z)
+    (found,) = judged.broken
+    resonance = 1 / (2 * np.pi * np.sqrt(1e-6 * 5e-6))
+    assert found.law == "Im Z <= 0"
+    assert found.frequency == tuple(FREQUENCY[FREQUENCY > resonance])
+    assert judged.spectrum.inductance == pytest.approx(5e-6, rel=0.1)
+    assert "judged behind" in explanations([judged])[1]
+
+
+def test_a_sign_that_noise_may_have_turned_is_no_inductance(judge):
+    Z = np.full(FREQUENCY.shape, 1e3 + 0j) * (1 + 1e-3j * np.where(np.arange(20) > 17, 1, -1))
+    (judged,) = judge(Z, noise=1e-3)
+    assert judged.broken == ()
+    assert not judged.spectrum.inductive.any()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ({"noise": 0.0}, "`noise` must be finite and > 0, got 0.0"),
+        ({"tolerance": np.nan}, "`tolerance` must be finite and > 0, got nan"),
+        ({}, "noise cannot be told from 3 frequencies: need at least 6"),
+    ],
+)
+def test_what_cannot_be_judged_is_told(make_sweeps, arguments, told):
+    with pytest.raises(InputError, match=told):
+        examine(make_sweeps(), **arguments)
+
+
+def test_few_frequencies_are_judged_by_a_given_noise(make_sweeps):
+    f = np.array([1e3, 2e3, 4e3])
+    Z = np.broadcast_to(50 + 1 / (2j * np.pi * f * 1e-6), (2, 2, 3)).copy()
+    Z[1, 1] = Z[1, 1].conj()
+    judged = examine(make_sweeps(frequency=f, Z=Z), noise=1e-3)
+    assert [bool(each.broken) for each in judged] == [False, False, False, True]
+    assert (judged[3].sweep, judged[3].interface) == (1, "bottom")
+
+
+def test_a_reading_of_zero_ohm_is_refused(judge):
+    with pytest.raises(InputError, match="Z is 0 ohm at some frequency"):
+        judge(np.zeros(20), noise=0.1, Cp=np.ones((1, 1, 20)))
+
+
+@pytest.fixture(scope="module")
+def measured():
+    if not MEASURED.exists():
+        pytest.skip(f"the measured sweep {MEASURED.name} is not beside the project")
+    return read(MEASURED)
+
+
+def test_of_the_measured_line_the_inductive_part_is_flagged_and_the_rest_passes(measured):
+    (judged,) = examine(measured)
+    (found,) = judged.broken
+    assert found.law == "Im Z <= 0"
+    assert min(found.frequency) == 744.372606
+    assert len(found.frequency) == 12
+    assert judged.spectrum.misfit == pytest.approx(0.011, abs=0.001)
+
+
+def test_below_250_Hz_the_measured_line_keeps_every_law(measured):
+    (judged,) = examine(measured.sel(frequency=slice(None, 250)))
+    assert judged.broken == ()
+    low, high = judged.phase
+    assert -90 < low < -80
+    assert -20 < high < 0
+
+
+def test_cut_off_below_744_Hz_the_measured_line_still_shows_inductance_in_Cs(measured):
+    (judged,) = examine(measured.sel(frequency=slice(None, 700)))
+    assert {each.law for each in judged.broken} == {"Cs not increasing"}
+
+
+def test_a_folder_holds_the_chart_every_verdict_and_every_residual(judge, tmp_path):
+    judged = judge(np.array([line(), line().conj()]))
+    write_report(judged, tmp_path / "report")
+    names = {path.name for path in (tmp_path / "report").iterdir()}
+    assert names == {"residuals.png", "residuals.csv", "verdicts.csv"}
+    assert len((tmp_path / "report" / "residuals.csv").read_text().splitlines()) == 1 + 2 * 20
+    verdicts = (tmp_path / "report" / "verdicts.csv").read_text().splitlines()
+    assert verdicts[1].endswith(",")
+    assert "Im Z <= 0" in verdicts[2]
+
+
+def test_the_chart_is_a_whole_PNG(judge, tmp_path):
+    draw_residuals(judge(line()), tmp_path / "chart.png")
+    assert (tmp_path / "chart.png").read_bytes().startswith(b"\x89PNG")
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_where_no_report_can_be_written_is_told_first(tmp_path):
+    (tmp_path / "taken").write_text("")
+    for name, told in [
+        ("report.html", r"must end in \.png or be a folder"),
+        ("absent/chart.png", "the folder .* does not exist"),
+        ("taken", "is a file, not a folder"),
+    ]:
+        with pytest.raises(InputError, match=told):
+            checked_report(tmp_path / name)

@@ -1,0 +1,36 @@
+"""The planned presses of an experiment."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.measure.experiment import METER, PRESSES, planned_presses, stream
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.files import load_scene
+
+
+def test_every_pixel_is_pressed_six_times_and_rest_where_it_is_a_class():
+    for name, unpressed in (("sheet-3x3", 6), ("sheet-4x4", 0)):
+        scene = load_scene(name)
+        presses = planned_presses(scene, stream(scene, PRESSES))
+        assert presses.count(Press()) == unpressed
+        pixels, counts = np.unique(
+            [p.pixel for p in presses if p.touches], axis=0, return_counts=True
+        )
+        assert len(pixels) == scene.pixels.rows * scene.pixels.columns
+        assert set(counts) == {6}
+
+
+def test_the_rise_spreads_as_the_scene_says():
+    scene = load_scene("sheet-5x5")
+    many = scene.model_copy(
+        update={"experiment": scene.experiment.model_copy(update={"repetitions": 400})}
+    )
+    presses = planned_presses(many, stream(many, PRESSES))
+    rise = np.array([press.touches[0].factor - 1 for press in presses])
+    assert rise.mean() == pytest.approx(1.0, abs=0.005)
+    assert rise.std() == pytest.approx(0.1, rel=0.03)
+
+
+def test_presses_and_meter_draw_from_streams_of_their_own():
+    scene = load_scene("sheet-5x5")
+    first, again, other = (stream(scene, purpose) for purpose in (PRESSES, PRESSES, METER))
+    assert first.random() == again.random() != other.random()

@@ -1,0 +1,79 @@
+"""The exact line as a function: its values are the line's and the solver's, its slopes exact."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.models.line_slopes import LineModel, tanh_ratio_slope
+from rcskin.simulator.models.parameters import PARAMETERS, scene_with
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.sweeps import InputError
+
+FILMS = {"top-left": {"resistance": 200.0}, "bottom-left": {"resistance": 120.0}}
+RIGHT = {"top-right": {"resistance": 200.0}, "bottom-right": {"resistance": 120.0}}
+OFF = {
+    "sheet_resistance": 0.3,
+    "sheet_mismatch": -0.4,
+    "capacitance": 0.2,
+    "contact_resistance": 0.5,
+    "loss_tangent": 0.03,
+    "phase_exponent": 0.94,
+    "lead_resistance": 50.0,
+    "lead_inductance": 1e-3,
+    "stray_capacitance": 4e-12,
+}
+
+
+@pytest.fixture(params=[FILMS, RIGHT], ids=["fed left", "fed right"])
+def model(request, make_scene):
+    return LineModel(make_scene(request.param, columns=3, frequencies=(1e3, 1e4, 1e5)))
+
+
+@pytest.mark.parametrize("press", ["none", "1,2:1.8+1,3:2.5"])
+def test_values_are_those_of_the_solver(model, press):
+    touched = parse_press(press, 2.0)
+    Z = model.respond(*model.cells(touched), OFF).Z
+    same_films = OFF | {"sheet_mismatch": 0.0}
+    truth = Solver(scene_with(model.scene, same_films), 1e-6).solve(touched).Z
+    np.testing.assert_allclose(model.respond(*model.cells(touched), same_films).Z, truth, rtol=1e-9)
+    assert np.abs(Z / truth - 1).max() > 1e-4
+
+
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_slopes_by_parameters_are_differences(model, name):
+    cells, rises = model.cells(parse_press("1,2:1.8", 2.0))
+    step = 1e-4 * OFF[name]
+    ahead, behind = (
+        model.respond(cells, rises, OFF | {name: OFF[name] + turn * step}).Z for turn in (1, -1)
+    )
+    slope = model.respond(cells, rises, OFF).by_parameter[name]
+    difference = (ahead - behind) / (2 * step)
+    np.testing.assert_allclose(slope, difference, rtol=1e-5, atol=1e-7 * np.abs(slope).max())
+
+
+def test_slopes_by_cells_are_differences(model):
+    cells, rises, step = np.arange(3), np.array([0.0, 0.8, 1.2]), 1e-5
+    response = model.respond(cells, rises, OFF)
+    for cell in range(3):
+        turn = step * np.eye(3)[cell]
+        ahead, behind = (model.respond(cells, rises + t, OFF).Z for t in (turn, -turn))
+        difference = (ahead - behind) / (2 * step) / np.exp(OFF["capacitance"])
+        np.testing.assert_allclose(response.by_cell[..., cell], difference, rtol=1e-5)
+
+
+def test_the_slope_of_the_ratio_is_smooth_where_its_formula_changes():
+    z = 1e-2 * np.array([0.999999, 1.000001]) * np.exp(0.7j)
+    below, above = tanh_ratio_slope(z)
+    assert abs(below - above) < 1e-7
+
+
+def test_a_mismatch_of_equal_sheets_does_nothing_to_first_order(make_scene):
+    model = LineModel(make_scene(top=4e4, bottom=4e4))
+    slope = model.respond(*model.cells(Press())).by_parameter["sheet_mismatch"]
+    assert not slope.any()
+
+
+def test_sheets_are_no_lines(make_scene):
+    with pytest.raises(InputError, match="no line: it has 2 pixels across"):
+        LineModel(make_scene(rows=2))
+    with pytest.raises(InputError, match="not fed in pairs"):
+        LineModel(make_scene({"top-left": {}, "bottom-bottom": {}}))

@@ -1,0 +1,90 @@
+"""What the solver refuses and what it says of its answers; tests/physics has whether they hold."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press, parse_press, pixel_by_pixel
+from rcskin.simulator.scene.files import load_scene, parse_scene
+from rcskin.simulator.sweeps import InputError, ToleranceError, check
+
+ACROSS = parse_press("1,1", 2.0)
+
+
+@pytest.mark.parametrize("rtol", [0, -1e-3, np.nan, np.inf])
+def test_a_tolerance_is_finite_and_positive(make_scene, rtol):
+    with pytest.raises(InputError, match="`rtol` must be finite and > 0, got"):
+        Solver(make_scene(), rtol)
+
+
+@pytest.mark.parametrize(
+    ("contacts", "press", "told"),
+    [
+        ({"top-left": {}, "bottom-left": {}}, "1,1", "press 1,1:2.0 varies across scene"),
+        ({"top-left": {}, "bottom-right": {}}, "none", "not fed in pairs"),
+        (
+            {f"{sheet}-left": {"span": (0.0, 0.5)} for sheet in ("top", "bottom")},
+            "none",
+            "not fed along one whole edge alone",
+        ),
+        (
+            {f"{sheet}-{edge}": {} for edge in ("left", "right") for sheet in ("top", "bottom")},
+            "none",
+            "not fed along one whole edge alone",
+        ),
+    ],
+)
+def test_what_is_no_line_is_told(make_scene, contacts, press, told):
+    scene = make_scene(contacts, rows=2)
+    with pytest.raises(InputError, match=told):
+        Solver(scene, model="line").solve(parse_press(press, 2.0))
+
+
+def test_a_resistor_has_no_lumped_capacitor(make_scene):
+    scene = make_scene({"top-left": {}, "top-right": {}})
+    with pytest.raises(InputError, match="the lumped model needs an interface between"):
+        Solver(scene, model="lumped").solve(Press())
+    assert Solver(scene).solve(Press()).model.startswith("2-D elements, two fields")
+
+
+def test_a_model_asked_for_by_name_is_not_replaced(make_scene):
+    with pytest.raises(ToleranceError, match="one R and one C: estimated error"):
+        Solver(make_scene(frequencies=[1e5]), model="lumped").solve(Press())
+    answer = Solver(make_scene(), model="sheet").solve(Press())
+    assert answer.model.startswith("2-D elements, one field")
+    assert answer.rejected == ()
+
+
+def test_what_was_rejected_is_told_in_order(make_scene):
+    answer = Solver(make_scene(rows=2)).solve(ACROSS)
+    assert [reason.split(":")[0] for reason in answer.rejected] == [
+        "line",
+        "one R and one C",
+    ]
+
+
+def test_answers_are_shaped_by_interface_and_frequency(make_scene):
+    foils = {"top-left": {}, "bottom-left": {}, "top-right": {}}
+    meters = {"a": ("top-left", "bottom-left"), "b": ("top-right", "bottom-left")}
+    answer = Solver(make_scene(foils, meters, rows=2)).solve(ACROSS)
+    for each in (answer.Z, answer.Rs_error, answer.Cp_error):
+        assert each.shape == (2, 3)
+
+
+def test_sweeps_carry_what_made_them():
+    scene = load_scene("strip-1x3")
+    sweeps = check(simulate(Solver(scene, 1e-6), pixel_by_pixel(scene)))
+    assert sweeps["press"].values.tolist() == ["none", "1,1:2.0", "1,2:2.0", "1,3:2.0"]
+    assert sweeps["column"].values.tolist() == [0, 1, 2, 3]
+    assert sweeps.attrs["model"] == "exact line"
+    assert sweeps.attrs["rtol"] == 1e-6
+    assert parse_scene(sweeps.attrs["scene"], "attribute") == scene
+    np.testing.assert_array_equal(
+        sweeps["Rs"][0], Line(scene).impedance(Press(), scene.frequencies).real
+    )
+
+
+def test_a_press_beside_the_pixels_is_refused(make_scene):
+    with pytest.raises(InputError, match=r"row must be in 1\.\.1 on scene, got 2"):
+        simulate(Solver(make_scene()), [parse_press("2,1", 2.0)])

@@ -1,0 +1,114 @@
+"""Keys of materials at the command line: what is wrong, and what takes plain scenes only."""
+
+import pytest
+from rcskin.simulator.scene.files import BUILTIN
+from rcskin.simulator.study.axis import Axis
+from rcskin.simulator.study.keys import find_key, scene_table
+from rcskin.simulator.study.point import Trial
+from rcskin.simulator.study.run import scenes_of
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    """The 3x3 sheet with further tables at its end."""
+
+    def scene_file(*lines):
+        path = tmp_path / "mine.toml"
+        path.write_text("\n".join([(BUILTIN / "sheet-3x3.toml").read_text(), *lines, ""]))
+        return path
+
+    return scene_file
+
+
+@pytest.mark.parametrize(
+    ("lines", "told"),
+    [
+        (
+            ["[skin.top.map]", 'kind = "wavy"'],
+            "`skin.top.map` must be a table whose kind is one of constant, gradient, random, grid, "
+            "file, got 'wavy'",
+        ),
+        (
+            ["[skin.foam.map]", 'kind = "constant"', "value = -1.0"],
+            "`skin.foam.map` `value` must be finite and > 0 times the nominal value, got -1",
+        ),
+        (
+            [
+                "[skin.bottom.map]",
+                'kind = "random"',
+                "deviation = 0.2",
+                "correlation_length = 1e-4",
+            ],
+            "`skin` `bottom.map` correlation_length must be >= 0.0024 m",
+        ),
+        (
+            ["[skin.foam.map]", 'kind = "gradient"', "x = 1.0", "y = -1.5"],
+            "`skin.foam.map` x and y must leave the factor > 0 at every corner: |x| + |y| < 2",
+        ),
+        (["[skin.stretch]", "x = 0.0"], "`skin.stretch.x` must be >= 0.1, got 0.0"),
+        (
+            ["[skin.shape]", 'kind = "torus"', "radius = 1.0"],
+            "`skin.shape` must be a table whose kind is one of cylinder, sphere, got 'torus'",
+        ),
+        (
+            ["[skin.shape]", 'kind = "sphere"', "radius = 0.02"],
+            "`skin` `shape.radius` must be >= 0.03001 m",
+        ),
+        (
+            ["[skin.shape]", 'kind = "cylinder"', "radius = 0.01"],
+            "`skin` `shape.radius` must be >= 0.0191 m",
+        ),
+        (
+            ["[skin.top.anisotropy]", "ratio = 0.0"],
+            "`skin.top.anisotropy.ratio` must be >= 0.001, got 0.0",
+        ),
+        (["[leads]", "guard = 1.5"], "`leads.guard` must be <= 1.0, got 1.5"),
+    ],
+)
+def test_bad_materials_are_named_with_key_value_and_range(run, scene_file, tmp_path, lines, told):
+    path = scene_file(*lines)
+    code, _, err = run("sweep", path, "-o", tmp_path / "out.csv")
+    assert code == 2
+    assert err.startswith(f"rcskin: {path}: {told}")
+    assert err.count("\n") == 1
+
+
+UNEVEN = ["[skin.top.map]", 'kind = "gradient"', "x = 0.5"]
+
+
+@pytest.mark.parametrize(
+    ("command", "what"),
+    [
+        (["dataset", "SCENE", "--sweeps", "10", "-o", "OUT.zarr"], "a data set"),
+        (["limits", "SCENE", "-o", "OUT"], "a limit"),
+        (["frequencies", "SCENE", "-n", "3"], "a limit"),
+        (["study", "SCENE", "--vary", "skin.length=0.1,0.2", "-o", "OUT.csv"], "a study"),
+    ],
+)
+@pytest.mark.parametrize(
+    ("lines", "key"),
+    [(UNEVEN, "skin.top.map"), (["[skin.shape]", 'kind = "sphere"', "radius = 0.1"], "skin.shape")],
+)
+def test_what_needs_a_plain_scene_refuses_others(
+    run, scene_file, tmp_path, command, what, lines, key
+):
+    path = scene_file(*lines)
+    given = [str(path) if a == "SCENE" else a.replace("OUT", f"{tmp_path}/out") for a in command]
+    code, _, err = run(*given)
+    assert code == 2
+    assert err == (
+        f"rcskin: sheet-3x3: {what} cannot take `{key}`: it needs uniform sheets and foam on a "
+        "rectangle\n"
+    )
+    assert not list(tmp_path.glob("out*"))
+
+
+def test_a_study_may_stretch_a_skin(scene_file):
+    """Its points are the plain scenes that the stretched ones are."""
+    table = scene_table(str(scene_file("[skin.stretch]", "x = 1.0", "y = 1.0")))
+    axis = Axis(find_key("skin.stretch.x", table), (1.0, 1.25))
+    rest, pulled = scenes_of(table, [axis], Trial())
+    assert (rest.plain, pulled.plain) == (True, True)
+    assert rest.skin.sides == (0.12, 0.12)
+    assert pulled.skin.sides == (0.15, 0.12)
+    assert pulled.skin.top.sheet_resistance == pytest.approx(1.25 * 50e3)

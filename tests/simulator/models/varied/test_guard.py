@@ -1,0 +1,33 @@
+"""A guard in whatever knows of leads: drawn skins, and limits of what a reading can tell."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.dataset.skins import drawn_skin
+from rcskin.simulator.limits.fields import Fields
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.meter import Leads
+
+GUARDED = Leads(stray_capacitance=8e-12, guard=0.75, resistance=20.0)
+SEEN = Leads(stray_capacitance=2e-12, resistance=20.0)
+
+
+def behind(scene, leads):
+    return scene.model_copy(update={"leads": leads})
+
+
+def test_drawn_skins_have_the_stray_capacitance_that_is_left(make_scene):
+    one, other = (
+        drawn_skin(behind(make_scene(), leads), 1, 0, (1, 1), 1).leads for leads in (GUARDED, SEEN)
+    )
+    assert one == other
+
+
+def test_limits_are_those_of_what_is_left(make_scene):
+    guarded, seen = (behind(make_scene(columns=2), leads) for leads in (GUARDED, SEEN))
+    frequency, at_rest = guarded.frequencies, np.ones(Fields(guarded, 1e5).grid)
+    one, other = (Fields(each, 1e5).respond(at_rest, {}, frequency) for each in (guarded, seen))
+    np.testing.assert_allclose(one.Z, other.Z, rtol=1e-13)
+    for name, slope in other.by.items():
+        np.testing.assert_allclose(one.by[name], slope, rtol=1e-12)
+    assert one.Z == pytest.approx(Solver(guarded).solve(Press()).Z, rel=1e-3)

@@ -1,0 +1,245 @@
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rcskin.simulator.press.press import pixel_by_pixel
+from rcskin.simulator.scene.files import (
+    BUILTIN,
+    builtin_names,
+    load_scene,
+    parse_scene,
+    read_scene,
+    scene_text,
+)
+from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.sweeps import InputError
+
+SHEET = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", builtin_names())
+def test_built_in_scenes_load_under_their_own_names(name):
+    assert load_scene(name).name == name
+    assert load_scene(name) == load_scene(BUILTIN / f"{name}.toml")
+
+
+def test_the_six_devices_of_the_paper_are_built_in():
+    devices = {"strip-1x3", "strip-1x4", "strip-1x5", "sheet-3x3", "sheet-4x4", "sheet-5x5"}
+    assert devices <= set(builtin_names())
+
+
+@pytest.mark.parametrize("name", builtin_names())
+def test_built_in_scenes_are_written_and_read_back(name):
+    scene = load_scene(name)
+    assert parse_scene(scene_text(scene), source="text") == scene
+
+
+@given(data=st.data())
+def test_any_scene_is_written_and_read_back(random, data):
+    scene = data.draw(random.between())
+    assert parse_scene(scene_text(scene), source="text") == scene
+
+
+def test_defaults(make_scene):
+    scene = make_scene()
+    assert scene.press.factor_spread == 0
+    assert scene.readout.display_digits == 6
+    assert scene.contacts[0].span == (0, 1)
+    assert scene.contacts[0].resistance == 0
+
+
+def test_every_press_is_rest_and_each_pixel_row_by_row():
+    presses = pixel_by_pixel(load_scene("sheet-3x3"))
+    assert [press.pixel for press in presses][:5] == [(0, 0), (1, 1), (1, 2), (1, 3), (2, 1)]
+    assert len(presses) == 1 + 9
+    assert {touch.factor for press in presses for touch in press.touches} == {2.0}
+
+
+def test_frequencies_are_put_in_ascending_order():
+    scene = parse_scene(replaced(FREQUENCIES, "frequencies = [3e3, 1e3, 2e3]"), "text")
+    assert scene.frequencies.tolist() == [1e3, 2e3, 3e3]
+
+
+@pytest.mark.parametrize(
+    ("spacing", "middle"), [("log", math.sqrt(1e3 * 2e5)), ("linear", (1e3 + 2e5) / 2)]
+)
+def test_a_grid_of_frequencies_holds_both_ends(spacing, middle):
+    grid = f'frequencies = {{start = 1e3, stop = 2e5, points = 3, spacing = "{spacing}"}}'
+    frequencies = parse_scene(replaced(FREQUENCIES, grid), "text").frequencies
+    assert frequencies.tolist() == pytest.approx([1e3, middle, 2e5], rel=1e-15)
+    assert (frequencies[0], frequencies[-1]) == (1e3, 2e5)
+
+
+FREQUENCIES = 'frequencies = {start = 1e3, stop = 200e3, points = 20, spacing = "log"}'
+CONTACT = 'name = "bottom-left"\nelectrode = "bottom"\nedge = "left"'
+INTERFACE = 'high = ["top-left"]\nlow = ["bottom-left"]'
+FOAM = "capacitance_per_area = 4.861e-9"
+SHORTED = """[[contact]]
+name = "top-bottom"
+electrode = "top"
+edge = "bottom"
+"""
+
+
+def replaced(*pairs):
+    """The 3x3 sheet with pieces of its text replaced: old, new, old, new, ..."""
+    text = SHEET
+    for old, new in zip(pairs[::2], pairs[1::2], strict=True):
+        assert old in text
+        text = text.replace(old, new, 1)
+    return text
+
+
+@pytest.mark.parametrize(
+    ("pairs", "told"),
+    [
+        # what is no TOML, no known key, or not there
+        (["[skin]", "[skin"], "not valid TOML"),
+        (["length = 0.120", "length = 0.120\nlength = 1"], "not valid TOML"),
+        (["length = 0.120", "lenght = 0.120"], "`skin.lenght` is not a known key, got 0.12"),
+        (["[pixels]", "[pixel]"], "`pixel` is not a known key"),
+        (["length = 0.120", ""], "`skin.length` is missing"),
+        (["rows = 3", ""], "`pixels.rows` is missing"),
+        (['name = "sheet-3x3"', ""], "`name` is missing"),
+        (['name = "sheet-3x3"', 'name = ""'], "`name` must"),
+        # the skin
+        (
+            ["sheet_resistance = 50e3", "sheet_resistance = -5"],
+            "`skin.top.sheet_resistance` must be finite and > 0 ohm/sq, got -5",
+        ),
+        (
+            ["sheet_resistance = 50e3", "sheet_resistance = inf"],
+            "`skin.top.sheet_resistance` must be finite and > 0 ohm/sq, got inf",
+        ),
+        (
+            ["sheet_resistance = 50e3", 'sheet_resistance = "fifty"'],
+            "`skin.top.sheet_resistance` must be",
+        ),
+        (["length = 0.120", "length = 0"], "`skin.length` must be finite and > 0 m, got 0"),
+        (["width = 0.120", "width = nan"], "`skin.width` must be finite and > 0 m, got nan"),
+        ([FOAM, ""], "`skin.foam` needs either capacitance_per_area, or thickness with"),
+        ([FOAM, f"{FOAM}\nthickness = 4e-3"], "`skin.foam` needs either capacitance_per_area"),
+        ([FOAM, "thickness = 4e-3"], "`skin.foam` needs either capacitance_per_area"),
+        (
+            [FOAM, "thickness = 4e-3\nrelative_permittivity = 0.5"],
+            "`skin.foam.relative_permittivity` must be >= 1",
+        ),
+        (
+            ["loss_tangent = 0.0", "loss_tangent = -0.1"],
+            "`skin.foam.loss_tangent` must be finite and >= 0 (tan d), got -0.1",
+        ),
+        # contacts
+        (
+            ['edge = "left"', 'edge = "middle"'],
+            "`contact[1].edge` must be 'left', 'right', 'bottom' or 'top', got 'middle'",
+        ),
+        (
+            ['electrode = "bottom"', 'electrode = "foam"'],
+            "`contact[2].electrode` must be 'top' or 'bottom', got 'foam'",
+        ),
+        (
+            [CONTACT, f"{CONTACT}\nspan = [0.0, 1.2]"],
+            "`contact[2].span[2]` must be <= 1.0, got 1.2",
+        ),
+        ([CONTACT, f"{CONTACT}\nspan = [nan, 1.0]"], "`contact[2].span[1]` must be"),
+        ([CONTACT, f"{CONTACT}\nspan = [0.5]"], "`contact[2].span[2]` is missing"),
+        (
+            [CONTACT, f"{CONTACT}\nspan = [0.7, 0.7]"],
+            "`contact[2]` span must run from a lower to a higher fraction, got (0.7, 0.7)",
+        ),
+        (
+            [CONTACT, f"{CONTACT}\nresistance = -1.0"],
+            "`contact[2].resistance` must be finite and >= 0 ohm m, got -1",
+        ),
+        (
+            ['electrode = "bottom"', 'electrode = "top"'],
+            "contacts 'top-left' and 'bottom-left' overlap",
+        ),
+        (['name = "bottom-left"', 'name = "top-left"'], "contact name 'top-left' is used more"),
+        # interfaces
+        (['high = ["top-left"]', "high = []"], "`interface[1].high` must have at least 1 item"),
+        (['low = ["bottom-left"]', "low = []"], "`interface[1].low` must have at least 1 item"),
+        (
+            ['high = ["top-left"]', 'high = ["top"]'],
+            "interface 'left' names the contact 'top'; there are top-left, bottom-left",
+        ),
+        (['low = ["bottom-left"]', 'low = ["top-left"]'], "interface 'left' shorts its high"),
+        (
+            ["[[interface]]", f"{SHORTED}[[interface]]", '["bottom-left"]', '["top-bottom"]'],
+            "interface 'left' shorts its high and low side",
+        ),
+        (
+            ["[pixels]", f'[[interface]]\nname = "left"\n{INTERFACE}\n[pixels]'],
+            "interface name 'left' is used more than once",
+        ),
+        # pixels, press, sweep, readout, experiment
+        (["rows = 3", "rows = 0"], "`pixels.rows` must be >= 1, got 0"),
+        (["columns = 3", "columns = 2.5"], "`pixels.columns` must be"),
+        (
+            ["capacitance_factor = 2.0", "capacitance_factor = 0"],
+            "`press.capacitance_factor` must be finite and > 0 times that at rest, got 0",
+        ),
+        (["factor_spread = 0.1", "factor_spread = 1.0"], "`press.factor_spread` must be < 1"),
+        ([FREQUENCIES, "frequencies = []"], "`sweep.frequencies` must have at least 1 item"),
+        ([FREQUENCIES, "frequencies = [0]"], "must be finite and > 0 Hz, got 0"),
+        ([FREQUENCIES, "frequencies = [1e3, nan]"], "must be finite and > 0 Hz, got nan"),
+        ([FREQUENCIES, "frequencies = [1e3, 1e3]"], "`sweep` frequencies must be distinct"),
+        (["start = 1e3", "start = 3e5"], "start must be < stop, got 300000 and 200000 Hz"),
+        (["points = 20", "points = 1"], "`points` must be >= 2"),
+        (['spacing = "log"', 'spacing = "cubic"'], "`spacing` must be 'log' or 'linear'"),
+        (
+            ["phase_noise = 2.6e-3", "phase_noise = -1"],
+            "`readout.phase_noise` must be finite and >= 0 rad, got -1",
+        ),
+        (["display_digits = 6", "display_digits = 1"], "`readout.display_digits` must be >= 2"),
+        (["repetitions = 6", "repetitions = 0"], "`experiment.repetitions` must be >= 1, got 0"),
+    ],
+)
+def test_bad_input_is_told_in_one_line(tmp_path, pairs, told):
+    path = tmp_path / "mine.toml"
+    path.write_text(replaced(*pairs), encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        load_scene(path)
+    message = str(error.value)
+    assert message.startswith(f"{path}: ")
+    assert told in message
+    assert "\n" not in message
+
+
+def test_files_that_cannot_be_read_are_told(tmp_path):
+    with pytest.raises(InputError, match=r"absent\.toml: no such file$"):
+        load_scene(tmp_path / "absent.toml")
+    with pytest.raises(InputError, match=r"shet: no such file, and no built-in scene; .*sheet-3x3"):
+        load_scene("shet")
+    binary = tmp_path / "binary.toml"
+    binary.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match=r"binary\.toml: cannot be read"):
+        read_scene(binary)
+    with pytest.raises(InputError, match="cannot be read"):
+        read_scene(tmp_path)
+
+
+def test_scenes_are_frozen():
+    scene = load_scene("sheet-3x3")
+    with pytest.raises(ValueError, match="frozen"):
+        scene.name = "other"
+    assert isinstance(hash(scene), int)
+    assert Scene.model_validate(scene.model_dump()) == scene
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("length = 0.120", "length = true", "`skin.length` must be number, got True"),
+        ("length = 0.120", 'length = "0.12"', "`skin.length` must be number, got '0.12'"),
+        ("rows = 3", "rows = 3.0", "`pixels.rows` must be integer, got 3.0"),
+        ("rows = 3", "rows = true", "`pixels.rows` must be integer, got True"),
+        ('high = ["top-left"]', 'high = "top-left"', "must be a list, got 'top-left'"),
+        ('name = "sheet-3x3"', 'name = "a\\nb"', "must be printable, on one line"),
+    ],
+)
+def test_values_of_another_kind_are_refused(old, new, told):
+    with pytest.raises(InputError) as refused:
+        parse_scene(replaced(old, new), "mine.toml")
+    assert told in str(refused.value)

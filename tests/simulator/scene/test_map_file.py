@@ -1,0 +1,77 @@
+"""Maps from tables and pictures, and scenes that hold them."""
+
+import numpy as np
+import pytest
+from PIL import Image
+from rcskin.simulator.scene.files import BUILTIN, load_scene, parse_scene, scene_text
+from rcskin.simulator.sweeps import InputError
+
+
+@pytest.fixture
+def mapped(tmp_path):
+    """A scene file with `[skin.PART.map]` of the kind file, and further lines in it."""
+
+    def mapped(path, *lines, part="top"):
+        text = (BUILTIN / "sheet-3x3.toml").read_text()
+        table = "\n".join([f"[skin.{part}.map]", 'kind = "file"', f'path = "{path}"', *lines])
+        scene = tmp_path / "mine.toml"
+        scene.write_text(f"{text}\n{table}\n")
+        return scene
+
+    return mapped
+
+
+def test_a_table_is_read_beside_its_scene_first_line_at_the_bottom(mapped, tmp_path):
+    (tmp_path / "map.csv").write_text("1.0,2.0,3\n4,5,6e0\n\n")
+    scene = load_scene(mapped("map.csv"))
+    assert scene.skin.top.map.values == ((1.0, 2.0, 3.0), (4.0, 5.0, 6.0))
+    assert parse_scene(scene_text(scene), "kept") == scene, "without the file"
+
+
+@pytest.mark.parametrize("mode", ["L", "RGB", "I;16"])
+def test_a_picture_is_read_as_it_is_seen_from_dark_to_light(mapped, tmp_path, mode):
+    if mode == "I;16":
+        seen = Image.fromarray(np.array([[0, 65535], [13107, 52428]], dtype=np.uint16))
+    else:
+        seen = Image.fromarray(np.array([[0, 255], [51, 204]], dtype=np.uint8)).convert(mode)
+    seen.save(tmp_path / "map.png")
+    scene = load_scene(mapped("map.png", "low = 0.5", "high = 1.5", part="foam"))
+    expected = [[0.7, 1.3], [0.5, 1.5]]
+    np.testing.assert_allclose(scene.skin.foam.map.values, expected, rtol=1e-12)
+
+
+def test_large_pictures_are_reduced_to_means_where_asked(mapped, tmp_path):
+    values = np.arange(300 * 200).reshape(200, 300) % 251
+    Image.fromarray(values.astype(np.uint8)).save(tmp_path / "map.png")
+    with pytest.raises(InputError, match="200 rows of 300 values; at most 128 .* `rows` and"):
+        load_scene(mapped("map.png", "low = 1", "high = 2.0"))
+    asked = mapped("map.png", "low = 1.0", "high = 2.0", "rows = 10", "columns = 15")
+    found = np.array(load_scene(asked).skin.top.map.values)
+    expected = 1 + values[::-1].reshape(10, 20, 15, 20).mean(axis=(1, 3)) / 255
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "lines", "told"),
+    [
+        ("none.csv", None, [], "`skin.top.map.path` .*none.csv: no such file"),
+        ("a.csv", "1,2\n3\n", [], "must be lines of equally many numbers"),
+        ("a.csv", "1,-2\n", [], "all factors must be finite and > 0, got -2"),
+        ("a.csv", "1,x\n", [], "cannot be read: could not convert string to float: 'x'"),
+        ("a.csv", "1,2\n", ["low = 1.0"], "low and high are for pictures"),
+        ("a.png", "no picture", ["low = 1.0", "high = 2.0"], "cannot be read: cannot identify"),
+        ("a.png", "", [], "low and high must be given"),
+        ("a.png", "", ["low = 0.0", "high = 2.0"], "`low` must be finite and > 0"),
+        ("a.csv", "1,2\n", ["rows = 129"], "`rows` must be <= 128, got 129"),
+        ("a.csv", "1,2\n", ["colour = 1"], "`colour` is not a known key"),
+    ],
+)
+def test_bad_files_are_told_in_one_line(run, mapped, tmp_path, name, content, lines, told):
+    if content is not None:
+        (tmp_path / name).write_text(content)
+    scene = mapped(name, *lines)
+    code, _, err = run("sweep", scene, "-o", tmp_path / "out.csv")
+    with pytest.raises(InputError, match=told):
+        load_scene(scene)
+    assert (code, err.count("\n")) == (2, 1)
+    assert err.startswith(f"rcskin: {scene}: `skin.top.map")

@@ -1,0 +1,218 @@
+"""Outlines of skins: what is accepted, what is refused in one line, and where foils lie on them."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.scene.files import BUILTIN, parse_scene, scene_text
+from rcskin.simulator.scene.outline import Curve
+from rcskin.simulator.scene.planar import Circle, area, gap, inside, regular, sides
+from rcskin.simulator.scene.wiring import joined
+from rcskin.simulator.sweeps import InputError
+
+SHEET = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")
+SQUARE = "[[0.01, 0.01], [0.11, 0.01], [0.11, 0.11], [0.01, 0.11]]"
+L = "[[0, 0], [0.12, 0], [0.12, 0.05], [0.05, 0.05], [0.05, 0.12], [0, 0.12]]"
+
+
+def text_of(outline, edge="outline", other="outline"):
+    """The 3x3 sheet with an outline, and its foils along other edges."""
+    text = SHEET.replace("[skin.top]", f"[skin.outline]\n{outline}\n[skin.top]", 1)
+    start, middle, end = text.split('edge = "left"')
+    return f'{start}edge = "{edge}"{middle}edge = "{other}"{end}'
+
+
+def scene_of(outline, *edges):
+    return parse_scene(text_of(outline, *edges), "mine.toml")
+
+
+@pytest.mark.parametrize(
+    ("outline", "edges"),
+    [
+        (f"points = {L}", ["outline.5", "outline.5"]),
+        (f"points = {SQUARE}\nholes = [{{circle = [0.05, 0.05, 0.02]}}]", ["hole1", "outline.4"]),
+        ("circle = [0.06, 0.06, 0.06]", ["outline", "outline"]),
+        (
+            "circle = [0.06, 0.06, 0.05]\n"
+            "holes = [{points = [[0.05, 0.05], [0.05, 0.07], [0.07, 0.07]]}]",
+            ["hole1.3", "hole1"],
+        ),
+    ],
+)
+def test_scenes_with_outlines_are_written_and_read_back(outline, edges):
+    scene = scene_of(outline, *edges)
+    assert parse_scene(scene_text(scene), "text") == scene
+    assert not scene.plain
+
+
+def test_scenes_without_outline_are_written_as_before():
+    text = scene_text(parse_scene(SHEET, "text"))
+    assert not any(word in text for word in ("outline", "mesh", "groups"))
+
+
+@pytest.mark.parametrize(
+    ("outline", "told"),
+    [
+        ("", "`skin.outline` needs either points = [[x, y], ...] or circle = [x, y, radius]"),
+        (f"points = {SQUARE}\ncircle = [0.05, 0.05, 0.01]", "`skin.outline` needs either points"),
+        ("points = [[0, 0], [0.1, 0]]", "`skin.outline.points` must have at least 3 item"),
+        ("circle = [0.05, 0.05, 0]", "`skin.outline.circle[3]` must be > 0"),
+        ("circle = [0.05, inf, 0.01]", "`skin.outline.circle[2]` must be"),
+        ('points = [[0, 0], [0.1, 0], [0.1, "a"]]', "`skin.outline.points[3][2]` must be number"),
+        ("points = [[0, 0], [0.1, 0], [0.1, 0.2]]", "outline must lie within y = 0..0.12 m"),
+        ("circle = [0.05, 0.05, 0.06]", "outline must lie within x = 0..0.12 m, got -0.01..0.11 m"),
+        (
+            "points = [[0, 0], [0.1, 0.1], [0.1, 0], [0, 0.1]]",
+            "outline must not meet itself: its sides 1 and 3 cross",
+        ),
+        (
+            "points = [[0, 0], [0.1, 0], [0.1, 0.1], [0.05, 0], [0, 0.1]]",
+            "outline must not meet itself",
+        ),
+        ("points = [[0, 0], [0.1, 0], [0.05, 0], [0.05, 0.1]]", "outline turns back on itself at"),
+        ("points = [[0, 0], [0.1, 0], [0, 0]]", "outline has a side 3 shorter than"),
+        (
+            f"points = {SQUARE}\nholes = [{{circle = [0.1, 0.05, 0.02]}}]",
+            "outline.holes[1] must lie inside the outline",
+        ),
+        (
+            f"points = {L}\nholes = [{{circle = [0.1, 0.1, 0.01]}}]",
+            "outline.holes[1] must lie inside the outline",
+        ),
+        (
+            f"points = {SQUARE}\n"
+            "holes = [{circle = [0.05, 0.05, 0.01]}, {circle = [0.06, 0.05, 0.01]}]",
+            "outline.holes[1] and outline.holes[2] must lie at least",
+        ),
+        (
+            f"points = {SQUARE}\n"
+            "holes = [{circle = [0.05, 0.05, 0.02]}, {circle = [0.05, 0.05, 0.01]}]",
+            "outline.holes[1] and outline.holes[2] must lie at least",
+        ),
+        (f"points = {SQUARE}\nhole = []", "`skin.outline.hole` is not a known key"),
+        (
+            "circle = [0.06, 0.06, 0.05]\nholes = [{circle = [0.06, 0.06, 1e-9]}]",
+            "outline.holes[1].circle must have a radius of at least",
+        ),
+    ],
+)
+def test_outlines_that_bound_no_skin_are_refused(outline, told):
+    with pytest.raises(InputError) as refused:
+        scene_of(outline)
+    assert told in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_the_command_line_tells_in_one_line(tmp_path, run):
+    path = tmp_path / "bad.toml"
+    path.write_text(text_of("circle = [0, 0, 0.1]"), encoding="utf-8")
+    code, _, err = run("sweep", path, "-o", tmp_path / "out.csv")
+    assert code == 2
+    assert err.count("\n") == 1
+    assert f"{path}: `skin` outline must lie within x = 0..0.12 m, got -0.1..0.1 m" in err
+
+
+@pytest.mark.parametrize(
+    ("edges", "told"),
+    [
+        (["left", "outline"], "`contact[1].edge` must be 'outline', 'outline.1'..'outline.6' or "),
+        (["outline", "outline.7"], "`contact[2].edge` must be 'outline', 'outline.1'..'outline.6'"),
+        (["outline", "hole2"], "or 'hole1', got 'hole2'"),
+        (["outline", "hole1.1"], "or 'hole1', got 'hole1.1'"),
+        (["outline.0", "outline"], "got 'outline.0'"),
+    ],
+)
+def test_edges_that_an_outline_lacks_are_told(edges, told):
+    with pytest.raises(InputError) as refused:
+        scene_of(f"points = {L}\nholes = [{{circle = [0.02, 0.02, 0.01]}}]", *edges)
+    assert told in str(refused.value)
+
+
+def test_an_outline_or_a_mesh():
+    with pytest.raises(InputError, match="`skin` takes outline or mesh, got both"):
+        parse_scene(
+            text_of("circle = [0.06, 0.06, 0.05]").replace("[skin]", '[skin]\nmesh = "a.msh"', 1),
+            "mine.toml",
+        )
+
+
+def test_groups_are_as_many_as_pixels():
+    text = SHEET.replace("rows = 3", 'groups = [["a", "b", "c"]]\nrows = 3')
+    with pytest.raises(InputError, match="`pixels` groups must be 3 rows of 3 names"):
+        parse_scene(text, "mine.toml")
+
+
+FOILS = """[[contact]]
+name = "top-more"
+electrode = "top"
+edge = "{edge}"
+span = [{span}]
+[[interface]]"""
+
+
+def with_another(first, edge, span):
+    """The L with foils on top along `first` and along a span of `edge`."""
+    text = text_of(f"points = {L}", first, "outline.3")
+    return parse_scene(text.replace("[[interface]]", FOILS.format(edge=edge, span=span)), "m.toml")
+
+
+@pytest.mark.parametrize(
+    ("first", "edge", "span"),
+    [
+        ("outline.2", "outline.2", "0.5, 1.0"),
+        ("outline", "outline.2", "0.5, 1.0"),
+        ("outline.2", "outline", "0.3, 0.4"),
+    ],
+)
+def test_foils_along_one_stretch_of_an_outline_overlap(first, edge, span):
+    with pytest.raises(InputError, match="contacts 'top-left' and 'top-more' overlap"):
+        with_another(first, edge, span)
+
+
+def test_foils_that_meet_at_a_corner_are_one_conductor():
+    scene = with_another("outline.2", "outline.3", "0.0, 0.5")
+    assert joined(scene.contacts, scene.skin) == [0, 1, 0]
+    apart = with_another("outline.2", "outline.3", "0.2, 0.5")
+    assert joined(apart.contacts, apart.skin) == [0, 1, 2]
+    closing = with_another("outline.6", "outline.1", "0.0, 0.5")
+    assert joined(closing.contacts, closing.skin) == [0, 1, 0]
+
+
+def test_foils_all_but_touching_are_refused():
+    with pytest.raises(InputError, match="'top-left' and 'top-more' must touch, or end at least"):
+        with_another("outline.2", "outline.3", "1e-7, 0.5")
+
+
+def test_a_circle_runs_anticlockwise_from_its_rightmost_point():
+    circle = Curve(circle=(0.06, 0.05, 0.04))
+    assert circle.marks == pytest.approx([0, 2 * np.pi * 0.04])
+    assert circle.at(0) == pytest.approx((0.10, 0.05))
+    assert circle.at(np.pi * 0.02) == pytest.approx((0.06, 0.09))
+    polygon = Curve(points=tuple(map(tuple, regular(0.06, 0.05, 0.04, 2000).tolist())))
+    for part in (0.1, 0.45, 0.9):
+        at = (circle.at(part * circle.marks[-1]), polygon.at(part * polygon.marks[-1]))
+        assert at[0] == pytest.approx(at[1], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("other", "apart"),
+    [
+        (Circle(3, 0, 1), 1),
+        (Circle(0.1, 0, 0.5), 0.4),
+        (Circle(0, 0.1, 3), 1.9),
+        (Circle(1, 0, 1), 0),
+        (np.array([[2.0, -1], [3, 0], [2, 1]]), 1),
+        (np.array([[-3.0, -3], [3, -3], [3, 3], [-3, 3]]), 2),
+        (np.array([[-0.3, -0.4], [0.6, 0], [0, 0.6]]), 0.4),
+    ],
+)
+def test_the_gap_between_a_circle_and_what_is_beside_within_or_around_it(other, apart):
+    assert Circle(0, 0, 1).gap(other) == pytest.approx(apart)
+
+
+def test_inside_and_apart():
+    square = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], dtype=float)
+    x = np.random.default_rng(1).uniform(-1, 2, (2, 5, 40))
+    assert (inside(square, x) == ((x > 0) & (x < 1)).all(axis=0)).all()
+    assert (inside(square[::-1], x) == inside(square, x)).all()
+    assert gap(sides(square), sides(square + [3, 0])).min() == pytest.approx(2)
+    assert gap([[(0, 0), (1, 1)]], [[(0, 1), (1, 0)]])[0, 0] == 0
+    assert area(square) == 1 and area(square[::-1]) == -1

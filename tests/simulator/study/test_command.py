@@ -1,0 +1,141 @@
+"""`rcskin study` as its user meets it: table, chart, answers, and one line for bad input."""
+
+import pandas as pd
+import pytest
+import xarray as xr
+from matplotlib.image import imread
+from rcskin.simulator.scene.files import BUILTIN
+from rcskin.simulator.study.command import changed
+from rcskin.simulator.study.keys import scene_table
+
+FAST = ("--draws", "1", "--workers", "1")
+COLUMNS = [
+    "accuracy",
+    "accuracy_sd",
+    "least_separation",
+    "median_separation",
+    "band_start_Hz",
+    "band_stop_Hz",
+    "band_separation",
+]
+
+
+def test_two_axes_make_a_table_a_map_and_an_answer_for_each_second_value(run, tmp_path):
+    code, out, err = run(
+        *("study", "strip-1x3", "--vary", "skin.sheet_resistance=1e4:1e6:3:log"),
+        *("--vary", "pixels.columns=2:4", *FAST, "-o", tmp_path / "out.csv"),
+    )
+    assert (code, err) == (0, "")
+    assert [line.split(":")[0] for line in out.splitlines()] == [
+        f"pixels.columns = {n}" for n in (2, 3, 4)
+    ]
+    table = pd.read_csv(tmp_path / "out.csv")
+    assert list(table) == ["skin.sheet_resistance", "pixels.columns", *COLUMNS]
+    assert len(table) == 9
+    assert table["accuracy"].between(0, 1).all() and table.notna().all().all()
+    assert (table["band_start_Hz"] <= table["band_stop_Hz"]).all()
+    assert imread(tmp_path / "out.png")[..., :3].std() > 0.1
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.csv", "out.png"]
+
+
+def test_one_axis_makes_curves_and_netcdf_with_units(run, tmp_path):
+    code, out, _ = run(
+        *("study", "strip-1x4", "--vary", "contact.top-left.resistance=0:100:3:linear", *FAST),
+        *("--chart", tmp_path / "curves.png", "-o", tmp_path / "out.nc"),
+    )
+    assert code == 0
+    assert out.startswith("best accuracy ")
+    found = xr.load_dataset(tmp_path / "out.nc")
+    resistance = found["contact.top-left.resistance"]
+    assert resistance.values.tolist() == [0, 50, 100]
+    assert (resistance.units, found["band_start"].units) == ("ohm m", "Hz")
+    assert 'name = "strip-1x4"' in found.attrs["scene"]
+    assert imread(tmp_path / "curves.png")[..., :3].std() > 0.03
+
+
+def test_the_same_command_writes_the_same_bytes(run, tmp_path):
+    command = ("study", "strip-1x3", "--vary", "press.factor_spread=0.05:0.3:2", *FAST)
+    for name in ("one", "two"):
+        run(*command, "--seed", 5, "-o", tmp_path / f"{name}.csv")
+    run(*command, "--seed", 6, "-o", tmp_path / "other.csv")
+    one, two, other = ((tmp_path / f"{name}.csv").read_bytes() for name in ("one", "two", "other"))
+    assert one == two != other
+
+
+def test_the_limit_of_the_meter_ends_a_grid_and_cuts_a_list():
+    grid, listed = (
+        changed(scene_table(name), 5e3, None, None)["sweep"]["frequencies"]
+        for name in ("sheet-3x3", "strip-1x4")
+    )
+    assert grid == {"start": 1e3, "stop": 5e3, "points": 20, "spacing": "log"}
+    assert listed == [707, 1258, 2830]
+
+
+@pytest.mark.parametrize(
+    ("vary", "told"),
+    [
+        ("skin.thickness=1:2:3", "`skin.thickness` is not a numeric key of the scene; there are"),
+        ("experiment.unpressed=0:1", "`experiment.unpressed` is not a numeric key"),
+        ("dataset.session.unevenness=0:1:2", "is not a numeric key of the scene"),
+        ("skin.length", "must be KEY=START:STOP:POINTS[:log|linear]"),
+        ("skin.length=0.1:0.2", "skin.length is a real number: skin.length=START:STOP:POINTS"),
+        ("skin.length=0.1:0.2:1", "POINTS must be from 2 to 1000, got '1'"),
+        ("skin.length=0.2:0.1:3", "START must be < STOP, got 0.2 and 0.1"),
+        ("skin.length=0.1:0.2:3:cubic", "START:STOP:POINTS[:log|linear]"),
+        ("skin.length=a:0.2:3", "skin.length takes finite numbers, got 'a'"),
+        ("skin.length=0.1,nan", "skin.length takes finite numbers, got 'nan'"),
+        ("skin.length=0.1,0.1", "a value is given twice"),
+        ("skin.length=-1:1:3:linear", "skin.length = -1: `skin.length` must be finite and > 0 m"),
+        ("skin.foam.loss_tangent=0:0.1:3", "START must be > 0 for log spacing, got 0"),
+        ("pixels=2:5:3", "pixels is a whole number: pixels=START:STOP"),
+        ("pixels=2.5", "pixels takes whole numbers, got '2.5'"),
+        ("pixels=0:3", "pixels = 0: `pixels.rows` must be >= 1, got 0"),
+        ("pixels=1", "need at least 2 classes of `target` column, got 1"),
+        ("pixels.rows=1:2000", "at most 1000 values, got 2000"),
+        ("readout.phase_noise=0,1e-3", "`readout.phase_noise` must be > 0 for a study, got 0"),
+        ("experiment.repetitions=1:6", "must give at least 5 presses of each class"),
+        ("press.factor_spread=0.9", "`press.factor_spread` 0.9 draws a capacitance factor of"),
+        ("contact.3.resistance=0:1:2:linear", "`contact.3.resistance` is not a numeric key"),
+    ],
+)
+def test_what_cannot_be_varied_is_told_in_one_line(run, tmp_path, vary, told):
+    code, out, err = run("study", "sheet-4x4", "--vary", vary, "-o", tmp_path / "out.csv")
+    assert (code, out) == (2, "")
+    assert told in err
+    assert err.startswith("rcskin: ")
+    assert err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--vary", "pixels=2", "--vary", "pixels.rows=2"], "set the same number of the scene"),
+        (["--vary", "pixels=2"] * 3, "--vary must be given once or twice, got 3 times"),
+        (["--target", "corner"], "`target` must be one of column, row, pixel, got 'corner'"),
+        (["--draws", "0"], "`draws` must be from 1 to 1000, got 0"),
+        (["--workers", "0"], "--workers must be from 1 to 256, got 0"),
+        (["--repetitions", "0"], "`experiment.repetitions` must be >= 1, got 0"),
+        (["--max-frequency", "500"], "--max-frequency must be finite and > 1000 Hz"),
+        (["--rtol", "0"], "`rtol` must be finite and > 0, got 0"),
+        (["--chart", "chart.svg"], "must end in .png, got '.svg'"),
+        (["-o", "out.xlsx"], "must end in .csv or .nc, got '.xlsx'"),
+    ],
+)
+def test_bad_options_are_told_in_one_line(run, tmp_path, monkeypatch, options, told):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run("study", "sheet-4x4", "-o", "out.csv", *options)
+    assert (code, out) == (2, "")
+    assert told in err
+    assert err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_scene_of_ones_own_keeps_its_grid_of_frequencies(run, tmp_path):
+    mine = tmp_path / "mine.toml"
+    mine.write_text((BUILTIN / "sheet-3x3.toml").read_text())
+    code, _, err = run(
+        *("study", mine, "--vary", "sweep.frequencies.points=4", *FAST),
+        *("-o", tmp_path / "out.csv"),
+    )
+    assert (code, err) == (0, "")

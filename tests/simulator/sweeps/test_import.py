@@ -1,0 +1,204 @@
+"""Tables of other tools: what is read from them, and what is told of those that cannot be read."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.sweeps import InputError, impedance, parallel_capacitance, write
+from rcskin.simulator.sweeps.importing.grouping import Defaults
+from rcskin.simulator.sweeps.importing.readings import BRANCH_RULE
+from rcskin.simulator.sweeps.imports import import_file, import_files
+
+
+@pytest.fixture
+def table(tmp_path):
+    """A function that imports a table of some text."""
+
+    def table(*lines, encoding="utf-8", name="some.csv", **defaults):
+        (tmp_path / name).write_text("\n".join(lines), encoding=encoding)
+        return import_file(tmp_path / name, Defaults(**defaults))
+
+    return table
+
+
+def refusal(path, lines):
+    path.write_text("\n".join(lines), encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        import_file(path)
+    message = str(error.value)
+    assert message.startswith(f"{path}: ")
+    assert "\n" not in message
+    return message
+
+
+def test_the_files_of_this_project_are_read_too(make_sweeps, tmp_path):
+    write(make_sweeps(), tmp_path / "own.csv")
+    imported = import_file(tmp_path / "own.csv")
+    np.testing.assert_allclose(impedance(imported), impedance(make_sweeps()), rtol=1e-14)
+    for name in ("press", "row", "column", "interface"):
+        assert list(imported[name].values) == list(make_sweeps()[name].values)
+
+
+def test_what_the_meter_displayed_as_Cp_is_kept_beside_Rs_and_X(table):
+    sweeps = table("f/Hz,Rs,X,Cp (pF)", "1e3,3,-4,7")
+    assert impedance(sweeps).item() == 3 - 4j
+    assert sweeps["Cp"].item() == pytest.approx(7e-12)
+    assert sweeps.attrs["quantities"] == "Rs and X"
+
+
+def test_Rs_and_Cp_are_read_on_the_stated_branch(table):
+    Cp = parallel_capacitance(100 - 25j, 1e3).item()
+    sweeps = table("f/Hz,Rs,Cp", f"1e3,100,{Cp!r}")
+    assert impedance(sweeps).item() == pytest.approx(100 - 400j)
+    assert sweeps.attrs["branch_rule"] == BRANCH_RULE
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "latin-1"])
+def test_encodings_of_instruments(table, encoding):
+    sweeps = table("f (kHz);|Z| (kohm);Phase (\u00b0)", "1;1;-90", encoding=encoding)
+    assert impedance(sweeps).item() == pytest.approx(-1000j)
+
+
+def test_units_may_stand_in_a_line_of_their_own(table):
+    sweeps = table("Pt\tFreq\tZmod\tZphz", "#\tkHz\tkohm\t\u00b0", "0\t1\t2\t-90")
+    assert sweeps["frequency"].item() == 1000
+    assert impedance(sweeps).item() == pytest.approx(-2000j)
+
+
+def test_angular_frequency(table):
+    assert table("omega (rad/s),R,X", "6283.185307179586,1,-1")["frequency"].item() == 1000
+
+
+def test_what_stood_above_the_header_is_kept(table):
+    sweeps = table("HIOKI,IM3523,4711", "# averaged", "f/Hz,R,X", "1,1,-1")
+    assert sweeps.attrs["preamble"] == "HIOKI,IM3523,4711\n# averaged"
+    assert sweeps.attrs["source"] == "some.csv"
+
+
+def test_columns_of_unknown_names_do_not_matter(table):
+    sweeps = table("time/s,f/Hz,Rs,Rs_error,X,phase,X std", "0,1,1,9,-1,?,9")
+    assert impedance(sweeps).item() == 1 - 1j
+
+
+@pytest.mark.parametrize("frequencies", ["121212", "212121", "122112"])
+def test_a_sweep_begins_where_frequencies_start_over(table, frequencies):
+    rows = [f"{f},{index + 1},-1" for index, f in enumerate(frequencies)]
+    sweeps = table("f/Hz,R,X", *rows)
+    assert dict(sweeps.sizes) == {"sweep": 3, "interface": 1, "frequency": 2}
+    assert [set(Rs) for Rs in sweeps["Rs"].values[:, 0]] == [{1, 2}, {3, 4}, {5, 6}]
+
+
+def test_labels_tell_sweeps_apart_wherever_their_lines_stand(table):
+    header = "row,column,repetition,session,f/Hz,R,X"
+    rows = ["1,2,1,7,1,1,-1", "2,2,1,7,1,2,-1", "1,2,1,7,2,3,-1", "2,2,1,7,2,4,-1"]
+    sweeps = table(header, *rows)
+    assert sweeps["Rs"].values.tolist() == [[[1, 3]], [[2, 4]]]
+    assert sweeps["press"].values.tolist() == ["1,2", "2,2"]
+    assert sweeps["session"].values.tolist() == [7, 7]
+
+
+def test_every_sweep_has_every_interface(table):
+    rows = ["left,1,1,-1", "left,2,2,-1", "top,1,3,-1", "top,2,4,-1", "left,1,5,-1"]
+    more = ["left,2,6,-1", "top,1,7,-1", "top,2,8,-1"]
+    sweeps = table("interface,f/Hz,R,X", *rows, *more)
+    assert sweeps["interface"].values.tolist() == ["left", "top"]
+    assert sweeps["Rs"].values.tolist() == [[[1, 2], [3, 4]], [[5, 6], [7, 8]]]
+
+
+@pytest.mark.parametrize(
+    ("press", "pixel"),
+    [
+        ("none", (0, 0)),
+        ("2,3", (2, 3)),
+        ("2,3:1.5", (2, 3)),
+        ("1,1+2,2", (-1, -1)),
+        ("x", (-1, -1)),
+    ],
+)
+def test_the_pixel_of_a_press_is_told_from_its_text(table, press, pixel):
+    sweeps = table("f/Hz,R,X", "1,1,-1", press=press)
+    assert sweeps["press"].item() == press
+    assert (sweeps["row"].item(), sweeps["column"].item()) == pixel
+
+
+def test_defaults_hold_where_the_file_has_no_such_column(table):
+    sweeps = table("f/Hz,R,X", "1,1,-1", interface="left", session=3)
+    assert sweeps["interface"].item() == "left"
+    assert sweeps["session"].item() == 3
+    with pytest.raises(InputError, match=r"has its own column `Press`, so no press may be given"):
+        table("Press,f/Hz,R,X", "none,1,1,-1", press="1,1")
+
+
+@pytest.mark.parametrize(
+    ("lines", "told"),
+    [
+        ([""], "no line names a frequency column"),
+        (["Frequency (kHz),Rs"], "no line of readings below the header in line 1"),
+        (["f/Hz,Rs", "1,2"], "needs columns of Rs and X, of |Z| and phase"),
+        (["# x", "f/Hz,Rs,Z',X", "1,2,3,4"], "line 2: `Rs` and `Z'` both hold Rs"),
+        (["f/Hz,|Z|,theta", "1,2,3"], "column `theta` must be in deg or degree"),
+        (["f/Hz,Rs (stone),X", "1,2,3"], "`Rs (stone)` must be in ohm or ohms, got 'stone'"),
+        (["f/Hz,Rs,X", "1,2,-3", "2,2"], "line 3: has 2 cells where the header has 3"),
+        (["f/Hz,Rs,X", "1,2,-3,4"], "line 2: has 4 cells where the header has 3"),
+        (["f/Hz,Rs,X", "1,2,-3", "end of data"], "line 3: has 1 cells where the header has 3"),
+        (["f/Hz,Rs,X", '1,"2,-3'], "line 2: cannot be split into cells"),
+        (["f;Rs;X", "1,5;2;-3", "2.5;2;-3"], "line 3: `f` must be a number with a decimal comma"),
+        (["f/Hz,Rs,X", "0,2,-3"], "line 2: the frequency must be > 0 Hz"),
+        (["f/Hz,Rs,X", "1,2,-3", "2,0,0"], "line 3: Z is 0 ohm, which no reading is"),
+        (["f/Hz,Rs,X", "1,2,999999E+28"], "line 2: `X` must be a finite number, got '999999E+28'"),
+        (["f/Hz,|Z|,Phase/deg", "1,-2,3"], "line 2: |Z| must be >= 0 ohm"),
+        (["f/Hz,Rs,Cs", "1,2,0"], "line 2: Cs must not be 0 F"),
+        (["f/Hz,Rs,Cp", "1,2,1e-9", "2,1,1"], "line 3: no capacitive reactance has"),
+        (["sweep,f,R,X", "1,1,1,-1", "1,1,1,-1"], "line 3: the same sweep has 1 Hz in line 2"),
+        (["row,f,R,X", "a,1,1,-1"], "line 2: `row` must be a whole number, got 'a'"),
+        (["press,f,R,X", "x,1,1,-1", ",2,1,-1"], "line 3: names no press"),
+        (
+            ["sweep,press,f,R,X", "1,a,1,1,-1", "1,b,2,1,-1"],
+            "line 3: has another press or session than line 2",
+        ),
+        (
+            ["f,R,X", "1,1,-1", "2,1,-1", "1,1,-1", "3,1,-1"],
+            "line 4: the sweep from here on has 2 readings, not the same 2",
+        ),
+        (["f,R,X", "1,1,-1", "2,1,-1", "1,1,-1"], "line 4: the sweep from here on has 1 readings"),
+        (["interface,f,R,X", "a,1,1,-1", "b,2,1,-1"], "line 2: the sweep from here on has 2"),
+    ],
+)
+def test_what_cannot_be_read_is_told_with_its_place(tmp_path, lines, told):
+    assert told in refusal(tmp_path / "bad.csv", lines)
+
+
+def test_what_is_no_text_is_told(tmp_path):
+    (tmp_path / "picture.csv").write_bytes(b"\x89PNG\n\x00\x01")
+    with pytest.raises(InputError, match=r"picture\.csv: line 2: not text"):
+        import_file(tmp_path / "picture.csv")
+    with pytest.raises(InputError, match=r"absent\.csv: cannot be read: No such file"):
+        import_file(tmp_path / "absent.csv")
+
+
+def test_files_are_joined_at_the_frequencies_of_the_first(tmp_path):
+    paths = [tmp_path / "a.csv", tmp_path / "b.csv"]
+    paths[0].write_text("f/Hz,R,X\n1000.0001,1,-1\n2000,2,-1")
+    paths[1].write_text("f/kHz,R,X\n1,3,-1\n2,4,-1")
+    joined = import_files(paths, [Defaults("none"), Defaults("1,1", session=2)])
+    assert joined["frequency"].values.tolist() == [1000.0001, 2000]
+    assert joined["Rs"].values.tolist() == [[[1, 2]], [[3, 4]]]
+    assert joined["session"].values.tolist() == [0, 2]
+    assert joined.attrs["source"] == "a.csv; b.csv"
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("f/Hz,R,X\n1,1,-1\n3,1,-1", "2 from 1 to 3 Hz are not the frequencies of"),
+        ("f/Hz,R,X\n1,1,-1", "1 from 1 to 1 Hz are not the frequencies of"),
+        ("interface,f/Hz,R,X\na,1,1,-1\na,2,1,-1", "interfaces a are not those of"),
+    ],
+)
+def test_files_that_do_not_fit_together_are_told(tmp_path, text, told):
+    paths = [tmp_path / "a.csv", tmp_path / "b.csv"]
+    paths[0].write_text("f/Hz,R,X\n1,1,-1\n2,1,-1")
+    paths[1].write_text(text)
+    with pytest.raises(InputError) as error:
+        import_files(paths, [Defaults()] * 2)
+    assert str(error.value).startswith(f"{paths[1]}: ")
+    assert told in str(error.value)
+    assert str(paths[0]) in str(error.value)
