@@ -1,1 +1,173 @@
-"""Simulator of a capacitive soft sensor skin, its localizer, and the driver of its meter."""
+"""Simulator of a capacitive soft sensor skin, its localizer, and the driver of its meter.
+
+    import rcskin
+
+    scene = rcskin.load("sheet-5x5").with_({"skin.top.sheet_resistance": 35e3})
+    sweeps = rcskin.sweep(scene, ["2,3", "none"], rtol=1e-6)
+    rcskin.plot(sweeps, "sweeps.png")
+
+Nothing is imported before it is used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from .localization.model.model import Model
+    from .localization.trust.answers import Answers
+    from .simulator.calibration.run import Calibration
+    from .simulator.models.reduced.model import Reduced
+    from .simulator.press.press import Press
+    from .simulator.scene.scene import Scene
+
+__all__ = [
+    "calibrate",
+    "features",
+    "limits",
+    "load",
+    "localize",
+    "plot",
+    "read",
+    "reduce",
+    "sweep",
+    "train",
+    "write",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
+def load(scene: str | Path) -> Scene:
+    """The built-in scene of that name, or the one in the TOML file at that path.
+
+    Raises InputError in one line naming the file, the key, the value and what is allowed.
+    """
+    from .simulator.scene.files import load_scene
+
+    return load_scene(scene)
+
+
+def sweep(
+    scene: Scene,
+    presses: Sequence[str | Press] | None = None,
+    *,
+    rtol: float = 1e-4,
+    model: str = "auto",
+) -> xr.Dataset:
+    """Noise-free sweeps of presses, with the estimated errors of Rs and Cp.
+
+    presses: as texts ("2,3", "1,1:1.5+4,4", "none") or parsed; by default nothing pressed, then
+    every pixel. rtol: the largest relative error of Rs and of Cp. model: auto, lumped, line, sheet
+    or reduced. Raises InputError for a press that does not fit the scene, ToleranceError where
+    rtol cannot be kept.
+    """
+    from .simulator.measure.experiment import every_press
+    from .simulator.measure.simulate import simulate
+    from .simulator.models.solver import Solver, checked_model
+    from .simulator.press.press import parse_press, strength_of
+
+    if presses is None:
+        presses = every_press(scene)
+    strength = strength_of(scene.press)
+    parsed = [parse_press(each, strength) if isinstance(each, str) else each for each in presses]
+    return simulate(Solver(scene, rtol, checked_model(model)), parsed)
+
+
+def read(path: str | Path) -> xr.Dataset:
+    """Sweeps from a file, simulated or measured; raises InputError in one line."""
+    from .simulator.sweeps import read as read_sweeps
+
+    return read_sweeps(path)
+
+
+def write(sweeps: xr.Dataset, path: str | Path) -> None:
+    """Sweeps into a file, .nc or .csv, whole or not at all; raises InputError."""
+    from .simulator.sweeps import write as write_sweeps
+
+    write_sweeps(sweeps, path)
+
+
+def plot(sweeps: xr.Dataset, path: str | Path) -> Path:
+    """Rs and Cp of each press against frequency, and their changes from rest, as a picture.
+
+    path: .png, .svg or .pdf; given back. Raises InputError for another ending or an absent folder.
+    """
+    from .simulator.check.curves import draw_curves
+
+    return draw_curves([sweeps], path)
+
+
+def features(
+    sweeps: xr.Dataset, target: str = "column", quantities: Sequence[str] | None = None
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Features X, shape (sweep, feature), and targets y, (sweep,) or (sweep, 3) for positions.
+
+    Of the sweeps whose press has such a target. target: column, row, pixel, pair, touches or
+    position. quantities: what is looked at, by default Rs and Cp. Raises InputError where these
+    cannot be had.
+    """
+    from .localization.inputs.features import DEFAULT_QUANTITIES
+    from .localization.inputs.samples import samples_of
+
+    samples = samples_of(sweeps, target, quantities or DEFAULT_QUANTITIES)
+    return samples.X, samples.y
+
+
+def train(sweeps: xr.Dataset, target: str = "column", **options: Any) -> Model:
+    """A model that tells of sweeps like these what `target` asks for.
+
+    options: as of `rcskin.localization.model.model.train`. Raises InputError where these cannot be
+    had, or the sweeps are of one class.
+    """
+    from .localization.model.model import train as trained
+
+    return trained(sweeps, target, **options)
+
+
+def localize(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Answers:
+    """The class or "cannot tell" of each sweep, how probable it is, and whether it is a novelty.
+
+    rest: sweeps of the skin at rest, where the model needs them and they are not among `sweeps`.
+    Raises InputError for sweeps unlike those trained on.
+    """
+    return model.answers(sweeps, rest)
+
+
+def reduce(scene: Scene, rtol: float = 1e-4) -> Reduced:
+    """A model of the scene's whole family of skins and presses that answers in microseconds.
+
+    Raises InputError for scenes that are more than plain, ToleranceError where rtol is out of
+    reach.
+    """
+    from .simulator.models.reduced.greedy import reduce as reduced
+
+    return reduced(scene, rtol)
+
+
+def limits(scene: Scene, target: str = "column", **options: Any) -> tuple[float, float]:
+    """Share of sweeps that the best classifier of a known skin gets right, and its standard error.
+
+    target: column, row, pixel, pair or touches. options: as of
+    `rcskin.simulator.limits.bayes_accuracy`. Raises InputError for a meter without noise.
+    """
+    from .simulator.limits import bayes_accuracy
+
+    return bayes_accuracy(scene, target, **options)
+
+
+def calibrate(scene: Scene, sweeps: xr.Dataset) -> Calibration:
+    """The scene fitted to measured sweeps, with what the data tell of each parameter.
+
+    Raises InputError where sweeps and scene do not fit, ToleranceError where no model holds.
+    """
+    from .simulator.calibration import calibrate as calibrated
+
+    return calibrated(scene, sweeps)

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from .calibration.command import calibrate
-from .check.command import check, import_sweeps
+from .check.command import check, import_sweeps, plot
 from .dataset.command import dataset, export
 from .limits.command import limits
 from .limits.frequencies_command import frequencies
@@ -100,6 +100,7 @@ def sweep(
 
 app.command("import")(import_sweeps)
 app.command()(check)
+app.command()(plot)
 app.command()(dataset)
 app.command()(export)
 app.command()(calibrate)

@@ -131,3 +131,24 @@ def _read(file: Path) -> xr.Dataset:
     from ..sweeps.imports import import_file
 
     return read(file) if file.suffix in (".nc", ".zarr") else import_file(file)
+
+
+def plot(
+    files: Annotated[
+        list[Path], typer.Argument(help="Sweeps: FILE.nc or FILE.csv; drawn over each other.")
+    ],
+    output: Annotated[Path, typer.Option("--output", "-o", help="OUT.png, OUT.svg or OUT.pdf.")],
+    what: Annotated[
+        list[str] | None,
+        typer.Option(help="Rs, Cp, change-Rs, change-Cp, phase or nyquist; may be given often."),
+    ] = None,
+) -> None:
+    """Draw sweeps, simulated or measured: Rs, Cp, changes from rest, phase, Nyquist."""
+    from ..sweeps import checked_output, read
+    from .curves import ENDINGS, checked_quantities, draw_curves
+
+    checked_output(output, ENDINGS)
+    chosen = checked_quantities(what or ())
+    names = [file.name for file in files] if len(files) > 1 else []
+    draw_curves([read(file) for file in files], output, chosen if what else (), names)
+    typer.echo(f"{output}: {len(files)} recording{'s' if len(files) > 1 else ''} drawn")

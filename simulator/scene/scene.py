@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+    model_validator,
+)
 
 from ..sweeps import InputError
 from .contacts import Contact, Interface
 from .meter import Experiment, Leads, Readout, Sweep
 from .randomisation import Randomisation
 from .skin import Metre, Name, Skin
-from .validation import Number, Table, Whole, above_zero
+from .validation import Number, Table, Whole, above_zero, one_line
 from .wiring import DrivenByTouch, check_wiring, driven_by_touch
 
+BOTH = {
+    "pixels": ("pixels.rows", "pixels.columns"),
+    "skin.sheet_resistance": ("skin.top.sheet_resistance", "skin.bottom.sheet_resistance"),
+}
 PRESSED_BY = ("capacitance_factor", "depth", "force")
 
 
@@ -126,6 +137,22 @@ class Scene(Table):
         """Its contacts that float but touch driven ones; raises InputError for a mesh not read."""
         return driven_by_touch(self.contacts, self.interfaces, self.skin)
 
+    def with_(self, changes: Mapping[str, object]) -> Scene:
+        """The same scene with keys of its file changed, as {"skin.top.sheet_resistance": 35e3}.
+
+        Items of lists go by number from 1 or by name: "contact.left-top.resistance". "pixels" and
+        "skin.sheet_resistance" stand for both counts and both sheets; None takes a key away.
+        Raises InputError naming the key.
+        """
+        table = self.model_dump(mode="json", by_alias=True, exclude_none=True)
+        for name, value in changes.items():
+            for key in (name,) if isinstance(value, Mapping) else BOTH.get(name, (name,)):
+                _put(table, key, value)
+        try:
+            return Scene.model_validate(table)
+        except ValidationError as error:
+            raise InputError(f"{self.name}: {one_line(error)}") from error
+
     def contact(self, name: str) -> Contact:
         """The contact of that name."""
         return next(contact for contact in self.contacts if contact.name == name)
@@ -153,3 +180,25 @@ def checked_interface(name: str | None, scene: Scene) -> str:
     if name is not None and name not in names:
         raise InputError(f"`interface` must be one of {', '.join(names)}, got {name!r}")
     return name or names[0]
+
+
+def _put(table: Any, key: str, value: object) -> None:
+    *parents, last = key.split(".")
+    for part in parents:
+        place = _place(table, part, key)
+        table = table.setdefault(place, {}) if isinstance(table, dict) else table[place]
+    place = _place(table, last, key)
+    if value is None and isinstance(table, dict):
+        table.pop(place, None)
+    else:
+        table[place] = value
+
+
+def _place(table: Any, part: str, key: str) -> str | int:
+    """Where a part of a key stands: in a table by name, in a list by number from 1 or by name."""
+    if isinstance(table, dict):
+        return part
+    for number, item in enumerate(table if isinstance(table, list) else ()):
+        if part == str(number + 1) or (isinstance(item, dict) and part == item.get("name")):
+            return number
+    raise InputError(f"`{key}`: there is no {part!r}")

@@ -1,0 +1,173 @@
+"""Sweeps as curves: Rs, Cp and their changes from rest, phase, and the Nyquist plot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..charts import AT_REST, COLOURS, LINE_STYLES, chart, frequency_axis
+from ..sweeps import UNPRESSED, InputError, checked_output
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+ENDINGS = (".png", ".svg", ".pdf")
+FEW = 40
+"""Sweeps whose curves are drawn opaque."""
+MOST_NAMED = 12
+"""Presses with a colour and a name of their own; more are coloured by their column."""
+
+
+class Shown(NamedTuple):
+    """A quantity of a sweep: its name, its unit, and how it follows from Z and the frequency."""
+
+    name: str
+    unit: str
+    of: Callable[[NDArray[np.complex128], NDArray[np.float64]], NDArray[np.float64]]
+    change: bool = False
+
+
+def _capacitance(Z: NDArray[np.complex128], frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+    return (1 / Z).imag / (2 * np.pi * frequency)
+
+
+QUANTITIES = {
+    "Rs": Shown("Rs", "ohm", lambda Z, f: Z.real),
+    "Cp": Shown("Cp", "F", _capacitance),
+    "change-Rs": Shown("change of Rs", "%", lambda Z, f: Z.real, change=True),
+    "change-Cp": Shown("change of Cp", "%", _capacitance, change=True),
+    "phase": Shown("phase", "°", lambda Z, f: np.degrees(np.angle(Z))),
+    "nyquist": Shown("-X", "ohm", lambda Z, f: -Z.imag),
+}
+DEFAULT = ("Rs", "Cp", "change-Rs", "change-Cp")
+
+
+def checked_quantities(names: Sequence[str]) -> tuple[str, ...]:
+    """The same names; raises InputError for one that is no quantity."""
+    for name in names:
+        if name not in QUANTITIES:
+            raise InputError(f"--what must be of {', '.join(QUANTITIES)}, got {name!r}")
+    return tuple(names) or DEFAULT
+
+
+def draw_curves(
+    recordings: Sequence[xr.Dataset],
+    path: str | Path,
+    what: Sequence[str] = (),
+    names: Sequence[str] = (),
+) -> Path:
+    """A picture of sweeps; a panel for each quantity, at each interface of the first.
+
+    recordings: drawn over each other, each in a line style of its own. what: of QUANTITIES, by
+    default those that can be had; changes are from the mean of the sweeps at rest of the same
+    session. names: of the recordings. path: .png, .svg or .pdf; given back. Raises InputError for
+    another ending, an absent folder or another quantity, and for changes without rest.
+    """
+    path = checked_output(path, ENDINGS)
+    chosen = checked_quantities(what)
+    if not what and not all(_has_rest(each) for each in recordings):
+        chosen = tuple(name for name in chosen if not QUANTITIES[name].change)
+    interfaces = [str(name) for name in recordings[0]["interface"].values]
+    colours = _colours(recordings)
+    panels = [(QUANTITIES[name], interface) for interface in interfaces for name in chosen]
+    across = min(len(chosen), 2) if len(interfaces) == 1 else len(chosen)
+    down = -(-len(panels) // across)
+    with chart(path, 1.6 + 3.3 * across, 0.6 + 2.5 * down) as figure:
+        each = figure.subplots(down, across, squeeze=False).ravel()
+        for axes, (shown, interface) in zip(each, panels, strict=False):
+            for number, sweeps in enumerate(recordings):
+                style = LINE_STYLES[number % len(LINE_STYLES)]
+                _draw(axes, sweeps, interface, shown, style, colours)
+            _dress(axes, shown, interface if len(interfaces) > 1 else "")
+        for axes in each[len(panels) :]:
+            axes.remove()
+        figure.legend(*_legend(colours, names), loc="outside right upper")
+    return path
+
+
+def _draw(
+    axes: Axes,
+    sweeps: xr.Dataset,
+    interface: str,
+    shown: Shown,
+    style: object,
+    colours: dict[str, str],
+) -> None:
+    if interface not in sweeps["interface"].values:
+        return
+    own = sweeps.sel(interface=interface)
+    f = own["frequency"].values.astype(np.float64)
+    Z = own["Rs"].values.astype(np.float64) + 1j * own["X"].values
+    values = shown.of(Z, f)
+    if shown.change:
+        values = 100 * (values / _at_rest(values, own) - 1)
+    x = Z.real if shown is QUANTITIES["nyquist"] else np.broadcast_to(f / 1e3, Z.shape)
+    alpha = 1.0 if len(Z) <= FEW else 0.5
+    for k, press in enumerate(own["press"].values.astype(str)):
+        axes.plot(x[k], values[k], color=colours[press], linestyle=style, alpha=alpha)
+
+
+def _at_rest(values: NDArray[np.float64], sweeps: xr.Dataset) -> NDArray[np.float64]:
+    """Mean at rest of each sweep's session, of the shape of values."""
+    sessions, resting = sweeps["session"].values, sweeps["press"].values == UNPRESSED
+    rest = np.full(values.shape, np.nan)
+    for session in np.unique(sessions):
+        own = sessions == session
+        if not (own & resting).any():
+            raise InputError(f"session {session} has no sweep at rest, which changes are from")
+        rest[own] = values[own & resting].mean(axis=0)
+    return rest
+
+
+def _has_rest(sweeps: xr.Dataset) -> bool:
+    resting = sweeps["press"].values == UNPRESSED
+    sessions = sweeps["session"].values
+    return set(sessions[resting]) == set(sessions) and not resting.all()
+
+
+def _colours(recordings: Sequence[xr.Dataset]) -> dict[str, str]:
+    """A colour for each press; where they are many, one for each column."""
+    columns: dict[str, int] = {}
+    for each in recordings:
+        texts, numbers = each["press"].values.astype(str), each["column"].values
+        columns |= dict(zip(texts.tolist(), numbers.tolist(), strict=True))
+    pressed = [press for press in columns if press != UNPRESSED]
+    many = len(pressed) > MOST_NAMED
+    place = {p: columns[p] - 1 if many else k for k, p in enumerate(pressed)}
+    coloured = {p: COLOURS[place[p] % len(COLOURS)] for p in pressed}
+    return {UNPRESSED: AT_REST, **coloured} if UNPRESSED in columns else coloured
+
+
+def _dress(axes: Axes, shown: Shown, title: str) -> None:
+    from matplotlib.ticker import EngFormatter
+
+    axes.set_title(title)
+    if shown.unit in ("ohm", "F"):
+        axes.yaxis.set_major_formatter(EngFormatter(shown.unit))
+        axes.set_ylabel(shown.name)
+    else:
+        axes.set_ylabel(f"{shown.name} ({shown.unit})")
+    if shown is QUANTITIES["nyquist"]:
+        axes.xaxis.set_major_formatter(EngFormatter("ohm"))
+        axes.set_xlabel("Rs")
+    else:
+        frequency_axis(axes)
+
+
+def _legend(colours: dict[str, str], names: Sequence[str]) -> tuple[list, list[str]]:
+    from matplotlib.lines import Line2D
+
+    told = {"at rest" if press == UNPRESSED else press: c for press, c in colours.items()}
+    if len(told) > MOST_NAMED + 1:
+        many = sorted({int(p.split(",")[1].split(":")[0]) for p in told if p[0].isdigit()})
+        told = {"at rest": AT_REST} | {f"column {n}": COLOURS[(n - 1) % len(COLOURS)] for n in many}
+    handles = [Line2D([], [], color=c) for c in told.values()]
+    styles = [
+        Line2D([], [], color="0.4", linestyle=s) for s, _ in zip(LINE_STYLES, names, strict=False)
+    ]
+    return handles + styles, [*told, *names[: len(styles)]]

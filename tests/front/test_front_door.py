@@ -1,0 +1,108 @@
+"""`import rcskin`: light, complete by tab, and the same answers as the command line."""
+
+import inspect
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import rcskin
+from rcskin.simulator.sweeps import InputError
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return rcskin.load("sheet-3x3")
+
+
+@pytest.fixture(scope="module")
+def sweeps(scene):
+    return rcskin.sweep(scene, rtol=1e-3)
+
+
+def test_importing_it_imports_nothing_else():
+    loaded = "import sys, rcskin; print({'numpy', 'xarray', 'pydantic'} & set(sys.modules))"
+    told = subprocess.run([sys.executable, "-c", loaded], capture_output=True, text=True, check=True)
+    assert told.stdout.strip() == "set()"
+
+
+def test_tab_completes_every_name_and_each_says_what_it_does():
+    assert dir(rcskin) == sorted(rcskin.__all__)
+    for name in rcskin.__all__:
+        assert inspect.getdoc(getattr(rcskin, name)), name
+
+
+def test_sweeps_of_texts_and_of_all_pixels(scene, sweeps):
+    some = rcskin.sweep(scene, ["none", "1,2"], rtol=1e-3)
+    assert sweeps.sizes["sweep"] == 10
+    assert list(some["press"].values) == ["none", "1,2:2.0"]
+    both = sweeps.set_index(sweep="press").sel(sweep=list(some["press"].values))
+    assert np.array_equal(both["Rs"], some["Rs"])
+
+
+def test_a_changed_scene_is_another_skin(scene, sweeps):
+    double = scene.with_({"skin.sheet_resistance": 2 * scene.skin.top.sheet_resistance})
+    faster = double.with_({"sweep.frequencies": (scene.frequencies / 2).tolist()})
+    scaled = rcskin.sweep(faster, ["none"], rtol=1e-3)
+    np.testing.assert_allclose(scaled["Rs"][0], 2 * sweeps["Rs"][0], rtol=2e-3)
+
+
+@pytest.mark.parametrize(
+    "changes, told",
+    [
+        ({"skin.top.sheet_resistanc": 1}, "`skin.top.sheet_resistanc` is not a known key"),
+        ({"contact.9.resistance": 1}, "`contact.9.resistance`: there is no '9'"),
+        ({"pixels": 0}, "`pixels.rows` must be >= 1, got 0"),
+        ({"pixels.rows.x": 1}, "`pixels.rows.x`: there is no 'x'"),
+    ],
+)
+def test_a_change_that_cannot_be_is_told_in_one_line(scene, changes, told):
+    with pytest.raises(InputError) as error:
+        scene.with_(changes)
+    assert told in str(error.value) and "\n" not in str(error.value)
+
+
+def test_parts_of_lists_go_by_number_and_by_name(scene):
+    name = scene.contacts[1].name
+    by_number = scene.with_({"contact.2.resistance": 0.5})
+    assert by_number == scene.with_({f"contact.{name}.resistance": 0.5})
+    assert by_number.contacts[1].resistance == 0.5
+    assert by_number.with_({"contact.2.resistance": None}) == scene
+
+
+def test_features_train_and_localize(scene):
+    pixels = [f"{row},{column}" for row in (1, 2, 3) for column in (1, 2, 3)]
+    known = rcskin.sweep(scene, [f"{p}:{k}" for k in (1.8, 2.0, 2.2) for p in pixels], rtol=1e-3)
+    X, y = rcskin.features(known, target="column")
+    assert len(X) == len(y) == 27 and set(y) == {1, 2, 3}
+    told = rcskin.localize(rcskin.train(known, "column"), known)
+    assert np.mean(told.labels.astype(str) == y.astype(str)) > 0.9
+
+
+def test_files_come_back_as_they_went(sweeps, tmp_path):
+    rcskin.write(sweeps, tmp_path / "all.nc")
+    assert np.array_equal(rcskin.read(tmp_path / "all.nc")["Cp"], sweeps["Cp"])
+
+
+def test_a_reduced_model_answers_as_the_sweep(scene):
+    skin = rcskin.reduce(scene, 1e-3).skin(None)
+    Z = skin.sweeps(np.array([1]), np.array([1.0]), np.array([0, 1]))
+    exact = rcskin.sweep(scene, ["1,2:2"], rtol=1e-3)
+    np.testing.assert_allclose(Z[0].real, exact["Rs"].values[0], rtol=2e-3)
+
+
+def test_limits_are_a_share(scene):
+    share, deviation = rcskin.limits(scene, "column", draws=200)
+    assert 1 / 3 < share <= 1 and 0 <= deviation < 0.1
+
+
+def test_a_skin_is_calibrated_to_its_own_sweeps(scene, sweeps):
+    found = rcskin.calibrate(scene, sweeps)
+    both = found.scene.skin.top.sheet_resistance + found.scene.skin.bottom.sheet_resistance
+    assert both == pytest.approx(2 * scene.skin.top.sheet_resistance, rel=1e-2)
+
+
+@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+def test_sweeps_are_drawn(sweeps, tmp_path, ending):
+    assert rcskin.plot(sweeps, tmp_path / f"all.{ending}").stat().st_size > 5_000

@@ -1,0 +1,58 @@
+"""`rcskin plot` as its user meets it."""
+
+import numpy as np
+import pytest
+
+from rcskin.simulator.check.curves import QUANTITIES, _at_rest
+from rcskin.simulator.sweeps import write
+
+
+@pytest.fixture
+def file(make_sweeps, tmp_path):
+    path = tmp_path / "run.nc"
+    write(make_sweeps(3, press=["none", "1,1", "none"], row=[0, 1, 0], column=[0, 1, 0]), path)
+    return path
+
+
+@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+def test_every_quantity_is_drawn(run, file, tmp_path, ending):
+    output = tmp_path / f"out.{ending}"
+    asked = [word for name in QUANTITIES for word in ("--what", name)]
+    code, out, err = run("plot", file, "-o", output, *asked)
+    assert (code, err) == (0, "") and output.stat().st_size > 5_000
+    assert out == f"{output}: 1 recording drawn\n"
+
+
+def test_recordings_are_drawn_over_each_other(run, file, tmp_path):
+    code, out, _ = run("plot", file, file, "-o", tmp_path / "out.svg")
+    assert code == 0 and "2 recordings" in out
+    assert (tmp_path / "out.svg").read_text().count("run.nc") >= 2
+
+
+@pytest.mark.parametrize(
+    "words, told",
+    [
+        (["-o", "out.jpg"], "must end in .png or .svg or .pdf, got '.jpg'"),
+        (["-o", "out.png", "--what", "Q"], "--what must be of Rs, Cp, change-Rs, "),
+    ],
+)
+def test_what_cannot_be_drawn_is_one_line(run, file, words, told):
+    code, _, err = run("plot", file, *words)
+    assert code == 2 and told in err and err.count("\n") == 1
+
+
+def test_changes_without_rest_are_refused(run, make_sweeps, tmp_path):
+    pressed = make_sweeps(2, press=["1,1", "1,2"], row=[1, 1], column=[1, 2])
+    write(pressed, tmp_path / "run.nc")
+    output = tmp_path / "out.png"
+    code, _, err = run("plot", tmp_path / "run.nc", "-o", output, "--what", "change-Cp")
+    assert code == 2 and "has no sweep at rest" in err and not output.exists()
+
+
+def test_changes_are_from_the_mean_at_rest_of_their_session(make_sweeps):
+    press = ["none", "1,1", "none", "none", "1,1"]
+    sweeps = make_sweeps(
+        5, press=press, row=[0, 1, 0, 0, 1], column=[0, 1, 0, 0, 1], session=[0, 0, 0, 1, 1]
+    )
+    values = np.arange(5.0)[:, None] * np.ones(sweeps.sizes["frequency"])
+    assert _at_rest(values, sweeps)[:, 0].tolist() == [1.0, 1.0, 1.0, 3.0, 3.0]
