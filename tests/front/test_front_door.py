@@ -6,7 +6,6 @@ import sys
 
 import numpy as np
 import pytest
-
 import rcskin
 from rcskin.simulator.sweeps import InputError
 
@@ -23,7 +22,9 @@ def sweeps(scene):
 
 def test_importing_it_imports_nothing_else():
     loaded = "import sys, rcskin; print({'numpy', 'xarray', 'pydantic'} & set(sys.modules))"
-    told = subprocess.run([sys.executable, "-c", loaded], capture_output=True, text=True, check=True)
+    told = subprocess.run(
+        [sys.executable, "-c", loaded], capture_output=True, text=True, check=True
+    )
     assert told.stdout.strip() == "set()"
 
 

@@ -1,45 +1,107 @@
-"""What the README says holds: its commands are two, its example runs, its files exist."""
+"""What the READMEs say holds: links lead somewhere, commands exist, examples run in their order."""
 
+import os
 import re
+import shlex
+import sys
 from pathlib import Path
 
 import pytest
+from rcskin.__main__ import app, main
+from typer.main import get_command
 
 ROOT = Path(__file__).parents[2]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = (
+    "README.md",
+    "simulator/README.md",
+    "simulator/OWN_SKIN.md",
+    "simulator/scene/SKINS.md",
+    "localization/README.md",
+    "hardware/README.md",
+    "benchmarks/README.md",
+)
+FOLDERS = ("limits", "judged")
 
 
-def blocks(language):
-    return re.findall(rf"^```{language}\n(.*?)^```$", README, flags=re.DOTALL | re.MULTILINE)
+def text(page):
+    return (ROOT / page).read_text(encoding="utf-8")
+
+
+def blocks(page, language):
+    fenced = re.findall(r"^```(\w*)\n(.*?)^```$", text(page), flags=re.DOTALL | re.MULTILINE)
+    return [block for name, block in fenced if name == language]
+
+
+def commands(page):
+    """The lines of its blocks that call rcskin, without what is said of them."""
+    lines = [line for block in blocks(page, "") for line in block.splitlines()]
+    return [re.split(r" {2,}| +#", line)[0] for line in lines if line.startswith("rcskin ")]
+
+
+def anchors(page):
+    headings = re.findall(r"^#+ (.+)$", text(page), flags=re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", each).strip().lower().replace(" ", "-") for each in headings}
 
 
 def test_two_commands_do_all_the_set_up():
-    commands = blocks("sh")
-    assert len(commands) == 2
-    assert all(command.count("\n") == 1 and "-m venv" in command for command in commands)
-    assert "rcskin reproduce" in commands[0]
-    assert "pytest" in commands[1]
+    both = blocks("README.md", "sh")
+    assert len(both) == 2
+    assert all(command.count("\n") == 1 and "-m venv" in command for command in both)
+    assert "rcskin reproduce" in both[0]
+    assert "pytest" in both[1]
 
 
-def test_the_examples_run_one_after_the_other(capsys):
+def test_the_front_page_is_read_in_one_go():
+    assert len(text("README.md").splitlines()) <= 200
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_link_leads_to_a_file_and_a_heading(page):
+    links = re.findall(r"\]\(([^)]+)\)", text(page))
+    for link in links:
+        file, _, anchor = link.partition("#")
+        target = (ROOT / page).parent / file if file else ROOT / page
+        assert target.exists(), link
+        assert not anchor or anchor in anchors(os.path.relpath(target, ROOT)), link
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_command_shown_exists_with_its_options(page):
+    known = get_command(app).commands
+    for line in commands(page):
+        words = shlex.split(line.partition(" &")[0])[1:]
+        command = known[words[0]]
+        while hasattr(command, "commands"):
+            words, command = words[1:], command.commands[words[1]]
+        options = {name for each in command.params for name in (*each.opts, *each.secondary_opts)}
+        assert {word for word in words if re.match(r"--?[a-z]", word)} <= options, line
+
+
+@pytest.mark.parametrize("page", ["README.md", "simulator/README.md"])
+def test_the_examples_run_one_after_the_other(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     names = {}
-    for example in blocks("python"):
-        exec(compile(example, "README.md", "exec"), names)
-    shown = capsys.readouterr().out
-    assert len(re.findall(r"\d+\.\d+", shown)) == 20
-    assert names["Z"].shape == (2, 1, 20)
-    assert (names["bound"] <= 1e-5).all()
+    for example in blocks(page, "python"):
+        exec(compile(example, page, "exec"), names)
+    assert names
 
 
-def test_every_link_leads_to_a_file():
-    links = re.findall(r"\]\(([^)]+)\)", README)
-    assert links
-    assert [link for link in links if not (ROOT / link).exists()] == []
+def run(monkeypatch, line):
+    monkeypatch.setattr(sys, "argv", shlex.split(line))
+    try:
+        main()
+    except SystemExit as ended:
+        assert ended.code in (0, None), line
 
 
-@pytest.mark.parametrize("command", re.findall(r"^rcskin (\w+)", README, flags=re.MULTILINE))
-def test_every_command_shown_exists(command):
-    from rcskin.__main__ import app
-    from typer.main import get_command
-
-    assert command in get_command(app).commands
+@pytest.mark.slow
+def test_a_skin_of_ones_own_goes_all_the_way(tmp_path, monkeypatch):
+    page = "simulator/OWN_SKIN.md"
+    monkeypatch.chdir(tmp_path)
+    (scene,) = blocks(page, "toml")
+    Path("glove.toml").write_text(scene, encoding="utf-8")
+    offline = [line for line in commands(page) if not re.search(r"meter|live|run\.nc", line)]
+    assert len(offline) >= 8
+    for line in offline:
+        run(monkeypatch, line)
+    assert all(Path(folder).is_dir() for folder in FOLDERS)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from rcskin.simulator.check.curves import QUANTITIES, _at_rest
 from rcskin.simulator.sweeps import write
 

@@ -1,11 +1,11 @@
-"""Every formula of simulator/FORMULAS.md is quoted, word for word, by a test of this folder."""
+"""Every formula of simulator/scene/FORMULAS.md is quoted, word for word, by a test of this folder."""
 
 import ast
 import re
 from pathlib import Path
 
 HERE = Path(__file__).parent
-PAGE = HERE.parents[2] / "simulator" / "FORMULAS.md"
+PAGE = HERE.parents[2] / "simulator" / "scene" / "FORMULAS.md"
 
 
 def formulas():
