@@ -72,14 +72,6 @@ def arc_length(chord: NDArray[np.float64], curvature: NDArray[np.float64]) -> ND
     return chord * np.divide(np.arcsin(q), q, out=np.ones_like(q), where=q > 0)
 
 
-def centres(start: Points, stop: Points, curvature: NDArray[np.float64]) -> Points:
-    """Of the circles of such arcs, m."""
-    chord = stop - start
-    length = np.linalg.norm(chord, axis=0)
-    q = length * curvature / 2
-    return (start + stop) / 2 - _left_of(chord) * np.sqrt(1 - q**2) / (length * curvature)
-
-
 def beside_chords(p: Points, t: Numbers, curvature: NDArray[np.float64]) -> NDArray[np.float64]:
     """Areas between chords and arcs, negative where these cut into the triangle, m².
 

@@ -23,7 +23,8 @@ def domain(
     shorter where something small is near. A mesh that a file brings keeps its own size, and is cut
     where it does not conform.
 
-    Raises InputError where a mesh file does not serve, or gmsh cannot be loaded.
+    Raises InputError where a mesh file does not serve, or the mesher is not installed;
+    ToleranceError where lines or circles lie too near to each other.
     """
     if scene.skin.mesh is not None:
         return imported(scene, press, creases)

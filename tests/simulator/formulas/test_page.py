@@ -1,4 +1,4 @@
-"""Every formula of simulator/scene/FORMULAS.md is quoted, word for word, by a test of this folder."""
+"""Every formula of FORMULAS.md is quoted, word for word, by a test of this folder."""
 
 import ast
 import re

@@ -1,4 +1,4 @@
-"""Skins that are no rectangles, mesh files as gmsh writes them, and measures of meshes."""
+"""Skins that are no rectangles, mesh files as gmsh has them, and measures of meshes."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,7 +12,8 @@ from rcskin.simulator.scene.planar import distance
 from rcskin.simulator.scene.scene import Scene
 
 SCENES = Path(__file__).parent / "scenes"
-L_CORNERS = [(0, 0), (0.12, 0), (0.12, 0.05), (0.05, 0.05), (0.05, 0.12), (0, 0.12)]
+FOOT = 0.05
+"""Width of both arms of the L, m."""
 L_AREA = 0.12 * 0.05 + 0.05 * 0.07
 
 
@@ -36,44 +37,83 @@ def on_mesh(path, contacts=("feed", "far"), **tables):
     return altered("l-shape", skin, contact=[high, low], interface=[interface], **tables)
 
 
-def write_l(path, *, version=4.1, order=1, quadrilaterals=False, size=0.015):
-    """The L meshed by gmsh: boundary groups `feed` and `far`, groups `arm` and `foot` of elements.
+def write_l(path, *, version=4.1, order=1, quadrilaterals=False):
+    """The L as gmsh's files have it, irregular within: boundary groups `feed` and `far`, groups
+    `arm` and `foot` of elements.
 
-    `arm` is what lies above y = 0.05, `foot` the rest.
+    `arm` is what lies above y = 0.05, `foot` the rest; `seam` are the lines between them.
     """
-    import gmsh
-
-    gmsh.initialize([], readConfigFiles=False, interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.option.setNumber("Mesh.MshFileVersion", version)
-        geo = gmsh.model.geo
-        for number, (x, y) in enumerate([*L_CORNERS, (0, 0.05)]):
-            geo.addPoint(x, y, 0, size, number + 1)
-        for start, stop in [(1, 2), (2, 3), (3, 4), (4, 7), (7, 1), (4, 5), (5, 6), (6, 7)]:
-            geo.addLine(start, stop)
-        geo.addCurveLoop([1, 2, 3, 4, 5], 1)
-        geo.addCurveLoop([6, 7, 8, -4], 2)
-        geo.addPlaneSurface([1], 1)
-        geo.addPlaneSurface([2], 2)
-        geo.synchronize()
-        for dimension, members, name in [
-            (1, [7], "feed"),
-            (1, [2], "far"),
-            (1, [4], "seam"),
-            (2, [1], "foot"),
-            (2, [2], "arm"),
-        ]:
-            gmsh.model.addPhysicalGroup(dimension, members, -1, name)
-        if quadrilaterals:
-            for surface in (1, 2):
-                gmsh.model.mesh.setRecombine(2, surface)
-        gmsh.model.mesh.generate(2)
-        gmsh.model.mesh.setOrder(order)
-        gmsh.write(str(path))
-    finally:
-        gmsh.finalize()
+    p, cells = _l_of_quadrilaterals()
+    kind = "quad"
+    if not quadrilaterals:
+        kind, cells = "triangle", np.concatenate([cells[:, :3], cells[:, [0, 2, 3]]])
+    above = p[cells, 1].max(axis=1) > FOOT
+    groups = [(kind, 2, "foot", cells[~above]), (kind, 2, "arm", cells[above])]
+    for name, axis, line in (("feed", 1, 0.12), ("far", 0, 0.12), ("seam", 1, FOOT)):
+        along = np.flatnonzero((p[:, axis] == line) & (p[:, 0] <= (0.12 if axis == 0 else FOOT)))
+        along = along[np.argsort(p[along, 1 - axis])]
+        groups.append(("line", 1, name, np.stack([along[:-1], along[1:]], axis=1)))
+    if order == 2:
+        p, groups = _second_order(p, groups)
+    _write_groups(path, p, groups, {2.2: "gmsh22", 4.1: "gmsh"}[version])
     return path
+
+
+def _l_of_quadrilaterals():
+    """Points of the L in m, shape (point, 2), and cells, shape (cell, 4)."""
+    along = np.concatenate([np.linspace(0, FOOT, 5), np.linspace(FOOT, 0.12, 6)[1:]])
+    y, x = (each.ravel() for each in np.meshgrid(along, along, indexing="ij"))
+    p, row = np.stack([x, y], axis=1), len(along)
+    low = np.arange(row * (row - 1))
+    low = low[low % row < row - 1]
+    cells = np.stack([low, low + 1, low + row + 1, low + row], axis=1)
+    cells = cells[(p[cells].min(axis=1) < FOOT - 1e-9).any(axis=1)]
+    used = np.unique(cells)
+    p, cells = p[used], np.searchsorted(used, cells)
+    x, y = p.T
+    inside = (x > 0) & (y > 0) & ((x < FOOT) & (y < 0.12) | (y < FOOT) & (x < 0.12)) & (y != FOOT)
+    moved = np.random.default_rng(2).uniform(-0.003, 0.003, p.shape)
+    return p + inside[:, None] * moved, cells
+
+
+def _second_order(p, groups):
+    """With points in the middle of edges, and of quadrilaterals."""
+    middles = {}
+
+    def middle(*corners):
+        return middles.setdefault(tuple(sorted(corners)), len(p) + len(middles))
+
+    kinds = {"line": "line3", "triangle": "triangle6", "quad": "quad9"}
+    found = []
+    for kind, dimension, name, cells in groups:
+        turns = 1 if kind == "line" else cells.shape[1]
+        rows = [
+            [*cell, *(middle(cell[k], cell[(k + 1) % len(cell)]) for k in range(turns))]
+            + ([middle(*cell)] if kind == "quad" else [])
+            for cell in cells.tolist()
+        ]
+        found.append((kinds[kind], dimension, name, np.array(rows)))
+    new = [p[list(corners)].mean(axis=0) for corners in middles]
+    return np.concatenate([p, new]), found
+
+
+def _write_groups(path, p, groups, file_format):
+    import meshio
+
+    of_points = np.zeros((len(p), 2), dtype=int)
+    for number, (_, dimension, _, cells) in enumerate(groups):
+        of_points[cells] = dimension, number + 1
+    tags = [np.full(len(cells), number + 1) for number, (*_, cells) in enumerate(groups)]
+    meshio.Mesh(
+        np.pad(p, ((0, 0), (0, 1))),
+        [(kind, cells) for kind, *_, cells in groups],
+        point_data={"gmsh:dim_tags": of_points} if file_format == "gmsh" else None,
+        cell_data={name: tags for name in ("gmsh:physical", "gmsh:geometrical")},
+        field_data={
+            name: np.array([number + 1, dimension])
+            for number, (_, dimension, name, _) in enumerate(groups)
+        },
+    ).write(path, file_format=file_format)
 
 
 def edges(t):

@@ -1,0 +1,48 @@
+"""Triangles of a plane drawing, the same each time: its pieces divided, points strewn between."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.planar import Points
+from .dividing import divided
+from .filling import filled
+from .sizing import Sizing
+from .smoothing import smoothed
+
+Numbers = NDArray[np.int64]
+
+
+class Meshed(NamedTuple):
+    """Points in m, shape (2, point); triangles, shape (3, triangle), and the edges along pieces of
+    the drawing, shape (2, line), by numbers of points; the piece of each line, shape (line,)."""
+
+    p: Points
+    t: Numbers
+    lines: Numbers
+    piece: Numbers
+
+
+def meshed(
+    points: Points, pieces: Numbers, curvature: Points, curve: Numbers, size: float
+) -> Meshed:
+    """Triangles with edges of at most about `size` [m] that conform to every piece of a drawing.
+
+    points: m, shape (point, 2). pieces: numbers of their ends, shape (piece, 2). curvature: of the
+    arcs over pieces, 1/m, shape (piece,); 0 where they are straight. curve: the closed curve that a
+    piece is part of, 0 around the drawing and 1, 2, ... around holes, -1 inside, shape (piece,).
+
+    Raises InputError where the library of triangulations is missing, ToleranceError where pieces
+    cross.
+    """
+    sizing = Sizing(points, pieces, size)
+    points, lines, piece = divided(points, pieces, curvature, sizing)
+    fixed = len(points)
+    points, t = filled(points, lines, curve[piece], sizing)
+    points, t = smoothed(points, t, lines, curve[piece], fixed)
+    used, number = np.unique(t, return_inverse=True)
+    t, lines = number.reshape(t.shape), np.searchsorted(used, lines)
+    return Meshed(points[used].T, t, np.sort(lines, axis=0), piece)

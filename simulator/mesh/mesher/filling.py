@@ -1,0 +1,117 @@
+"""Points strewn between lines until triangles are as small as is asked for.
+
+Every triangle that is too large asks for a point where it would make an equilateral one with its
+shortest edge, or for its circumcentre if that is nearer (S. Rebay, Journal of Computational Physics
+106 (1993) 125-138). Points come in rounds, those first whose triangles are largest for their place,
+and only where they have room: so they come to an end, and lines are never divided again.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.planar import Points
+from .sizing import Sizing
+from .triangulation import triangulated
+
+Numbers = NDArray[np.int64]
+WIDEST = 1.05 / np.sqrt(3)
+"""Radius of the circle about a triangle over the length asked for; 1 / sqrt(3) if equilateral."""
+APART = 0.57
+"""Distance of a new point from all others over the length asked for there, at least."""
+BESIDE = 0.35
+"""Distance of a new point from the middle of a line over the line's length, at least."""
+NEAREST = 3
+"""Lines that are looked at; a drawing has at least as many."""
+
+
+def filled(
+    points: Points, lines: Numbers, curve: Numbers, sizing: Sizing
+) -> tuple[Points, Numbers]:
+    """Points, the given ones first, shape (point, 2), and triangles as of `triangulated`.
+
+    points, lines, curve: likewise. Some of the new points may be part of no triangle.
+    """
+    while True:
+        t = triangulated(points, lines, curve)
+        new, urgency = _asked(points, t, sizing)
+        free = _within_box(new, points) & _beside(new, points, lines)
+        new, urgency = new[free], urgency[free]
+        reach = APART * sizing(new)
+        free = _apart(new, points, reach)
+        new = _chosen(new[free], reach[free], urgency[free])
+        if not len(new):
+            return points, t
+        points = np.concatenate([points, new])
+
+
+def _asked(points: Points, t: Numbers, sizing: Sizing) -> tuple[Points, NDArray[np.float64]]:
+    """A place for each triangle that is too large, and how much so."""
+    centre, radius = _circles(points, t)
+    urgency = radius / sizing(points[t].mean(axis=0))
+    large = (urgency > WIDEST) & np.isfinite(centre).all(axis=1)
+    return _fronts(points, t[:, large], centre[large], sizing), urgency[large]
+
+
+def _circles(points: Points, t: Numbers) -> tuple[Points, NDArray[np.float64]]:
+    """Centres, shape (triangle, 2), and radii of the circles through the corners of triangles."""
+    origin, first, second = points[t]
+    u, v = first - origin, second - origin
+    across = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    turned = (u**2).sum(axis=1)[:, None] * v - (v**2).sum(axis=1)[:, None] * u
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        to_centre = np.stack([turned[:, 1], -turned[:, 0]], axis=1) / (2 * across)[:, None]
+        return origin + to_centre, np.linalg.norm(to_centre, axis=1)
+
+
+def _fronts(points: Points, t: Numbers, centre: Points, sizing: Sizing) -> Points:
+    """Apexes over the shortest edges of triangles, no further from these than the centres are."""
+    corners = points[t]
+    sides = np.roll(corners, -1, axis=0) - corners
+    length = np.linalg.norm(sides, axis=2)
+    shortest, every = length.argmin(axis=0), np.arange(t.shape[1])
+    side, length = sides[shortest, every], length[shortest, every]
+    middle = corners[shortest, every] + side / 2
+    inward = np.stack([-side[:, 1], side[:, 0]], axis=1) / length[:, None]
+    radius = np.maximum(sizing(middle) / np.sqrt(3), length / 2)
+    height = radius + np.sqrt(np.maximum(radius**2 - length**2 / 4, 0.0))
+    beyond = ((centre - middle) * inward).sum(axis=1) > height
+    return np.where(beyond[:, None], middle + height[:, None] * inward, centre)
+
+
+def _within_box(new: Points, points: Points) -> NDArray[np.bool_]:
+    return ((new > points.min(axis=0)) & (new < points.max(axis=0))).all(axis=1)
+
+
+def _beside(new: Points, points: Points, lines: Numbers) -> NDArray[np.bool_]:
+    """Whether places keep off the middles of lines."""
+    from scipy.spatial import KDTree
+
+    start, stop = points[lines]
+    length = np.linalg.norm(stop - start, axis=1)
+    off, line = KDTree((start + stop) / 2).query(new, k=NEAREST)
+    return (off >= BESIDE * length[line]).all(axis=1)
+
+
+def _apart(new: Points, points: Points, reach: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether places are further than that from all points."""
+    from scipy.spatial import KDTree
+
+    return KDTree(points).query(new)[0] >= reach
+
+
+def _chosen(new: Points, reach: NDArray[np.float64], urgency: NDArray[np.float64]) -> Points:
+    """Of places that are within reach of each other the most urgent ones."""
+    from scipy.spatial import KDTree
+
+    if not len(new):
+        return new
+    order = np.lexsort((new[:, 1], new[:, 0], -urgency))
+    new = new[order]
+    left, chosen = np.ones(len(new), dtype=bool), []
+    for number, around in enumerate(KDTree(new).query_ball_point(new, reach[order])):
+        if left[number]:
+            chosen.append(number)
+            left[around] = False
+    return new[chosen]

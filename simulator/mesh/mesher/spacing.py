@@ -1,0 +1,51 @@
+"""How small triangles must be, and where, for all that lies close together to be resolved."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.planar import Points, distance
+
+ASPECT = 2.0
+"""Length of edges over the width of the strip between two pieces."""
+DEEPEST = 40
+"""Halvings of a piece."""
+
+
+def spacings(points: Points, pieces: NDArray[np.int64]) -> tuple[Points, NDArray[np.float64]]:
+    """Places in m, shape (place, 2), and the length in m that edges shall have there.
+
+    points, pieces: an arrangement. At the ends of pieces that is the length of the shortest piece
+    there; along a piece it is ASPECT times the distance to the nearest one that it does not meet.
+    """
+    ends = points[pieces]
+    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    shortest = np.full(len(points), np.inf)
+    np.minimum.at(shortest, pieces.ravel(), np.repeat(length, 2))
+    used = np.isfinite(shortest)
+    places, sizes = [points[used]], [shortest[used]]
+    whole, part = np.arange(len(pieces)), ends
+    for _ in range(DEEPEST):
+        middle = part.mean(axis=1)
+        apart = _to_others(middle, whole, ends, pieces)
+        places.append(middle)
+        sizes.append(np.minimum(ASPECT * apart, length[whole]))
+        coarse = np.linalg.norm(part[:, 1] - part[:, 0], axis=1) > 2 * ASPECT * apart
+        if not coarse.any():
+            break
+        halves = [(part[coarse, 0], middle[coarse]), (middle[coarse], part[coarse, 1])]
+        part = np.concatenate([np.stack(half, axis=1) for half in halves])
+        whole = np.tile(whole[coarse], 2)
+    return np.concatenate(places), np.concatenate(sizes)
+
+
+def _to_others(
+    middle: Points, whole: NDArray[np.int64], ends: Points, pieces: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """From places on pieces to the nearest piece that theirs does not meet, m."""
+    apart = distance(middle, ends)
+    for end in pieces[whole].T:
+        for other in pieces.T:
+            apart[end[:, None] == other] = np.inf
+    return apart.min(axis=1)

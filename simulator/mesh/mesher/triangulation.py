@@ -1,0 +1,80 @@
+"""Triangles between points and lines that are given: constrained Delaunay triangulations."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.planar import Points
+from ...sweeps import InputError, ToleranceError
+from ..triangles import edge_numbers, edges_of
+
+Numbers = NDArray[np.int64]
+TOO_NEAR = "lines of the skin or of the press are too near to others to mesh"
+
+
+def triangulated(points: Points, lines: Numbers, curve: Numbers) -> Numbers:
+    """The triangles within a drawing by numbers of points, anticlockwise, shape (3, triangle).
+
+    points: m, shape (point, 2). lines: numbers of their ends, shape (2, line), each an edge of the
+    result. curve: the closed curve that a line is part of as of `meshed`, shape (line,).
+
+    Raises InputError where the library is missing, ToleranceError where lines cross.
+    """
+    t = _between(points, lines)
+    edges, of_triangle = edges_of(t)
+    line = edge_numbers(np.sort(lines, axis=0), edges)
+    if (line < 0).any():
+        raise ToleranceError(TOO_NEAR)
+    return t[:, _within(of_triangle, line[curve >= 0], line[curve == 0])]
+
+
+def _between(points: Points, lines: Numbers) -> Numbers:
+    """All triangles of the points' convex hull."""
+    try:
+        import pythoncdt as cdt
+    except ImportError as error:
+        raise InputError(
+            f"this skin is meshed by pythoncdt, which is missing ({error}): "
+            "pip install 'rcskin[mesh]'"
+        ) from error
+    found: Any = cdt.Triangulation(
+        cdt.VertexInsertionOrder.AUTO, cdt.IntersectingConstraintEdges.NOT_ALLOWED, 0.0
+    )
+    try:
+        found.insert_vertices(np.ascontiguousarray(points))
+        found.insert_edges(np.ascontiguousarray(lines.T, dtype=np.uintc))
+    except RuntimeError as error:
+        raise ToleranceError(TOO_NEAR) from error
+    found.erase_super_triangle()
+    return found.triangles_array()["vertices"].T.astype(np.int64)
+
+
+def _within(of_triangle: Numbers, walls: Numbers, outline: Numbers) -> NDArray[np.bool_]:
+    """Which triangles lie inside the outline and in none of its holes, shape (triangle,).
+
+    of_triangle: the edges of triangles as of `edges_of`. walls, outline: edges along all closed
+    curves, and along the one around the drawing.
+    """
+    part = _parts(of_triangle, walls)
+    count = np.bincount(of_triangle.ravel())
+    count[walls] = 2
+    outside = part[(count == 1)[of_triangle].any(axis=0)]
+    beside = part[np.isin(of_triangle, outline).any(axis=0)]
+    return np.isin(part, np.setdiff1d(beside, outside))
+
+
+def _parts(of_triangle: Numbers, walls: Numbers) -> Numbers:
+    """The same number for triangles that no wall parts, shape (triangle,)."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    count = of_triangle.shape[1]
+    triangle, edge = np.tile(np.arange(count), 3), of_triangle.ravel()
+    passed = ~np.isin(edge, walls)
+    pairs = triangle[passed], count + edge[passed]
+    size = count + int(edge.max()) + 1
+    graph = coo_array((np.ones(len(pairs[0])), pairs), shape=(size, size))
+    return connected_components(graph, directed=False)[1][:count]
