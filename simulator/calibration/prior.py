@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
 
-from ..models.parameters import FACTORS, own_values
+from ..models.parameters import FACTORS, Spread, own_values, session_spreads
 from ..scene.meter import Readout
-from ..scene.randomisation import AnyDistribution
-from ..scene.scene import Scene
 from ..sweeps import InputError
 from .measured import Measured
 
@@ -23,7 +20,6 @@ MISMATCH = math.log(3)
 LOSS = 0.3
 EXPONENT = 0.3
 LEAST_EXPONENT = 0.5 + 1e-6
-CHANCES = (np.arange(200) + 0.5) / 200
 
 
 @dataclass(frozen=True)
@@ -47,7 +43,7 @@ def checked_kind(name: str) -> Kind:
 def priors(measured: Measured, kind: Kind) -> dict[str, Prior]:
     """Of every parameter that is not known."""
     own = own_values(measured.scene)
-    spreads = wide(measured) if kind == "wide" else session(measured.scene)
+    spreads = wide(measured) if kind == "wide" else session_spreads(measured.scene)
     return {
         name: Prior(own[name] + shift, deviation, *limits(name))
         for name, (shift, deviation) in spreads.items()
@@ -62,48 +58,23 @@ def limits(name: str) -> tuple[float, float]:
     return (LEAST_EXPONENT, 1.0) if name == "phase_exponent" else (0.0, math.inf)
 
 
-def wide(measured: Measured) -> dict[str, tuple[float, float]]:
-    """Shift from the scene's value and standard deviation of each."""
+def wide(measured: Measured) -> dict[str, Spread]:
+    """Far more than sessions differ."""
     omega = 2 * np.pi * measured.scene.frequencies
     least = np.min([abs(reading.Z) for reading in measured.readings], axis=(0, 1))
     most = np.max([abs(reading.Z) for reading in measured.readings], axis=(0, 1))
-    return {
-        "sheet_resistance": (0.0, WIDE),
-        "sheet_mismatch": (0.0, MISMATCH),
-        "capacitance": (0.0, WIDE),
-        "contact_resistance": (0.0, WIDE),
-        "loss_tangent": (0.0, LOSS),
-        "phase_exponent": (0.0, EXPONENT),
-        "lead_resistance": (0.0, float(least.min())),
-        "lead_inductance": (0.0, float((least / omega).min())),
-        "stray_capacitance": (0.0, float((1 / most / omega).min())),
+    deviations = {
+        "sheet_resistance": WIDE,
+        "sheet_mismatch": MISMATCH,
+        "capacitance": WIDE,
+        "contact_resistance": WIDE,
+        "loss_tangent": LOSS,
+        "phase_exponent": EXPONENT,
+        "lead_resistance": float(least.min()),
+        "lead_inductance": float((least / omega).min()),
+        "stray_capacitance": float((1 / most / omega).min()),
     }
-
-
-def session(scene: Scene) -> dict[str, tuple[float, float]]:
-    """Shift from the scene's value and standard deviation of each that a session draws."""
-    drawn = scene.dataset.session
-    mismatch = _spread(drawn.sheet_mismatch, logarithm=True)[1] * math.sqrt(2)
-    return {
-        "sheet_resistance": _spread(drawn.sheet_resistance, logarithm=True),
-        "sheet_mismatch": (0.0, mismatch),
-        "capacitance": _spread(drawn.capacitance, logarithm=True),
-        "contact_resistance": _spread(drawn.contact_resistance, logarithm=True),
-        "loss_tangent": _spread(drawn.loss_tangent),
-        "lead_resistance": _spread(drawn.lead_resistance),
-        "stray_capacitance": _spread(drawn.stray_capacitance),
-    }
-
-
-def _spread(drawn: AnyDistribution, logarithm: bool = False) -> tuple[float, float]:
-    values = drawn.at(CHANCES)
-    values = np.log(values) if logarithm else values
-    return float(values.mean()), float(values.std())
-
-
-def start(priors: Mapping[str, Prior]) -> dict[str, float]:
-    """The centers."""
-    return {name: prior.center for name, prior in priors.items()}
+    return {name: Spread(0.0, deviation) for name, deviation in deviations.items()}
 
 
 LEAST_FREEDOM = 10

@@ -16,13 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.readout import ErrorModel, observed, observed_slope
-from ..models.parameters import VALUES, WAVES, mode_values, own_values
+from ..models.parameters import VALUES, WAVES, mode_values, own_values, session_spreads
 from ..models.reduced.family import Family
 from ..models.reduced.forward import Forward
-from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 
-QUANTILES = (np.arange(512) + 0.5) / 512
 NOWHERE = np.zeros(0, dtype=np.int64)
 STEPS = 5
 """Of Gauss and Newton, from the mean skin to one that is observed."""
@@ -40,33 +38,8 @@ class Known(NamedTuple):
 
 def expected(scene: Scene) -> dict[str, float]:
     """PARAMETERS of the skin and leads that sessions of the scene have in the mean."""
-    session, own = scene.dataset.session, own_values(scene)
-    return own | {
-        "sheet_resistance": _logarithm(session.sheet_resistance)[0]
-        + _logarithm(session.sheet_mismatch)[0],
-        "capacitance": _logarithm(session.capacitance)[0],
-        "contact_resistance": _logarithm(session.contact_resistance)[0],
-        "loss_tangent": own["loss_tangent"] + _moments(session.loss_tangent)[0],
-        "lead_resistance": own["lead_resistance"] + _moments(session.lead_resistance)[0],
-        "stray_capacitance": own["stray_capacitance"] + _moments(session.stray_capacitance)[0],
-    }
-
-
-def deviations(scene: Scene) -> dict[str, float]:
-    """Standard deviations of PARAMETERS between sessions of the scene; 0 for those not drawn."""
-    session = scene.dataset.session
-    own_sheet = _logarithm(session.sheet_mismatch)[1]
-    both = _logarithm(session.sheet_resistance)[1]
-    film = _logarithm(session.contact_resistance)[1]
-    return dict.fromkeys(own_values(scene), 0.0) | {
-        "sheet_resistance": math.hypot(both, own_sheet / math.sqrt(2)),
-        "sheet_mismatch": math.sqrt(2) * own_sheet,
-        "capacitance": _logarithm(session.capacitance)[1],
-        "contact_resistance": film / math.sqrt(len(scene.contacts)),
-        "loss_tangent": _moments(session.loss_tangent)[1],
-        "lead_resistance": _moments(session.lead_resistance)[1],
-        "stray_capacitance": _moments(session.stray_capacitance)[1],
-    }
+    spreads = session_spreads(scene)
+    return {name: own + spreads[name].shift for name, own in own_values(scene).items()}
 
 
 class UnknownSkin:
@@ -80,9 +53,9 @@ class UnknownSkin:
         self.forward, self.values = forward, expected(forward.scene)
         self._mean = self.values
         self._deviations = {
-            name: deviation
-            for name, deviation in deviations(forward.scene).items()
-            if deviation > 0 and name in forward.free
+            name: spread.deviation
+            for name, spread in session_spreads(forward.scene).items()
+            if spread.deviation > 0 and name in forward.free
         }
         self._waves, self._foam = _wave_terms(forward), _foam_terms(forward)
         unknowns = len(self._deviations) + len(self._foam) + len(self._waves)
@@ -221,15 +194,3 @@ def _wave_terms(forward: Forward) -> NDArray[np.float64]:
         if k % len(WAVES) and unevenness > 0
     ]
     return np.reshape(terms, (-1, W.shape[1], W.shape[1]))
-
-
-def _moments(drawn: AnyDistribution) -> tuple[float, float]:
-    """Mean and standard deviation."""
-    values = drawn.at(QUANTILES)
-    return float(values.mean()), float(values.std())
-
-
-def _logarithm(drawn: AnyDistribution) -> tuple[float, float]:
-    """Mean and standard deviation of the logarithm."""
-    values = np.log(drawn.at(QUANTILES))
-    return float(values.mean()), float(values.std())

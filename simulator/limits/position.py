@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.readout import ErrorModel
+from ..models.parameters import session_spreads
 from ..progress import Track, silent
 from ..scene.planar import SAME_LINE, shared
 from ..scene.scene import Scene
@@ -22,7 +23,6 @@ from ..sweeps import InputError
 from .fields import Answer, Fields
 from .information import (
     covariances,
-    deviations,
     error_model,
     in_noise,
     pixel_maps,
@@ -230,7 +230,11 @@ class SkinUnknowns:
         self._model, self._pixels = model, pixel_maps(scene, fields.cells)
         rest = np.ones(fields.grid)
         self._rest = fields.respond(rest, self.maps(rest), frequency)
-        self.deviations = deviations(scene, self._rest.by)
+        self.deviations = {
+            name: spread.deviation
+            for name, spread in session_spreads(scene).items()
+            if spread.deviation > 0 and name in self._rest.by
+        }
         if spread := scene.dataset.session.foam_spread:
             self.deviations |= dict.fromkeys(self._pixels, spread)
         self.prior = np.array([1 / each**2 for each in self.deviations.values()])

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.frequency import Loss
 from ..scene.meter import Leads
+from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..scene.skin import Foam
 from ..sweeps import InputError
@@ -161,3 +163,49 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
     return scene.model_copy(
         update={"skin": changed, "contacts": contacts, "leads": leads_of(values)}
     )
+
+
+class Spread(NamedTuple):
+    """By how much sessions differ from a scene in a parameter: mean, and standard deviation."""
+
+    shift: float
+    deviation: float
+
+
+QUANTILES = (np.arange(4001) + 0.5) / 4001
+
+
+def session_spreads(scene: Scene) -> dict[str, Spread]:
+    """Of every one of PARAMETERS between sessions of [dataset.session]; 0 of those not drawn.
+
+    Each sheet has a factor of its own, of which half of each is both sheets' together, and each
+    contact that has a resistance has one, of which all have the mean.
+    """
+    drawn = scene.dataset.session
+    both, own = _of_logarithm(drawn.sheet_resistance), _of_logarithm(drawn.sheet_mismatch)
+    film = _of_logarithm(drawn.contact_resistance)
+    films = sum(not contact.ideal for contact in scene.contacts)
+    return dict.fromkeys(PARAMETERS, Spread(0.0, 0.0)) | {
+        "sheet_resistance": Spread(
+            both.shift + own.shift, math.hypot(both.deviation, own.deviation / math.sqrt(2))
+        ),
+        "sheet_mismatch": Spread(0.0, math.sqrt(2) * own.deviation),
+        "capacitance": _of_logarithm(drawn.capacitance),
+        "contact_resistance": Spread(film.shift, film.deviation / math.sqrt(max(films, 1))),
+        "loss_tangent": _of_value(drawn.loss_tangent),
+        "lead_resistance": _of_value(drawn.lead_resistance),
+        "stray_capacitance": _of_value(drawn.stray_capacitance),
+    }
+
+
+def _of_value(drawn: AnyDistribution) -> Spread:
+    return _spread(drawn.at(QUANTILES))
+
+
+def _of_logarithm(drawn: AnyDistribution) -> Spread:
+    return _spread(np.log(drawn.at(QUANTILES)))
+
+
+def _spread(values: NDArray[np.float64]) -> Spread:
+    """Exactly none of values that are all the same."""
+    return Spread(float(values.mean()), float(values.std()) if np.ptp(values) else 0.0)

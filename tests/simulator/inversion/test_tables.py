@@ -5,9 +5,9 @@ import pytest
 from rcskin.simulator.dataset.skins import drawn_skin
 from rcskin.simulator.inversion import places as templates_places
 from rcskin.simulator.inversion.tables import STRENGTHS, covered, strength_prior, templates
-from rcskin.simulator.inversion.unknown_skin import UnknownSkin, deviations, expected
+from rcskin.simulator.inversion.unknown_skin import UnknownSkin, expected
 from rcskin.simulator.measure.readout import ErrorModel, observed
-from rcskin.simulator.models.parameters import WAVES, scene_with
+from rcskin.simulator.models.parameters import WAVES, scene_with, session_spreads
 from rcskin.simulator.models.reduced.cases import Case
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
@@ -178,7 +178,7 @@ def test_a_skin_without_variation_is_known(make_scene):
         "lead_resistance": 0.0,
     }
     scene = tables_scene(make_scene, fixed)
-    assert not any(deviations(scene).values())
+    assert not any(spread.deviation for spread in session_spreads(scene).values())
     assert templates(scene_text(scene), "column")["skin"].shape[-1] == 0
 
 

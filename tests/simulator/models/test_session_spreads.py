@@ -1,0 +1,69 @@
+"""What a session draws of the parameters: against skins drawn for a data set, in every use."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.calibration.measured import measured
+from rcskin.simulator.calibration.prior import priors
+from rcskin.simulator.dataset.skins import drawn_skin
+from rcskin.simulator.inversion.unknown_skin import UnknownSkin
+from rcskin.simulator.limits.fields import Fields
+from rcskin.simulator.limits.information import error_model
+from rcskin.simulator.limits.position import SkinUnknowns
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.parameters import session_spreads
+from rcskin.simulator.models.reduced.forward import Forward
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+
+METER = {"magnitude_noise": 1e-3, "phase_noise": 1e-3}
+FILMS = {"top-left": {"resistance": 200.0}, "bottom-left": {"resistance": 120.0}}
+SESSION = {
+    "sheet_resistance": {"distribution": "uniform", "low": 1.0, "high": 1.2},
+    "sheet_mismatch": {"distribution": "lognormal", "median": 1.1, "spread": 0.03},
+    "contact_resistance": {"distribution": "lognormal", "median": 0.9, "spread": 0.04},
+    "stray_capacitance": {"distribution": "uniform", "low": 0.0, "high": 2e-12},
+}
+
+
+@pytest.fixture(scope="module")
+def scene(make_scene, changed):
+    made = make_scene(FILMS, columns=2, frequencies=(1e3, 1e4))
+    return changed(made, {"readout": METER, "dataset.session": SESSION})
+
+
+def drawn(scene, sessions=3000):
+    skins = [drawn_skin(scene, 1, number, (1, 2), 1) for number in range(sessions)]
+    top, bottom = (np.log([getattr(s.variation, n)[0] for s in skins]) for n in ("top", "bottom"))
+    return {
+        "sheet_resistance": -(top + bottom) / 2,
+        "sheet_mismatch": bottom - top,
+        "contact_resistance": np.mean([-np.log(s.variation.films) for s in skins], axis=1),
+        "stray_capacitance": np.array([s.leads.stray_capacitance for s in skins]),
+    }
+
+
+def test_spreads_are_those_of_drawn_skins(scene):
+    told = session_spreads(scene)
+    for name, values in drawn(scene).items():
+        assert told[name].deviation == pytest.approx(values.std(), rel=0.05)
+        assert told[name].shift == pytest.approx(values.mean(), abs=0.1 * values.std())
+
+
+def test_calibration_limits_and_inversion_take_the_same_spreads(scene):
+    told = {name: each for name, each in session_spreads(scene).items() if each.deviation > 0}
+    prior = priors(measured(scene, simulate(Solver(scene), [Press()])), "session")
+    for name, each in told.items():
+        assert prior[name].deviation == each.deviation
+        assert prior[name].center == each.shift
+    frequency = np.array(scene.frequencies)
+    limits = SkinUnknowns(
+        Fields(scene, 1e4), frequency, error_model(scene, len(frequency))
+    ).deviations
+    assert {name: limits[name] for name in told} == {n: s.deviation for n, s in told.items()}
+    inversion = UnknownSkin(Forward(scene, rtol=1e-3))
+    assert {name: inversion.values[name] for name in told} == {n: s.shift for n, s in told.items()}
+
+
+def test_only_resistive_contacts_share_the_spread_of_contacts(make_scene):
+    one = make_scene({"top-left": {"resistance": 200.0}, "bottom-left": {}})
+    assert session_spreads(one)["contact_resistance"].deviation == pytest.approx(0.04, rel=0.05)
