@@ -13,10 +13,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from ..measure.experiment import own_presses
 from ..measure.readout import ErrorModel, observed, observed_slope
 from ..models.reduced.forward import Forward
 from ..scene.files import parse_scene
-from ..scene.randomisation import Normal
 from ..scene.scene import Scene
 from .places import cells_per_pixel, place_tables
 from .unknown_skin import NOWHERE, UnknownSkin
@@ -27,7 +27,6 @@ OVERLAP = 0.5
 """Deviation that a strength stands for, over the step to the next: their sum is flat to 1 %."""
 RTOL = 1e-3
 """Of Rs and Cp: a meter's noise is several times that."""
-CUT = 3.0
 DRIFT = 1e-3
 """As the line through the nearest sweeps at rest leaves, where presses change a skin by 5e-4."""
 POSITION = "position"
@@ -104,10 +103,7 @@ def _unknown_skin(text: str, anywhere: bool) -> UnknownSkin:
 
 def strength_prior(scene: Scene, presses: str) -> tuple[NDArray, NDArray, float]:
     """Strengths, the chance of each, and the deviation that each stands for."""
-    pressing = scene.press
-    rise = pressing.capacitance_factor - 1
-    spread = Normal(mean=1 + rise, deviation=abs(rise) * pressing.factor_spread, cut=CUT)
-    drawn = spread if presses == "press" else scene.dataset.press.factor
+    drawn = own_presses(scene) if presses == "press" else scene.dataset.press.factor
     return covered(drawn.at)
 
 

@@ -18,7 +18,7 @@ from scipy.sparse import csc_matrix
 from ..fem.circuit import Drive, one_field, two_fields
 from ..fem.galerkin import one_blas_thread
 from ..fem.lanczos import Pencil, potentials, respond
-from ..models.plain import require_plain
+from ..models.plain import require_factor, require_plain
 from ..models.reduced.family import Family
 from ..models.resolution import Ladder
 from ..press.press import Press
@@ -51,7 +51,7 @@ class Fields:
         divided = scene.model_copy(
             update={"pixels": Pixels(rows=self.grid[0], columns=self.grid[1])}
         )
-        require_plain(scene, "a limit")
+        require_factor(require_plain(scene, "a limit"), "a limit")
         self._circuit = one_field(divided) or two_fields(divided)
         ladder = Ladder(divided, self._circuit)
         resolution = ladder.resolution(ladder.first(RTOL), Press(), highest)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mesh.skin_mesh import domain
+from ..models.plain import require_factor
 from ..press.press import Press, pixel_by_pixel
 from ..press.touch import Touch
 from ..scene.randomisation import AnyDistribution, Fixed, Normal
@@ -26,8 +27,10 @@ def planned_presses(scene: Scene, random: np.random.Generator) -> list[Press]:
     """Every repetition of every pixel, and of nothing pressed where that is a class.
 
     The rise of capacitance (factor - 1) of a press is drawn from a normal distribution about the
-    nominal one, with the scene's `factor_spread` as its relative standard deviation.
+    nominal one, with the scene's `factor_spread` as its relative standard deviation. Raises
+    InputError where pixels are pressed by depth or force.
     """
+    require_factor(scene, "a planned press")
     at_rest = [Press()] * (scene.experiment.repetitions if scene.experiment.unpressed else 0)
     pixels = np.ndindex(scene.pixels.rows, scene.pixels.columns)
     return at_rest + [
@@ -53,8 +56,12 @@ class Strengths(NamedTuple):
 
 
 def own_presses(scene: Scene) -> AnyDistribution:
-    """The factors that the scene's experiment presses with."""
-    factor, spread = scene.press.capacitance_factor, scene.press.factor_spread
+    """The factors that the scene's experiment presses with.
+
+    Raises InputError where pixels are pressed by depth or force.
+    """
+    pressing = require_factor(scene, "a planned press").press
+    factor, spread = pressing.capacitance_factor, pressing.factor_spread
     if spread == 0:
         return Fixed(value=factor)
     return Normal(mean=factor, deviation=abs(factor - 1) * spread)

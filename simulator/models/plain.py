@@ -52,15 +52,10 @@ def electrical_press(scene: Scene, press: Press) -> Press | None:
 def plain_scene(scene: Scene, what: str) -> Scene:
     """The plain scene that it is electrically, for `what` that takes no other.
 
-    Places in m are those of the skin as it is stretched. Raises InputError as `require_plain` does,
-    and where pixels are pressed by depth or force.
+    Places in m are those of the skin as it is stretched. Raises InputError as `require_plain` and
+    `require_factor` do.
     """
-    if not scene.press.plain:
-        raise InputError(
-            f"{scene.name}: {what} cannot take `press.depth` or `press.force`: it needs "
-            "`press.capacitance_factor`"
-        )
-    return require_plain(electrical(scene), what)
+    return require_plain(electrical(require_factor(scene, what)), what)
 
 
 def require_plain(scene: Scene, what: str) -> Scene:
@@ -74,6 +69,20 @@ def require_plain(scene: Scene, what: str) -> Scene:
             f"{scene.name}: {what} cannot take `{key}`: it needs uniform sheets and foam on a "
             "rectangle"
         )
+    return scene
+
+
+def require_factor(scene: Scene, what: str) -> Scene:
+    """The same scene, for `what` that presses pixels by a capacitance factor.
+
+    Raises InputError naming the key by which the scene presses otherwise.
+    """
+    for key in ("depth", "force"):
+        if getattr(scene.press, key) is not None:
+            raise InputError(
+                f"{scene.name}: {what} cannot take `press.{key}`: it needs "
+                "`press.capacitance_factor`"
+            )
     return scene
 
 
