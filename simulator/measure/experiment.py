@@ -14,6 +14,7 @@ from ..press.press import Press, pixel_by_pixel
 from ..press.touch import Touch
 from ..scene.randomisation import AnyDistribution, Fixed, Normal
 from ..scene.scene import Scene
+from ..sweeps import InputError
 
 PRESSES, METER = 0, 1
 
@@ -26,23 +27,16 @@ def stream(scene: Scene, purpose: int) -> np.random.Generator:
 def planned_presses(scene: Scene, random: np.random.Generator) -> list[Press]:
     """Every repetition of every pixel, and of nothing pressed where that is a class.
 
-    The rise of capacitance (factor - 1) of a press is drawn from a normal distribution about the
-    nominal one, with the scene's `factor_spread` as its relative standard deviation. Raises
-    InputError where pixels are pressed by depth or force.
+    How strongly is drawn from `own_presses`, anew for each; raises InputError as that does.
     """
-    require_factor(scene, "a planned press")
-    at_rest = [Press()] * (scene.experiment.repetitions if scene.experiment.unpressed else 0)
+    drawn, planned = own_presses(scene), scene.experiment
+    at_rest = [Press()] * (planned.repetitions if planned.unpressed else 0)
     pixels = np.ndindex(scene.pixels.rows, scene.pixels.columns)
     return at_rest + [
-        Press((Touch(row + 1, column + 1, _drawn_factor(scene, random)),))
+        Press((Touch(row + 1, column + 1, float(drawn.at(random.random()))),))
         for row, column in pixels
-        for _ in range(scene.experiment.repetitions)
+        for _ in range(planned.repetitions)
     ]
-
-
-def _drawn_factor(scene: Scene, random: np.random.Generator) -> float:
-    rise = scene.press.capacitance_factor - 1
-    return float(1 + rise * (1 + scene.press.factor_spread * random.standard_normal()))
 
 
 QUANTILES = 20_001
@@ -58,13 +52,22 @@ class Strengths(NamedTuple):
 def own_presses(scene: Scene) -> AnyDistribution:
     """The factors that the scene's experiment presses with.
 
-    Raises InputError where pixels are pressed by depth or force.
+    The rise of capacitance (factor - 1) is normal about the nominal one, with the scene's
+    `factor_spread` as its relative standard deviation, and is cut as normal ones of data sets are.
+    Raises InputError where pixels are pressed by depth or force, or a factor might be 0 or less.
     """
     pressing = require_factor(scene, "a planned press").press
     factor, spread = pressing.capacitance_factor, pressing.factor_spread
     if spread == 0:
         return Fixed(value=factor)
-    return Normal(mean=factor, deviation=abs(factor - 1) * spread)
+    drawn = Normal(mean=factor, deviation=abs(factor - 1) * spread)
+    if drawn.low <= 0:
+        most = factor / abs(factor - 1) / drawn.cut
+        raise InputError(
+            f"{scene.name}: `press.factor_spread` must be < {most:.3g} where factors about "
+            f"{factor:g} are drawn, got {spread:g}"
+        )
+    return drawn
 
 
 def strengths(presses: AnyDistribution, count: int) -> Strengths:

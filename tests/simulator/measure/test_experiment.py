@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.measure.experiment import METER, PRESSES, planned_presses, stream
+from rcskin.simulator.measure.experiment import METER, PRESSES, own_presses, planned_presses, stream
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.meter import Experiment
+from rcskin.simulator.scene.scene import Pressing
+from rcskin.simulator.sweeps import InputError
 
 
 def test_every_pixel_is_pressed_six_times_and_rest_where_it_is_a_class():
@@ -28,6 +31,32 @@ def test_the_rise_spreads_as_the_scene_says():
     rise = np.array([press.touches[0].factor - 1 for press in presses])
     assert rise.mean() == pytest.approx(1.0, abs=0.005)
     assert rise.std() == pytest.approx(0.1, rel=0.03)
+
+
+def pressing(name="sheet-5x5", **press):
+    scene = load_scene(name)
+    return scene.model_copy(
+        update={
+            "press": Pressing(**press),
+            "experiment": Experiment(repetitions=400, unpressed=False),
+        }
+    )
+
+
+@pytest.mark.parametrize("factor", [2.0, 0.5])
+def test_no_planned_press_is_beyond_what_limits_take_presses_to_be(factor):
+    scene = pressing(capacitance_factor=factor, factor_spread=0.2)
+    drawn = [each.touches[0].factor for each in planned_presses(scene, stream(scene, PRESSES))]
+    known = own_presses(scene)
+    assert known.low <= min(drawn) < max(drawn) <= known.high
+    far = sorted(np.abs(np.array(drawn) - factor))[-10]
+    assert far > 2.5 * known.deviation
+
+
+def test_presses_of_which_some_would_leave_no_capacitance_are_refused():
+    scene = pressing(capacitance_factor=3.0, factor_spread=0.5)
+    with pytest.raises(InputError, match="`press.factor_spread` must be < 0.5 .* got 0.5"):
+        planned_presses(scene, stream(scene, PRESSES))
 
 
 def test_presses_and_meter_draw_from_streams_of_their_own():
