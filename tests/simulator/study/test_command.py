@@ -94,7 +94,7 @@ def test_the_limit_of_the_meter_ends_a_grid_and_cuts_a_list():
         ("pixels.rows=1:2000", "at most 1000 values, got 2000"),
         ("readout.phase_noise=0,1e-3", "`readout.phase_noise` must be > 0 for a study, got 0"),
         ("experiment.repetitions=1:6", "must give at least 5 presses of each class"),
-        ("press.factor_spread=0.9", "`press.factor_spread` 0.9 draws a capacitance factor of"),
+        ("press.factor_spread=0.9", "`press.factor_spread` must be < 0.667 where factors about 2"),
         ("contact.3.resistance=0:1:2:linear", "`contact.3.resistance` is not a numeric key"),
     ],
 )
