@@ -15,7 +15,7 @@ from ..models.solver import Solver
 from ..press.press import Press, check_press, parse_press, strength_of
 from ..scene.files import parse_scene, scene_text
 from ..scene.meter import Sweep
-from ..sweeps import build, concatenate
+from ..sweeps import InputError, build, concatenate
 from .readout import read_out
 
 if TYPE_CHECKING:
@@ -25,16 +25,19 @@ if TYPE_CHECKING:
 def simulate(solver: Solver, presses: Iterable[Press]) -> xr.Dataset:
     """Noise-free sweeps, one for each press, with their estimated numerical errors.
 
-    Raises InputError where a press does not fit the scene, ToleranceError where the tolerance is
-    not reached.
+    Raises InputError where there is no press or one does not fit the scene, ToleranceError where
+    the tolerance is not reached.
     """
     answered = [(p, solver.solve(check_press(p, solver.scene))) for p in presses]
     return gather(solver, answered)
 
 
 def gather(solver: Solver, answered: Iterable[tuple[Press, Answer]]) -> xr.Dataset:
-    """Sweeps from presses that were answered already."""
-    presses, answers = zip(*answered, strict=True)
+    """Sweeps from presses that were answered already. Raises InputError where there is none."""
+    pairs = list(answered)
+    if not pairs:
+        raise InputError("`presses` must hold at least one press, got none")
+    presses, answers = zip(*pairs, strict=True)
     return build(
         np.stack([answer.Z for answer in answers]),
         solver.scene.frequencies,
@@ -75,6 +78,8 @@ def resimulated(sweeps: xr.Dataset, text: str, frequency: NDArray[np.float64]) -
 def read_by_meter(sweeps: xr.Dataset, text: str, seed: int) -> xr.Dataset:
     """The sweeps as the meter of a scene would show them, session by session."""
     meter, random = parse_scene(text, "scene").readout, np.random.default_rng(seed)
+    if not sweeps.sizes["sweep"]:
+        return sweeps
     session = sweeps["session"].values
     order = np.argsort(np.argsort(session, kind="stable"))
     parts = [

@@ -123,10 +123,12 @@ def impedance(sweeps: xr.Dataset) -> NDArray[np.complex128]:
 def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     """One data set from several of the same interfaces and frequencies; attributes of the first.
 
-    Raises InputError where interfaces or frequencies differ.
+    Raises InputError where there is none, or interfaces or frequencies differ.
     """
     import xarray as xr
 
+    if not parts:
+        raise InputError("`parts` must hold at least one data set, got none")
     first = parts[0]
     for part in parts[1:]:
         for name in ("interface", "frequency"):

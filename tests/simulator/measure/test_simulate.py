@@ -1,0 +1,42 @@
+"""Sweeps of presses, and of none at all."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.measure.simulate import gather, read_by_meter, resimulated, simulate
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.sweeps import InputError, concatenate
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return load_scene("strip-1x3")
+
+
+def none_of(scene):
+    return simulate(Solver(scene), [Press()]).isel(sweep=[])
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        lambda scene: simulate(Solver(scene), []),
+        lambda scene: gather(Solver(scene), iter([])),
+        lambda scene: resimulated(none_of(scene), scene_text(scene), scene.frequencies),
+    ],
+)
+def test_no_press_at_all_is_refused(scene, asked):
+    with pytest.raises(InputError, match="^`presses` must hold at least one press, got none$"):
+        asked(scene)
+
+
+def test_no_sweeps_are_not_joined():
+    with pytest.raises(InputError, match="^`parts` must hold at least one data set, got none$"):
+        concatenate([])
+
+
+def test_a_meter_reads_no_sweeps_as_none(scene):
+    read = read_by_meter(none_of(scene), scene_text(scene), 1)
+    assert read.sizes["sweep"] == 0
+    assert read["Rs"].shape == (0, *np.shape(none_of(scene)["Rs"])[1:])
