@@ -26,12 +26,34 @@ def relative_difference(
 ) -> NDArray[np.float64]:
     """|Rs / Rs_true - 1| and |Cp / Cp_true - 1|, shape (2, ...). Z, truth: ohm. omega: rad/s.
 
-    A susceptance below LOST_SUSCEPTANCE of |Y| is rounding; its error is told as a fraction of
-    that: between foils of one sheet Cp may be nothing at all.
+    The difference of Cp is told as a fraction of `told_susceptance`.
     """
     Y, Y_true = 1 / Z, 1 / truth
-    B = np.maximum(np.abs(Y_true.imag), LOST_SUSCEPTANCE * np.abs(Y_true))
+    B = told_susceptance(Y_true)
     return np.stack([np.abs(Z.real / truth.real - 1), np.abs((Y.imag - Y_true.imag) / B)])
+
+
+def told_susceptance(Y: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """What relative errors of Cp are fractions of, in S: |B|, but LOST_SUSCEPTANCE of |Y| at least.
+
+    Less than that is rounding: between foils of one sheet Cp may be nothing at all. Y: S.
+    """
+    return np.maximum(np.abs(Y.imag), LOST_SUSCEPTANCE * np.abs(Y))
+
+
+def certified(
+    Y: NDArray[np.complex128], power: NDArray[np.float64], beside: NDArray[np.float64] | float = 0.0
+) -> NDArray[np.float64]:
+    """Bound on the relative errors of Rs and Cp, shape (2, s); inf where it says nothing.
+
+    |Y - Y_r| <= sqrt(2) power, with power = r*(K + omega M)^-1 r of the residual r; all in S, shape
+    (s,). beside: further error of Y, as that.
+    """
+    size, error = np.abs(Y), np.sqrt(2) * power + beside
+    Z_error = np.divide(
+        error, size * (size - error), out=np.full(size.shape, np.inf), where=size > error
+    )
+    return np.stack([Z_error / (1 / Y).real, error / told_susceptance(Y)])
 
 
 def lost_digits(Y: NDArray[np.complex128], at_once: NDArray[np.complex128]) -> NDArray[np.float64]:
@@ -41,8 +63,7 @@ def lost_digits(Y: NDArray[np.complex128], at_once: NDArray[np.complex128]) -> N
     ROUNDINGS: a few for each step of Lanczos' method; some hundred were seen.
     """
     rounding = ROUNDINGS * np.finfo(float).eps * np.abs(at_once - Y)
-    B = np.maximum(np.abs(Y.imag), LOST_SUSCEPTANCE * np.abs(Y))
-    return rounding / np.minimum(np.abs(Y.real), B)
+    return rounding / np.minimum(np.abs(Y.real), told_susceptance(Y))
 
 
 def frequencies_around(frequency: NDArray[np.float64]) -> NDArray[np.float64]:

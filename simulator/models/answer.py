@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fem.estimate import SAFETY
+from ..fem.estimate import SAFETY, told_susceptance
 from ..scene.meter import Leads
-from ..sweeps import parallel_capacitance
 
 
 @dataclass(frozen=True)
@@ -50,9 +49,9 @@ class Answer:
 
     @property
     def relative_errors(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Estimated errors of Rs and Cp as fractions of their values."""
-        Cp = parallel_capacitance(self.Z, self.frequency)
-        return self.Rs_error / np.abs(self.Z.real), self.Cp_error / np.abs(Cp)
+        """Estimated errors of Rs and Cp as fractions of their values, see `told_capacitance`."""
+        Cp = told_capacitance(self.Z, self.frequency)
+        return self.Rs_error / np.abs(self.Z.real), self.Cp_error / Cp
 
     def seen_through(self, leads: Leads) -> Answer:
         """The same at the meter's end of the leads.
@@ -80,6 +79,16 @@ class Answer:
                 for k, _ in group
             ]
         return lines + [f"rejected  {reason}" for reason in self.rejected]
+
+
+def told_capacitance(
+    Z: NDArray[np.complex128], frequency: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """What relative errors of Cp are fractions of, in F: |Cp|, or what of it can be told at all.
+
+    Z: ohm, shape (..., frequency). frequency: Hz.
+    """
+    return told_susceptance(1 / Z) / (2 * np.pi * frequency)
 
 
 class Progress:
@@ -121,13 +130,13 @@ class Progress:
 
     def answer(self) -> Answer:
         """The gathered answer, once done."""
-        Cp = parallel_capacitance(self._Z, self._all)
+        Cp = told_capacitance(self._Z, self._all)
         models, unknowns = zip(*self._served, strict=True)
         return Answer(
             frequency=self._all,
             Z=self._Z,
             Rs_error=self._error[0] * np.abs(self._Z.real),
-            Cp_error=self._error[1] * np.abs(Cp),
+            Cp_error=self._error[1] * Cp,
             models=models,
             unknowns=unknowns,
             rejected=tuple(self.rejected),

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...fem.estimate import certified
 from ...fem.lanczos import potentials
 from .cases import Case, by_skin
-from .certificate import relative_bound
 from .family import Family
 from .kernel import Feed, Rest, dense_pencil, written_out
 from .model import Reduced, ReducedSkin
@@ -44,7 +44,7 @@ def _on_skin(
     turned = np.hstack([s.real * real - s.imag * imag, s.real * imag + s.imag * real])
     residual = current + turned
     power = (residual * family.space.solve(residual)).sum(axis=0).reshape(2, *Y.shape).sum(axis=0)
-    bound = relative_bound(Y, np.sqrt(2) * power / skin.least_conductance)
+    bound = certified(Y, power / skin.least_conductance)
     return bound.max(axis=0).reshape(len(cases), -1).max(axis=1)
 
 

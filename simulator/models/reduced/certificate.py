@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from ...fem.circuit import Circuit
+from ...fem.estimate import certified
 from ...fem.galerkin import Galerkin
 from ...fem.system import PixelSystem
 from ...scene.scene import Scene
@@ -40,8 +41,10 @@ def certificate(
     for u, Y in solved:
         current = space.currents(u, system.sheets, system.films)
         residual = current + s * (mass @ u)[: space.inner]
-        power = sum((part * space.solve(part)).sum(axis=0) for part in _parts(residual))
-        bounds.append(relative_bound(Y, np.sqrt(2) * power / least))
+        power = np.sum(
+            [(part * space.solve(part)).sum(axis=0) for part in _parts(residual)], axis=0
+        )
+        bounds.append(certified(Y, power / least))
     return np.stack(bounds, axis=1)
 
 
@@ -62,12 +65,3 @@ def least_conductance(
 
 def _parts(residual: NDArray[np.complex128]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return np.ascontiguousarray(residual.real), np.ascontiguousarray(residual.imag)
-
-
-def relative_bound(Y: NDArray[np.complex128], error: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of Rs and Cp, shape (2, s), from a bound on |Y| - inf where that says nothing."""
-    size = np.abs(Y)
-    Z_error = np.divide(
-        error, size * (size - error), out=np.full(size.shape, np.inf), where=size > error
-    )
-    return np.stack([Z_error / (1 / Y).real, error / np.abs(Y.imag)])

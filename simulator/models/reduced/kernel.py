@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ...fem.estimate import LOST_SUSCEPTANCE
 from ...fem.lanczos import FEWEST_STEPS, MOST_STEPS, Pencil, continued_fraction, respond
 
 
@@ -219,7 +220,7 @@ def _solve(feed: Feed, y: NDArray, solution: NDArray) -> None:  # pragma: no cov
 def _difference(Y: complex, other: complex) -> float:  # pragma: no cover
     """Of Rs and of Cp, relative to the other's."""
     Rs = abs((1.0 / Y).real / (1.0 / other).real - 1.0)
-    return max(Rs, abs(Y.imag - other.imag) / max(abs(other.imag), 1e-9 * abs(other)))
+    return max(Rs, abs(Y.imag - other.imag) / max(abs(other.imag), LOST_SUSCEPTANCE * abs(other)))
 
 
 @njit(cache=True)

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...fem.estimate import certified
 from ...press.touch import Box
 from .modes import Products, interval, touched_mass
 
@@ -49,7 +50,7 @@ def certificate(
     conductance = wider.conductance.reshape(charge.shape[1:])
     power = (np.abs(residual) ** 2 / (conductance + share[:, None, None])).sum(axis=(1, 2))
     power += np.maximum(beyond, 0.0) / (_next_conductance(wider) + share)
-    return _relative(Y, np.sqrt(2) * power + np.abs(reduced - Y))
+    return certified(Y, power, np.abs(reduced - Y))
 
 
 def _potentials(
@@ -114,10 +115,3 @@ def _next_conductance(wider: Products) -> float:
     x, y = wider.x.eigenvalues, wider.y.eigenvalues
     per_square = wider.conductance[0] / (x[0] + y[0])
     return float(per_square * min(x[-1] + y[0], x[0] + y[-1]))
-
-
-def _relative(Y: NDArray[np.complex128], error: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of Rs and Cp, shape (2, s), from a bound on |Y|."""
-    size, unknown = np.abs(Y), np.full(Y.shape, np.inf)
-    Z_error = np.divide(error, size * (size - error), out=unknown, where=size > error)
-    return np.stack([Z_error / (1 / Y).real, error / Y.imag])
