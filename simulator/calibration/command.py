@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -56,10 +57,10 @@ def calibrate(
 
     from ..models.plain import plain_scene
     from ..scene.files import load_scene
+    from ..scene.frequency import parse_band
     from ..sweeps import read
     from . import Options
     from . import calibrate as calibrated
-    from .measured import parse_band
     from .prior import checked_kind
     from .report import checked_folder, correlation_table, explanations, table, write_report
 
@@ -67,7 +68,7 @@ def calibrate(
     options = Options(
         tuple(fit or ()),
         tuple(fix or ()),
-        parse_band(band),
+        None if band is None else parse_band(band, (0.0, math.inf)),
         session,
         not fixed_strength,
         checked_kind(prior),

@@ -84,20 +84,6 @@ def measured(
     return Measured(bare, readings, left_out)
 
 
-def parse_band(text: str | None) -> tuple[float, float] | None:
-    """LOW:HIGH in Hz, either of which may be absent. Raises InputError on anything else."""
-    if text is None:
-        return None
-    try:
-        low, high = (float(part) if part else None for part in text.split(":"))
-    except ValueError:
-        raise InputError(f"--band must be LOW:HIGH in Hz, got {text!r}") from None
-    band = (0.0 if low is None else low, np.inf if high is None else high)
-    if not 0 <= band[0] < band[1]:
-        raise InputError(f"--band must have 0 <= LOW < HIGH, got {text!r}")
-    return band
-
-
 def _of_session(sweeps: xr.Dataset, session: int) -> xr.Dataset:
     there = sorted({int(each) for each in sweeps["session"].values})
     if session not in there:

@@ -25,7 +25,8 @@ def frequencies(
         ),
     ] = "position",
     band: Annotated[
-        str | None, typer.Option(help="LOW:HIGH in Hz; else from the scene's lowest to highest.")
+        str | None,
+        typer.Option(help="LOW:HIGH in Hz; what is absent is the scene's lowest or highest."),
     ] = None,
     grid: Annotated[int, typer.Option(help="How many to choose from.")] = 60,
     interface: Annotated[
@@ -57,7 +58,7 @@ def frequencies(
     from .criteria import checked_criterion
     from .design import check_design, design
     from .position import chosen_touch
-    from .sets import parse_band
+    from .sets import chosen_band
     from .survey import with_interfaces
 
     plain = plain_scene(load_scene(scene), "a limit")
@@ -68,7 +69,7 @@ def frequencies(
         found = design(
             loaded,
             n,
-            parse_band(band, loaded),
+            chosen_band(band, loaded),
             chosen_touch(loaded, None if size is None else 1e-3 * size, factor),
             criterion=checked_criterion(criterion),
             grid=grid,

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.line import interrogation_frequency
+from ..scene.frequency import parse_band
 from ..scene.scene import Scene
 from ..sweeps import InputError
 
@@ -52,15 +53,12 @@ def own_band(scene: Scene) -> tuple[float, float]:
     return float(scene.frequencies[0]), float(scene.frequencies[-1])
 
 
-def parse_band(text: str | None, scene: Scene) -> tuple[float, float]:
-    """The band written LOW:HIGH in Hz, the scene's own for None. Raises InputError."""
-    if text is None:
-        low, high = own_band(scene)
-    else:
-        low, high = _two_numbers(text)
-    if not (0 < low < high < math.inf):
+def chosen_band(text: str | None, scene: Scene) -> tuple[float, float]:
+    """The band written LOW:HIGH in Hz, of the scene's own what is absent. Raises InputError."""
+    low, high = parse_band(text or ":", own_band(scene))
+    if not (0 < low and high < math.inf):
         raise InputError(
-            f"--band must be LOW:HIGH in Hz with 0 < LOW < HIGH, got {text or f'{low:g}:{high:g}'}"
+            f"--band must be LOW:HIGH in Hz with 0 < LOW < HIGH < inf here, got {low:g}:{high:g}"
         )
     return low, high
 
@@ -68,11 +66,3 @@ def parse_band(text: str | None, scene: Scene) -> tuple[float, float]:
 def rounded(frequencies: NDArray[np.float64]) -> NDArray[np.float64]:
     """To the digits that a meter is told."""
     return np.array([float(f"{f:.{DIGITS}g}") for f in frequencies])
-
-
-def _two_numbers(text: str) -> tuple[float, float]:
-    try:
-        low, high = map(float, text.split(":"))
-    except ValueError:
-        raise InputError(f"--band must be LOW:HIGH in Hz, got {text}") from None
-    return low, high

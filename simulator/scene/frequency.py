@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..sweeps import InputError
+
 REFERENCE = 1e3
 """Hz: where a constant-phase capacitance has the size that is named."""
 
@@ -51,3 +53,20 @@ def penetration_depth(
     """
     omega = 2 * np.pi * charging_frequency(frequency, loss)
     return float(np.sqrt(2 / (omega * sheet_resistance * c)))
+
+
+def parse_band(text: str, own: tuple[float, float]) -> tuple[float, float]:
+    """The band written LOW:HIGH in Hz, either of which may be absent: then it is that of `own`.
+
+    Raises InputError on anything else, and unless 0 <= LOW < HIGH.
+    """
+    try:
+        low, high = (float(part) if part.strip() else None for part in text.split(":"))
+    except ValueError:
+        raise InputError(f"--band must be LOW:HIGH in Hz, got {text!r}") from None
+    band = own[0] if low is None else low, own[1] if high is None else high
+    if not 0 <= band[0] < band[1]:
+        raise InputError(
+            f"--band must be LOW:HIGH in Hz with 0 <= LOW < HIGH, got {band[0]:g}:{band[1]:g}"
+        )
+    return band

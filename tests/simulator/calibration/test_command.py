@@ -100,7 +100,7 @@ def test_other_files_of_the_folder_stay(run, files):
     [
         (("--fit", "bulk"), "got 'bulk'"),
         (("--band", "high"), "--band must be LOW:HIGH in Hz, got 'high'"),
-        (("--band", "5:1"), "--band must have 0 <= LOW < HIGH, got '5:1'"),
+        (("--band", "5:1"), "--band must be LOW:HIGH in Hz with 0 <= LOW < HIGH, got 5:1"),
         (("--prior", "none"), "`prior` must be one of wide, session, got 'none'"),
         (("--session", "9"), "`session` must be one of 0, got 9"),
     ],

@@ -8,7 +8,7 @@ from rcskin.simulator.limits.criteria import identity_criterion, position_criter
 from rcskin.simulator.limits.design import best_choice, design
 from rcskin.simulator.limits.fields import Fields
 from rcskin.simulator.limits.position import chosen_touch, places_on, position_slopes
-from rcskin.simulator.limits.sets import LOGARITHMIC, equation_6, logarithmic, parse_band
+from rcskin.simulator.limits.sets import LOGARITHMIC, chosen_band, equation_6, logarithmic
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.sweeps import InputError
 
@@ -60,10 +60,18 @@ def test_one_frequency_by_even_spacing_is_the_middle_of_the_band():
     np.testing.assert_allclose(logarithmic((1e2, 1e4), 3), [100, 1000, 10000])
 
 
+def test_an_end_of_a_band_that_is_absent_is_the_scenes(strip):
+    low, high = strip.frequencies[[0, -1]]
+    middle = float(low + high) / 2
+    assert chosen_band(f"{middle!r}:", strip) == (middle, high)
+    assert chosen_band(f":{middle!r}", strip) == (low, middle)
+    assert chosen_band(None, strip) == chosen_band(":", strip) == (low, high)
+
+
 @pytest.mark.parametrize("text", ["1e3", "2e3:1e3", "0:1e3", "a:b", "1e3:nan"])
 def test_a_band_that_is_none_is_refused(strip, text):
     with pytest.raises(InputError, match="--band must be LOW:HIGH"):
-        parse_band(text, strip)
+        chosen_band(text, strip)
 
 
 @pytest.mark.parametrize(("n", "grid"), [(0, 10), (11, 10), (3, 1)])
