@@ -87,14 +87,21 @@ class AccuracyTable(_Table):
     coefficients: Coefficients
     span: Span
 
-    def guaranteed(self, Z: complex, conditions: Conditions) -> bool:
-        """Whether the table vouches for a reading under these conditions at all."""
-        scale = full_scale(conditions.range)
+    def knows(self, range_number: int) -> bool:
+        """Whether it has a row of this range; where not, `bound` tells that of the nearest."""
+        scale = full_scale(range_number)
+        return any(math.isclose(row.full_scale, scale) for row in self.range)
+
+    def outside(self, Z: complex, conditions: Conditions) -> bool:
+        """Whether a reading is known to be outside guaranteed accuracy under these conditions.
+
+        A range of which it has no row is not: nothing is known of that.
+        """
         low, high = self.span.guaranteed
         in_band = self.band_starts[0] <= conditions.frequency <= self.stop
-        has_range = any(math.isclose(row.full_scale, scale) for row in self.range)
         strong = conditions.level >= self.coefficients.level[0][0]
-        return in_band and has_range and strong and low <= abs(Z) / scale <= high
+        within = low <= abs(Z) / full_scale(conditions.range) <= high
+        return not (in_band and strong and within)
 
     def bound(self, Z: complex, conditions: Conditions) -> tuple[float, float]:
         """Bounds on the systematic error of |Z| (a fraction) and of the phase (rad).

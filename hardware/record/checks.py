@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...simulator.sweeps import build, parallel_capacitance, violations
-from ..meter.accuracy import AccuracyTable, Conditions
+from ..meter.accuracy import AccuracyTable, Conditions, full_scale
 from .sweep import Sweep
 
 if TYPE_CHECKING:
@@ -95,10 +95,22 @@ class Judge:
             column=[-1],
         )
         tolerance = self.limits.errors * self.tolerance(sweep.Z)
+        beyond = f"beyond the meter's error{self._guessed(sweep.Z)}"
         return [
-            f"{each.law} is broken at {_listed(each.frequency)}, beyond the meter's error"
+            f"{each.law} is broken at {_listed(each.frequency)}, {beyond}"
             for each in violations(one, tolerance)
         ]
+
+    def _guessed(self, Z: NDArray[np.complex128]) -> str:
+        """What is said of ranges whose error is not known; nothing where all are."""
+        used = {
+            self._conditions(float(f), complex(z)).range
+            for f, z in zip(self.frequency, Z, strict=True)
+        }
+        unknown = [f"{full_scale(n):g}" for n in sorted(used) if not self.table.knows(n)]
+        if not unknown:
+            return ""
+        return f" as far as it is known: {self.table.name} tells none of {', '.join(unknown)} ohm"
 
     def _miscalculated(self, sweep: Sweep) -> list[str]:
         from_Z = parallel_capacitance(sweep.Z, self.frequency)

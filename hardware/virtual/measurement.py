@@ -64,7 +64,7 @@ class Bench:
             return OVERFLOW
         if size < low:
             return UNDERFLOW
-        return NORMAL if self.accuracy.guaranteed(Z, at_hand) else OUTSIDE_GUARANTEE
+        return OUTSIDE_GUARANTEE if self.accuracy.outside(Z, at_hand) else NORMAL
 
 
 def conditions(settings: Settings, range_number: int) -> Conditions:

@@ -58,7 +58,7 @@ def test_bounds_are_finite_everywhere(Z, frequency, number):
 
 @given(impedances)
 def test_the_fitting_range_guarantees_what_any_range_does(Z):
-    vouched = [n for n in range(1, 11) if TABLE.guaranteed(Z, Conditions(1e3, n))]
+    vouched = [n for n in range(1, 11) if not TABLE.outside(Z, Conditions(1e3, n))]
     assert not vouched or TABLE.fitting_range(Z) == min(vouched)
 
 
@@ -72,9 +72,16 @@ def test_the_fitting_range_guarantees_what_any_range_does(Z):
         (2e4, Conditions(5e3, 6)),
     ],
 )
-def test_nothing_is_guaranteed_outside_the_table(Z, at):
-    assert TABLE.guaranteed(5e3 + 0j, Conditions(5e3, 6))
-    assert not TABLE.guaranteed(complex(Z), at)
+def test_what_is_known_not_to_be_guaranteed_is_outside(Z, at):
+    assert not TABLE.outside(5e3 + 0j, Conditions(5e3, 6))
+    assert TABLE.outside(complex(Z), at)
+
+
+@pytest.mark.parametrize(("Z", "number"), [(5e-2, 1), (5.0, 3), (5e6, 9), (5e7, 10)])
+def test_a_range_of_which_nothing_is_known_is_not_outside(Z, number):
+    assert not TABLE.knows(number)
+    assert TABLE.knows(6)
+    assert not TABLE.outside(complex(Z), Conditions(5e3, number))
 
 
 @pytest.mark.parametrize(

@@ -52,6 +52,15 @@ def test_errors_within_the_meters_bounds_are_no_violation(errors):
     assert JUDGE.remarks(sweep_of(Z), [], at_rest=False) == []
 
 
+def test_a_range_whose_error_is_not_known_is_told():
+    Z = 30 * LINE
+    Z[3] *= 0.3
+    remarks = JUDGE.remarks(sweep_of(Z), [], at_rest=False)
+    assert remarks
+    told = "as far as it is known: 3522-50-derived tells none of 1e+07, 1e+08 ohm"
+    assert all(told in remark for remark in remarks)
+
+
 def test_a_frequency_that_is_another_shows_in_Cp():
     wrong = dataclasses.replace(sweep_of(LINE), Cp=tuple(parallel_capacitance(LINE, FREQUENCY / 2)))
     (remark,) = JUDGE.remarks(wrong, [], at_rest=False)
