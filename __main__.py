@@ -11,7 +11,7 @@ from .hardware.cli import meter_app
 from .hardware.live.command import live_command
 from .hardware.meter.errors import MeterError
 from .hardware.scene_data import SceneData
-from .hardware.virtual.skin import Simulation
+from .hardware.virtual.simulation import Simulation
 from .localization.cli import add_commands
 from .localization.commands.gap import gap_command
 from .localization.gap import given as gap

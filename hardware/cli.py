@@ -9,7 +9,7 @@ import typer
 
 from .options import Accuracy, Baud, ControlAddress, Interface, Resource, Timeout
 from .record.command import record_command
-from .virtual.skin import Simulation
+from .virtual.simulation import Simulation
 
 if TYPE_CHECKING:
     from .virtual.serving import Exhibit

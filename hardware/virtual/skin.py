@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
 
 from ..meter.accuracy import Conditions
-from ..scene_data import SceneData
 
 
 class Skin(Protocol):
@@ -33,15 +30,3 @@ class Readout(Protocol):
 def exact(Z: complex, conditions: Conditions, /) -> complex:
     """A readout without error."""
     return Z
-
-
-@dataclass(frozen=True)
-class Simulation:
-    """scene: by name or path and interface (None: the first). skin: of a scene. readout: by seed.
-
-    Each raises InputError where it is given what does not exist.
-    """
-
-    scene: Callable[[str, str | None], SceneData]
-    skin: Callable[[SceneData], Skin]
-    readout: Callable[[SceneData, int], Readout]

@@ -4,7 +4,8 @@ import math
 
 from rcskin.hardware.cli import meter_app
 from rcskin.hardware.scene_data import SceneData
-from rcskin.hardware.virtual.skin import Simulation, exact
+from rcskin.hardware.virtual.simulation import Simulation
+from rcskin.hardware.virtual.skin import exact
 from rcskin.simulator.sweeps import InputError
 
 R, C = 10e3, 1e-9

@@ -5,7 +5,7 @@ import sys
 
 import numpy as np
 import pytest
-import rcskin
+from rcskin import __main__ as rcskin
 from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
