@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
 from ...simulator.sweeps import UNPRESSED, InputError
-
-JOINT = re.compile(r"(?<!\de)\+", re.IGNORECASE)
-TOUCH = re.compile(
-    r"(?:(?P<row>\d+),(?P<column>\d+)|(?:rect|disc)\([\d.,eE+-]+\))(?::[\d.eE+-]+)?", re.ASCII
-)
+from ...simulator.sweeps.press_text import parse_touches, written_pixel
 
 
 @dataclass(frozen=True)
@@ -27,32 +22,16 @@ REST = Step(UNPRESSED, 0, 0)
 
 
 def parse_step(text: str, rows: int, columns: int) -> Step:
-    """The step that presses `text`: ROW,COLUMN, rect(...), disc(...), several joined by '+', or
-    `none`.
+    """The step that presses `text`, see `sweeps.press_text`.
 
     Raises InputError on other syntax, or a pixel that is not among rows x columns.
     """
     press = "".join(text.split())
-    if press == UNPRESSED:
-        return REST
-    labels = [_label(touch, text, rows, columns) for touch in JOINT.split(press)]
-    return Step(press, *labels[0]) if len(labels) == 1 else Step(press, -1, -1)
-
-
-def _label(touch: str, text: str, rows: int, columns: int) -> tuple[int, int]:
-    """Row and column of one touch, -1 where it is no pixel."""
-    match = TOUCH.fullmatch(touch)
-    if match is None:
-        raise InputError(
-            f"press {text!r}: must be ROW,COLUMN, rect(X,Y,WIDTH,HEIGHT) or disc(X,Y,RADIUS), "
-            "touches joined by '+', or 'none'"
-        )
-    if match["row"] is None:
-        return -1, -1
-    row, column = int(match["row"]), int(match["column"])
-    if not (1 <= row <= rows and 1 <= column <= columns):
-        raise InputError(f"press {text!r}: pixels are 1,1 to {rows},{columns}")
-    return row, column
+    touches = parse_touches(press)
+    for row, column in (touch.pixel for touch in touches if touch.kind == "pixel"):
+        if not (1 <= row <= rows and 1 <= column <= columns):
+            raise InputError(f"press {text!r}: pixels are 1,1 to {rows},{columns}")
+    return Step(press, *written_pixel(press)) if touches else REST
 
 
 def standard_order(rows: int, columns: int, repetitions: int) -> list[Step]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-import re
 import tomllib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...simulator.sweeps import UNPRESSED, InputError
+from ...simulator.sweeps import InputError
+from ...simulator.sweeps.press_text import WrittenTouch, parse_touches
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,12 +20,6 @@ MOST = 2
 """Touches that a localizer tells apart."""
 NUMBERS = ("touches", "touch_x", "touch_y", "touch_factor")
 """Variables of data sets."""
-JOINT = re.compile(r"(?<!\de)\+", re.IGNORECASE)
-TOUCH = re.compile(
-    r"\s*(?:(?P<row>\d+)\s*,\s*(?P<column>\d+)|(?:rect|disc)\s*\((?P<place>[^()]*)\))"
-    r"\s*(?::\s*(?P<factor>\S+)\s*)?"
-)
-"""As texts of presses name a touch; a place begins with X,Y in m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,10 +70,10 @@ def pressed_pixels(text: str) -> list[tuple[int, int]] | None:
 
     Raises InputError on another syntax.
     """
-    found = [(match["row"], match["column"]) for match in _matches(text)]
-    if any(row is None for row, _ in found):
+    touches = _written(text)
+    if any(touch.kind != "pixel" for touch in touches):
         return None
-    return sorted((int(row), int(column)) for row, column in found)
+    return sorted(touch.pixel for touch in touches)
 
 
 def plan_of(sweeps: xr.Dataset) -> Plan | None:
@@ -98,42 +92,48 @@ def plan_of(sweeps: xr.Dataset) -> Plan | None:
         return None
 
 
-def _matches(text: str) -> list[re.Match[str]]:
-    if text.strip() in (UNPRESSED, "0,0"):
-        return []
-    found = [TOUCH.fullmatch(part) for part in JOINT.split(text)]
-    matches = [match for match in found if match is not None]
-    if len(matches) < len(found) or len(found) > MOST:
+def _written(text: str) -> list[WrittenTouch]:
+    touches = parse_touches(text)
+    if len(touches) > MOST:
         raise InputError(f"press {text!r}: must be at most {MOST} touches, joined by '+'")
-    return matches
+    return touches
 
 
 def _touches(text: str, plan: Plan | None) -> list[tuple[float, float, float]]:
     """x and y in m and factor of each touch."""
-    return [(*_centre(match, text, plan), _factor(match, text, plan)) for match in _matches(text)]
+    return [(*_centre(each, text, plan), _factor(each, text, plan)) for each in _written(text)]
 
 
-def _centre(match: re.Match[str], text: str, plan: Plan | None) -> tuple[float, float]:
-    if match["row"] is None:
-        x, y, *_ = [_number(part, text) for part in (match["place"] + ",").split(",")[:2]]
-        return x, y
+def _centre(touch: WrittenTouch, text: str, plan: Plan | None) -> tuple[float, float]:
+    if touch.kind == "poly":
+        return _centroid(np.reshape(touch.numbers, (-1, 2)), text)
+    if touch.kind != "pixel":
+        return touch.numbers[0], touch.numbers[1]
     if plan is None:
         raise InputError(f"press {text!r}: its pixels have no place, the sweeps carry no scene")
-    row, column = int(match["row"]), int(match["column"])
+    row, column = touch.pixel
     return (column - 0.5) * plan.length / plan.columns, (row - 0.5) * plan.width / plan.rows
 
 
-def _factor(match: re.Match[str], text: str, plan: Plan | None) -> float:
-    if match["factor"] is None and plan is not None:
-        return plan.factor
-    return _number(match["factor"] or "", text)
+def _centroid(corners: NDArray[np.float64], text: str) -> tuple[float, float]:
+    """Of the area of a polygon, m."""
+    x, y = (corners - corners[0]).T
+    twice = x * np.roll(y, -1) - np.roll(x, -1) * y
+    if not abs(twice.sum()) > 0:
+        raise InputError(f"press {text!r}: poly has no area")
+    away = [((each + np.roll(each, -1)) * twice).sum() / (3 * twice.sum()) for each in (x, y)]
+    return float(corners[0, 0] + away[0]), float(corners[0, 1] + away[1])
 
 
-def _number(given: str, text: str) -> float:
-    try:
-        value = float(given)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InputError(f"press {text!r}: places and factors must be finite numbers")
-    return value
+def _factor(touch: WrittenTouch, text: str, plan: Plan | None) -> float:
+    if touch.strength is None:
+        factor = math.nan if plan is None else plan.factor
+        if not math.isfinite(factor):
+            raise InputError(
+                f"press {text!r}: says no capacitance factor, nor does a scene of the sweeps"
+            )
+        return factor
+    if touch.strength.unit:
+        other = "depth" if touch.strength.unit == "m" else "force"
+        raise InputError(f"press {text!r}: needs a capacitance factor here, not a {other}")
+    return touch.strength.value

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..press_text import written_pixel
 from ..schema import UNPRESSED
 from .dialect import Table
 
-PIXEL = re.compile(r"(\d+)\s*,\s*(\d+)\s*(:[^+]*)?")
 SAME_FREQUENCY = 1e-6
 """Relative difference of frequencies that are one, printed with different digits."""
 
@@ -136,11 +136,11 @@ def _press_text(row: int, column: int) -> str:
 
 
 def _pixel(press: str) -> tuple[int, int]:
-    """Row and column of a press written as text: 0 nothing pressed, -1 no single pixel."""
-    if press == UNPRESSED:
-        return 0, 0
-    match = PIXEL.fullmatch(press)
-    return (int(match[1]), int(match[2])) if match else (-1, -1)
+    """Row and column of a press as a table names it: -1 of no single pixel, and of other names."""
+    try:
+        return written_pixel(press)
+    except InputError:
+        return -1, -1
 
 
 def _column(table: Table, holds: str, given: str | None, absent: str) -> list[str]:

@@ -62,10 +62,10 @@ def test_a_target_is_had_only_where_the_press_has_it(pressed):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("thumb", "'thumb': must be at most 2 touches"),
+        ("thumb", "'thumb': must be ROW,COLUMN"),
         ("1,1+1,2+1,3", "must be at most 2 touches"),
-        ("1,1:much", "must be finite numbers"),
-        ("rect(1e9999,0,1,1):2", "must be finite numbers"),
+        ("1,1:much", "FACTOR must be finite and > 0, got much"),
+        ("rect(1e9999,0,1,1):2", "X must be a finite number, got 1e9999"),
     ],
 )
 def test_a_press_of_another_kind_is_refused(pressed, text, message):

@@ -1,0 +1,140 @@
+"""How a press is written, and what such a text says: touches as plain numbers."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Literal, NamedTuple
+
+from .errors import InputError
+from .schema import UNPRESSED
+
+SYNTAX = (
+    "ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR], disc(X,Y,RADIUS)[:FACTOR] or "
+    "poly(X1,Y1,X2,Y2,X3,Y3,...)[:FACTOR], a depth (2mm, 0.002m) or a force (5N) in place of "
+    "FACTOR, touches joined by '+', or 'none'"
+)
+
+JOINT = re.compile(r"(?<!\de)\+", re.IGNORECASE)
+TOUCH = re.compile(
+    r"\s*(?:(?P<row>\d+)\s*,\s*(?P<column>\d+)|(?P<shape>rect|disc|poly)\s*\((?P<place>[^()]*)\))"
+    r"\s*(?::\s*(?P<strength>.+?)\s*)?",
+    re.ASCII,
+)
+MEASURED = re.compile(r"(?P<number>.*?)\s*(?P<unit>mm|m|N)")
+SIZES = {"rect": ("WIDTH", "HEIGHT"), "disc": ("RADIUS",)}
+
+Kind = Literal["pixel", "rect", "disc", "poly"]
+Unit = Literal["", "m", "N"]
+
+
+class WrittenStrength(NamedTuple):
+    """A capacitance factor (no unit), a depth in m or a force in N."""
+
+    value: float
+    unit: Unit
+
+
+class WrittenTouch(NamedTuple):
+    """One touch as it is written.
+
+    numbers: row and column of a pixel; X, Y and sizes of a rect or disc, X and Y of the corners of
+    a poly, in m. strength: None where the text does not say.
+    """
+
+    kind: Kind
+    numbers: tuple[float, ...]
+    strength: WrittenStrength | None
+
+    @property
+    def pixel(self) -> tuple[int, int]:
+        """Row and column of a pixel, -1 and -1 of what is none."""
+        row, column = self.numbers[:2] if self.kind == "pixel" else (-1, -1)
+        return int(row), int(column)
+
+
+def parse_touches(text: str) -> list[WrittenTouch]:
+    """The touches of a press written as `text` in SYNTAX, in its order; none at rest.
+
+    `0,0` and `none` are the skin at rest. Raises InputError on other syntax, a factor, depth, force
+    or size that is not finite and > 0, or a pixel named twice.
+    """
+    if text.strip() in (UNPRESSED, "0,0"):
+        return []
+    touches = [_touch(part, text) for part in JOINT.split(text)]
+    pixels = [touch.pixel for touch in touches if touch.kind == "pixel"]
+    if len(set(pixels)) < len(pixels):
+        raise InputError(f"press {text!r}: a pixel is named twice")
+    return touches
+
+
+def written_pixel(text: str) -> tuple[int, int]:
+    """Row and column of a press of one pixel, 0 and 0 at rest, -1 and -1 of any other press.
+
+    Raises InputError as `parse_touches`.
+    """
+    touches = parse_touches(text)
+    if not touches:
+        return 0, 0
+    return touches[0].pixel if len(touches) == 1 else (-1, -1)
+
+
+def _touch(part: str, text: str) -> WrittenTouch:
+    match = TOUCH.fullmatch(part)
+    if match is None:
+        raise InputError(f"press {text!r}: must be {SYNTAX}")
+    given = match["strength"]
+    strength = None if given is None else _strength(given, text)
+    if match["shape"] is None:
+        return WrittenTouch("pixel", (int(match["row"]), int(match["column"])), strength)
+    numbers = match["place"].split(",")
+    if match["shape"] == "poly":
+        return WrittenTouch("poly", _corners(numbers, text), strength)
+    kind: Kind = "rect" if match["shape"] == "rect" else "disc"
+    return WrittenTouch(kind, _placed(numbers, SIZES[kind], text), strength)
+
+
+def _placed(given: list[str], sizes: tuple[str, ...], text: str) -> tuple[float, ...]:
+    if len(given) != 2 + len(sizes):
+        raise InputError(f"press {text!r}: must be {SYNTAX}")
+    place = [_number(value, name, text) for name, value in zip("XY", given[:2], strict=True)]
+    extent = [_positive(value, name, text) for name, value in zip(sizes, given[2:], strict=True)]
+    return (*place, *extent)
+
+
+def _corners(given: list[str], text: str) -> tuple[float, ...]:
+    if len(given) < 6 or len(given) % 2:
+        raise InputError(f"press {text!r}: poly needs X,Y of at least 3 corners")
+    names = [f"{'XY'[k % 2]}{k // 2 + 1}" for k in range(len(given))]
+    return tuple(_number(value, name, text) for value, name in zip(given, names, strict=True))
+
+
+def _strength(given: str, text: str) -> WrittenStrength:
+    match = MEASURED.fullmatch(given)
+    if match is None:
+        return WrittenStrength(_positive(given, "FACTOR", text), "")
+    if match["unit"] == "N":
+        return WrittenStrength(_positive(match["number"], "force in N", text), "N")
+    depth = _positive(match["number"], f"depth in {match['unit']}", text)
+    return WrittenStrength(depth / 1000 if match["unit"] == "mm" else depth, "m")
+
+
+def _positive(given: str, name: str, text: str) -> float:
+    value = _float(given)
+    if not (math.isfinite(value) and value > 0):
+        raise InputError(f"press {text!r}: {name} must be finite and > 0, got {given.strip()}")
+    return value
+
+
+def _number(given: str, name: str, text: str) -> float:
+    value = _float(given)
+    if not math.isfinite(value):
+        raise InputError(f"press {text!r}: {name} must be a finite number, got {given.strip()}")
+    return value
+
+
+def _float(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
