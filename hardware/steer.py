@@ -10,7 +10,6 @@ from typing import Any
 from ..simulator.sweeps import InputError
 from .meter.errors import PressError
 
-DEFAULT_CONTROL = "127.0.0.1:3501"
 ADDRESS = re.compile(r"(?P<host>[^:\s]+):(?P<port>\d{1,5})")
 
 
