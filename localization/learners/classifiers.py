@@ -6,6 +6,7 @@ from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC
 
 from ...simulator.sweeps import InputError
+from ..cores import count_cores
 from .components import Components
 from .ecoc import ECOCClassifier
 from .networks import COMPONENTS, NetworkClassifier
@@ -65,5 +66,6 @@ def network() -> Pipeline:
 
 def nearest(count: int = 15) -> Pipeline:
     """An untrained pipeline: the classes of the nearest sweeps, weighed by nearness; a baseline."""
+    count_cores()
     vote = KNeighborsClassifier(count, weights="distance", algorithm="brute")
     return Pipeline([("components", Components()), ("classify", vote)])

@@ -8,6 +8,7 @@ from sklearn.neighbors import KNeighborsRegressor
 from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import StandardScaler
 
+from ..cores import count_cores
 from .components import Components
 from .networks import COMPONENTS, NetworkRegressor
 
@@ -38,6 +39,7 @@ def network() -> Pipeline:
 
 def neighbours(count: int = 10) -> Pipeline:
     """The mean of the nearest sweeps, a baseline."""
+    count_cores()
     return _on_components(KNeighborsRegressor(count, weights="distance", algorithm="brute"))
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import skops.io
 
 from ...simulator.sweeps import InputError, checked_output, whole_file
+from ..cores import count_cores
 from ..inversion.adapted import AdaptedClassifier, AdaptedPosition
 from ..inversion.classifier import ModelBased
 from ..inversion.position import ModelBasedPosition
@@ -75,6 +76,7 @@ def load(path: str | Path, registry: Registry | None = None) -> Model:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
     fields = _trusted_content(path, data)
     try:
+        count_cores()
         return _equipped(model_of(fields), registry or {})
     except EarlierLayoutError as error:
         raise InputError(f"{path}: {error}") from error

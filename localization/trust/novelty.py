@@ -8,6 +8,8 @@ from sklearn.base import BaseEstimator
 from sklearn.metrics import pairwise_distances_argmin_min
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from ..cores import count_cores
+
 LEAST_VARIANCE = 1e-10
 """Of the largest: directions along which the training varies less count as varying so much."""
 
@@ -59,6 +61,7 @@ class NoveltyGuard(BaseEstimator):
 
     def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
         """To the nearest sweep that is kept, in whitened features, shape (n,)."""
+        count_cores()
         return pairwise_distances_argmin_min(self._whitened(X), self.kept_)[1]
 
     def _learn(self, X: NDArray[np.float64]) -> NoveltyGuard:
