@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..sweeps import InputError, checked_output, open_zarr, whole_file
+from ..sweeps import InputError, check_needs, checked_output, open_zarr, whole_file
 from ..sweeps.csv import append_csv
 from ..sweeps.schema import DIMENSIONS, QUANTITIES
 
@@ -28,6 +28,8 @@ def export(data: Path, output: Path) -> None:
     output = checked_output(output, tuple(writers))
     if not data.exists():
         raise InputError(f"{data}: no such data set")
+    if output.suffix == ".parquet":
+        check_needs(output, "scale", "pyarrow")
     with open_zarr(data) as sweeps, whole_file(output) as unfinished:
         writers[output.suffix](sweeps, unfinished)
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..sweeps import InputError, checked_output, whole_file
+from ..sweeps import InputError, check_needs, checked_output, whole_file
 from . import store, workers
 from .block import PLAN_FILE, Workshop, audit_of
 from .model import REDUCED, Training
@@ -72,6 +72,7 @@ def _locked(output: Path) -> Iterator[Path]:
 
     The system frees the lock of a killed process.
     """
+    check_needs(output, "scale", "filelock")
     from filelock import FileLock, Timeout
 
     folder = output.with_name(f".{output.name}.unfinished")

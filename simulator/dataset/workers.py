@@ -16,7 +16,7 @@ from itertools import islice
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from ..sweeps import InputError
+from ..sweeps import InputError, check_needs
 from .block import Workshop, make_block
 
 AHEAD = 4
@@ -106,6 +106,7 @@ def cluster(workshop: Workshop, blocks: Sequence[int], address: str) -> Iterator
     Blocks of workers that die are made again by others. Raises InputError where the scheduler
     cannot be reached, WorkerError where blocks are lost again and again.
     """
+    check_needs(f"--scheduler {address}", "scale", "distributed")
     from distributed import Client, KilledWorker, as_completed
 
     try:

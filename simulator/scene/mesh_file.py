@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationInfo
 
-from ..sweeps import InputError
+from ..sweeps import InputError, check_needs
 
 if TYPE_CHECKING:
     import meshio
@@ -126,6 +126,7 @@ def _read(path: str, changed: int) -> Surface:
 
 
 def _parsed(path: str) -> meshio.Mesh:
+    check_needs(path, "mesh", "meshio")
     import meshio
 
     quiet = io.StringIO()

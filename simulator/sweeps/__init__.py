@@ -3,6 +3,7 @@
 from .errors import InputError, ToleranceError
 from .files import checked_output, open_zarr, read, whole_file, write
 from .impedance import branch_reactance, parallel_capacitance, series_capacitance
+from .needs import check_needs
 from .passivity import Violation, violations
 from .schema import UNPRESSED, build, check, concatenate, impedance, side_by_side
 
@@ -14,6 +15,7 @@ __all__ = [
     "branch_reactance",
     "build",
     "check",
+    "check_needs",
     "checked_output",
     "concatenate",
     "impedance",

@@ -7,12 +7,12 @@ import shutil
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .csv import read_csv, write_csv
 from .errors import InputError
+from .needs import check_needs
 from .schema import check
 
 if TYPE_CHECKING:
@@ -128,5 +128,4 @@ def open_zarr(path: Path) -> xr.Dataset:
 
 def check_zarr(path: Path) -> None:
     """Raises InputError where the extra that reads and writes `.zarr` is not installed."""
-    if any(find_spec(name) is None for name in ("zarr", "dask")):
-        raise InputError(f"{path}: .zarr needs `pip install 'rcskin[scale]'`")
+    check_needs(path, "scale", "zarr", "dask")

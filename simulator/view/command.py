@@ -85,15 +85,16 @@ def _check(
     interactive: bool,
 ) -> None:
     from ..sweeps import InputError, checked_output
-    from .movie import check_movie
-    from .outputs import ANIMATIONS, ENDINGS, MOVIES
+    from .outputs import ANIMATIONS, ENDINGS, MOVIES, check_output, check_shown
     from .quantities import checked_name
 
     checked_name(what)
     if output is None and not interactive:
         raise InputError("give -o OUT or --interactive")
     if output is not None:
-        check_movie(checked_output(output, ENDINGS))
+        check_output(checked_output(output, ENDINGS))
+    if interactive:
+        check_shown()
     if animate is not None and animate not in ANIMATIONS:
         raise InputError(f"--animate must be {' or '.join(ANIMATIONS)}, got {animate!r}")
     if animate is not None and (output is None or output.suffix not in MOVIES):

@@ -1,27 +1,18 @@
-"""Pictures one after the other: GIF by pillow, MP4 by ffmpeg where it is installed."""
+"""Pictures one after the other: GIF by pillow, MP4 by ffmpeg."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..sweeps import InputError, whole_file
+from ..sweeps import whole_file
 from .painting import ROLE_COLOURS, Image
 
 FPS = 8
 GREYS, PALER = 24, 4
-
-
-def check_movie(path: Path) -> None:
-    """Raises InputError for an MP4 where ffmpeg is not installed."""
-    if path.suffix == ".mp4" and find_spec("imageio_ffmpeg") is None:
-        raise InputError(
-            f"{path}: MP4 needs ffmpeg: install rcskin[movies], which brings it, or write a .gif"
-        )
 
 
 def write_movie(path: Path, frames: Iterable[Image], colour_maps: Collection[str]) -> None:
@@ -29,7 +20,6 @@ def write_movie(path: Path, frames: Iterable[Image], colour_maps: Collection[str
 
     colour_maps: names of those that a GIF, which has 256 colours, must be true to.
     """
-    check_movie(path)
     with whole_file(path) as unfinished:
         if path.suffix == ".gif":
             _write_gif(unfinished, frames, _palette(colour_maps))

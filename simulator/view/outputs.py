@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..sweeps import InputError
+from ..sweeps import InputError, check_needs
 from .quantities import Quantity, chosen
 from .shown import at_frequencies, over_the_phase
 
@@ -15,8 +15,13 @@ if TYPE_CHECKING:
     from .scenery import Stage
 
 MOVIES = (".gif", ".mp4")
+PICTURES = (".png", *MOVIES)
 DATA = (".vtu", ".xdmf")
-ENDINGS = (".png", *MOVIES, *DATA, ".html")
+ENDINGS = (*PICTURES, *DATA, ".html")
+WRITTEN_BY = {".mp4": "imageio_ffmpeg", ".xdmf": "meshio", ".html": "plotly"}
+"""Libraries that endings need besides that of all surfaces."""
+SURFACES = "pyvista"
+EXTRA = "view"
 ANIMATIONS = ("frequency", "phase")
 ACROSS = 3
 """Panels in a row, where all are of one frequency."""
@@ -28,11 +33,27 @@ ROOM_FOR_WORDS = 1.35
 """Times what is seen in a window, for its title and colour bar."""
 
 
+def check_output(path: Path) -> None:
+    """Raises InputError where what writes the file, or draws it, is not installed."""
+    writer = WRITTEN_BY.get(path.suffix)
+    check_needs(path, EXTRA, SURFACES, *([writer] if writer else []))
+    if path.suffix in PICTURES:
+        from .painting import check_drawing
+
+        check_drawing()
+
+
+def check_shown() -> None:
+    """Raises InputError where what shows a window, or a page in its place, is not installed."""
+    check_needs("--interactive", EXTRA, SURFACES, WRITTEN_BY[".html"])
+
+
 def write_output(path: Path, stage: Stage, what: str, animate: str | None) -> None:
     """Write the fields in the way that the file's ending asks for, whole or not at all.
 
-    Raises InputError where nothing of the kind can be shown.
+    Raises InputError where nothing of the kind can be shown, or written here.
     """
+    check_output(path)
     write: Callable[[Path, Stage, str], None]
     if path.suffix in MOVIES:
         write = _write_phases if animate == "phase" else _write_frequencies

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,9 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..charts import AT_REST, COLOURS
+from ..sweeps import InputError
 from .surface import polygons
 
 if TYPE_CHECKING:
+    from ctypes import CDLL
+
     import pyvista as pv
     from pyvista.plotting.themes import Theme
 
@@ -26,26 +29,32 @@ if TYPE_CHECKING:
     from .surface import Surface
 
 WINDOW_CLASS = "VTK_DEFAULT_OPENGL_WINDOW"
-WITHOUT_SCREEN = {
-    "libEGL.so.1": "vtkEGLRenderWindow",
-    "libOSMesa.so.8": "vtkOSOpenGLRenderWindow",
-}
-"""By the library that it needs, the window class that draws without any display."""
+ON_EGL, ON_MESA = "vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow"
+"""Window classes that draw without any display."""
 
 
 def has_display() -> bool:
     """Whether a window can be opened."""
     if not sys.platform.startswith("linux"):
         return True
-    return bool(os.environ.get("DISPLAY")) and _x_server_answers()
+    return bool(os.environ.get("DISPLAY")) and bool(_library("libGL.so.1")) and _x_server_answers()
+
+
+def _library(name: str) -> CDLL | None:
+    """A library of the system; None where it is not installed."""
+    from ctypes import CDLL
+
+    try:
+        return CDLL(name)
+    except OSError:
+        return None
 
 
 def _x_server_answers() -> bool:
-    from ctypes import CDLL, c_char_p, c_void_p
+    from ctypes import c_char_p, c_void_p
 
-    try:
-        x11 = CDLL("libX11.so.6")
-    except OSError:
+    x11 = _library("libX11.so.6")
+    if x11 is None:
         return False
     x11.XOpenDisplay.restype, x11.XOpenDisplay.argtypes = c_void_p, [c_char_p]
     display = x11.XOpenDisplay(None)
@@ -57,7 +66,7 @@ def _x_server_answers() -> bool:
 
 @contextmanager
 def off_screen(width: int, height: int) -> Iterator[pv.Plotter]:
-    """A plotter of that size in pixels that needs no display."""
+    """A plotter of that size in pixels that needs no display; InputError as of `check_drawing`."""
     import pyvista as pv
 
     with _window_class_without_screen():
@@ -70,27 +79,48 @@ def off_screen(width: int, height: int) -> Iterator[pv.Plotter]:
 
 @contextmanager
 def _window_class_without_screen() -> Iterator[None]:
-    """Left to VTK where there is no X, or where a class is chosen already."""
-    if not sys.platform.startswith("linux") or WINDOW_CLASS in os.environ:
+    chosen = _window_class()
+    if chosen is None:
         yield
         return
-    os.environ[WINDOW_CLASS] = _class_without_screen()
+    os.environ[WINDOW_CLASS] = chosen
     try:
         yield
     finally:
         del os.environ[WINDOW_CLASS]
 
 
-def _class_without_screen() -> str:
-    from ctypes import CDLL
+def check_drawing() -> None:
+    """Raises InputError where nothing is there to draw with, of which VTK would crash."""
+    _window_class()
 
-    for library, window_class in WITHOUT_SCREEN.items():
-        with suppress(OSError):
-            CDLL(library)
-            return window_class
-    raise RuntimeError(
-        "pictures need the library libEGL or libOSMesa (Debian: apt-get install libegl1)"
+
+def _window_class() -> str | None:
+    """Left to VTK where there is no X, or only that, or where a class is chosen already."""
+    if not sys.platform.startswith("linux") or WINDOW_CLASS in os.environ:
+        return None
+    if _egl_has_a_device():
+        return ON_EGL
+    if _library("libOSMesa.so.8"):
+        return ON_MESA
+    if has_display():
+        return None
+    raise InputError(
+        "pictures need libEGL with a driver, libOSMesa or a display (Debian: apt install libegl1)"
     )
+
+
+def _egl_has_a_device() -> bool:
+    from ctypes import CFUNCTYPE, byref, c_char_p, c_int, c_uint, c_void_p
+
+    egl = _library("libEGL.so.1")
+    if egl is None:
+        return False
+    egl.eglGetProcAddress.restype, egl.eglGetProcAddress.argtypes = c_void_p, [c_char_p]
+    address = egl.eglGetProcAddress(b"eglQueryDevicesEXT")
+    count = c_int(0)
+    ask = CFUNCTYPE(c_uint, c_int, c_void_p, c_void_p)
+    return bool(address) and bool(ask(address)(0, None, byref(count))) and count.value > 0
 
 
 def window(title: str, count: int) -> pv.Plotter:

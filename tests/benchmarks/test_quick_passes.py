@@ -9,6 +9,7 @@ import pytest
 pytestmark = pytest.mark.slow
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 NEEDS = {"dataset": "psutil"}
+MARKS = {"gallery": pytest.mark.pictures}
 TIMEOUT = 400
 """s, on a machine that does much besides."""
 
@@ -36,7 +37,9 @@ def quick_pass(name, *options):
     )
 
 
-@pytest.mark.parametrize("name", programs())
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=MARKS.get(name, ())) for name in programs()]
+)
 def test_quick_pass(name):
     if name in NEEDS:
         pytest.importorskip(NEEDS[name])

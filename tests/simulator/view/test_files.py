@@ -27,6 +27,7 @@ def frames_of_gif(path):
         return [np.asarray(frame.convert("RGB")) for frame in ImageSequence.Iterator(movie)]
 
 
+@pytest.mark.pictures
 @pytest.mark.parametrize(("animate", "what"), [(None, "potential"), ("phase", "current")])
 def test_a_gif_has_a_frame_for_each_moment(fields, stage, tmp_path, small_movies, animate, what):
     path = tmp_path / "movie.gif"
@@ -50,6 +51,7 @@ def test_a_gif_keeps_the_colours_of_maps_and_foils(tmp_path):
         assert np.abs(kept.astype(int) - given).max() <= 6
 
 
+@pytest.mark.pictures
 def test_an_mp4_has_a_frame_for_each_frequency(fields, stage, tmp_path, small_movies):
     from imageio_ffmpeg import count_frames_and_secs
 

@@ -9,6 +9,8 @@ from rcskin.simulator.view.outputs import panels_of, rows_of_panels, title, writ
 from rcskin.simulator.view.painting import paint
 from rcskin.simulator.view.quantities import chosen
 
+pytestmark = pytest.mark.pictures
+
 
 def only_panel(set_up, what):
     (quantity,) = chosen(what, set_up.fields)

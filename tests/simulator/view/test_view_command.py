@@ -1,6 +1,8 @@
 """`rcskin view` as its user meets it."""
 
-import importlib.util
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -29,6 +31,7 @@ def scene_file(scene, tmp_path):
     return path
 
 
+@pytest.mark.pictures
 def test_a_picture_is_written(run, solved, scene_file, tmp_path):
     out = tmp_path / "out.png"
     assert run("view", scene_file, "--press", "2,3", "--frequency", "1e4", "-o", out) == (0, "", "")
@@ -36,6 +39,7 @@ def test_a_picture_is_written(run, solved, scene_file, tmp_path):
     assert len(np.unique((255 * imread(out)).astype(np.uint8).reshape(-1, 4), axis=0)) > 500
 
 
+@pytest.mark.pictures
 def test_pictures_show_one_frequency_and_data_all(run, solved, scene_file, tmp_path):
     for name in ("out.png", "out.vtu", "out.xdmf"):
         assert run("view", scene_file, "-o", tmp_path / name)[0] == 0
@@ -69,6 +73,7 @@ def test_without_a_display_a_page_is_opened(run, solved, scene_file, monkeypatch
     assert run("view", scene_file, "--interactive", "-o", named)[:2] == (0, f"{named}\n")
 
 
+@pytest.mark.pictures
 def test_with_a_display_a_window_is_opened(run, solved, scene_file, monkeypatch):
     from pyvista import Plotter
 
@@ -105,17 +110,52 @@ def test_bad_input_is_told_in_one_line(
     run, solved, scene_file, tmp_path, monkeypatch, arguments, says
 ):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("rcskin.simulator.view.painting.check_drawing", lambda: None)
     code, out, err = run("view", scene_file, *arguments)
     assert (code, out) == (2, "")
     assert says in err and err.count("\n") == 1
     assert [path.name for path in tmp_path.iterdir()] == ["scene.toml"]
 
 
-def test_mp4_without_ffmpeg_says_what_to_install(run, solved, scene_file, tmp_path, monkeypatch):
-    found = importlib.util.find_spec
-    monkeypatch.setattr(
-        "rcskin.simulator.view.movie.find_spec",
-        lambda name: None if name == "imageio_ffmpeg" else found(name),
-    )
-    code, _, err = run("view", scene_file, "-o", tmp_path / "out.mp4")
-    assert code == 2 and "rcskin[movies]" in err
+@pytest.mark.parametrize(
+    ("library", "arguments"),
+    [
+        ("pyvista", ("-o", "out.png")),
+        ("pyvista", ("-o", "out.vtu")),
+        ("imageio_ffmpeg", ("-o", "out.mp4")),
+        ("meshio", ("-o", "out.xdmf")),
+        ("plotly", ("-o", "out.html")),
+        ("plotly", ("--interactive",)),
+    ],
+)
+def test_what_is_not_installed_is_told_with_its_extra(
+    run, solved, scene_file, tmp_path, monkeypatch, library, arguments
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(sys.modules, library, None)
+    code, out, err = run("view", scene_file, *arguments)
+    assert (code, out, solved) == (2, "", [])
+    assert err == f"rcskin: {arguments[-1]}: needs {library}: pip install 'rcskin[view]'\n"
+
+
+@pytest.mark.parametrize("name", ["out.png", "out.gif", "out.mp4"])
+def test_where_nothing_draws_it_is_told_before_anything_is_solved(
+    run, solved, scene_file, tmp_path, monkeypatch, name
+):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("VTK_DEFAULT_OPENGL_WINDOW", raising=False)
+    monkeypatch.setattr("sys.platform", "linux")
+    monkeypatch.setattr("rcskin.simulator.view.painting._library", lambda name: None)
+    code, out, err = run("view", scene_file, "-o", tmp_path / name)
+    assert (code, out, solved) == (2, "", [])
+    assert "pictures need libEGL" in err and err.count("\n") == 1
+
+
+@pytest.mark.pictures
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="EGL is of Linux")
+def test_a_library_without_a_driver_does_not_take_the_program_down(tmp_path):
+    without_drivers = {**os.environ, "__EGL_VENDOR_LIBRARY_FILENAMES": str(tmp_path / "none")}
+    without_drivers.pop("DISPLAY", None)
+    command = [sys.executable, "-m", "rcskin", "view", "sheet-3x3", "-o", str(tmp_path / "out.png")]
+    done = subprocess.run(command, env=without_drivers, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 2 or (tmp_path / "out.png").exists()
