@@ -62,7 +62,8 @@ def test_a_file_tampered_to_build_another_type_is_refused(model, tmp_path):
 def test_a_file_of_a_foreign_type_is_refused(model, tmp_path):
     skops.io.dump({"pipeline": model}, tmp_path / "a.skops")
     with pytest.raises(
-        InputError, match=r"a\.skops: .*untrusted type rcskin\.localization\.inputs\.samples\.Problem"
+        InputError,
+        match=r"a\.skops: .*untrusted type rcskin\.localization\.inputs\.samples\.Problem",
     ):
         load(tmp_path / "a.skops")
 
