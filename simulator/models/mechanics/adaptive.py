@@ -23,9 +23,9 @@ SAFETY = 5.0
 polygon, less at right angles and where all is smooth."""
 SHRINKS = 2 ** (-2 / 3)
 """The error at the corner of a square, where w grows like r^(2/3), as its triangles are halved."""
-OF_TAIL = 0.1
+OF_TAIL = 0.2
 """Mean error of w in a triangle over the largest that the highest order alone holds of it there. Of
-presses up to the closing of the cells its size was 0.05 to 0.14 of that, itself 0.006 to 0.034."""
+presses up to the closing of the cells its size was 0.05 to 0.18 of that."""
 MOST_AT_ONCE = 8
 HALF_AGAIN = 2.0
 """Of the tolerance: what the largest error counts as where the first triangles hold it already."""

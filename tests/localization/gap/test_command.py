@@ -71,7 +71,7 @@ def test_a_sheet_resistance_is_named_and_calibration_brings_accuracy_up(run, fil
 def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
     run, files, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("rcskin.localization.gap.report.charts.charts_of", lambda *given: [])
+    monkeypatch.setattr("rcskin.localization.gap.report.pages.charts_of", lambda *given: [])
     bare = tmp_path / "bare.nc"
     exact = simulate(Solver(load_scene("strip-1x3")), pixel_by_pixel(load_scene("strip-1x3")))
     write(exact.isel(frequency=slice(None, None, 2)).assign_attrs(scene=""), bare)

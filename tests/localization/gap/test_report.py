@@ -133,7 +133,7 @@ def test_a_chart_that_fails_leaves_nothing_behind(findings, style, tmp_path, mon
     def fails(*arguments):
         raise RuntimeError
 
-    monkeypatch.setattr("rcskin.localization.gap.report.curves.draw_accuracies", fails)
+    monkeypatch.setattr("rcskin.localization.gap.report.charts.draw_accuracies", fails)
     with pytest.raises(RuntimeError):
         report.write_report(tmp_path, findings, style)
     assert list(tmp_path.iterdir()) == []

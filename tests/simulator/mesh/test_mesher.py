@@ -115,9 +115,10 @@ def test_meshes_are_the_same_in_threads_and_processes(tools):
         here = set(pool.map(bits, range(8)))
     told = f"""
 from pathlib import Path
-from simulator.domain import domain
-from simulator.press import Disc, Press
-from simulator.scene_file import load_scene
+from rcskin.simulator.mesh.skin_mesh import domain
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Disc
+from rcskin.simulator.scene.files import load_scene
 mesh = domain(load_scene(Path({str(path)!r})), Press((Disc(0.07, 0.07, 0.01, 2.0),)), 0.01)
 print(mesh.p.tobytes().hex() + mesh.t.tobytes().hex())
 """
