@@ -75,7 +75,8 @@ def test_half_a_period_later_the_potential_is_reversed(fields, stage, tmp_path, 
     ("what", "animate", "says"),
     [("capacitance", "frequency", "same at all"), ("power", "phase", "potential or current")],
 )
-def test_what_does_not_move_is_no_movie(fields, stage, tmp_path, what, animate, says):
+def test_what_does_not_move_is_no_movie(fields, stage, tmp_path, monkeypatch, what, animate, says):
+    monkeypatch.setattr("rcskin.simulator.view.painting.check_drawing", lambda: None)
     with pytest.raises(InputError, match=says):
         write_output(tmp_path / "movie.gif", stage(fields()), what, animate)
     assert not list(tmp_path.iterdir())
