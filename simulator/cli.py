@@ -27,14 +27,36 @@ app = typer.Typer(
 )
 
 
+def _told_version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(f"rcskin {version('rcskin')}")
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    told: Annotated[
+        bool, typer.Option("--version", callback=_told_version, is_eager=True, help="Tell it.")
+    ] = False,
+) -> None:
+    """Simulate a capacitive soft sensor skin and localize touches on it."""
+
+
 @app.command()
-def scenes() -> None:
-    """List the built-in scenes."""
+def scenes(
+    name: Annotated[str | None, typer.Argument(help="Of the scene whose file is shown.")] = None,
+) -> None:
+    """List the built-in scenes, or show the file of one."""
     from rich.console import Console
     from rich.table import Column, Table
 
-    from .scene.files import builtin_names, load_scene
+    from .scene.files import builtin_names, builtin_text, load_scene
 
+    if name is not None:
+        typer.echo(builtin_text(name), nl=False)
+        return
     table = Table(Column("name", no_wrap=True), "skin (mm)", "frequencies", "description", box=None)
     for name in builtin_names():
         scene = load_scene(name)
@@ -46,6 +68,20 @@ def scenes() -> None:
             scene.description,
         )
     Console().print(table)
+
+
+@app.command()
+def new(
+    output: Annotated[Path, typer.Argument(help="MY.toml, to be changed in an editor.")],
+    like: Annotated[
+        str, typer.Option("--from", help="The built-in scene to begin with.")
+    ] = "glove",
+) -> None:
+    """Begin a scene of your own: a commented file with every basic key and its unit."""
+    from .scene.files import write_new
+
+    write_new(output, like)
+    typer.echo(f"{output}: begun from {like}; rcskin sweep {output} -o all.nc simulates it")
 
 
 @app.command()

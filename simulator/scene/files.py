@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import json
+import re
 import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -12,7 +14,7 @@ import tomli_w
 from numpy.typing import NDArray
 from pydantic import Field, ValidationError, model_validator
 
-from ..sweeps import InputError
+from ..sweeps import InputError, checked_output, whole_file
 from .maps import MOST_VALUES, Factor
 from .planar import shared
 from .scene import Scene
@@ -20,6 +22,7 @@ from .validation import Table, Whole, one_line
 
 Count = Annotated[Whole, Field(ge=1, le=MOST_VALUES)]
 
+NAME = re.compile(r'^name = "[^"]*"', flags=re.MULTILINE)
 MAPPED = {"top", "bottom", "foam"}
 
 
@@ -133,6 +136,26 @@ BUILTIN = Path(__file__).parents[1] / "scenes"
 def builtin_names() -> list[str]:
     """The names of the scenes that come with the package."""
     return sorted(path.stem for path in BUILTIN.glob("*.toml"))
+
+
+def builtin_text(name: str) -> str:
+    """The file of a built-in scene, comments and all. Raises InputError where there is none."""
+    if name not in builtin_names():
+        raise InputError(f"{name}: no built-in scene; there are {', '.join(builtin_names())}")
+    return (BUILTIN / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def write_new(path: Path, like: str) -> None:
+    """Begin a scene file with that of a built-in scene, under the name of the file.
+
+    Raises InputError for another ending, an absent folder, a file that is there, and another scene.
+    """
+    text = builtin_text(like)
+    if checked_output(path, (".toml",)).exists():
+        raise InputError(f"{path}: is there already, and is not overwritten")
+    with whole_file(path) as unfinished:
+        name = json.dumps(path.stem, ensure_ascii=False)
+        unfinished.write_text(NAME.sub(lambda _: f"name = {name}", text, count=1), encoding="utf-8")
 
 
 def load_scene(name_or_path: str | Path) -> Scene:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from rcskin.__main__ import app, main
+from rcskin.simulator.scene.files import builtin_text
 from typer.main import get_command
 
 ROOT = Path(__file__).parents[2]
@@ -94,12 +95,15 @@ def run(monkeypatch, line):
         assert ended.code in (0, None), line
 
 
+def test_the_skin_of_ones_own_is_a_built_in_scene():
+    (scene,) = blocks("simulator/OWN_SKIN.md", "toml")
+    assert scene == builtin_text("glove")
+
+
 @pytest.mark.slow
 def test_a_skin_of_ones_own_goes_all_the_way(tmp_path, monkeypatch):
     page = "simulator/OWN_SKIN.md"
     monkeypatch.chdir(tmp_path)
-    (scene,) = blocks(page, "toml")
-    Path("glove.toml").write_text(scene, encoding="utf-8")
     offline = [line for line in commands(page) if not re.search(r"meter|live|run\.nc", line)]
     assert len(offline) >= 8
     for line in offline:

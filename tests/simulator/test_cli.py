@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from importlib.metadata import version
 
 import numpy as np
 import pytest
@@ -37,6 +38,33 @@ def test_scenes_names_every_built_in_scene(run):
     code, out, _ = run("scenes")
     assert code == 0
     assert all(name in out for name in builtin_names())
+
+
+def test_scenes_shows_the_file_of_one(run):
+    assert run("scenes", "strip-1x3")[1] == (BUILTIN / "strip-1x3.toml").read_text()
+    code, _, err = run("scenes", "strip-1x9")
+    assert code == 2 and "no built-in scene; there are glove, sheet-3x3" in err
+
+
+@pytest.mark.parametrize("like", [None, "sheet-3x3"])
+def test_a_new_scene_is_that_of_an_example_under_its_own_name(run, tmp_path, like):
+    path = tmp_path / "my patch.toml"
+    code, out, _ = run("new", path, *(["--from", like] if like else []))
+    assert code == 0 and str(path) in out
+    example = load_scene(like or "glove")
+    assert load_scene(path) == example.model_copy(update={"name": "my patch"})
+    assert path.read_text().count("#") >= 8
+
+
+def test_a_new_scene_overwrites_nothing(run, scene_with):
+    path = scene_with("name", "name")
+    before = path.read_text()
+    code, _, err = run("new", path)
+    assert code == 2 and "is there already" in err and path.read_text() == before
+
+
+def test_the_version_is_told(run):
+    assert run("--version")[:2] == (0, f"rcskin {version('rcskin')}\n")
 
 
 @pytest.mark.parametrize("ending", ["csv", "nc"])
