@@ -168,6 +168,6 @@ def calibrate(scene: Scene, sweeps: xr.Dataset) -> Calibration:
 
     Raises InputError where sweeps and scene do not fit, ToleranceError where no model holds.
     """
-    from .simulator.calibration import calibrate as calibrated
+    from .simulator.calibration.run import calibrate as calibrated
 
     return calibrated(scene, sweeps)

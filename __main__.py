@@ -163,7 +163,7 @@ def _read_by_meter(sweeps: xr.Dataset, text: str, seed: int) -> xr.Dataset:
 
 
 def _recalibrated(simulated: xr.Dataset, measured: xr.Dataset) -> gap.Recalibrated:
-    from .simulator.calibration import calibrate
+    from .simulator.calibration.run import calibrate
     from .simulator.scene.files import parse_scene, scene_text
 
     found = calibrate(parse_scene(simulated.attrs["scene"], "scene"), measured)
@@ -177,7 +177,7 @@ def _recalibrated(simulated: xr.Dataset, measured: xr.Dataset) -> gap.Recalibrat
 
 
 def _explained(text: str, measured: xr.Dataset) -> list[gap.Cause]:
-    from .simulator.calibration import gap_by_parameter
+    from .simulator.calibration.explained import gap_by_parameter
     from .simulator.scene.files import parse_scene
 
     found = gap_by_parameter(parse_scene(text, "scene"), measured)

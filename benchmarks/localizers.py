@@ -23,7 +23,8 @@ from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.registered import NAME, model_based
 from rcskin.localization.learners.registry import chosen, estimators
 from rcskin.localization.trust.fitting import learn_classes, learn_positions
-from rcskin.simulator.dataset import Plan, generate
+from rcskin.simulator.dataset.plan import Plan
+from rcskin.simulator.dataset.run import generate
 from rcskin.simulator.inversion.tables import templates
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene

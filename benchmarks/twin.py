@@ -26,9 +26,11 @@ from rcskin.localization.inputs.reading import read_some
 from rcskin.localization.inversion.registered import model_based
 from rcskin.localization.learners.registry import Registry, estimators
 from rcskin.localization.model.model import Model, train
-from rcskin.simulator.calibration import Options, calibrate
-from rcskin.simulator.dataset import Plan, generate
+from rcskin.simulator.calibration.choice import Options
+from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.dataset.model import Training, reduced
+from rcskin.simulator.dataset.plan import Plan
+from rcskin.simulator.dataset.run import generate
 from rcskin.simulator.inversion.tables import templates
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.model import Reduced

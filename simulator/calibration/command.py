@@ -59,10 +59,10 @@ def calibrate(
     from ..scene.files import load_scene
     from ..scene.frequency import parse_band
     from ..sweeps import read
-    from . import Options
-    from . import calibrate as calibrated
+    from .choice import Options
     from .prior import checked_kind
     from .report import checked_folder, correlation_table, explanations, table, write_report
+    from .run import calibrate as calibrated
 
     folder = checked_folder(output)
     options = Options(

@@ -35,8 +35,9 @@ def dataset(
     from ..models.plain import plain_scene
     from ..scene.files import load_scene
     from ..sweeps import InputError, open_zarr
-    from . import Plan, generate
     from .bar import on_terminal
+    from .plan import Plan
+    from .run import generate
 
     if workers is not None and workers < 1:
         raise InputError(f"--workers must be >= 1, got {workers}")

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration import Options, calibrate, gap_by_parameter
+from rcskin.simulator.calibration.choice import Options
+from rcskin.simulator.calibration.explained import gap_by_parameter
+from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.models.parameters import own_values, scene_with
 from rcskin.simulator.models.reduced.forward import Forward

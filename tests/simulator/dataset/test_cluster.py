@@ -5,7 +5,7 @@ import signal
 
 import pytest
 from distributed import LocalCluster
-from rcskin.simulator.dataset import generate
+from rcskin.simulator.dataset.run import generate
 from rcskin.simulator.sweeps import InputError
 
 

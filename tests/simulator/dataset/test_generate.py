@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from rcskin.simulator.dataset import Plan
+from rcskin.simulator.dataset.plan import Plan
 from rcskin.simulator.dataset.session import drawn_session
 from rcskin.simulator.dataset.store import finish
 from rcskin.simulator.measure.readout import displayed

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset import Plan, generate
 from rcskin.simulator.dataset.model import REDUCED, reduced
+from rcskin.simulator.dataset.plan import Plan
+from rcskin.simulator.dataset.run import generate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.files import load_scene

@@ -7,7 +7,7 @@ import sys
 import time
 
 import pytest
-from rcskin.simulator.dataset import generate
+from rcskin.simulator.dataset.run import generate
 from rcskin.simulator.sweeps import InputError
 
 RUN = [sys.executable, "-c", "import toy_family; toy_family.main()"]

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rcskin.simulator.dataset import Plan, generate
 from rcskin.simulator.dataset.model import Training
+from rcskin.simulator.dataset.plan import Plan
+from rcskin.simulator.dataset.run import generate
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
 

@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 from matplotlib.image import imread
 from rcskin.simulator.scene.files import BUILTIN
-from rcskin.simulator.study.command import changed
 from rcskin.simulator.study.keys import scene_table
+from rcskin.simulator.study.settings import changed
 
 FAST = ("--draws", "1", "--workers", "1")
 COLUMNS = [

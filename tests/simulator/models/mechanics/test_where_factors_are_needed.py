@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration import calibrate
+from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.inversion.tables import strength_prior
 from rcskin.simulator.limits.fields import Fields
 from rcskin.simulator.measure.experiment import own_presses, planned_presses

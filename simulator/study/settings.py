@@ -1,0 +1,58 @@
+"""What is set for a whole study: the meter's upper limit, repetitions, seed, processes."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from ..sweeps import InputError
+from .keys import find_key, with_values
+
+MOST_WORKERS = 256
+
+
+def changed(
+    table: Mapping[str, Any], max_frequency: float | None, repetitions: int | None, seed: int | None
+) -> dict[str, Any]:
+    """A scene's table with a study's settings; None leaves what is there. Raises InputError."""
+    new = copy.deepcopy(dict(table))
+    if repetitions is not None:
+        new["experiment"]["repetitions"] = repetitions
+    if seed is not None:
+        new["experiment"]["seed"] = seed
+    if max_frequency is not None:
+        new["sweep"]["frequencies"] = _up_to(max_frequency, new["sweep"]["frequencies"])
+    with_values(new, {find_key("experiment.seed", new): new["experiment"]["seed"]})
+    return new
+
+
+def checked_workers(count: int | None) -> int:
+    """The number of processes, one for each core for None. Raises InputError."""
+    if count is None:
+        from joblib import cpu_count
+
+        return cpu_count()
+    if not 1 <= count <= MOST_WORKERS:
+        raise InputError(f"--workers must be from 1 to {MOST_WORKERS}, got {count}")
+    return count
+
+
+def checked_rtol(rtol: float | None) -> float | None:
+    """The same tolerance. Raises InputError."""
+    if rtol is not None and not (math.isfinite(rtol) and rtol > 0):
+        raise InputError(f"`rtol` must be finite and > 0, got {rtol:g}")
+    return rtol
+
+
+def _up_to(limit: float, frequencies: Any) -> Any:
+    lowest = frequencies["start"] if isinstance(frequencies, dict) else min(frequencies)
+    if not (math.isfinite(limit) and limit > lowest):
+        raise InputError(
+            f"--max-frequency must be finite and > {lowest:g} Hz, where the scene begins, "
+            f"got {limit:g}"
+        )
+    if isinstance(frequencies, dict):
+        return {**frequencies, "stop": limit}
+    return [frequency for frequency in frequencies if frequency <= limit]
