@@ -25,7 +25,7 @@ from ..trust.novelty import NoveltyGuard
 from ..trust.spread import Spread
 from .model import Model
 
-LAYOUT = 3
+LAYOUT = 4
 """Counts up where files of a model can no longer be read as they were."""
 EARLIER = {"pipeline", "target", "quantities", "interfaces", "frequencies", "scene", "version"}
 """Fields of layout 1, which did not name itself."""
@@ -74,6 +74,11 @@ PROBLEM = {
 }
 
 
+ANOTHER_LAYOUT = f"a model of another layout than {LAYOUT}, which this version reads; train it anew"
+BEFORE_ONE_NAME = "localization."
+"""What types in files of layouts up to 3 begin with."""
+
+
 class EarlierLayoutError(Exception):
     """The fields are of another layout; the message says what to do."""
 
@@ -98,9 +103,7 @@ def fields_of(model: Model) -> dict[str, Any]:
 def model_of(fields: Any) -> Model:
     """The model of such fields. Raises EarlierLayoutError, or ValueError where they are of none."""
     if _is_earlier(fields):
-        raise EarlierLayoutError(
-            f"a model of another layout than {LAYOUT}, which this version reads; train it anew"
-        )
+        raise EarlierLayoutError(ANOTHER_LAYOUT)
     _check(fields, {"layout": int, **KINDS})
     _check(fields["problem"], PROBLEM)
     problem = Problem(**fields["problem"])

@@ -18,7 +18,7 @@ from ..learners.networks import NetworkClassifier, NetworkRegressor
 from ..learners.registry import Registry
 from ..trust.novelty import NoveltyGuard
 from ..trust.spread import Spread
-from .fields import EarlierLayoutError, fields_of, model_of
+from .fields import ANOTHER_LAYOUT, BEFORE_ONE_NAME, EarlierLayoutError, fields_of, model_of
 from .model import Model
 
 ENDING = ".skops"
@@ -97,6 +97,8 @@ def _trusted_content(path: Path, data: bytes) -> Any:
     except Exception as error:  # a damaged archive can fail anywhere in zipfile, json or skops
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: not a model in the format of skops: {reason}") from error
+    if any(name.startswith(BEFORE_ONE_NAME) for name in untrusted):
+        raise InputError(f"{path}: {ANOTHER_LAYOUT}")
     if untrusted:
         raise InputError(f"{path}: holds the untrusted type {untrusted[0]}; not loaded")
     return content

@@ -119,3 +119,14 @@ def test_a_save_that_fails_leaves_the_old_file_as_it_was(model, tmp_path):
         save(path, replace(model, version=(letter for letter in "unsaveable")))
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_file_of_before_all_had_one_name_is_told_to_be_trained_anew(model, tmp_path):
+    save(tmp_path / "good.skops", model)
+    rewrite(
+        tmp_path / "good.skops",
+        tmp_path / "old.skops",
+        lambda schema: schema.replace("rcskin.localization.", "localization."),
+    )
+    with pytest.raises(InputError, match=r"old\.skops: a model of another layout .* train it anew"):
+        load(tmp_path / "old.skops")
