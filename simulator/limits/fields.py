@@ -22,7 +22,7 @@ from ..models.plain import require_factor, require_plain
 from ..models.reduced.family import Family
 from ..models.resolution import Ladder
 from ..press.press import Press
-from ..scene.frequency import REFERENCE, laplace_variable
+from ..scene.frequency import laplace_variable, slopes_of_s
 from ..scene.scene import Pixels, Scene
 from ..sweeps import InputError
 
@@ -94,7 +94,8 @@ class Fields:
         u = self._potentials(drive, pencil, mass, s, Y)
         by = {name: s * self._energy(u, each) for name, each in masses.items()}
         by_s = self._energy(u, mass)
-        by |= {name: by_s * slope for name, slope in self._slopes_of_s(s, frequency).items()}
+        of_s = slopes_of_s(frequency, self.scene.skin.foam.loss)
+        by |= {name: by_s * of_s[name] for name in ("capacitance", "loss_tangent")}
         return Y, by | self._by_resistance(u)
 
     def _potentials(
@@ -121,15 +122,6 @@ class Fields:
     def _energy(self, u: NDArray[np.complex128], mass: csc_matrix) -> NDArray[np.complex128]:
         return (u * (self._family.space.restricted(mass) @ u)).sum(axis=0)
 
-    def _slopes_of_s(
-        self, s: NDArray[np.complex128], frequency: NDArray[np.float64]
-    ) -> dict[str, NDArray[np.complex128]]:
-        """ds by the capacitance of all foam, a factor on it, and by its loss tangent."""
-        turned = 1j * frequency / REFERENCE
-        exponent = self.scene.skin.foam.phase_exponent
-        by_loss = 2 * np.pi * frequency * turned ** (exponent - 1)
-        return {"capacitance": s, "loss_tangent": by_loss}
-
     def _by_resistance(self, u: NDArray[np.complex128]) -> dict[str, NDArray[np.complex128]]:
         """dY by the logarithms of resistances and of top over bottom; see `parameters`."""
         family, skin = self._family, self.scene.skin
@@ -154,8 +146,8 @@ class Fields:
         frequency: NDArray[np.float64],
     ) -> Answer:
         """From admittance at the skin to impedance behind the leads."""
-        leads, omega = self.scene.leads, 2j * np.pi * frequency
-        seen = -((Z / (1 + omega * leads.unguarded * Z)) ** 2)
-        found = {name: seen * slope for name, slope in by.items()}
-        found |= {"lead_resistance": np.ones_like(Z), "stray_capacitance": omega * seen}
+        leads = self.scene.leads
+        by_skin, by_leads = leads.slopes(Z, frequency)
+        found = {name: -(Z**2) * by_skin * slope for name, slope in by.items()}
+        found |= {name: by_leads[name] for name in ("lead_resistance", "stray_capacitance")}
         return Answer(leads.seen_through(Z, frequency).astype(np.complex128), found)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..press.press import Press
 from ..press.touch import Touch
-from ..scene.frequency import REFERENCE, laplace_variable
+from ..scene.frequency import laplace_variable, slopes_of_s
 from ..scene.meter import Leads
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -92,22 +92,16 @@ class LineModel:
         slopes = {
             "sheet_resistance": by_sheets,
             "sheet_mismatch": halves * by_sheets,
-            "capacitance": s * by_s,
             "contact_resistance": np.full_like(Z, film),
-            "loss_tangent": by_s * self._turned(values) * 2 * np.pi * self.scene.frequencies,
-            "phase_exponent": by_s * s * np.log(1j * self.scene.frequencies / REFERENCE),
         }
+        of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
+        slopes |= {name: by_s * slope for name, slope in of_s.items()}
         return self._at_meter(Z + film, slopes, by_cell, leads_of(values))
 
     def _both_sheets(self, values: Mapping[str, float]) -> NDArray[np.float64]:
         """Resistance of each whole sheet in ohm."""
         half = values["sheet_mismatch"] / 2
         return self._sheets * np.exp(values["sheet_resistance"] + np.array([half, -half]))
-
-    def _turned(self, values: Mapping[str, float]) -> NDArray[np.complex128]:
-        """(j f / REFERENCE)^(a - 1)."""
-        f = 1j * self.scene.frequencies / REFERENCE
-        return f ** (values["phase_exponent"] - 1)
 
     def _at_meter(
         self,
@@ -117,12 +111,8 @@ class LineModel:
         leads: Leads,
     ) -> Response:
         """Behind the leads, alike at every interface."""
-        omega = 2j * np.pi * self.scene.frequencies
-        seen = 1 / (1 + omega * leads.stray_capacitance * Z) ** 2
-        by_parameter = {name: seen * slope for name, slope in slopes.items()}
-        by_parameter["lead_resistance"] = np.ones_like(Z)
-        by_parameter["lead_inductance"] = omega
-        by_parameter["stray_capacitance"] = -omega * Z**2 * seen
+        seen, by_leads = leads.slopes(Z, self.scene.frequencies)
+        by_parameter = {name: seen * slope for name, slope in slopes.items()} | by_leads
         times = len(self.scene.interfaces)
         return Response(
             np.tile(leads.seen_through(Z, self.scene.frequencies), (times, 1)),

@@ -39,6 +39,16 @@ def laplace_variable(frequency: ArrayLike, loss: Loss = LOSSLESS) -> NDArray[np.
     return s.astype(np.complex128)
 
 
+def slopes_of_s(frequency: NDArray[np.float64], loss: Loss) -> dict[str, NDArray[np.complex128]]:
+    """Of `laplace_variable`, to a factor on all capacitance (its logarithm) and to both losses."""
+    s, turned = laplace_variable(frequency, loss), 1j * frequency / REFERENCE
+    return {
+        "capacitance": s,
+        "loss_tangent": 2 * np.pi * frequency * turned ** (loss.exponent - 1),
+        "phase_exponent": s * np.log(turned),
+    }
+
+
 def charging_frequency(frequency: float, loss: Loss) -> float:
     """Where an ideal foam would draw the current of one with this exponent, Hz."""
     return frequency * (frequency / REFERENCE) ** (loss.exponent - 1)

@@ -113,3 +113,15 @@ class Leads(Table):
         omega = 2j * np.pi * frequency
         series = self.resistance + omega * self.inductance
         return series + Z / (1 + omega * self.unguarded * Z)
+
+    def slopes(
+        self, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
+    ) -> tuple[NDArray[np.complex128], dict[str, NDArray[np.complex128]]]:
+        """Of `seen_through` to Z, and to resistance, inductance and the stray capacitance seen."""
+        omega = np.broadcast_to(2j * np.pi * frequency, Z.shape)
+        by_skin = ((1 / (1 + omega * self.unguarded * Z)) ** 2).astype(np.complex128)
+        return by_skin, {
+            "lead_resistance": np.ones_like(Z),
+            "lead_inductance": omega,
+            "stray_capacitance": (-omega * Z**2 * by_skin).astype(np.complex128),
+        }

@@ -18,7 +18,7 @@ from ...fem.circuit import one_field
 from ...fem.galerkin import one_blas_thread
 from ...press.pieces import random_presses
 from ...press.press import Press
-from ...scene.frequency import REFERENCE, laplace_variable
+from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import FrequencyGrid, Leads, Sweep
 from ...scene.scene import Pixels, Scene
 from ..parameters import Variation, all_values, leads_of, loss_of, own_values, variation_of
@@ -138,7 +138,8 @@ class Forward:
         with one_blas_thread():
             found = sensitivity(skin, cells, rises, s, beside)
         terms = len(self.reduced.stiffness)
-        by_name = {name: found.by_s * slope for name, slope in self._slopes(values, s).items()}
+        of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
+        by_name = {name: found.by_s * slope for name, slope in of_s.items()}
         assert skin.variation is not None
         by_name |= self._by_weights(found.by_weight[..., :terms], skin.variation)
         by_term, leads = found.by_weight[..., terms:], leads_of(values)
@@ -214,18 +215,6 @@ class Forward:
     def _s(self, values: Mapping[str, float]) -> NDArray[np.complex128]:
         return laplace_variable(self.scene.frequencies, loss_of(values))
 
-    def _slopes(
-        self, values: Mapping[str, float], s: NDArray[np.complex128]
-    ) -> dict[str, NDArray[np.complex128]]:
-        """ds by what s depends on; capacitance is a factor on it."""
-        turned, loss = 1j * self.scene.frequencies / REFERENCE, loss_of(values)
-        omega = 2 * np.pi * self.scene.frequencies
-        return {
-            "capacitance": s,
-            "loss_tangent": omega * turned ** (loss.exponent - 1),
-            "phase_exponent": s * np.log(turned),
-        }
-
     def _by_weights(
         self, by_weight: NDArray[np.complex128], variation: Variation
     ) -> dict[str, NDArray[np.complex128]]:
@@ -257,14 +246,10 @@ def _at_meter(
     frequency: NDArray[np.float64],
 ) -> Response:
     """From admittance at the skin to impedance behind the leads."""
-    omega, Z = 2j * np.pi * frequency, 1 / found.Y
-    seen = -((Z / (1 + omega * leads.stray_capacitance * Z)) ** 2)
-    slopes = {
-        **{name: seen * slope for name, slope in by_name.items()},
-        "lead_resistance": np.ones_like(Z),
-        "lead_inductance": np.broadcast_to(omega, Z.shape),
-        "stray_capacitance": omega * seen,
-    }
+    Z = 1 / found.Y
+    by_skin, by_leads = leads.slopes(Z, frequency)
+    seen = -(Z**2) * by_skin
+    slopes = {name: seen * slope for name, slope in by_name.items()} | by_leads
     by_parameter = {name: slope.astype(np.complex128) for name, slope in slopes.items()}
     at_meter = leads.seen_through(Z, frequency).astype(np.complex128)
     return Response(
