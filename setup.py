@@ -4,4 +4,8 @@ from setuptools import find_packages, setup
 
 ROOMS = find_packages(include=["simulator*", "localization*", "hardware*"])
 
-setup(packages=["rcskin", *(f"rcskin.{room}" for room in ROOMS)], package_dir={"rcskin": "."})
+setup(
+    packages=["rcskin", *(f"rcskin.{room}" for room in ROOMS)],
+    package_dir={"rcskin": "."},
+    script_name="setup.py",
+)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -14,6 +14,7 @@ from ..sweeps import UNPRESSED, InputError, checked_output
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
     from numpy.typing import NDArray
 
 ENDINGS = (".png", ".svg", ".pdf")
@@ -73,7 +74,9 @@ def draw_curves(
     if not what and not all(_has_rest(each) for each in recordings):
         chosen = tuple(name for name in chosen if not QUANTITIES[name].change)
     interfaces = [str(name) for name in recordings[0]["interface"].values]
-    colours = _colours(recordings)
+    labels = _labels(recordings)
+    colours = _colours(labels.values())
+    of_press = {press: colours[label] for press, label in labels.items()}
     panels = [(QUANTITIES[name], interface) for interface in interfaces for name in chosen]
     across = min(len(chosen), 2) if len(interfaces) == 1 else len(chosen)
     down = -(-len(panels) // across)
@@ -82,11 +85,11 @@ def draw_curves(
         for axes, (shown, interface) in zip(each, panels, strict=False):
             for number, sweeps in enumerate(recordings):
                 style = LINE_STYLES[number % len(LINE_STYLES)]
-                _draw(axes, sweeps, interface, shown, style, colours)
+                _draw(axes, sweeps, interface, shown, style, of_press)
             _dress(axes, shown, interface if len(interfaces) > 1 else "")
         for axes in each[len(panels) :]:
             axes.remove()
-        figure.legend(*_legend(colours, names), loc="outside right upper")
+        figure.legend(*_legend(colours, labels.values(), names), loc="outside right upper")
     return path
 
 
@@ -130,43 +133,61 @@ def _has_rest(sweeps: xr.Dataset) -> bool:
     return set(sessions[resting]) == set(sessions) and not resting.all()
 
 
-def _colours(recordings: Sequence[xr.Dataset]) -> dict[str, str]:
-    """A colour for each press; where they are many, one for each column."""
+def _labels(recordings: Sequence[xr.Dataset]) -> dict[str, str]:
+    """What each press is told by: itself or, where presses are many, the column it is in."""
     columns: dict[str, int] = {}
     for each in recordings:
         texts, numbers = each["press"].values.astype(str), each["column"].values
         columns |= dict(zip(texts.tolist(), numbers.tolist(), strict=True))
-    pressed = [press for press in columns if press != UNPRESSED]
-    many = len(pressed) > MOST_NAMED
-    place = {p: columns[p] - 1 if many else k for k, p in enumerate(pressed)}
-    coloured = {p: COLOURS[place[p] % len(COLOURS)] for p in pressed}
-    return {UNPRESSED: AT_REST, **coloured} if UNPRESSED in columns else coloured
+    resting = {UNPRESSED: "at rest"} if columns.pop(UNPRESSED, None) is not None else {}
+    if len(columns) <= MOST_NAMED:
+        return resting | {press: press for press in columns}
+    ordered = sorted(columns, key=lambda press: (columns[press] < 1, columns[press]))
+    return resting | {
+        press: f"column {columns[press]}" if columns[press] > 0 else "elsewhere"
+        for press in ordered
+    }
+
+
+def _colours(labels: Iterable[str]) -> dict[str, str]:
+    """A colour for each label, at rest apart."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_hex
+
+    told = [label for label in dict.fromkeys(labels) if label != "at rest"]
+    if len(told) <= len(COLOURS):
+        shades = list(COLOURS[: len(told)])
+    else:
+        shades = [to_hex(each) for each in colormaps["viridis"](np.linspace(0, 0.95, len(told)))]
+    return {"at rest": AT_REST} | dict(zip(told, shades, strict=True))
 
 
 def _dress(axes: Axes, shown: Shown, title: str) -> None:
-    from matplotlib.ticker import EngFormatter
+    from matplotlib.ticker import EngFormatter, MaxNLocator, NullFormatter
 
     axes.set_title(title)
+    if shown is QUANTITIES["nyquist"]:
+        axes.set_yscale("log", nonpositive="mask")
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        axes.xaxis.set_major_locator(MaxNLocator(4))
+        axes.xaxis.set_major_formatter(EngFormatter("ohm"))
+        axes.set_xlabel("Rs")
+    else:
+        frequency_axis(axes)
     if shown.unit in ("ohm", "F"):
         axes.yaxis.set_major_formatter(EngFormatter(shown.unit))
         axes.set_ylabel(shown.name)
     else:
         axes.set_ylabel(f"{shown.name} ({shown.unit})")
-    if shown is QUANTITIES["nyquist"]:
-        axes.xaxis.set_major_formatter(EngFormatter("ohm"))
-        axes.set_xlabel("Rs")
-    else:
-        frequency_axis(axes)
 
 
-def _legend(colours: dict[str, str], names: Sequence[str]) -> tuple[list, list[str]]:
+def _legend(
+    colours: dict[str, str], labels: Iterable[str], names: Sequence[str]
+) -> tuple[list[Line2D], list[str]]:
     from matplotlib.lines import Line2D
 
-    told = {"at rest" if press == UNPRESSED else press: c for press, c in colours.items()}
-    if len(told) > MOST_NAMED + 1:
-        many = sorted({int(p.split(",")[1].split(":")[0]) for p in told if p[0].isdigit()})
-        told = {"at rest": AT_REST} | {f"column {n}": COLOURS[(n - 1) % len(COLOURS)] for n in many}
-    handles = [Line2D([], [], color=c) for c in told.values()]
+    told = list(dict.fromkeys(labels))
+    handles = [Line2D([], [], color=colours[label]) for label in told]
     styles = [
         Line2D([], [], color="0.4", linestyle=s) for s, _ in zip(LINE_STYLES, names, strict=False)
     ]

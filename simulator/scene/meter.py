@@ -118,7 +118,7 @@ class Leads(Table):
         self, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
     ) -> tuple[NDArray[np.complex128], dict[str, NDArray[np.complex128]]]:
         """Of `seen_through` to Z, and to resistance, inductance and the stray capacitance seen."""
-        omega = np.broadcast_to(2j * np.pi * frequency, Z.shape)
+        omega = np.broadcast_to((2j * np.pi * frequency).astype(np.complex128), Z.shape)
         by_skin = ((1 / (1 + omega * self.unguarded * Z)) ** 2).astype(np.complex128)
         return by_skin, {
             "lead_resistance": np.ones_like(Z),

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.check.curves import QUANTITIES, _at_rest
+from rcskin.simulator.check.curves import MOST_NAMED, QUANTITIES, _at_rest, _colours, _labels
 from rcskin.simulator.sweeps import write
 
 
@@ -55,3 +55,22 @@ def test_changes_are_from_the_mean_at_rest_of_their_session(make_sweeps):
     )
     values = np.arange(5.0)[:, None] * np.ones(sweeps.sizes["frequency"])
     assert _at_rest(values, sweeps)[:, 0].tolist() == [1.0, 1.0, 1.0, 3.0, 3.0]
+
+
+def test_many_presses_are_told_by_their_column(make_sweeps):
+    press = ["none", "rect(0.01,0.02,0.005,0.005):2", "1,1+2,2:1.5"]
+    press += [f"{row},{column}" for row in range(1, 5) for column in range(1, 5)]
+    column = [0, 0, 0] + [column for _ in range(4) for column in range(1, 5)]
+    row = [0, 0, 0] + [row for row in range(1, 5) for _ in range(4)]
+    sweeps = make_sweeps(len(press), press=press, row=row, column=column)
+    labels = _labels([sweeps])
+    assert labels["3,2"] == "column 2" and labels["1,1+2,2:1.5"] == "elsewhere"
+    assert list(dict.fromkeys(labels.values()))[-1] == "elsewhere"
+    few = _labels([sweeps.isel(sweep=slice(0, MOST_NAMED))])
+    assert few["none"] == "at rest" and few["1,1"] == "1,1"
+
+
+@pytest.mark.parametrize("many", [3, 7, 40])
+def test_labels_are_told_apart(many):
+    colours = _colours(["at rest", *(f"column {n}" for n in range(many))])
+    assert len(set(colours.values())) == many + 1
