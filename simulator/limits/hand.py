@@ -18,7 +18,7 @@ from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced
 from ..progress import Track, silent
 from ..scene.frequency import laplace_variable
-from ..scene.randomisation import AnyDistribution, truncated_normal
+from ..scene.randomisation import CUT, AnyDistribution, truncated_normal
 from ..scene.scene import Pixels, Scene
 from .information import error_model
 from .readings import LARGEST_FACTOR, LEAST_FACTOR, Hypothesis
@@ -26,9 +26,6 @@ from .readings import LARGEST_FACTOR, LEAST_FACTOR, Hypothesis
 RTOL = 1e-3
 CELLS = 3
 """Along each side of a pixel, that touches are laid on by the area they cover."""
-
-CUT = 3.0
-"""Deviations beyond which no hand presses."""
 
 MOST_TOUCHES = 2
 AT_ONCE = 20_000

@@ -247,23 +247,6 @@ class Session(Table):
     stray_capacitance: Annotated[Distribution, bounded(0, "F")] = Uniform(low=0.0, high=2e-12)
     lead_resistance: Annotated[Distribution, bounded(0, "ohm")] = Uniform(low=0.0, high=2.0)
 
-    @property
-    def sheet_range(self) -> tuple[float, float]:
-        """Least and largest mean resistance of a sheet over the scene's own."""
-        common, own = self.sheet_resistance, self.sheet_mismatch
-        return common.low * own.low, common.high * own.high
-
-    @property
-    def unevenness_range(self) -> tuple[float, float]:
-        """Least and largest coefficient of a slow wave of a sheet's conductance over its mean."""
-        return -CUT * self.unevenness, CUT * self.unevenness
-
-    @property
-    def foam_range(self) -> tuple[float, float]:
-        """Least and largest capacitance of a cell over the scene's own."""
-        away = CUT * self.foam_spread * (SLOW_WAVES if self.foam_pattern == "smooth" else 1)
-        return self.capacitance.low * (1 - away), self.capacitance.high * (1 + away)
-
 
 class Randomisation(Table):
     """How the sweeps of a data set differ: from press to press, and from session to session."""

@@ -54,7 +54,11 @@ class Skin:
         self._leads_ideal = scene.leads.ideal
 
     def follows_from(self, other: Skin) -> Scaling | None:
-        """How this one's impedance follows from the other's; None where it does not by the law."""
+        """How this one's impedance follows from the other's for any press; None if it does not.
+
+        Sheets and contacts enter as the model sees them: where one field is enough, only their sums
+        of top and bottom.
+        """
         ratio = _ratio(self._resistances, other._resistances)
         if ratio is None or self._shape != other._shape:
             return None
@@ -62,15 +66,6 @@ class Skin:
         if not self._leads_ideal and (ratio, slower) != (1.0, 1.0):
             return None
         return Scaling(ratio, slower ** (1 / self._exponent))
-
-
-def law_between(scene: Scene, other: Scene) -> Scaling | None:
-    """How the impedance of `scene` follows from that of `other` for any press; None if it does not.
-
-    Sheets and contacts enter as the model sees them: where one field is enough, only their sums of
-    top and bottom.
-    """
-    return Skin(scene).follows_from(Skin(other))
 
 
 def _resistances(circuit: Circuit) -> tuple[float, ...]:

@@ -9,7 +9,7 @@ from rcskin.simulator.press.capacitance import capacitance_map, grid_map
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.files import load_scene
-from rcskin.simulator.scene.randomisation import Uniform
+from rcskin.simulator.scene.randomisation import CUT, SLOW_WAVES, Uniform
 
 SCENE = load_scene("sheet-3x3")
 GRID = (6, 9)
@@ -131,11 +131,12 @@ def test_no_skin_leaves_the_range_told():
     scene = with_session(foam_pattern="smooth")
     session = scene.dataset.session
     for skin in skins(scene, 100):
-        low, high = session.sheet_range
-        assert low <= 1 / skin.variation.top[0] <= high
-        low, high = session.unevenness_range
-        assert (np.abs(skin.variation.top[1:] / skin.variation.top[0]) <= high).all()
-        low, high = session.foam_range
+        common, own = session.sheet_resistance, session.sheet_mismatch
+        assert common.low * own.low <= 1 / skin.variation.top[0] <= common.high * own.high
+        waves = np.abs(skin.variation.top[1:] / skin.variation.top[0])
+        assert (waves <= CUT * session.unevenness).all()
+        away = CUT * SLOW_WAVES * session.foam_spread
+        low, high = session.capacitance.low * (1 - away), session.capacitance.high * (1 + away)
         assert low <= skin.variation.capacitance.min() <= skin.variation.capacitance.max() <= high
         assert 0 <= skin.variation.loss.tangent - scene.skin.foam.loss_tangent <= 0.02
 

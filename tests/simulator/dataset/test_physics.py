@@ -105,4 +105,3 @@ def test_touches_anywhere_are_as_near_as_their_cells_are_told_to_be(tmp_path):
 def test_fixed_values_are_what_every_session_draws():
     session = scene_of().dataset.session
     assert session.capacitance == Fixed(value=1.1)
-    assert session.sheet_range == (1.2, 1.2)

@@ -12,7 +12,7 @@ from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.meter import Leads
-from rcskin.simulator.study.sharing import Scaling, law_between
+from rcskin.simulator.study.sharing import Scaling, Skin
 from rcskin.simulator.study.symmetry import representative
 
 FREQUENCY = np.geomspace(1e2, 1e6, 3)
@@ -41,7 +41,7 @@ def test_what_follows_by_the_law_is_what_a_solve_of_its_own_gives(random, data):
     press = data.draw(random.presses(scene))
     resistance, capacitance = (data.draw(random.logarithmic(1e-3, 1e3)) for _ in range(2))
     other = scaled(scene, resistance, capacitance)
-    law = law_between(other, scene)
+    law = Skin(other).follows_from(Skin(scene))
     assert law is not None
     assert law.impedance == pytest.approx(resistance, rel=1e-9)
     assert law.frequency == pytest.approx(resistance * capacitance, rel=1e-9)
@@ -52,7 +52,7 @@ def test_what_follows_by_the_law_is_what_a_solve_of_its_own_gives(random, data):
 def test_of_a_line_only_the_sum_of_the_sheets_counts(make_scene):
     scene = make_scene(PAIR, top=50e3, bottom=30e3, columns=3, rows=2)
     other = make_scene(PAIR, top=10e3, bottom=30e3, columns=3, rows=2)
-    law = law_between(other, scene)
+    law = Skin(other).follows_from(Skin(scene))
     assert law == Scaling(pytest.approx(0.5), pytest.approx(0.5))
     press = Press((Touch(1, 2, 2.0),))
     followed = 0.5 * impedance(scene, press, 0.5 * FREQUENCY)
@@ -70,7 +70,7 @@ def test_of_a_line_only_the_sum_of_the_sheets_counts(make_scene):
     ],
 )
 def test_another_shape_does_not_follow(make_scene, changed):
-    assert law_between(make_scene(**changed), make_scene()) is None
+    assert Skin(make_scene(**changed)).follows_from(Skin(make_scene())) is None
 
 
 @pytest.mark.parametrize("exponent", [1.0, 0.8])
@@ -79,7 +79,7 @@ def test_a_constant_phase_foam_scales_with_its_exponent(make_scene, exponent):
         _changed(make_scene(PAIR, **more, rows=2, columns=2), phase_exponent=exponent)
         for more in ({}, {"top": 100e3, "bottom": 60e3, "c": 8e-9})
     )
-    law, press = law_between(other, scene), Press((Touch(1, 2, 2.0),))
+    law, press = Skin(other).follows_from(Skin(scene)), Press((Touch(1, 2, 2.0),))
     assert law is not None
     followed = law.impedance * impedance(scene, press, law.frequency * FREQUENCY)
     np.testing.assert_allclose(impedance(other, press, FREQUENCY), followed, rtol=1e-9)
@@ -88,8 +88,8 @@ def test_a_constant_phase_foam_scales_with_its_exponent(make_scene, exponent):
 def test_behind_leads_nothing_scales(make_scene):
     leads = Leads(resistance=10.0)
     scene, other = (make_scene(PAIR, c=c).model_copy(update={"leads": leads}) for c in (5e-9, 6e-9))
-    assert law_between(scene, other) is None
-    assert law_between(scene, scene) == Scaling(1.0, 1.0)
+    assert Skin(scene).follows_from(Skin(other)) is None
+    assert Skin(scene).follows_from(Skin(scene)) == Scaling(1.0, 1.0)
 
 
 def _changed(scene, **foam):
@@ -99,12 +99,14 @@ def _changed(scene, **foam):
 
 def test_one_sheet_of_a_crossed_skin_does_not_scale_alone(make_scene):
     crossed = {"top-left": {}, "bottom-bottom": {}}
-    assert law_between(make_scene(crossed, top=1e3), make_scene(crossed)) is None
+    assert Skin(make_scene(crossed, top=1e3)).follows_from(Skin(make_scene(crossed))) is None
 
 
 def test_meter_presses_and_frequencies_are_no_part_of_the_skin(make_scene):
     scene = make_scene()
-    assert law_between(make_scene(factor=3.0, frequencies=(5e3,)), scene) == Scaling(1.0, 1.0)
+    assert Skin(make_scene(factor=3.0, frequencies=(5e3,))).follows_from(Skin(scene)) == Scaling(
+        1.0, 1.0
+    )
 
 
 @pytest.mark.parametrize("name", ["sheet-5x5", "sheet-5x5-crossed", "sheet-5x5-two-interfaces"])
