@@ -14,6 +14,7 @@ from collections.abc import Callable
 from bench import Run, launch, machine
 from rcskin.simulator.sweeps import whole_file
 from verification_parts import (
+    campaign,
     closed_forms,
     cross_code,
     estimates,
@@ -40,7 +41,7 @@ CHAPTERS: tuple[Chapter, ...] = (
     (
         "Solution verification",
         "Is the error of an answer known where no formula is? The solver's own estimate, judged.",
-        (estimates.section,),
+        (estimates.section, campaign.section),
     ),
     (
         "Cross-code comparison",

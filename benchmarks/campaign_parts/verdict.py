@@ -63,11 +63,12 @@ class Verdict:
 
     @property
     def ratios(self) -> NDArray[np.float64]:
-        """True over told errors as far as the reference tells them, shape (value,)."""
+        """True over told errors where the reference tells, and where it tells of too little."""
         if self.outcome != "judged":
             return np.empty(0)
         true, told, doubt = self.errors
-        return (true / told)[doubt <= KNOWN * np.maximum(true, told)]
+        sure = doubt <= KNOWN * np.maximum(true, told)
+        return (true / told)[sure | (true - doubt > told)]
 
     def line(self) -> str:
         """For people: what is wrong, and how to have it again."""

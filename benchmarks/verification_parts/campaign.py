@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +16,12 @@ from rcskin.simulator.charts import AT_REST, COLOURS, chart
 from verification_parts.report import FAILED, PASSED, Check, Section
 
 TABLE, CHART = "campaign.csv", "campaign.png"
-COMMAND = ".venv/bin/python benchmarks/campaign.py -o campaign.jsonl --workers 2"
+COMMAND = ".venv/bin/python benchmarks/campaign.py -o campaign.jsonl --workers 2 --timeout 150"
 QUANTILES = (0.5, 0.95, 0.99, 1.0)
-LEAST_JUDGED = 0.6
+LEAST_JUDGED = 0.9
 """Of the scenes of all kinds."""
+MOST_BOASTED = 0.01
+"""Of those judged: the error that is told is an estimate, not a bound."""
 HEADER = (
     "kind",
     "judged",
@@ -49,19 +51,14 @@ class Kind:
         return sum(each.broken for each in self.verdicts)
 
     @property
-    def boasted(self) -> float:
-        """The part of those judged that is further off than was told."""
-        return sum(each.boasted for each in self.verdicts) / max(1, self.count("judged"))
+    def boasted(self) -> int:
+        """How many are further off than was told."""
+        return sum(each.boasted for each in self.verdicts)
 
     @property
     def ratios(self) -> np.ndarray:
         """True over told errors of all values that the references tell."""
         return np.concatenate([np.empty(0), *(each.ratios for each in self.verdicts)])
-
-    @property
-    def passed(self) -> bool:
-        """Whether nothing is further off than asked or told, and nothing failed."""
-        return not (self.broken or self.boasted or self.count("failed"))
 
     def row(self) -> tuple[str, ...]:
         """As HEADER names it."""
@@ -70,11 +67,10 @@ class Kind:
             self.name.replace("-", " "),
             f"{self.count('judged')}",
             f"{self.broken}",
-            f"{self.boasted:.0%}",
+            f"{self.boasted}",
             ", ".join(f"{each:.2g}" for each in quantiles),
             f"{self.count('not judged')}",
             f"{self.count('refused')}",
-            PASSED if self.passed else FAILED,
         )
 
 
@@ -87,16 +83,19 @@ class Kinds(Section):
     def lines(self) -> Iterable[str]:
         """The section in Markdown."""
         yield from (f"### {self.title}", "", self.says, "")
-        for row in (HEADER, ["---"] * len(HEADER), *(kind.row() for kind in self.kinds)):
+        verdicts = (PASSED if check.passed else FAILED for check in self.checks)
+        rows = ((*kind.row(), each) for kind, each in zip(self.kinds, verdicts, strict=True))
+        for row in (HEADER, ["---"] * len(HEADER), *rows):
             yield f"| {' | '.join(row)} |"
         yield from ("", f"![{self.title}](results/{self.chart})", "")
 
 
 def section(run: Run) -> Section:
-    """No answer may be further off than asked or than told."""
+    """No answer may be further off than asked, and few further than told."""
     found = published(RESULTS / TABLE)
     kinds = [Kind(name, tuple(each for each in found if each.kind == name)) for name in KINDS]
     draw(run.results / CHART, kinds)
+    whole = Kind("all", tuple(found))
     return Kinds(
         "Campaign",
         f"{len(found)} scenes of {len(kinds)} kinds, of u = ωRCL² from 1e-3 to 1e3 and tolerances "
@@ -105,23 +104,25 @@ def section(run: Run) -> Section:
         "polygons for discs; formulas; other files of the same surface. Not judged are those whose "
         "reference is not sure to a quarter of the tolerance or takes too long; refused those that "
         f"the solver has no answer to at their tolerance. Recorded by `{COMMAND}`.",
-        tuple(checks(kinds)),
+        (*(check(kind) for kind in kinds), check_of_all(whole)),
         CHART,
-        tuple(kinds),
+        (*kinds, whole),
     )
 
 
-def checks(kinds: list[Kind]) -> Iterator[Check]:
-    """One for each kind, and that enough are judged."""
-    for kind in kinds:
-        measured = ", ".join(kind.row()[1:-1])
-        yield Check(kind.name, "none broken, none above what is told", measured, kind.passed)
-    judged, all_of = (
-        sum(each)
-        for each in zip(*((k.count("judged"), len(k.verdicts)) for k in kinds), strict=True)
-    )
-    share = judged / max(1, all_of)
-    yield Check("judged", f">= {LEAST_JUDGED:.0%}", f"{share:.0%}", share >= LEAST_JUDGED)
+def check(kind: Kind) -> Check:
+    """That nothing is further off than was asked, and nothing failed."""
+    kept = not (kind.broken or kind.count("failed"))
+    return Check(kind.name, "none broken", ", ".join(kind.row()[1:]), kept)
+
+
+def check_of_all(whole: Kind) -> Check:
+    """The same, that few are further off than was told, and that enough are judged."""
+    judged = whole.count("judged")
+    enough = judged >= LEAST_JUDGED * len(whole.verdicts)
+    few = whole.boasted <= MOST_BOASTED * judged
+    expected = f"{LEAST_JUDGED:.0%} judged, {MOST_BOASTED:.0%} further off than told"
+    return replace(check(whole), expected=expected, passed=check(whole).passed and enough and few)
 
 
 def draw(path: Path, kinds: list[Kind]) -> None:
