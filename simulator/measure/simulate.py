@@ -40,7 +40,7 @@ def gather(solver: Solver, answered: Iterable[tuple[Press, Answer]]) -> xr.Datas
     presses, answers = zip(*pairs, strict=True)
     return build(
         np.stack([answer.Z for answer in answers]),
-        solver.scene.frequencies,
+        answers[0].frequency,
         interface=[interface.name for interface in solver.scene.interfaces],
         press=[str(press) for press in presses],
         row=[press.pixel[0] for press in presses],

@@ -12,7 +12,6 @@ from ..scene.scene import Scene, interface_names
 from .readout import Meter
 
 READINGS_KEPT = 4096
-SOLVERS_KEPT = 256
 
 
 class Specimen:
@@ -21,7 +20,7 @@ class Specimen:
     def __init__(self, scene: Scene, interface: str) -> None:
         self.scene = scene
         self._number = interface_names(scene).index(interface)
-        self._solver = lru_cache(SOLVERS_KEPT)(self._new_solver)
+        self._solver = Solver(scene)
         self._impedance = lru_cache(READINGS_KEPT)(self._new_impedance)
 
     def check(self, press: str) -> str:
@@ -36,11 +35,7 @@ class Specimen:
         return parse_press(press, strength_of(self.scene.press))
 
     def _new_impedance(self, press: Press, frequency: float) -> complex:
-        return complex(self._solver(frequency).solve(press).Z[self._number, 0])
-
-    def _new_solver(self, frequency: float) -> Solver:
-        sweep = self.scene.sweep.model_copy(update={"frequencies": (frequency,)})
-        return Solver(self.scene.model_copy(update={"sweep": sweep}))
+        return complex(self._solver.solve(press, frequency).Z[self._number, 0])
 
 
 class SessionErrors:

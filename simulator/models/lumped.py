@@ -73,17 +73,16 @@ class Lumped:
         return self._series[press]
 
 
-def least_left_out(scene: Scene) -> float:
-    """What one R and one C leave out of Cp at the highest frequency, where they do it least.
+def least_left_out(scene: Scene, frequency: float) -> float:
+    """What one R and one C leave out of Cp at a frequency in Hz, where they do it least.
 
     That is a skin fed at both ends of its shorter side: two lines of u = omega R c (side / 2)².
     Of such a line Cp = C (1 - 2 u² / 15), and of R = R_line / 3 and C in series C (1 - u² / 9).
     """
     skin = scene.skin
     sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
-    depth = penetration_depth(
-        scene.frequencies[-1], sheets, skin.foam.rest_capacitance_per_area, skin.foam.loss
-    )
+    c = skin.foam.rest_capacitance_per_area
+    depth = penetration_depth(frequency, sheets, c, skin.foam.loss)
     u = 2 * (min(skin.length, skin.width) / 2 / depth) ** 2
     return min(1.0, u**2 / 45)
 

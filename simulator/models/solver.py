@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..fem.circuit import Circuit, one_field, two_fields
 from ..fem.estimate import ROUNDING, SAFETY, checked, relative_difference
@@ -46,6 +46,7 @@ GAIN = 0.1
 SEPARABLE_SHARE = 0.3
 """Of the tolerance: the certificate is several times the error."""
 SHEETS_KEPT = 16
+GRIDS_KEPT = 256
 CLOSER = 0.1
 LUMPED = "one R and one C"
 TRAINED = (0.5, 3.0)
@@ -72,21 +73,24 @@ class Solver:
         self._even = electrical(scene)
         self.model: ModelName = model
         self._sheets: dict[Resolution, Sheet] = {}
+        self._left_out_at_rest = lru_cache(GRIDS_KEPT)(self._new_left_out_at_rest)
 
     @cached_property
     def _first_level(self) -> int:
         return self._ladder.first(self.rtol)
 
-    def solve(self, press: Press) -> Answer:
+    def solve(self, press: Press, frequency: ArrayLike | None = None) -> Answer:
         """The answer, at each frequency, of the cheapest rung that keeps the tolerance.
 
-        Behind leads the skin is solved as much closer as they need for it. Raises ToleranceError
-        where no rung keeps it, InputError where a model asked for by name does not apply to the
-        scene or the press.
+        frequency: Hz, ascending; those of the scene's sweep without. Behind leads the skin is
+        solved as much closer as they need for it. Raises ToleranceError where no rung keeps it,
+        InputError where a model asked for by name does not apply to the scene or the press, and for
+        frequencies that are none.
         """
+        asked = self.scene.frequencies if frequency is None else _checked_frequencies(frequency)
         solver = self
         while True:
-            answer = solver._of_skin(press).seen_through(self.scene.leads)
+            answer = solver._of_skin(press, asked).seen_through(self.scene.leads)
             if max(error.max() for error in answer.relative_errors) <= self.rtol:
                 return answer
             solver = solver._closer
@@ -95,9 +99,9 @@ class Solver:
     def _closer(self) -> Solver:
         return Solver(self.scene, CLOSER * self.rtol, self.model)
 
-    def _of_skin(self, press: Press) -> Answer:
+    def _of_skin(self, press: Press, frequency: NDArray[np.float64]) -> Answer:
         """The answer at the skin's own contacts."""
-        progress = Progress(len(self.scene.interfaces), self.scene.frequencies, self.rtol)
+        progress = Progress(len(self.scene.interfaces), frequency, self.rtol)
         sharp, pressed = indented(self.scene, press, self.rtol)
         even = None if pressed else electrical_press(self.scene, sharp)
         if even is None:
@@ -163,10 +167,12 @@ class Solver:
             return str(no_line)
 
     def _lumped(self, press: Press, progress: Progress) -> None:
-        if self.model == "auto" and self._left_out_at_rest > self.rtol:
-            left_out = f"{self._left_out_at_rest:.1e}"
-            return progress.reject(f"{LUMPED}: at rest leaves out {left_out} of Rs or Cp or more")
         frequency = progress.frequency
+        at_rest = self._left_out_at_rest(tuple(frequency)) if self.model == "auto" else 0.0
+        if at_rest > self.rtol:
+            return progress.reject(
+                f"{LUMPED}: at rest leaves out {at_rest:.1e} of Rs or Cp or more"
+            )
         sheet = self._sheet(self._ladder.resolution(self._first_level, press, frequency[-1]))
         lumped, finer = Lumped(sheet, sheet.nested), Lumped(sheet)
         Z, omega = lumped.impedance(press, frequency), 2 * np.pi * frequency
@@ -174,18 +180,16 @@ class Solver:
         error = resolved + lumped.left_out(press, frequency) + ROUNDING
         return progress.offer(Rung(LUMPED, sheet.nested.inner, Z, error))
 
-    @cached_property
-    def _left_out_at_rest(self) -> float:
+    def _new_left_out_at_rest(self, frequency: tuple[float, ...]) -> float:
         """Relative error of Rs and Cp by one R and one C, at the worst of the frequencies.
 
         Where even the short line that leaves out least loses too much, the skin is not solved.
         """
-        frequency = self.scene.frequencies
-        least = least_left_out(self._even)
+        least = least_left_out(self._even, frequency[-1])
         if least > self.rtol:
             return least
         sheet = self._sheet(self._ladder.resolution(self._first_level, Press(), frequency[-1]))
-        left_out = Lumped(sheet, sheet.nested).left_out(Press(), frequency)
+        left_out = Lumped(sheet, sheet.nested).left_out(Press(), np.array(frequency))
         return float(left_out.max())
 
     def _elements(self, press: Press, progress: Progress) -> None:
@@ -214,6 +218,8 @@ class Solver:
         if not all(isinstance(touch, Touch) for touch in press.touches):
             return self._separable(press, progress)
         _check_trained(press)
+        if not np.array_equal(progress.frequency, self.scene.frequencies):
+            raise InputError("a reduced model answers the frequencies of its scene's sweep")
         skin = self._reduced_skin
         cells, rises = touched_cells(self._even, press)
         Z = skin.sweeps(cells, rises, np.array([0, len(cells)]))[0]
@@ -249,6 +255,14 @@ class Solver:
     @cached_property
     def _ladder(self) -> Ladder:
         return Ladder(self._even, self._circuit)
+
+
+def _checked_frequencies(frequency: ArrayLike) -> NDArray[np.float64]:
+    """The same as an array, shape (frequency,). Raises InputError where they are none."""
+    asked = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
+    if asked.ndim > 1 or not asked.size or not (asked > 0).all() or (np.diff(asked) <= 0).any():
+        raise InputError(f"`frequency` must be ascending and > 0 (Hz), got {frequency}")
+    return asked
 
 
 def _check_trained(press: Press) -> None:

@@ -17,7 +17,7 @@ from ..press.press import pixel_by_pixel
 from ..scene.scene import Scene
 from .localizer import Confusion, Localizer
 from .reading import paper_frequencies, totals
-from .rehearsal import Rehearsal, at_frequencies
+from .rehearsal import Rehearsal
 from .studies import crossed_cap
 
 if TYPE_CHECKING:
@@ -143,7 +143,8 @@ def _decibel(amplitude: NDArray[np.float64] | float) -> NDArray[np.float64]:
 
 def _curves(scene: Scene) -> xr.Dataset:
     band = scene.frequencies
-    dense = at_frequencies(scene, np.geomspace(band[0], band[-1], CURVE_POINTS))
+    points = np.geomspace(band[0], band[-1], CURVE_POINTS).tolist()
+    dense = scene.with_({"sweep": {"frequencies": points}})
     return simulate(Solver(dense), pixel_by_pixel(dense))
 
 

@@ -15,7 +15,6 @@ from ..press.touch import Touch
 from ..scene.scene import Scene
 from ..scene.skin import Sheet
 from ..sweeps import parallel_capacitance
-from .rehearsal import at_frequencies
 
 STATED_SHEET_RESISTANCE = 50e3
 NEARLY_ZERO = 1e-3
@@ -47,9 +46,9 @@ def with_sheet_resistance(scene: Scene, sheet_resistance: float) -> Scene:
 
 def capacitance_changes(scene: Scene, frequency: float) -> NDArray[np.float64]:
     """Relative change of Cp by a press of each column of row 1, at one frequency in Hz."""
-    solver = Solver(at_frequencies(scene, np.array([frequency])))
+    solver = Solver(scene)
     Cp = [
-        parallel_capacitance(solver.solve(press).Z, solver.scene.frequencies).item()
+        parallel_capacitance(solver.solve(press, frequency).Z, np.array([frequency])).item()
         for press in [Press(), *_row_of_presses(scene, 1)]
     ]
     return np.array(Cp[1:]) / Cp[0] - 1
@@ -57,7 +56,7 @@ def capacitance_changes(scene: Scene, frequency: float) -> NDArray[np.float64]:
 
 def resistance_at_rest(scene: Scene) -> float:
     """Rs in ohm of the first interface in the limit of zero frequency, nothing pressed."""
-    answer = Solver(at_frequencies(scene, np.array([NEARLY_ZERO]))).solve(Press())
+    answer = Solver(scene).solve(Press(), NEARLY_ZERO)
     return float(answer.Z[0, 0].real)
 
 
@@ -88,9 +87,9 @@ def separation_peaks(scene: Scene) -> NDArray[np.float64]:
 
     Pressed in the middle row; a difference is relative to Z.
     """
-    solver = Solver(at_frequencies(scene, SEPARATION_GRID))
+    solver = Solver(scene)
     presses = _row_of_presses(scene, (scene.pixels.rows + 1) // 2)
-    Z = np.log(np.array([solver.solve(press).Z[0] for press in presses]))
+    Z = np.log(np.array([solver.solve(press, SEPARATION_GRID).Z[0] for press in presses]))
     return SEPARATION_GRID[np.abs(np.diff(Z, axis=0)).argmax(axis=1)]
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ..measure.experiment import METER, PRESSES, planned_presses, stream
 from ..measure.readout import read_out
 from ..measure.simulate import simulate
@@ -51,9 +49,3 @@ def with_pixels(scene: Scene, n: int) -> Scene:
     pixels = Pixels(rows=n, columns=n)
     name = f"{scene.name} on {n}x{n} pixels"
     return scene.model_copy(update={"pixels": pixels, "name": name})
-
-
-def at_frequencies(scene: Scene, frequencies: np.ndarray) -> Scene:
-    """The same scene, swept over other frequencies in Hz."""
-    sweep = scene.sweep.model_copy(update={"frequencies": tuple(np.sort(frequencies).tolist())})
-    return scene.model_copy(update={"sweep": sweep})

@@ -88,3 +88,29 @@ def test_sweeps_carry_what_made_them():
 def test_a_press_beside_the_pixels_is_refused(make_scene):
     with pytest.raises(InputError, match=r"row must be in 1\.\.1 on scene, got 2"):
         simulate(Solver(make_scene()), [parse_press("2,1", 2.0)])
+
+
+@pytest.mark.parametrize("model", ["auto", "sheet", "line", "lumped"])
+def test_frequencies_asked_are_those_answered_as_if_the_scene_swept_them(make_scene, model):
+    asked = [10.0, 30.0] if model == "lumped" else [2e3, 7e3]
+    scene = make_scene({"top-left": {}, "bottom-left": {}}, rows=1)
+    own = Solver(scene.with_({"sweep": {"frequencies": asked}}), model=model).solve(ACROSS)
+    solver = Solver(scene, model=model)
+    solver.solve(ACROSS, 5.0)
+    answer = solver.solve(ACROSS, asked)
+    assert answer.model == own.model and answer.frequency.tolist() == asked
+    np.testing.assert_array_equal(answer.Z, own.Z)
+    np.testing.assert_array_equal(answer.Cp_error, own.Cp_error)
+
+
+@pytest.mark.parametrize("frequency", [[], 0.0, [2.0, 1.0], [1.0, 1.0], np.nan, [[1.0]]])
+def test_frequencies_that_are_none_are_refused(make_scene, frequency):
+    with pytest.raises(InputError, match="`frequency` must be ascending and > 0"):
+        Solver(make_scene()).solve(Press(), frequency)
+
+
+def test_a_reduced_model_is_of_its_scene_s_frequencies(make_scene):
+    solver = Solver(make_scene(), rtol=1e-3, model="reduced")
+    answer = solver.solve(ACROSS, 1234.0)
+    assert "2-D elements" in answer.model
+    assert "frequencies of its scene" in answer.rejected[0]
