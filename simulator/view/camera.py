@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -46,12 +45,6 @@ class Camera:
     def project(self, places: Real) -> Real:
         """Where places (3, ...) are in the picture, m, (2, ...)."""
         return np.stack([np.tensordot(axis, places, 1) for axis in (self.right, self.up)])
-
-    def including(self, places: Sequence[Real], margin: float) -> Camera:
-        """The same with places (2,) of the picture in it, and a margin in m around them."""
-        low = np.min([self.low, *(place - margin for place in places)], axis=0)
-        high = np.max([self.high, *(place + margin for place in places)], axis=0)
-        return replace(self, low=low, high=high)
 
     def aim(self, plotter: pv.Plotter) -> None:
         """Point the plotter's camera."""

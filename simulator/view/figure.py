@@ -1,4 +1,4 @@
-"""Pictures with their words: title, colour bars with units, axes in mm, names of the foils."""
+"""Pictures with their words: title, headings, colour bars, axes, names of the foils."""
 
 from __future__ import annotations
 
@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..charts import STYLE, chart
-from .painting import ROLE_COLOURS, Image, Scenery, paint
+from .axes import (
+    NUMBERS_WIDTH,
+    colour_bar,
+    millimetres,
+    pixel_names,
+    rows_and_columns,
+    scale_bar,
+)
+from .painting import Image, Scenery, foil_colours, paint
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,15 +28,19 @@ if TYPE_CHECKING:
     from .foils import Foil
     from .shown import Shown
 
-SINGLE, PANEL, LEAST_WIDTH = 5.6, 3.3, 4.0
+SINGLE, PANEL, LEAST_WIDTH = 5.0, 2.3, 5.0
 """Width of a picture's panel, of one among several, and the least for the title, inches."""
+HIGHEST = 5.6
+"""Of a panel, inches."""
+BESIDE = 1.75
+"""For what stands beside each panel, inches."""
+LINE, AXES_HEIGHT, TITLE_AND_FOILS = 0.16, 0.85, 0.65
+"""Heights of a heading's line, of axes and numbers, of title and names of foils, inches."""
+LEGEND_WIDTH = 2.2
+"""Of a foil's name with its colour, inches."""
 PIXELS_PER_INCH = 260
 FAR_SIDE = -0.1
 """Of a normal along the line of sight: where the skin is turned away."""
-HIGHEST = 5.6
-"""Of a panel, inches."""
-ROUND_LENGTHS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
-"""Of a scale bar, mm."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +53,7 @@ class Panel:
 
 
 def draw(path: Path, rows: Sequence[Sequence[Panel]], title: str) -> None:
-    """Write a PNG of panels in rows, whole or not at all."""
+    """Write a picture of panels in rows, whole or not at all."""
     with chart(path, *_size(rows)) as figure:
         compose(figure, rows, title)
 
@@ -64,12 +76,25 @@ def rendered(rows: Sequence[Sequence[Panel]], title: str, dpi: int) -> Image:
 
 def _size(rows: Sequence[Sequence[Panel]]) -> tuple[float, float]:
     columns = max(map(len, rows))
-    width = SINGLE if columns == len(rows) == 1 else PANEL
-    aspects = [max(panel.camera.aspect for panel in row) for row in rows]
-    heights = [min(width * aspect, HIGHEST) for aspect in aspects]
-    if columns == len(rows) == 1:
-        width = max(heights[0] / aspects[0], LEAST_WIDTH)
-    return columns * (width + 1.0), sum(heights) + 0.8 * len(rows) + 0.3
+    alone = columns == len(rows) == 1
+    widths = [max(_width(panel, alone) for panel in row) for row in rows]
+    heights = [
+        max(_width(panel, alone) * panel.camera.aspect for panel in row) + _words_height(row)
+        for row in rows
+    ]
+    width = max(columns * (max(widths) + BESIDE), LEAST_WIDTH)
+    return width, sum(heights) + TITLE_AND_FOILS
+
+
+def _width(panel: Panel, alone: bool) -> float:
+    """Of a panel's picture, inches."""
+    return min(SINGLE if alone else PANEL, HIGHEST / panel.camera.aspect)
+
+
+def _words_height(row: Sequence[Panel]) -> float:
+    """Of what stands above and below the pictures of a row, inches."""
+    lines = max(_heading(panel.shown).count("\n") + 1 for panel in row)
+    return LINE * lines + (AXES_HEIGHT if any(panel.camera.above for panel in row) else 0.1)
 
 
 def compose(figure: Figure, rows: Sequence[Sequence[Panel]], title: str) -> None:
@@ -80,104 +105,55 @@ def compose(figure: Figure, rows: Sequence[Sequence[Panel]], title: str) -> None
     figure.suptitle(title, fontsize=11, fontweight="bold", wrap=True)
     for i, row in enumerate(rows):
         for j, panel in enumerate(row):
-            _draw_panel(all_axes[i, j], panel, SINGLE if alone else PANEL)
-            if i == j == 0:
-                _name_foils(all_axes[i, j], panel, 8 if alone else 6)
+            _draw_panel(all_axes[i, j], panel, _width(panel, alone))
+            if j and panel.camera.above:
+                all_axes[i, j].set_ylabel("")
         for axes in all_axes[i, len(row) :]:
             axes.axis("off")
+    _name_foils(figure, rows[0][0])
 
 
 def _draw_panel(axes: Axes, panel: Panel, width: float) -> None:
-    camera, shown = panel.camera, panel.shown
+    camera, shown, scenery = panel.camera, panel.shown, panel.scenery
     pixels = round(width * PIXELS_PER_INCH * max(1.0, camera.aspect))
-    axes.imshow(paint(panel.scenery, shown, camera, pixels), extent=camera.extent)
-    axes.set_title("\n".join(filter(None, (shown.title, shown.moment, shown.note))), fontsize=8.5)
+    axes.imshow(paint(scenery, shown, camera, pixels), extent=camera.extent)
+    axes.set_title(_heading(shown), fontsize=8.5)
     axes.grid(False)
     for spine in axes.spines.values():
         spine.set_visible(False)
+    lines = scenery.marks.grid_lines if camera.above else None
     if camera.above:
-        _millimetres(axes, panel)
+        millimetres(axes, scenery.skin)
     else:
-        axes.set_xticks([])
-        axes.set_yticks([])
-        _scale_bar(axes, camera)
-    _colour_bar(axes, shown)
+        scale_bar(axes, camera)
+    if lines:
+        rows_and_columns(axes, lines, width)
+    else:
+        pixel_names(axes, camera, scenery.skin, scenery.marks)
+    colour_bar(axes, shown, NUMBERS_WIDTH if lines else 0.1, width)
 
 
-def _millimetres(axes: Axes, panel: Panel) -> None:
-    from matplotlib.ticker import MaxNLocator
-
-    for axis, values in zip((axes.xaxis, axes.yaxis), 1e3 * panel.scenery.skin.x, strict=True):
-        low, high = values.min(), values.max()
-        ticks = MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
-        rounding = 1e-6 * (high - low)
-        kept = [float(t) for t in ticks if low - rounding <= t <= high + rounding]
-        axis.set_ticks(kept)
-    axes.set_xlabel("x (mm)")
-    axes.set_ylabel("y (mm)")
+def _heading(shown: Shown) -> str:
+    return "\n".join(filter(None, (shown.title, shown.moment, shown.note)))
 
 
-def _scale_bar(axes: Axes, camera: Camera) -> None:
-    left, right, bottom, top = camera.extent
-    length = max(each for each in ROUND_LENGTHS if each == 1 or each <= 0.2 * (right - left))
-    x, y = left + 0.02 * (right - left), bottom + 0.03 * (top - bottom)
-    axes.plot([x, x + length], [y, y], color="black", lw=2.5, solid_capstyle="butt")
-    axes.text(x + length / 2, y, f"{length} mm", ha="center", va="bottom", fontsize=8)
+def _name_foils(figure: Figure, panel: Panel) -> None:
+    """The foils' names and colours below all panels."""
+    from matplotlib.patches import Patch
+
+    foils = panel.scenery.marks.foils
+    colours = foil_colours(foils)
+    figure.legend(
+        handles=[Patch(color=colours[foil.name], label=_told(foil, panel)) for foil in foils],
+        loc="outside lower center",
+        ncols=max(1, min(len(foils), int(figure.get_figwidth() / LEGEND_WIDTH))),
+        fontsize=9,
+    )
 
 
-def _name_foils(axes: Axes, panel: Panel, size: float) -> None:
-    from matplotlib.patheffects import withStroke
-
-    behind = []
-    for foil in panel.scenery.marks.foils:
-        name = f"{foil.name} ({foil.role})"
-        if _behind(foil, panel):
-            behind.append(name)
-            continue
-        x, y = 1e3 * foil.named_at(panel.camera)
-        axes.text(
-            x,
-            y,
-            name,
-            color=ROLE_COLOURS[foil.role],
-            fontsize=size,
-            ha="center",
-            va="center",
-            rotation=_along(foil, panel.camera),
-            rotation_mode="anchor",
-            path_effects=[withStroke(linewidth=2.5, foreground="white")],
-        )
-    if behind:
-        told = "behind: " + ", ".join(behind)
-        axes.text(1, 0, told, transform=axes.transAxes, fontsize=size, ha="right", va="top")
-
-
-def _behind(foil: Foil, panel: Panel) -> bool:
-    """Whether a foil lies on the far side of what the skin is wrapped on."""
+def _told(foil: Foil, panel: Panel) -> str:
+    """The foil's name, and whether it is on the far side of what the skin is wrapped on."""
     skin = panel.scenery.skin
     normal = skin.normals[:, skin.nearest(foil.middle[:, None])[0]]
-    return bool(normal @ panel.camera.towards < FAR_SIDE)
-
-
-def _along(foil: Foil, camera: Camera) -> float:
-    """The angle of the foil's line in the picture, readable: from -90 to 90 degrees."""
-    if foil.closed:
-        return 0.0
-    x, y = camera.project(foil.along)
-    angle = float(np.degrees(np.arctan2(y, x)))
-    return (angle + 90 - 1e-9) % 180 - 90 + 1e-9
-
-
-def _colour_bar(axes: Axes, shown: Shown) -> None:
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
-    mappable = ScalarMappable(Normalize(*shown.limits), shown.colours)
-    bar = axes.figure.colorbar(
-        mappable, cax=axes.inset_axes((1.02, 0.0, 0.035, 1.0)), extend=shown.beyond
-    )
-    bar.set_label(shown.unit)
-    bar.ax.grid(False)
-    bar.outline.set_visible(False)
-    if shown.cyclic:
-        bar.set_ticks([float(angle) for angle in range(-180, 181, 60)])
+    behind = normal @ panel.camera.towards < FAR_SIDE
+    return f"{foil.label}, behind" if behind else foil.label

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
     from ..press.touch import Touch
     from ..scene.contacts import Contact, Interface
     from ..scene.scene import Scene
-    from .camera import Camera
     from .surface import Surface
 
 Real = NDArray[np.float64]
@@ -31,92 +29,65 @@ PIECES = 64
 BAND = {"top": (0.012, 0.03), "bottom": (0.036, 0.054)}
 """Of the skin's size: from the edge outwards, where the foils of each sheet are drawn."""
 
-NAME_GAP, NAME_STEP = 0.08, 0.04
-"""Of the skin's size: from the edge to the name of a foil, and on to that of a foil beside it."""
-
-BESIDE = 0.12
-"""Of the skin's size: foils with middles nearer than that have their names stacked."""
-
-HIDDEN = 0.6
-"""Of its length: what is seen less of counts as along the line of sight."""
-
-STEP_INWARD = 1e-3
-"""Of the skin's size: from an edge to where the surface is asked which way is out."""
-
 
 @dataclass(frozen=True)
 class Foil:
     """A foil as drawn.
 
-    quads: corners of the pieces of its ribbon in space, m, (3, 4, piece). middle: of the edge that
-    it lies along, (3,). out: from there off the skin, to where its name stands.
+    quads: corners of the pieces of its ribbon in space, m, (3, 4, piece).
     """
 
     name: str
     role: Role
     quads: Real
-    middle: Real
-    out: Real
 
     @property
-    def closed(self) -> bool:
-        """Whether it goes all around, and is named in its middle."""
-        return bool(np.linalg.norm(self.along) < np.linalg.norm(self.out) / 2)
-
-    def named_at(self, camera: Camera) -> Real:
-        """Where its name stands in the picture, m, (2,).
-
-        Off the skin; away from the picture's middle where off is along the line of sight; in the
-        middle of a foil that is closed.
-        """
-        if self.closed:
-            return camera.project(self.quads.reshape(3, -1).mean(axis=1))
-        middle, out = camera.project(self.middle), camera.project(self.out)
-        gap = np.linalg.norm(self.out)
-        if np.linalg.norm(out) < HIDDEN * gap:
-            right = 2 * middle[0] > camera.low[0] + camera.high[0]
-            out = np.array([1.0 if right else -1.0, 0.0])
-        return middle + gap * out / np.linalg.norm(out)
+    def label(self) -> str:
+        """Its name and what it does."""
+        return f"{self.name} ({self.role})"
 
     @property
-    def along(self) -> Real:
-        """From its first to its last end, (3,)."""
-        return self.quads[:, 1, -1] - self.quads[:, 0, 0]
+    def middle(self) -> Real:
+        """The mean of its corners, m, (3,)."""
+        return self.quads.reshape(3, -1).mean(axis=1)
 
 
 def foils(
-    scene: Scene, interface: Interface, skin: Surface, mesh: Meshed | None = None
+    scene: Scene,
+    interface: Interface,
+    skin: Surface,
+    laid: Callable[[Real], Real],
+    mesh: Meshed | None = None,
 ) -> tuple[Foil, ...]:
-    """All foils of a scene, driven and floating. mesh: of a skin that a file brings."""
+    """All foils of a scene, driven and floating.
+
+    laid: flat places (2, n) in space, (3, n), on the skin and off its edges. mesh: of a skin that
+    a file brings.
+    """
     drawn: list[Foil] = []
     for contact in scene.contacts:
-        ends, out = mesh.foil(contact.name) if mesh else _side(_path(contact, scene), skin)
-        number = _middle(ends)
-        middle = ends[:, :, number].mean(axis=1)
-        before = sum(np.linalg.norm(middle - foil.middle) < BESIDE * skin.size for foil in drawn)
-        gap = skin.size * (NAME_GAP + before * NAME_STEP)
-        quads = _ribbon(ends, out, skin.size, BAND[contact.electrode])
-        role = _role(contact, interface)
-        drawn.append(Foil(contact.name, role, quads, middle, gap * out[:, :, number].mean(axis=1)))
+        near, far = (skin.size * offset for offset in BAND[contact.electrode])
+        if mesh:
+            ends, out = mesh.foil(contact.name)
+            inner, outer = ends + near * out, ends + far * out
+        else:
+            path = _path(contact, scene)
+            out = skin.outward(path)
+            inner, outer = (_pieces(laid(path + off * out)) for off in (near, far))
+        quads = np.stack([inner[:, 0], inner[:, 1], outer[:, 1], outer[:, 0]], axis=1)
+        drawn.append(Foil(contact.name, _role(contact, interface), quads))
     return tuple(drawn)
 
 
-def _middle(ends: Real) -> int:
-    """The number of the piece that is nearest to the mean of all."""
-    middles = ends.mean(axis=1)
-    off = np.linalg.norm(middles - middles.mean(axis=1, keepdims=True), axis=0)
-    return int(np.argmin(off))
+def _pieces(line: Real) -> Real:
+    """The ends (3, 2, n) of the pieces of a line (3, n + 1)."""
+    return np.stack([line[:, :-1], line[:, 1:]], axis=1)
 
 
 def _role(contact: Contact, interface: Interface) -> Role:
     if contact.name in interface.high:
         return "high"
     return "low" if contact.name in interface.low else "floating"
-
-
-def _ribbon(ends: Real, out: Real, size: float, band: tuple[float, float]) -> Real:
-    near, far = (ends + size * offset * out for offset in band)
-    return np.stack([near[:, 0], near[:, 1], far[:, 1], far[:, 0]], axis=1)
 
 
 def _path(contact: Contact, scene: Scene) -> Real:
@@ -127,22 +98,13 @@ def _path(contact: Contact, scene: Scene) -> Real:
     return np.array([curve.at(mark) for mark in marks]).T
 
 
-def _side(path: Real, skin: Surface) -> tuple[Real, Real]:
-    """Of a path the ends of its pieces in space and the way out there, both (3, 2, piece)."""
-    places, _, _ = skin.carry(path)
-    within, _, _ = skin.carry(path - STEP_INWARD * skin.size * skin.outward(path))
-    out = (places - within) / np.linalg.norm(places - within, axis=0)
-    pieces = list(pairwise(range(path.shape[1])))
-    return places[:, pieces].transpose(0, 2, 1), out[:, pieces].transpose(0, 2, 1)
-
-
 class Meshed:
     """The triangles of a scene's mesh, in space as the skin is drawn."""
 
     def __init__(self, scene: Scene, press: Press, skin: Surface) -> None:
         from ..mesh.skin_mesh import domain
 
-        self._columns = scene.pixels.columns
+        self._rows, self._columns = scene.pixels.rows, scene.pixels.columns
         self._domain: Domain = domain(scene, press, skin.size)
         p = self._domain.p
         self._p = p if len(p) == 3 else skin.carry(p)[0]
@@ -183,6 +145,17 @@ class Meshed:
         number = (touch.row - 1) * self._columns + touch.column - 1
         one, other = self._pixels == number
         yield from self._lines(edges[:, one != other])
+
+    def middles(self) -> Real:
+        """Of pixels, weighed by the area of their triangles, m, (3, pixel)."""
+        corners = self._p[:, self._domain.t]
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], axis=0)
+        area, pixel = np.linalg.norm(across, axis=0), self._domain.pixel
+        inside, count = pixel >= 0, self._rows * self._columns
+        total = np.bincount(pixel[inside], area[inside], count)
+        weighed = (area * corners.mean(axis=1))[:, inside]
+        sums = [np.bincount(pixel[inside], each, count) for each in weighed]
+        return np.stack(sums) / total
 
     def _lines(self, edges: NDArray[np.int64]) -> Iterator[Real]:
         yield from self._p[:, edges].transpose(2, 0, 1)

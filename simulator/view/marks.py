@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,6 +27,8 @@ Point = Real | tuple[float, float]
 STEPS = 60
 """Pieces of a line, so that it follows a curved skin."""
 CIRCLE = 120
+EDGE_ON = 0.15
+"""Of a normal towards the eye: where less of it shows, what lies there cannot be read."""
 ARROWS_ALONG = 16
 """Arrows along the longer side."""
 FAINTEST = 0.02
@@ -35,12 +37,18 @@ FAINTEST = 0.02
 
 @dataclass(frozen=True)
 class Marks:
-    """Lines (3, n) in space and the foils."""
+    """Lines (3, n) in space, the foils, and the middles of pixels.
+
+    middles: in space, m, (3, row, column); nan off the skin. grid_lines: where the lines between
+    pixels cross x and y, m; None where pixels are groups of a mesh's elements.
+    """
 
     foils: tuple[Foil, ...]
     pixels: tuple[Real, ...]
     pressed: tuple[Real, ...]
     rim: tuple[Real, ...]
+    middles: Real
+    grid_lines: tuple[Real, Real] | None
 
 
 @dataclass(frozen=True)
@@ -51,21 +59,52 @@ class Arrows:
     directions: Real
     length: float
 
+    def facing(self, skin: Surface, towards: Real | None) -> Arrows:
+        """Those on the side of the skin that is towards an eye (3,); all where it may move."""
+        if towards is None or not self.places.size:
+            return self
+        seen = towards @ skin.normals[:, skin.nearest(self.places)] > EDGE_ON
+        return replace(self, places=self.places[:, seen], directions=self.directions[:, seen])
 
-def marks(scene: Scene, press: Press, interface: Interface, skin: Surface) -> Marks:
-    """All that is drawn on the skin besides the field."""
+
+def marks(
+    scene: Scene,
+    press: Press,
+    interface: Interface,
+    skin: Surface,
+    laid: Callable[[Real], Real],
+) -> Marks:
+    """All that is drawn on the skin besides the field; `laid` as for `foils`."""
     mesh = Meshed(scene, press, skin) if scene.skin.mesh else None
     if mesh and scene.pixels.groups:
-        grid = list(mesh.pixel_lines())
+        grid, middles = list(mesh.pixel_lines()), mesh.middles()
     else:
         grid = [line for flat in pixel_grid(scene) for line in _on_skin(flat, skin)]
+        middles = _middles(scene, skin)
     rim = skin.points[:, skin.rim]
     return Marks(
-        foils=foils(scene, interface, skin, mesh),
+        foils=foils(scene, interface, skin, laid, mesh),
         pixels=tuple(grid),
         pressed=tuple(_around(scene, press, skin, mesh)),
         rim=tuple(rim.transpose(2, 0, 1)),
+        middles=middles.reshape(3, scene.pixels.rows, scene.pixels.columns),
+        grid_lines=None if scene.pixels.groups else _grid_lines(scene, laid),
     )
+
+
+def _grid_lines(scene: Scene, laid: Callable[[Real], Real]) -> tuple[Real, Real]:
+    x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
+    return laid(np.stack([x, np.zeros_like(x)]))[0], laid(np.stack([np.zeros_like(y), y]))[1]
+
+
+def _middles(scene: Scene, skin: Surface) -> Real:
+    """Of pixels in a grid, in space, m, (3, pixel); nan off the skin."""
+    x, y = (
+        (lines[:-1] + lines[1:]) / 2 for lines in (pixel_lines(scene, 0), pixel_lines(scene, 1))
+    )
+    flat = np.stack([each.ravel() for each in np.meshgrid(x, y)])
+    places, _, _ = skin.carry(flat)
+    return np.where(skin.covers(flat), places, np.nan)
 
 
 def _around(scene: Scene, press: Press, skin: Surface, mesh: Meshed | None) -> Iterator[Real]:

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..sweeps import whole_file
-from .painting import ROLE_COLOURS, Image
+from .painting import PALER, ROLE_COLOURS, Image
 
 FPS = 8
-GREYS, PALER = 24, 4
+GREYS = 24
 
 
 def write_movie(path: Path, frames: Iterable[Image], colour_maps: Collection[str]) -> None:
@@ -33,7 +33,7 @@ def _palette(colour_maps: Collection[str]) -> NDArray[np.uint8]:
     from matplotlib.colors import to_rgb
 
     foils = np.array([to_rgb(colour) for colour in ROLE_COLOURS.values()])
-    paler = [1 - share * (1 - foils) for share in np.linspace(0.25, 1, PALER)]
+    paler = [1 - share * (1 - foils) for share in PALER]
     fixed = np.vstack([np.repeat(np.linspace(0, 1, GREYS)[:, None], 3, axis=1), *paler])
     each = (256 - len(fixed)) // len(colour_maps)
     maps = [colormaps[name](np.linspace(0, 1, each))[:, :3] for name in sorted(colour_maps)]

@@ -80,11 +80,11 @@ def rows_of_panels(stage: Stage, what: str) -> list[list[Panel]]:
     return [panels[first : first + ACROSS] for first in range(0, len(panels), ACROSS)]
 
 
-def panels_of(stage: Stage, quantity: Quantity) -> list[Panel]:
-    """A panel for each frequency, or the only one."""
+def panels_of(stage: Stage, quantity: Quantity, own: bool = False) -> list[Panel]:
+    """A panel for each frequency, or the only one. own: each with a colour scale of its own."""
     skin = stage.skin(quantity)
     numbers = [0] if quantity.everywhere else range(len(stage.fields.frequency))
-    return stage.panels(skin, at_frequencies(quantity, stage.fields, skin, numbers))
+    return stage.panels(skin, at_frequencies(quantity, stage.fields, skin, numbers, own))
 
 
 def _write_picture(path: Path, stage: Stage, what: str) -> None:
@@ -98,7 +98,7 @@ def write_turnable(path: Path, stage: Stage, what: str) -> None:
     from .page import write_page
 
     quantities = chosen(what, stage.fields)
-    panels = [panel for quantity in quantities for panel in panels_of(stage, quantity)]
+    panels = [panel for quantity in quantities for panel in panels_of(stage, quantity, own=True)]
     write_page(path, panels, title(stage))
 
 

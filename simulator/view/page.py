@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..charts import AT_REST
 from ..sweeps import whole_file
-from .painting import ARROW, BODY, GRID, ROLE_COLOURS, arrow_mesh, lifted, ribbon
+from .painting import ARROW, BODY, GRID, arrow_mesh, foil_colours, lifted, ribbon
 from .surface import triangles
 
 if TYPE_CHECKING:
@@ -26,9 +27,31 @@ Real = NDArray[np.float64]
 COLOURS = 33
 """Of a colour map, as many as the page is given."""
 MILLI = 1e3
-RAISED = 3.0
-"""Times as far above the skin as in pictures."""
+RAISED, WORDS_RAISED = 2.0, 20.0
+"""Times as far above the skin as fine lines: wide lines, and words over what is curved."""
+BEYOND = 1.04
+"""Times what is drawn: the room it is given."""
+HEAD, LINE, FOOT = 92, 21, 40
+"""Room for headings, for each line of the title, for the foils' names and the slider, pixels."""
+TITLE_WIDTH = 45
+GROUND, WORDS, UNSEEN = "#FFFFFF", "#222222", "rgba(0,0,0,0)"
 FLAT = {"ambient": 0.85, "diffuse": 0.25, "specular": 0.0, "roughness": 1.0}
+UNLIT = {"ambient": 1.0, "diffuse": 0.0, "specular": 0.0, "roughness": 1.0}
+PALE = 0.179
+"""Luminance that black and white contrast with alike."""
+FITTED = """
+const skin = document.getElementById("{plot_id}");
+const [halfWidth, halfHeight] = [%.6g, %.6g];
+function fit() {
+  const size = skin._fullLayout._size, range = skin.layout.scene.xaxis.range;
+  const scale = Math.min(1 / halfHeight, size.w / size.h / halfWidth);
+  const ratio = scale * (range[1] - range[0]);
+  Plotly.relayout(skin, {"scene.aspectratio": {x: ratio, y: ratio, z: ratio}});
+}
+fit();
+window.addEventListener("resize", () => setTimeout(fit, 200));
+"""
+"""The page's own script: in parallel projection half the height seen is 1, whatever the window."""
 
 
 def write_page(path: Path, panels: Sequence[Panel], title: str) -> None:
@@ -44,80 +67,166 @@ def write_page(path: Path, panels: Sequence[Panel], title: str) -> None:
     if len(panels) > 1:
         figure.update_layout(sliders=[_slider(panels, owners)])
     with whole_file(path) as unfinished:
-        figure.write_html(unfinished, include_plotlyjs=True, div_id="skin", default_height="92vh")
+        figure.write_html(
+            unfinished,
+            include_plotlyjs=True,
+            div_id="skin",
+            default_height="97vh",
+            post_script=FITTED % _half_sizes(panels),
+        )
 
 
 def _layout(panels: Sequence[Panel], title: str) -> dict[str, Any]:
     camera = panels[0].camera
-    hidden = {"visible": False}
-    axes = (camera.towards, camera.up)
     towards, up = (
-        {axis: float(v) for axis, v in zip("xyz", vector, strict=True)} for vector in axes
+        {axis: float(v) for axis, v in zip("xyz", vector, strict=True)}
+        for vector in (camera.towards, camera.up)
     )
+    middle, reach = _ball_around(panels)
+    axes = {
+        f"{axis}axis": {"visible": False, "range": [float(at - reach), float(at + reach)]}
+        for axis, at in zip("xyz", middle, strict=True)
+    }
+    scale = 1 / max(_half_sizes(panels))
+    lines = textwrap.wrap(title, TITLE_WIDTH)
     return {
-        "title": {"text": title, "x": 0.5},
+        "title": {
+            "text": "<br>".join(lines),
+            "font": {"size": 17},
+            "subtitle": {"text": _heading(panels[0].shown)},
+            **{"x": 0.02, "yref": "container", "y": 1.0, "yanchor": "top", "pad": {"t": 10}},
+        },
         "scene": {
-            **dict.fromkeys(("xaxis", "yaxis", "zaxis"), hidden),
-            "aspectmode": "data",
+            **axes,
+            "aspectmode": "manual",
+            "aspectratio": dict.fromkeys("xyz", 2 * reach * scale),
+            "dragmode": "orbit",
             "camera": {
                 "eye": {axis: 1.3 * v for axis, v in towards.items()},
                 "up": up,
                 "projection": {"type": "orthographic"},
             },
         },
-        "annotations": [_heading(panels[0].shown)],
-        "margin": {"l": 10, "r": 10, "t": 60, "b": 10},
-        "font": {"family": "DejaVu Sans, Arial, sans-serif", "size": 14, "color": "#222222"},
+        "legend": {"orientation": "h", "x": 0.0, "y": 0.0, "yanchor": "top"},
+        "margin": {"l": 10, "r": 10, "t": HEAD + LINE * len(lines), "b": FOOT},
+        "paper_bgcolor": GROUND,
+        "font": {"family": "DejaVu Sans, Arial, sans-serif", "size": 14, "color": WORDS},
     }
 
 
-def _heading(shown: Shown) -> dict[str, Any]:
-    lines = [f"<b>{shown.title}</b>", shown.moment, shown.note]
-    return {
-        "text": "<br>".join(filter(None, lines)),
-        "showarrow": False,
-        **{"xref": "paper", "yref": "paper", "x": 0.0, "y": 1.0},
-        "align": "left",
-    }
+def _ball_around(panels: Sequence[Panel]) -> tuple[Real, float]:
+    """The middle of all that is drawn, as the camera sees it, and how far it reaches, in mm."""
+    camera, places = panels[0].camera, MILLI * np.hstack([_drawn(panel) for panel in panels])
+    depths = camera.towards @ places
+    across, height = MILLI * (camera.low + camera.high) / 2
+    depth = (depths.min() + depths.max()) / 2
+    middle = across * camera.right + height * camera.up + depth * camera.towards
+    return middle, float(np.linalg.norm(places - middle[:, None], axis=0).max()) * BEYOND
+
+
+def _drawn(panel: Panel) -> Real:
+    """The corners of all surfaces, m, (3, n)."""
+    scenery = panel.scenery
+    bodies = [np.asarray(body.points, dtype=float).T for body in scenery.bodies]
+    ribbons = [foil.quads.reshape(3, -1) for foil in scenery.marks.foils]
+    return np.hstack([scenery.skin.points, *bodies, *ribbons])
+
+
+def _half_sizes(panels: Sequence[Panel]) -> tuple[float, float]:
+    """Half the width and the height of what the camera sees, with room around it, in mm."""
+    camera = panels[0].camera
+    width, height = BEYOND * MILLI * (camera.high - camera.low) / 2
+    return float(width), float(height)
+
+
+def _heading(shown: Shown) -> str:
+    return "<br>".join(filter(None, (f"<b>{shown.title}</b>", shown.moment, shown.note)))
 
 
 def _slider(panels: Sequence[Panel], owners: Sequence[int]) -> dict[str, Any]:
+    alone = len({panel.shown.title for panel in panels}) == 1
     steps = [
         {
-            "label": "",
+            "label": _step(panel.shown, alone),
             "method": "update",
             "args": [
                 {"visible": [owner == number for owner in owners]},
-                {"annotations": [_heading(panel.shown)]},
+                {"title.subtitle.text": _heading(panel.shown)},
             ],
         }
         for number, panel in enumerate(panels)
     ]
-    return {"steps": steps, "currentvalue": {"visible": False}, "ticklen": 4}
+    prefix = "Frequency: " if alone else ""
+    return {
+        "steps": steps,
+        "currentvalue": {"prefix": prefix, "xanchor": "right", "font": {"color": WORDS}},
+        "font": {"color": WORDS if alone else UNSEEN},
+        "ticklen": 4,
+        "pad": {"t": 8, "b": 0, "l": 10, "r": 10},
+    }
+
+
+def _step(shown: Shown, alone: bool) -> str:
+    return shown.frequency if alone else ", ".join(filter(None, (shown.title, shown.frequency)))
 
 
 def _traces(panel: Panel) -> list[Any]:
     scenery, shown = panel.scenery, panel.shown
     skin, marks = scenery.skin, scenery.marks
-    traces: list[Any] = [_field(skin, shown), *(_surface(body, BODY) for body in scenery.bodies)]
+    traces: list[Any] = [_field(skin, shown, panel.camera.above)]
+    traces += [_surface(body, BODY) for body in scenery.bodies]
+    colours = foil_colours(marks.foils)
     for foil in marks.foils:
-        surface = _surface(ribbon(foil), ROLE_COLOURS[foil.role])
-        surface.update(name=f"{foil.name} ({foil.role})", hoverinfo="name")
+        surface = _surface(ribbon(foil), colours[foil.name])
+        surface.update(name=foil.label, hoverinfo="name", showlegend=True)
         traces.append(surface)
-    for lines, colour, width in (
-        (marks.pixels, GRID, 1.5),
-        (marks.rim, AT_REST, 2),
-        (shown.contours, "#FFFFFF", 2),
-        (marks.pressed, AT_REST, 6),
+    for lines, colour, width, lift in (
+        (marks.pixels, GRID, 1.5, 1.0),
+        (marks.rim, AT_REST, 2, 1.0),
+        (shown.contours, "#FFFFFF", 2, 1.0),
+        (marks.pressed, AT_REST, 6, RAISED),
     ):
         if lines:
-            traces.append(_lines(skin, lines, colour, width))
+            raised = [lifted(line, skin, lift) for line in lines]
+            traces.append(_lines(raised, colour, width))
     if shown.arrows is not None and shown.arrows.places.size:
         traces.append(_surface(arrow_mesh(shown.arrows), ARROW))
-    return traces
+    return [*traces, _pixel_names(panel)]
 
 
-def _field(skin: Surface, shown: Shown) -> go.Mesh3d:
+def _pixel_names(panel: Panel) -> go.Scatter3d:
+    """Row,column in the middle of each pixel, in black or white, whichever is seen there."""
+    import plotly.graph_objects as go
+
+    skin, middles = panel.scenery.skin, panel.scenery.marks.middles
+    rows, columns = np.nonzero(np.isfinite(middles).all(axis=0))
+    places = middles[:, rows, columns]
+    points = MILLI * lifted(places, skin, 1.0 if panel.camera.above else WORDS_RAISED)
+    pale = _luminance(panel.shown)[skin.nearest(places)] > PALE
+    return go.Scatter3d(
+        **dict(zip("xyz", points.astype(np.float32), strict=True)),
+        mode="text",
+        text=[f"{row + 1},{column + 1}" for row, column in zip(rows, columns, strict=True)],
+        textposition="middle center",
+        textfont={"size": 11, "color": np.where(pale, AT_REST, "#FFFFFF")},
+        name="row,column",
+        hoverinfo="skip",
+    )
+
+
+def _luminance(shown: Shown) -> Real:
+    """Relative, of the colour at each point, (point,): WCAG 2.2."""
+    from matplotlib import colormaps
+    from matplotlib.colors import Normalize
+
+    red_green_blue = colormaps[shown.colours](Normalize(*shown.limits)(shown.values))[:, :3]
+    linear = np.where(
+        red_green_blue <= 0.04045, red_green_blue / 12.92, ((red_green_blue + 0.055) / 1.055) ** 2.4
+    )
+    return linear @ np.array([0.2126, 0.7152, 0.0722])
+
+
+def _field(skin: Surface, shown: Shown, even: bool) -> go.Mesh3d:
     import plotly.graph_objects as go
 
     value = f"%{{customdata[2]:.4g}} {shown.unit}"
@@ -131,8 +240,8 @@ def _field(skin: Surface, shown: Shown) -> go.Mesh3d:
         colorscale=_colour_scale(shown.colours),
         cmin=shown.limits[0],
         cmax=shown.limits[1],
-        colorbar={"title": {"text": shown.unit}, "len": 0.75},
-        lighting=FLAT,
+        colorbar={"title": {"text": shown.unit}, "len": 0.9},
+        lighting=UNLIT if even else FLAT,
     )
 
 
@@ -156,13 +265,11 @@ def _surface(mesh: pv.PolyData, colour: str) -> go.Mesh3d:
     return go.Mesh3d(**corners, color=colour, lighting=FLAT, hoverinfo="skip")
 
 
-def _lines(skin: Surface, lines: Sequence[Real], colour: str, width: float) -> go.Scatter3d:
+def _lines(lines: Sequence[Real], colour: str, width: float) -> go.Scatter3d:
     import plotly.graph_objects as go
 
     gap = np.full((3, 1), np.nan)
-    points = np.hstack(
-        [part for line in lines for part in (MILLI * lifted(line, skin, RAISED), gap)]
-    )
+    points = MILLI * np.hstack([part for line in lines for part in (line, gap)])
     return go.Scatter3d(
         **dict(zip("xyz", points.astype(np.float32), strict=True)),
         mode="lines",

@@ -143,6 +143,8 @@ Real = NDArray[np.float64]
 Image = NDArray[np.uint8]
 
 ROLE_COLOURS = {"high": COLOURS[1], "low": COLOURS[0], "floating": "#5A5A5A"}
+PALER = (1.0, 0.5, 0.75, 0.25)
+"""Shares of their role's colour that foils of one role get, in turn."""
 LIFTED = 2e-3
 """Of the skin's size: how far lines lie above it."""
 
@@ -163,7 +165,7 @@ def paint(scenery: Scenery, shown: Shown, camera: Camera, pixels: int) -> Image:
     width, height = camera.high - camera.low
     scale = pixels / max(width, height)
     with off_screen(round(scale * width), round(scale * height)) as plotter:
-        add_all(plotter, scenery, shown, lit=not camera.above)
+        add_all(plotter, scenery, shown, lit=not camera.above, towards=camera.towards)
         camera.aim(plotter)
         image = plotter.screenshot(return_img=True)
     assert image is not None
@@ -171,26 +173,39 @@ def paint(scenery: Scenery, shown: Shown, camera: Camera, pixels: int) -> Image:
 
 
 def add_all(
-    plotter: pv.Plotter, scenery: Scenery, shown: Shown, *, lit: bool, bar: bool = False
+    plotter: pv.Plotter,
+    scenery: Scenery,
+    shown: Shown,
+    *,
+    lit: bool,
+    bar: bool = False,
+    towards: Real | None = None,
 ) -> None:
     """Put field and scenery into a plotter.
 
-    lit: with shades, for shapes in space. bar: with a colour bar of pyvista's.
+    lit: with shades, for shapes in space. bar: with a colour bar of pyvista's. towards: to the eye,
+    (3,), where that stays: then nothing stands out behind the edge of what is seen.
     """
     skin, marks = scenery.skin, scenery.marks
     _add_field(plotter, skin, shown, lit, bar)
     for body in scenery.bodies:
         plotter.add_mesh(body, color=BODY, ambient=0.6, diffuse=0.42, smooth_shading=True)
+    colours = foil_colours(marks.foils)
     for foil in marks.foils:
-        plotter.add_mesh(ribbon(foil), color=ROLE_COLOURS[foil.role], lighting=False)
-    _add_lines(plotter, skin, marks.pixels, "#FFFFFF", 2.5, opacity=0.3)
-    _add_lines(plotter, skin, marks.pixels, AT_REST, 1.0, opacity=0.5)
-    _add_lines(plotter, skin, marks.rim, AT_REST, 1.5)
-    _add_lines(plotter, skin, shown.contours, "#FFFFFF", 1.5, opacity=0.8)
-    _add_lines(plotter, skin, marks.pressed, "#FFFFFF", 7.0, lift=1.5)
-    _add_lines(plotter, skin, marks.pressed, AT_REST, 3.0, lift=1.5)
-    if shown.arrows is not None and shown.arrows.places.size:
-        plotter.add_mesh(arrow_mesh(shown.arrows), color=ARROW, ambient=0.75, diffuse=0.25)
+        plotter.add_mesh(ribbon(foil), color=colours[foil.name], lighting=False)
+    for lines, colour, width, opacity, lift in (
+        (marks.pixels, "#FFFFFF", 2.5, 0.3, 1.0),
+        (marks.pixels, AT_REST, 1.0, 0.5, 1.0),
+        (marks.rim, AT_REST, 1.5, 1.0, 1.0),
+        (shown.contours, "#FFFFFF", 1.5, 0.8, 1.0),
+        (marks.pressed, "#FFFFFF", 7.0, 1.0, 1.5),
+        (marks.pressed, AT_REST, 3.0, 1.0, 1.5),
+    ):
+        raised = [lifted(line, skin, lift, towards) for line in lines]
+        _add_lines(plotter, raised, colour, width, opacity)
+    seen = shown.arrows if shown.arrows is None else shown.arrows.facing(skin, towards)
+    if seen is not None and seen.places.size:
+        plotter.add_mesh(arrow_mesh(seen), color=ARROW, ambient=0.75, diffuse=0.25)
 
 
 def _add_field(plotter: pv.Plotter, skin: Surface, shown: Shown, lit: bool, bar: bool) -> None:
@@ -208,9 +223,23 @@ def _add_field(plotter: pv.Plotter, skin: Surface, shown: Shown, lit: bool, bar:
         show_scalar_bar=bar,
         scalar_bar_args={"title": f"{shown.title} ({shown.unit})", "fmt": "%.3g"} if bar else None,
         lighting=lit,
-        ambient=0.7,
-        diffuse=0.3,
+        ambient=0.8,
+        diffuse=0.25,
     )
+
+
+def foil_colours(foils: Sequence[Foil]) -> dict[str, str]:
+    """A colour for each foil by name: its role's, paler for others of that role."""
+    from matplotlib.colors import to_hex, to_rgb
+
+    counts = dict.fromkeys(ROLE_COLOURS, 0)
+    colours = {}
+    for foil in foils:
+        share = PALER[counts[foil.role] % len(PALER)]
+        counts[foil.role] += 1
+        mixed = 1 - share * (1 - np.array(to_rgb(ROLE_COLOURS[foil.role])))
+        colours[foil.name] = to_hex(mixed.tolist())
+    return colours
 
 
 def ribbon(foil: Foil) -> pv.PolyData:
@@ -221,33 +250,27 @@ def ribbon(foil: Foil) -> pv.PolyData:
 
 
 def _add_lines(
-    plotter: pv.Plotter,
-    skin: Surface,
-    lines: Sequence[Real],
-    colour: str,
-    width: float,
-    opacity: float = 1.0,
-    lift: float = 1.0,
+    plotter: pv.Plotter, lines: Sequence[Real], colour: str, width: float, opacity: float
 ) -> None:
     if not lines:
         return
     import pyvista as pv
 
-    points = np.hstack([lifted(line, skin, lift) for line in lines])
     counts = [line.shape[1] for line in lines]
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     parts = [
         np.concatenate([[n], np.arange(low, low + n)])
         for low, n in zip(starts, counts, strict=True)
     ]
-    mesh = pv.PolyData(np.ascontiguousarray(points.T), lines=np.concatenate(parts))
+    points = np.ascontiguousarray(np.hstack(lines).T)
+    mesh = pv.PolyData(points, lines=np.concatenate(parts))
     plotter.add_mesh(mesh, color=colour, line_width=width, opacity=opacity, lighting=False)
 
 
-def lifted(line: Real, skin: Surface, times: float = 1.0) -> Real:
-    """A line (3, n) on the skin raised a little above it, to be seen."""
-    nearest = skin.nearest(line)
-    return line + times * LIFTED * skin.size * skin.normals[:, nearest]
+def lifted(line: Real, skin: Surface, times: float = 1.0, towards: Real | None = None) -> Real:
+    """A line (3, n) on the skin raised a little, to be seen: off it, or towards an eye (3,)."""
+    way = skin.normals[:, skin.nearest(line)] if towards is None else towards[:, None]
+    return line + times * LIFTED * skin.size * way
 
 
 def arrow_mesh(arrows: Arrows) -> pv.PolyData:

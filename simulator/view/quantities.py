@@ -23,10 +23,10 @@ COLOUR_MAPS: dict[Scale, str] = {"magnitude": "viridis", "signed": "RdBu_r", "cy
 SAME_SHEETS = 1e-3
 """The sheets' current densities are shown once where they differ by less, over the largest."""
 ALIKE_FRAMES = 10.0
-"""Frames share one scale where their largest values are within so many times of each other."""
+"""Frames share one scale where what they need of it is within so many times of each other."""
 PEAKS, FAR_LESS = 0.01, 1.5
 """Of the area, and how far above the rest values have to be there for the scale to end below."""
-FEW_DEGREES = 120.0
+FEW_DEGREES = 300.0
 """Phases that span no more need no closed map."""
 NO_DEFLECTION = 1e-12
 PERCENT_PER_CM2 = 1e2 * 1e-4
@@ -59,6 +59,13 @@ class Quantity:
     def open_scale(self) -> Scale:
         """Its scale where nothing goes around."""
         return "magnitude" if self.scale == "cyclic" else self.scale
+
+
+def span_text(low: float, high: float, unit: str) -> str:
+    """Such as −20.6 to 0.0 degrees, with as many decimals as tell the ends apart."""
+    digits = max(0, 1 - math.floor(math.log10(high - low))) if high > low else 3
+    ends = (f"{end:.{digits}f}".replace("-", "−") for end in (low, high + 0.0))
+    return f"{' to '.join(ends)} {unit}"
 
 
 def prefix(highest: float, unit: str) -> tuple[float, str]:
@@ -193,22 +200,37 @@ def point_areas(fields: Fields) -> Real:
     return total.astype(float)
 
 
-def scales(quantity: Quantity, frames: Sequence[Real], weight: Real) -> list[tuple[float, float]]:
+def scales(
+    quantity: Quantity, frames: Sequence[Real], weight: Real, own: bool = False
+) -> list[tuple[float, float]]:
     """The ends of the colour scale for each frame of values (point,).
 
     weight: the area of each point; the largest values of the smallest areas, at the ends of foils,
-    are left out. One scale for all frames where their largest values are alike, else each its own.
-    Magnitudes start at 0 unless the least is more than half of the largest.
+    are left out. One scale for all frames where their largest values, or spans of angles, are
+    alike, else each its own; `own`: each its own in any case. Magnitudes start at 0 unless the
+    least is more than half of the largest.
     """
+    sizes = [_size(quantity, values, weight) for values in frames]
+    if own or max(sizes) > ALIKE_FRAMES * min(sizes):
+        pairs = zip(frames, sizes, strict=True)
+        return [_scale(quantity, [values], size) for values, size in pairs]
+    return [_scale(quantity, frames, max(sizes))] * len(frames)
+
+
+def _size(quantity: Quantity, values: Real, weight: Real) -> float:
+    """What a frame needs of a scale: the span of its angles, else its largest value."""
     if quantity.scale == "cyclic":
-        return [_angles(frames)] * len(frames)
-    highest = [_highest(np.abs(values), weight) or 1.0 for values in frames]
-    if max(highest) <= ALIKE_FRAMES * min(highest):
-        highest = [max(highest)] * len(frames)
+        return float(np.ptp(values)) or 1.0
+    return _highest(np.abs(values), weight) or 1.0
+
+
+def _scale(quantity: Quantity, frames: Sequence[Real], high: float) -> tuple[float, float]:
+    if quantity.scale == "cyclic":
+        return _angles(frames)
     if quantity.scale == "signed":
-        return [(-high, high) for high in highest]
+        return -high, high
     lowest = min(float(values.min()) for values in frames)
-    return [(lowest if 0.5 * high < lowest < high else 0.0, high) for high in highest]
+    return (lowest if 0.5 * high < lowest < high else 0.0), high
 
 
 def _highest(sizes: Real, weight: Real) -> float:

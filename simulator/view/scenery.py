@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.varied.materials import position
 from .camera import Camera, from_above, from_the_side, obliquely
 from .figure import Panel
 from .marks import marks
@@ -25,10 +26,14 @@ if TYPE_CHECKING:
     from .shown import Shown
 
 Real = NDArray[np.float64]
-MARGIN = 0.025
+MARGIN = 0.012
 """Of the skin's size: around all that is in the picture."""
 BENEATH = 0.985
 """Of its radius: the mug or ball that is drawn under a skin."""
+ROOM = 1.05
+"""Times the deepest place as it is drawn: how far below the skin a mug or ball stays."""
+THINNEST = 0.2
+"""Of its radius: no mug or ball is drawn smaller."""
 MUG_MARGIN = 0.25
 """Of the skin's extent along it: how far a mug reaches beyond."""
 AROUND = 180
@@ -51,8 +56,7 @@ class Stage:
 
     def plain_skin(self) -> Surface:
         """The surface, deflected only where that is asked for."""
-        wrapped = curved(self.fields) if self.wrapped is None else self.wrapped
-        return surface(self.fields, wrapped, self.exaggeration or 0.0)
+        return surface(self.fields, self._in_space, self.exaggeration or 0.0)
 
     def skin(self, quantity: Quantity) -> Surface:
         """The surface that a quantity is drawn on."""
@@ -62,35 +66,52 @@ class Stage:
 
     def panels(self, skin: Surface, frames: list[Shown]) -> list[Panel]:
         """Each frame on the skin, all from the same place."""
-        drawn = marks(self.scene, self.press, self.interface, skin)
+        drawn = marks(self.scene, self.press, self.interface, skin, self.laid)
         scenery = Scenery(skin, drawn, tuple(self._bodies(skin)))
         camera = _camera(scenery)
         return [Panel(scenery, frame, camera) for frame in frames]
 
+    @property
+    def _in_space(self) -> bool:
+        return curved(self.fields) if self.wrapped is None else self.wrapped
+
+    def laid(self, x: Real) -> Real:
+        """Flat places (2, n) where they would be drawn, (3, n), on the skin and off its edges."""
+        if self._in_space:
+            return position(self.scene, x)
+        return np.vstack([x, np.zeros_like(x[:1])])
+
     def _bodies(self, skin: Surface) -> list[pv.PolyData]:
-        shape = getattr(self.scene.skin, "shape", None)
-        if np.ptp(skin.points[2]) > 0 and shape is not None and self.wrapped is not False:
-            return [_ball(skin, shape.radius) if shape.kind == "sphere" else _mug(skin, shape)]
-        thickness = self.scene.skin.foam.thickness
-        if skin.exaggeration and thickness is not None:
-            return [_foam(skin, skin.exaggeration * thickness)]
-        return []
+        """What the skin lies on, and the sides of its foam where heights are exaggerated."""
+        shape, thickness = self.scene.skin.shape, self.scene.skin.foam.thickness
+        foam = skin.exaggeration * thickness if thickness is not None else 0.0
+        sides = [_foam(skin, self._rest, foam)] if foam else []
+        if shape is None or not self._in_space:
+            return sides
+        beneath = max(foam, ROOM * skin.exaggeration * float(self.fields.deflection.max()))
+        radius = max(THINNEST * shape.radius, min(BENEATH * shape.radius, shape.radius - beneath))
+        length, width = self.scene.skin.stretched_sides
+        middle = np.array([length / 2, width / 2, -shape.radius])
+        if shape.kind == "sphere":
+            return [*sides, _ball(middle, radius)]
+        return [*sides, _mug(skin, middle, radius, shape.axis)]
+
+    @property
+    def _rest(self) -> Surface:
+        return surface(self.fields, self._in_space)
 
 
 def _camera(scenery: Scenery) -> Camera:
     skin = scenery.skin
     bodies = [np.asarray(body.points, dtype=float).T for body in scenery.bodies]
-    foils = scenery.marks.foils
-    ribbons = [foil.quads.reshape(3, -1) for foil in foils]
+    ribbons = [foil.quads.reshape(3, -1) for foil in scenery.marks.foils]
     places = np.hstack([skin.points, *bodies, *ribbons])
     margin = MARGIN * skin.size
     if np.ptp(skin.points[2]) == 0:
-        camera = from_above(places, margin)
-    elif skin.exaggeration and not _far_from_flat(skin):
-        camera = obliquely(places, margin)
-    else:
-        camera = from_the_side(places, _facing(scenery), margin)
-    return camera.including([foil.named_at(camera) for foil in foils], margin)
+        return from_above(places, margin)
+    if skin.exaggeration and not _far_from_flat(skin):
+        return obliquely(places, margin)
+    return from_the_side(places, _facing(scenery), margin)
 
 
 def _facing(scenery: Scenery) -> Real:
@@ -107,27 +128,24 @@ def _far_from_flat(skin: Surface) -> bool:
     return bool(np.abs(skin.points[:2] - skin.x).max() > 1e-9 * skin.size)
 
 
-def _foam(skin: Surface, thickness: float) -> pv.PolyData:
-    """The foam's sides, down to the sheet beneath."""
+def _foam(skin: Surface, rest: Surface, thickness: float) -> pv.PolyData:
+    """The foam's sides, from the skin's rim down to the sheet beneath."""
     upper = skin.points[:, skin.rim]
-    lower = np.array(upper)
-    lower[2] = -thickness
+    lower = (rest.points - thickness * rest.normals)[:, skin.rim]
     n = upper.shape[2]
     corners = np.arange(n)
     cells = np.stack([corners, corners + n, corners + 3 * n, corners + 2 * n])
     return polygons(np.hstack([*upper.transpose(1, 0, 2), *lower.transpose(1, 0, 2)]), cells)
 
 
-def _mug(skin: Surface, shape) -> pv.PolyData:
-    """A cylinder just beneath the skin, longer than it."""
-    along = np.array([1.0, 0.0, 0.0] if shape.axis == "x" else [0.0, 1.0, 0.0])
-    radial = skin.normals - np.outer(along, along @ skin.normals)
-    middle = _centre(skin, radial / np.linalg.norm(radial, axis=0), shape.radius)
+def _mug(skin: Surface, middle: Real, radius: float, axis: str) -> pv.PolyData:
+    """A cylinder beneath the skin, longer than it. middle: anywhere on its axis."""
+    along = np.array([1.0, 0.0, 0.0] if axis == "x" else [0.0, 1.0, 0.0])
     reach = along @ skin.points
     margin = MUG_MARGIN * np.ptp(reach)
     across = np.stack([np.roll(along, 1), np.roll(along, 2)])
     angle = np.linspace(0, 2 * np.pi, AROUND)
-    circle = BENEATH * shape.radius * (across.T @ np.stack([np.cos(angle), np.sin(angle)]))
+    circle = radius * (across.T @ np.stack([np.cos(angle), np.sin(angle)]))
     base = middle[:, None] - along[:, None] * (along @ middle)
     ends = [base + circle + end * along[:, None] for end in _mug_ends(reach, margin)]
     first = np.arange(AROUND - 1)
@@ -139,15 +157,7 @@ def _mug_ends(reach: Real, margin: float) -> tuple[float, float]:
     return float(reach.min() - margin), float(reach.max() + margin)
 
 
-def _ball(skin: Surface, radius: float) -> pv.PolyData:
+def _ball(middle: Real, radius: float) -> pv.PolyData:
     import pyvista as pv
 
-    middle = _centre(skin, skin.normals, radius)
-    return pv.Sphere(BENEATH * radius, middle, theta_resolution=120, phi_resolution=120)
-
-
-def _centre(skin: Surface, outwards: Real, radius: float) -> Real:
-    """The place a radius behind every point, or before it where normals point inwards."""
-    either = [skin.points + sign * radius * outwards for sign in (-1, 1)]
-    nearest = min(either, key=lambda places: places.std(axis=1).sum())
-    return np.median(nearest, axis=1)
+    return pv.Sphere(radius, middle, theta_resolution=120, phi_resolution=120)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .marks import Arrows, arrows
-from .quantities import COLOUR_MAPS, Quantity, difference, point_areas, prefix, scales
+from .quantities import COLOUR_MAPS, Quantity, difference, point_areas, prefix, scales, span_text
 
 if TYPE_CHECKING:
     from ..models.fields import Fields
@@ -24,7 +24,10 @@ MOST_CONTOURS = 9
 
 @dataclass(frozen=True)
 class Shown:
-    """values (point,) in `unit`; contours: lines (3, n) on the skin. moment: frequency and Z."""
+    """values (point,) in `unit`; contours: lines (3, n) on the skin. moment: frequency and Z.
+
+    frequency: alone, as text; empty where the values are those of all frequencies.
+    """
 
     title: str
     moment: str
@@ -36,6 +39,7 @@ class Shown:
     arrows: Arrows | None = None
     contours: tuple[Real, ...] = ()
     note: str = ""
+    frequency: str = ""
 
     @property
     def beyond(self) -> Literal["neither", "min", "max", "both"]:
@@ -50,15 +54,24 @@ class Shown:
 
 
 def at_frequencies(
-    quantity: Quantity, fields: Fields, skin: Surface, numbers: Sequence[int]
+    quantity: Quantity, fields: Fields, skin: Surface, numbers: Sequence[int], own: bool = False
 ) -> list[Shown]:
-    """The quantity at frequencies by number."""
+    """The quantity at frequencies by number; `own` as for `scales`."""
     values = [quantity.values(fields, at) for at in numbers]
-    ends = scales(quantity, values, point_areas(fields))
-    return [
+    ends = scales(quantity, values, point_areas(fields), own)
+    drawn = [
         _shown(quantity, fields, skin, at, each, scale)
         for at, each, scale in zip(numbers, values, ends, strict=True)
     ]
+    if len(set(ends)) == 1:
+        return drawn
+    return [replace(each, note=_and_scale(each)) for each in drawn]
+
+
+def _and_scale(shown: Shown) -> str:
+    """Its note, and the ends of its colours, which other frames do not share."""
+    scale = f"colours: {span_text(*shown.limits, shown.unit)}"
+    return f"{shown.note}, {scale}" if shown.note else scale
 
 
 def _shown(
@@ -79,6 +92,7 @@ def _shown(
         cyclic=closed,
         values=factor * values,
         limits=(factor * scale[0], factor * scale[1]),
+        frequency="" if quantity.everywhere else frequency_text(fields.frequency[at]),
     )
     if skin.exaggeration and quantity.everywhere:
         return replace(shown, note=f"heights drawn {skin.exaggeration:g} times")

@@ -121,15 +121,112 @@ def test_xdmf_has_frequency_for_time(fields, stage, tmp_path, corners):
             assert np.allclose(data["power_W_per_m2"], given.power[at])
 
 
+def read_page(path):
+    """The text of a page, its traces and its layout."""
+    page = path.read_text()
+    decoder = json.JSONDecoder()
+    start = page.index("[", re.search(r'Plotly\.newPlot\(\s*"skin",', page).end())
+    traces, end = decoder.raw_decode(page, start)
+    layout, _ = decoder.raw_decode(page, page.index("{", end))
+    return page, traces, layout
+
+
+def numbers(coded):
+    return np.frombuffer(base64.b64decode(coded["bdata"]), coded["dtype"])
+
+
 def test_a_page_needs_nothing_but_itself(fields, stage, tmp_path):
     given = fields(frequencies=[1e4, 1e5])
     write_output(tmp_path / "skin.html", stage(given), "potential", None)
-    page = (tmp_path / "skin.html").read_text()
+    page, traces, _ = read_page(tmp_path / "skin.html")
     assert not re.findall(r"<(?:script|link)[^>]+(?:src|href)=", page)
-    traces = json.loads(re.search(r'Plotly\.newPlot\(\s*"skin",\s*(\[.*?\}\]),\s*\{', page)[1])
     fields_shown = [trace for trace in traces if "intensity" in trace]
     assert [trace["visible"] for trace in fields_shown] == [True, False]
     for at, trace in enumerate(fields_shown):
-        shown = np.frombuffer(base64.b64decode(trace["intensity"]["bdata"]), np.float32)
         V = given.potential[0, at] - given.potential[1, at]
-        assert np.allclose(shown, np.abs(V), rtol=1e-6)
+        assert np.allclose(numbers(trace["intensity"]), np.abs(V), rtol=1e-6)
+
+
+@pytest.mark.parametrize(("width", "height"), [(1500, 400), (500, 500), (300, 900)])
+@pytest.mark.parametrize("radius", [None, 0.04])
+def test_the_whole_skin_and_its_foils_are_in_every_window(
+    fields, stage, tmp_path, width, height, radius
+):
+    """As plotly projects: half the height seen is 1, and all axes are scaled to `aspectratio`."""
+    shape = {} if radius is None else {"shape": {"kind": "cylinder", "radius": radius}}
+    write_output(tmp_path / "skin.html", stage(fields(radius=radius), **shape), "potential", None)
+    page, traces, layout = read_page(tmp_path / "skin.html")
+    half = re.search(r"\[halfWidth, halfHeight\] = \[([\d.]+), ([\d.]+)\]", page)
+    wide, high = float(half[1]), float(half[2])
+    scene = layout["scene"]
+    ranges = np.array([scene[f"{axis}axis"]["range"] for axis in "xyz"])
+    assert scene["aspectmode"] == "manual" and np.allclose(
+        np.ptp(ranges, axis=1), np.ptp(ranges[0])
+    )
+    places = np.hstack(
+        [np.array([numbers(each[axis]) for axis in "xyz"]) for each in traces if "i" in each]
+    )
+    assert places[0].min() < -1 or radius
+    assert (places.T >= ranges[:, 0]).all() and (places.T <= ranges[:, 1]).all()
+    eye, up = ([scene["camera"][key][axis] for axis in "xyz"] for key in ("eye", "up"))
+    right = np.cross(up, eye) / np.linalg.norm(np.cross(up, eye))
+    above = np.cross(eye, right) / np.linalg.norm(eye)
+    off = places - ranges.mean(axis=1)[:, None]
+    scale = min(1 / high, width / height / wide)
+    x, y = scale * right @ off, scale * above @ off
+    assert np.abs(x).max() <= width / height and np.abs(y).max() <= 1
+    assert max(np.abs(x).max() * height / width, np.abs(y).max()) > 0.9
+
+
+def luminance(colour):
+    from matplotlib.colors import to_rgb
+
+    parts = np.array(to_rgb(colour))
+    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+    return linear @ [0.2126, 0.7152, 0.0722]
+
+
+def test_words_on_a_page_stand_out_from_their_ground(fields, stage, tmp_path):
+    from matplotlib import colormaps
+
+    write_output(tmp_path / "skin.html", stage(fields([1e6])), "potential", None)
+    _, traces, layout = read_page(tmp_path / "skin.html")
+    ground, words = luminance(layout["paper_bgcolor"]), luminance(layout["font"]["color"])
+    assert (ground + 0.05) / (words + 0.05) > 7
+    assert not layout.get("annotations")
+    (names,) = [trace for trace in traces if trace.get("mode") == "text"]
+    field = next(trace for trace in traces if "intensity" in trace)
+    x, y = (numbers(field[axis]) for axis in "xy")
+    named = np.stack([numbers(names[axis]) for axis in "xy"])
+    at = [np.argmin(np.hypot(x - a, y - b)) for a, b in named.T]
+    beneath = numbers(field["intensity"])[at] / field["cmax"]
+    for share, colour in zip(beneath, names["textfont"]["color"], strict=True):
+        light, dark = sorted([luminance(colormaps["viridis"](share)[:3]), luminance(colour)])[::-1]
+        assert (light + 0.05) / (dark + 0.05) > 4
+
+
+def test_a_pages_slider_says_the_frequency_and_each_step_its_scale(fields, stage, tmp_path):
+    write_output(tmp_path / "skin.html", stage(fields([1e3, 1e5])), "potential", None)
+    _, traces, layout = read_page(tmp_path / "skin.html")
+    (slider,) = layout["sliders"]
+    assert slider["currentvalue"]["prefix"] == "Frequency: "
+    assert [step["label"] for step in slider["steps"]] == ["1 kHz", "100 kHz"]
+    assert slider["currentvalue"].get("visible", True)
+    for step, trace in zip(
+        slider["steps"], (each for each in traces if "intensity" in each), strict=True
+    ):
+        values = numbers(trace["intensity"])
+        assert trace["cmax"] == pytest.approx(values.max())
+        assert trace["cmin"] in (0, pytest.approx(values.min()))
+        assert np.ptp(values) > 0.3 * (trace["cmax"] - trace["cmin"])
+        (told,) = step["args"][1].values()
+        assert re.search(r"colours: [\d.]+ to [\d.]+ V", told)
+
+
+def test_a_page_of_everything_says_what_each_step_shows(fields, stage, tmp_path):
+    write_output(tmp_path / "skin.html", stage(fields([1e4])), "all", None)
+    _, traces, layout = read_page(tmp_path / "skin.html")
+    labels = [step["label"] for step in layout["sliders"][0]["steps"]]
+    assert labels[0] == "Potential between the sheets, 10 kHz" and labels[-1] == "Capacitance"
+    foils = {trace["name"] for trace in traces if trace.get("showlegend")}
+    assert foils == {"top-left (high)", "bottom-left (low)"}

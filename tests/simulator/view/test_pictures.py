@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib import colormaps
 from matplotlib.image import imread
-from rcskin.simulator.view.figure import rendered
+from rcskin.simulator.view.figure import compose, rendered
 from rcskin.simulator.view.outputs import panels_of, rows_of_panels, title, write_output
 from rcskin.simulator.view.painting import paint
 from rcskin.simulator.view.quantities import chosen
@@ -43,7 +43,7 @@ def test_the_field_is_where_it_should_be(fields, stage, corners):
     for x in (0.003, 0.013, 0.113):
         at = np.argmin(np.abs(skin.x[0] - x))
         assert np.allclose(colour_at(panel, image, x, 0.007), expected("viridis", V[at]), atol=25)
-    assert (colour_at(panel, image, 0.1225, 0.04) == 255).all()
+    assert (colour_at(panel, image, -0.001, 0.04) == 255).all()
 
 
 def test_signed_fields_are_white_where_they_change_sign(fields, stage):
@@ -104,12 +104,33 @@ def test_a_wrapped_skin_lies_on_its_mug(fields, stage, axis):
     panel, image = painted(stage(wrapped, shape=shape), "current")
     (mug,) = panel.scenery.bodies
     bent, kept = (0, 1) if axis == "y" else (1, 0)
+    foils = panel.scenery.marks.foils
+    rising = np.hypot(foils[0].quads[bent] - np.ptp(x[bent]) / 2, foils[0].quads[2] + 0.04)
+    assert rising == pytest.approx(0.04, rel=1e-6)
     radii = np.hypot(mug.points[:, bent] - np.ptp(x[bent]) / 2, mug.points[:, 2] + 0.04)
     assert radii == pytest.approx(0.985 * 0.04, rel=2e-3)
     assert np.ptp(mug.points[:, kept]) > np.ptp(x[kept])
     assert len(np.unique(image.reshape(-1, 3), axis=0)) > 100
     flat = only_panel(stage(wrapped, shape=shape, wrapped=False), "current")
     assert flat.camera.above and not flat.scenery.bodies
+
+
+@pytest.mark.parametrize("exaggeration", [None, 1.0, 5.0])
+def test_a_press_on_a_mug_is_seen(fields, stage, exaggeration):
+    """The dent has the colour of its depth, not that of the mug."""
+    given = fields(depth=2e-3, radius=0.04, n=(97, 65))
+    shape = {"kind": "cylinder", "radius": 0.04}
+    foam = {"thickness": 4e-3, "relative_permittivity": 2.2}
+    set_up = stage(given, press="3,5", shape=shape, foam=foam, exaggeration=exaggeration)
+    panel, image = painted(set_up, "deformation", 600)
+    skin = panel.scenery.skin
+    mug = panel.scenery.bodies[-1]
+    from_axis = np.hypot(skin.points[0] - 0.06, skin.points[2] + 0.04)
+    assert np.hypot(mug.points[:, 0] - 0.06, mug.points[:, 2] + 0.04).max() < from_axis.min()
+    at = np.argmin(np.hypot(given.x[0] - 0.087, given.x[1] - 0.043))
+    x, y = panel.camera.project(skin.points[:, at])
+    share = given.deflection[at] / given.deflection.max()
+    assert np.allclose(colour_at(panel, image, x, y), expected("viridis", share), atol=60)
 
 
 def test_nothing_drawn_is_outside_of_the_picture(fields, stage):
@@ -128,6 +149,63 @@ def test_a_picture_of_everything_is_written(fields, stage, tmp_path):
     assert image.shape[1] > 1500 and image.shape[0] > 1000
     assert len(np.unique((255 * image).astype(np.uint8).reshape(-1, 3), axis=0)) > 1000
     assert list(tmp_path.iterdir()) == [path]
+
+
+def drawn(rows, heading="title"):
+    """A figure of panels, laid out."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8, 6), layout="constrained")
+    canvas = FigureCanvasAgg(figure)
+    compose(figure, rows, heading)
+    canvas.draw()
+    return figure
+
+
+def test_rows_and_columns_are_numbered_where_their_pixels_are(fields, stage):
+    axes = drawn([[only_panel(stage(fields([1e4])), "potential")]]).axes[0]
+    above, beside = [each for each in axes.child_axes if not each.get_images()][:2]
+    assert [tick.get_text() for tick in above.get_xticklabels()] == list("123456")
+    assert above.get_xticks() == pytest.approx([10, 30, 50, 70, 90, 110])
+    assert [tick.get_text() for tick in beside.get_yticklabels()] == list("1234")
+    assert beside.get_yticks() == pytest.approx([10, 30, 50, 70])
+    assert (above.get_xlabel(), beside.get_ylabel()) == ("column", "row")
+
+
+def test_pixels_of_a_tilted_skin_are_named_by_row_and_column(fields, stage):
+    panel = only_panel(stage(fields(depth=2e-3)), "deformation")
+    named = {text.get_text(): text.get_position() for text in drawn([[panel]]).axes[0].texts}
+    middle = panel.camera.project(np.array([0.09, 0.01, 0.0]))
+    assert named["1,5"] == pytest.approx(tuple(1e3 * middle), abs=1.0)
+    columns = {name.split(",")[1] for name in named if not name.startswith("1,") and "," in name}
+    assert {f"1,{column}" for column in range(1, 7)} <= set(named) and len(columns) == 1
+
+
+def test_every_picture_names_the_foils_in_colours_of_their_own(fields, stage):
+    figure = drawn(rows_of_panels(stage(fields([1e4, 1e5])), "power"))
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "top-left (high)",
+        "bottom-left (low)",
+    ]
+    assert all(text.get_fontsize() >= 9 for text in legend.get_texts())
+    colours = {patch.get_facecolor() for patch in legend.get_patches()}
+    assert len(colours) == 2
+
+
+def test_axes_stand_beside_the_foils(fields, stage):
+    axes = drawn([[only_panel(stage(fields([1e4])), "potential")]]).axes[0]
+    left, _, bottom, _ = axes.get_images()[0].get_extent()
+    assert -12 < left < -7 and -3 < bottom < 0
+    assert axes.spines["left"].get_visible() and axes.spines["left"].get_bounds() == (0, 80)
+
+
+def test_panels_of_a_movie_stay_where_they_are(fields, stage):
+    shown = panels_of(stage(fields([1e3, 1e5])), chosen("phase", fields())[0])
+    assert shown[0].shown.limits != shown[1].shown.limits
+    places = [drawn([[panel]]).axes[0].get_position().bounds for panel in shown]
+    assert places[0] == pytest.approx(places[1], abs=1e-9)
 
 
 def test_frequencies_stand_side_by_side(fields, stage):

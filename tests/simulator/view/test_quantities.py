@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.simulator.sweeps import InputError
-from rcskin.simulator.view.quantities import NAMES, chosen, point_areas, prefix, scales
+from rcskin.simulator.view.quantities import NAMES, chosen, point_areas, prefix, scales, span_text
+from rcskin.simulator.view.shown import at_frequencies
+from rcskin.simulator.view.surface import surface
 
 
 def only(name, fields):
@@ -83,9 +85,43 @@ def test_a_peak_at_the_end_of_a_foil_does_not_darken_all_else(fields):
     assert low == 0 and 0.9 < high <= 1
 
 
-def test_few_degrees_fill_the_scale_and_many_go_around(fields):
+def test_phases_fill_the_scale_unless_they_go_around(fields):
     skin = fields()
     phase, weight = only("phase", skin), point_areas(skin)
     values = np.linspace(-60, 0, weight.size)
     assert scales(phase, [values], weight) == [(-60, 0)]
-    assert scales(phase, [3 * values], weight) == [(-180, 180)]
+    assert scales(phase, [3 * values], weight) == [(-180, 0)]
+    assert scales(phase, [np.linspace(-179, 179, weight.size)], weight) == [(-180, 180)]
+
+
+def test_few_degrees_are_not_lost_on_the_scale_of_many(fields):
+    skin = fields()
+    phase, weight = only("phase", skin), point_areas(skin)
+    values = np.linspace(-1, 0, weight.size)
+    assert scales(phase, [values, 4 * values], weight) == [(-4, 0), (-4, 0)]
+    assert scales(phase, [values, 120 * values], weight) == [(-1, 0), (-120, 0)]
+
+
+def test_each_frame_has_a_scale_of_its_own_where_that_is_asked_for(fields):
+    skin = fields()
+    weight = point_areas(skin)
+    near, far = np.linspace(0.9998, 1, weight.size), np.linspace(0.1, 1, weight.size)
+    assert scales(only("potential", skin), [near, far], weight) == [(0, 1), (0, 1)]
+    assert scales(only("potential", skin), [near, far], weight, own=True) == [(0.9998, 1), (0, 1)]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "text"),
+    [(0.99983, 1.0, "0.99983 to 1.00000 V"), (-20.6, 0.0, "−21 to 0 V"), (0, 53.4, "0 to 53 V")],
+)
+def test_the_ends_of_a_scale_are_told_apart(low, high, text):
+    assert span_text(low, high, "V") == text
+
+
+def test_frames_of_other_scales_say_theirs(fields):
+    skin = fields([1e3, 1e5])
+    drawn = surface(skin)
+    one, other = at_frequencies(only("phase", skin), skin, drawn, [0, 1])
+    assert "colours: −1.3 to 0.0 degrees" in one.note and one.note != other.note
+    alike = at_frequencies(only("potential", skin), skin, drawn, [0, 1])
+    assert not any("colours" in each.note for each in alike)

@@ -1,0 +1,141 @@
+"""What stands around a painted panel: axes in mm, numbers of rows and columns, its colour bar."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .camera import Camera
+    from .marks import Marks
+    from .shown import Shown
+    from .surface import Surface
+
+Real = NDArray[np.float64]
+MILLI = 1e3
+ROUND_LENGTHS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+"""Of a scale bar, mm."""
+NUMBER_ROOM = 0.2
+"""Of a number of a row or column, inches."""
+NUMBERS_WIDTH = 0.45
+"""Of the numbers of rows with their word, inches."""
+BAR_WIDTH, BAR_ROOM = 0.13, 0.9
+"""Of a colour bar, without and with its numbers and unit, inches."""
+NUMBER_COLOUR = "0.35"
+FACING = 0.3
+"""Of a normal towards the eye: pixels that show less of themselves are not named."""
+
+
+def millimetres(axes: Axes, skin: Surface) -> None:
+    """Axes along the skin's sides, beside its foils."""
+    from matplotlib.ticker import MaxNLocator
+
+    for axis, side, values in zip(
+        (axes.xaxis, axes.yaxis), ("bottom", "left"), MILLI * skin.points[:2], strict=True
+    ):
+        low, high = float(values.min()), float(values.max())
+        ticks = MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+        rounding = 1e-6 * (high - low)
+        axis.set_ticks([float(t) for t in ticks if low - rounding <= t <= high + rounding])
+        axes.spines[side].set_visible(True)
+        axes.spines[side].set_bounds(low, high)
+    axes.set_xlabel("x (mm)")
+    axes.set_ylabel("y (mm)")
+
+
+def rows_and_columns(axes: Axes, lines: tuple[Real, Real], panel_width: float) -> None:
+    """Numbers of columns above the skin and of rows at its right.
+
+    lines: between pixels, across x and y, m. panel_width: inches.
+    """
+    above, beside = axes.secondary_xaxis("top"), axes.secondary_yaxis("right")
+    x, y = (MILLI * each for each in lines)
+    left, right, bottom, top = axes.get_images()[0].get_extent()
+    height = panel_width * (top - bottom) / (right - left)
+    for axis, word, ends, length in (
+        (above.xaxis, "column", x, panel_width * np.ptp(x) / (right - left)),
+        (beside.yaxis, "row", y, height * np.ptp(y) / (top - bottom)),
+    ):
+        middles = (ends[:-1] + ends[1:]) / 2
+        step = int(np.ceil(middles.size * NUMBER_ROOM / max(length, NUMBER_ROOM)))
+        axis.set_ticks(middles[::step], [str(n) for n in range(1, middles.size + 1, step)])
+        axis.set_label_text(word, fontsize=8, color=NUMBER_COLOUR)
+    for each in (above, beside):
+        each.tick_params(length=0, labelsize=8, labelcolor=NUMBER_COLOUR, pad=1)
+        for spine in each.spines.values():
+            spine.set_visible(False)
+
+
+def pixel_names(axes: Axes, camera: Camera, skin: Surface, marks: Marks) -> None:
+    """Row,column on pixels that face the eye: those of a mesh all, else of one row and column."""
+    from matplotlib.patheffects import withStroke
+
+    facing = _facing(camera, skin, marks.middles)
+    if marks.grid_lines:
+        kept = np.zeros_like(facing, dtype=bool)
+        kept[0, :] = True
+        kept[:, int(np.argmax(facing.sum(axis=0)))] = True
+        facing = np.where(kept, facing, 0.0)
+    for row, column in np.argwhere(facing > FACING):
+        x, y = MILLI * camera.project(marks.middles[:, row, column])
+        axes.text(
+            float(x),
+            float(y),
+            f"{row + 1},{column + 1}",
+            fontsize=7,
+            color="white",
+            ha="center",
+            va="center",
+            path_effects=[withStroke(linewidth=1.8, foreground="0.15")],
+        )
+
+
+def _facing(camera: Camera, skin: Surface, middles: Real) -> Real:
+    """How much the skin is turned to the eye at places (3, row, column); 0 off the skin."""
+    places = middles.reshape(3, -1)
+    there = np.isfinite(places).all(axis=0)
+    found = np.zeros(places.shape[1])
+    found[there] = camera.towards @ skin.normals[:, skin.nearest(places[:, there])]
+    return found.reshape(middles.shape[1:])
+
+
+def scale_bar(axes: Axes, camera: Camera) -> None:
+    """A length in mm, where there are no axes."""
+    axes.set_xticks([])
+    axes.set_yticks([])
+    left, right, bottom, top = camera.extent
+    length = max(each for each in ROUND_LENGTHS if each == 1 or each <= 0.2 * (right - left))
+    x, y = left + 0.02 * (right - left), bottom + 0.03 * (top - bottom)
+    axes.plot([x, x + length], [y, y], color="black", lw=2.5, solid_capstyle="butt")
+    axes.text(x + length / 2, y, f"{length} mm", ha="center", va="bottom", fontsize=8)
+
+
+def colour_bar(axes: Axes, shown: Shown, off: float, panel_width: float) -> None:
+    """At the panel's right, in the same room whatever its numbers are: movies stand still.
+
+    off: how far from the panel. panel_width: both in inches.
+    """
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+    from matplotlib.patches import Rectangle
+
+    start = 1 + off / panel_width
+    room = Rectangle((start, 0), BAR_ROOM / panel_width, 1, transform=axes.transAxes, alpha=0)
+    axes.add_patch(room).set_clip_on(False)
+
+    mappable = ScalarMappable(Normalize(*shown.limits), shown.colours)
+    bar = axes.figure.colorbar(
+        mappable,
+        cax=axes.inset_axes((start, 0.0, BAR_WIDTH / panel_width, 1.0)),
+        extend=shown.beyond,
+    )
+    bar.set_label(shown.unit)
+    bar.ax.grid(False)
+    bar.ax.set_in_layout(False)
+    bar.outline.set_visible(False)
+    if shown.cyclic:
+        bar.set_ticks([float(angle) for angle in range(-180, 181, 60)])
