@@ -15,6 +15,7 @@ from .hardware.virtual.simulation import Simulation
 from .localization.cli import add_commands
 from .localization.commands.gap import gap_command
 from .localization.gap import given as gap
+from .simulator.charts import checked_ending
 from .simulator.cli import app, run
 from .simulator.progress import on_terminal
 from .simulator.study.command import study_command
@@ -132,7 +133,7 @@ def _tables(*asked: Any, **options: Any) -> Mapping[str, NDArray]:
     return templates(*asked, **options)
 
 
-add_commands(app, _model_based)
+add_commands(app, checked_ending, _model_based)
 app.command("live")(live_command(_live_localizer))
 app.add_typer(meter_app(Simulation(_scene_data, _skin, _readout)), name="meter")
 
@@ -187,7 +188,7 @@ def _explained(text: str, measured: xr.Dataset) -> list[gap.Cause]:
 def _style() -> gap.Style:
     from .simulator.charts import COLOURS, chart, frequency_axis
 
-    return gap.Style(chart, frequency_axis, COLOURS)
+    return gap.Style(chart, frequency_axis, COLOURS, checked_ending)
 
 
 _simulation = gap.Simulation(

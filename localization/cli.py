@@ -15,8 +15,16 @@ if TYPE_CHECKING:
     from .learners.registry import Estimator
 
 
-def add_commands(app: typer.Typer, extra: Callable[[], Iterable[Estimator]] = tuple) -> None:
-    """Add `train`, `evaluate` and `localize`; extra tells estimators beside those of here."""
+def add_commands(
+    app: typer.Typer,
+    checked_ending: Callable[[str], str],
+    extra: Callable[[], Iterable[Estimator]] = tuple,
+) -> None:
+    """Add `train`, `evaluate` and `localize`.
+
+    checked_ending: the ending of charts by its name, such as svg; raises InputError. extra: tells
+    estimators beside those of here.
+    """
     app.command("train")(train_command(extra))
-    app.command("evaluate")(evaluate_command(extra))
+    app.command("evaluate")(evaluate_command(extra, checked_ending))
     app.command("localize")(localize_command(extra))

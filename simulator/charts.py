@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .sweeps import whole_file
+from .sweeps import InputError, checked_output, whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,10 +17,16 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Of M. Okabe and K. Ito, "Color Universal Design" (2008), the darker ones first."""
 LINE_STYLES = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)))
 AT_REST = "#000000"
+ENDINGS = (".png", ".svg", ".pdf")
+"""Of every chart: pixels for screens, lines for papers."""
+UNDATED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+"""Without the time in them the same charts are the same bytes."""
 
 STYLE: dict[Any, Any] = {
     "figure.dpi": 110,
     "savefig.dpi": 150,
+    "pdf.fonttype": 42,
+    "svg.hashsalt": "rcskin",
     "font.size": 9,
     "axes.titlesize": 10,
     "axes.grid": True,
@@ -40,9 +46,22 @@ def frequency_axis(axes: Axes) -> None:
     axes.set_xlabel("Frequency (kHz)")
 
 
+def checked_chart(path: str | Path) -> Path:
+    """The same path, if a chart can be written there. Raises InputError as `checked_output`."""
+    return checked_output(path, ENDINGS)
+
+
+def checked_ending(name: str) -> str:
+    """The ending of charts in a folder, of its name such as svg. Raises InputError."""
+    if f".{name}" not in ENDINGS:
+        names = " or ".join(ending[1:] for ending in ENDINGS)
+        raise InputError(f"--charts must be {names}, got {name!r}")
+    return f".{name}"
+
+
 @contextmanager
 def chart(path: Path, width: float, height: float) -> Iterator[Figure]:
-    """A figure of that size in inches, drawn in the house style and written whole as a PNG."""
+    """A figure of that size in inches in the house style, written whole; `path` ends in ENDINGS."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -52,4 +71,4 @@ def chart(path: Path, width: float, height: float) -> Iterator[Figure]:
         FigureCanvasAgg(figure)
         yield figure
         with whole_file(path) as unfinished:
-            figure.savefig(unfinished)
+            figure.savefig(unfinished, metadata=UNDATED.get(path.suffix))

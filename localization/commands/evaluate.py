@@ -20,8 +20,10 @@ if TYPE_CHECKING:
 FILES = "A model to evaluate, MODEL.skops, if any; then sweeps: FILE.nc, FILE.zarr or FILE.csv."
 
 
-def evaluate_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., None]:
-    """The command, told of further estimators."""
+def evaluate_command(
+    extra: Callable[[], Iterable[Estimator]], checked_ending: Callable[[str], str]
+) -> Callable[..., None]:
+    """The command, told of further estimators and of what charts can be."""
 
     def evaluate(
         files: Annotated[list[Path], typer.Argument(metavar="[MODEL] SWEEPS", help=FILES)],
@@ -37,6 +39,7 @@ def evaluate_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         tune: options.Tune = False,
         folds: Annotated[int, typer.Option(help="Of the outer cross-validation, >= 2.")] = 5,
         most: options.Most = options.MOST_SWEEPS,
+        charts: options.Charts = "png",
     ) -> None:
         """How often a localizer is right.
 
@@ -55,6 +58,7 @@ def evaluate_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
             raise InputError(f"takes one model and one file of sweeps, got {len(files)} files")
         if folds < 2:
             raise InputError(f"--folds must be >= 2, got {folds}")
+        ending = checked_ending(charts)
         folder = None if output is None else made_folder(output)
         sweeps = read_some(files[-1], most)
         resting = None if rest is None else read_some(rest, most)
@@ -67,7 +71,7 @@ def evaluate_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         for line in lines_of(found):
             typer.echo(line)
         if folder is not None:
-            write_report(folder, found)
+            write_report(folder, found, ending)
 
     return evaluate
 

@@ -45,6 +45,9 @@ def gap_command(
         calibration_touches: Annotated[
             int, typer.Option(help="Pressed sweeps that calibrate, and are never tested.")
         ] = 5,
+        charts: Annotated[
+            str | None, typer.Option(help="Write the charts too: png, svg or pdf.")
+        ] = None,
     ) -> None:
         """How far simulation is from measurement, and what would close the gap.
 
@@ -60,6 +63,8 @@ def gap_command(
         from ..gap.report.pages import HTML, made_folder, write_report
         from ..gap.trial import prepared
 
+        drawing = style()
+        ending = None if charts is None else drawing.checked_ending(charts)
         question = Question(target, estimator, seed, draws, calibration_touches)
         sides = read(simulated), read(measured)
         check_simulated(sides[0], simulated)
@@ -68,7 +73,7 @@ def gap_command(
         made_folder(output)
         with progress() as track:
             findings = find(prepared(pair, question, simulation, extra()), simulation, track)
-        write_report(output, findings, style())
+        write_report(output, findings, drawing, ending)
         _show(findings, output / HTML)
 
     return gap

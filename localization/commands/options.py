@@ -45,4 +45,5 @@ Certain = Annotated[
 ]
 Tune = Annotated[bool, typer.Option("--tune", help="Choose parameters by cross-validation.")]
 Most = Annotated[int, typer.Option(help=MOST)]
+Charts = Annotated[str, typer.Option(help="What charts are: png, svg or pdf.")]
 Rest = Annotated[Path | None, typer.Option(help=REST)]

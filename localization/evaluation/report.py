@@ -55,19 +55,22 @@ def lines_of(found: Found) -> list[str]:
     ]
 
 
-def write_report(folder: Path, found: Found) -> None:
-    """Figures as a table; the confusion matrix, or all positions, as a table and a chart."""
+def write_report(folder: Path, found: Found, ending: str = ".png") -> None:
+    """Figures as a table; the confusion matrix, or all positions, as a table and a chart.
+
+    ending: of the chart.
+    """
     score = found.score
     table = [(name, *values) for name, values in found.figures.items()]
     write_table(folder / "figures.csv", ["figure", "value", "spread"], table)
     if isinstance(score, ClassScore):
         write_csv(score.confusion, folder / "confusion.csv")
-        _save(_confusion_chart(score), folder / "confusion.png")
+        _save(_confusion_chart(score), folder / f"confusion{ending}")
     else:
         rows = zip(score.truth, score.told, score.deviation, strict=True)
         flat = [[f"{value:.6g}" for part in row for value in part] for row in rows]
         write_table(folder / "positions.csv", POSITIONS, flat)
-        _save(_position_chart(score), folder / "positions.png")
+        _save(_position_chart(score), folder / f"positions{ending}")
 
 
 def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:

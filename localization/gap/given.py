@@ -71,8 +71,12 @@ class Simulation:
 
 @dataclass(frozen=True)
 class Style:
-    """How charts are drawn: a figure written to a path, an axis of frequencies in kHz, colours."""
+    """How charts are drawn: a figure written to a path, an axis of frequencies in kHz, colours.
+
+    checked_ending: the ending of charts by its name, such as svg; raises InputError.
+    """
 
     chart: Callable[[Path, float, float], AbstractContextManager[Figure]]
     frequency_axis: Callable[[Axes], Any]
     colours: Sequence[str]
+    checked_ending: Callable[[str], str]

@@ -40,6 +40,7 @@ def calibrate(
             "dataset.session draws)."
         ),
     ] = "wide",
+    charts: Annotated[str, typer.Option(help="What charts are: png, svg or pdf.")] = "png",
 ) -> None:
     """Fit a scene's parameters to measured sweeps, at rest and pressed.
 
@@ -55,6 +56,7 @@ def calibrate(
     """
     from rich.console import Console
 
+    from ..charts import checked_ending
     from ..models.plain import plain_scene
     from ..scene.files import load_scene
     from ..scene.frequency import parse_band
@@ -64,7 +66,7 @@ def calibrate(
     from .report import checked_folder, correlation_table, explanations, table, write_report
     from .run import calibrate as calibrated
 
-    folder = checked_folder(output)
+    folder, ending = checked_folder(output), checked_ending(charts)
     options = Options(
         tuple(fit or ()),
         tuple(fix or ()),
@@ -76,7 +78,7 @@ def calibrate(
     start, sweeps = plain_scene(load_scene(scene), "a calibration"), read(measured)
     with telling() as tell:
         calibration = calibrated(start, sweeps, options, tell=tell)
-    names = write_report(calibration, measured.name, folder)
+    names = write_report(calibration, measured.name, folder, ending)
     console = Console()
     console.print(table(calibration))
     if len(calibration.intervals) > 1:

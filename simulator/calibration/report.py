@@ -39,8 +39,13 @@ def checked_folder(path: Path) -> Path:
     return path
 
 
-def write_report(calibration: Calibration, source: str, folder: Path) -> list[str]:
-    """All files into a folder, each whole; their names. source: what was fitted to, in words."""
+def write_report(
+    calibration: Calibration, source: str, folder: Path, ending: str = ".png"
+) -> list[str]:
+    """All files into a folder, each whole; their names.
+
+    source: what was fitted to, in words. ending: of the charts.
+    """
     with TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}.") as unfinished:
         made = Path(unfinished)
         text = calibrated_text(calibration, source)
@@ -54,7 +59,8 @@ def write_report(calibration: Calibration, source: str, folder: Path) -> list[st
             made / "correlation.csv", ("parameter", *_names(calibration)), _tied(calibration)
         )
         for k, interface in enumerate(calibration.fit.asked.measured.scene.interfaces):
-            draw_residuals(calibration, k, made / f"residuals-{_file_name(interface.name)}.png")
+            name = f"residuals-{_file_name(interface.name)}{ending}"
+            draw_residuals(calibration, k, made / name)
         folder.mkdir(exist_ok=True)
         names = sorted(path.name for path in made.iterdir())
         for name in names:

@@ -83,7 +83,9 @@ def check(
     file: Annotated[Path, typer.Argument(help="Sweeps: FILE.nc, FILE.zarr, or a CSV of any tool.")],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="REPORT.png, or a folder for the chart and tables."),
+        typer.Option(
+            "--output", "-o", help="REPORT.png, .svg, .pdf, or a folder for chart and tables."
+        ),
     ] = None,
     noise: Annotated[
         float | None,
@@ -144,10 +146,11 @@ def plot(
     ] = None,
 ) -> None:
     """Draw sweeps, simulated or measured: Rs, Cp, changes from rest, phase, Nyquist."""
-    from ..sweeps import checked_output, read
-    from .curves import ENDINGS, checked_quantities, draw_curves
+    from ..charts import checked_chart
+    from ..sweeps import read
+    from .curves import checked_quantities, draw_curves
 
-    checked_output(output, ENDINGS)
+    checked_chart(output)
     chosen = checked_quantities(what or ())
     names = [file.name for file in files] if len(files) > 1 else []
     draw_curves([read(file) for file in files], output, chosen if what else (), names)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..charts import AT_REST, COLOURS, LINE_STYLES, chart, frequency_axis
-from ..sweeps import UNPRESSED, InputError, checked_output
+from ..charts import AT_REST, COLOURS, LINE_STYLES, chart, checked_chart, frequency_axis
+from ..sweeps import UNPRESSED, InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
     from numpy.typing import NDArray
 
-ENDINGS = (".png", ".svg", ".pdf")
 FEW = 40
 """Sweeps whose curves are drawn opaque."""
 MOST_NAMED = 12
@@ -69,7 +68,7 @@ def draw_curves(
     session. names: of the recordings. path: .png, .svg or .pdf; given back. Raises InputError for
     another ending, an absent folder or another quantity, and for changes without rest.
     """
-    path = checked_output(path, ENDINGS)
+    path = checked_chart(path)
     chosen = checked_quantities(what)
     if not what and not all(_has_rest(each) for each in recordings):
         chosen = tuple(name for name in chosen if not QUANTITIES[name].change)

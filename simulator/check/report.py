@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..charts import COLOURS, chart, frequency_axis
+from ..charts import COLOURS, ENDINGS, chart, frequency_axis
 from ..sweeps import InputError, whole_file
 from ..sweeps.examination import Judgement
 
@@ -43,12 +43,13 @@ AT_MOST_NAMED = 6
 
 
 def checked_report(path: Path) -> Path:
-    """The same path, if a report can be written there: a PNG's name, or that of a folder.
+    """The same path, if a report can be written there: a chart's name, or that of a folder.
 
     Raises InputError where it has another ending or its folder does not exist.
     """
-    if path.suffix not in ("", ".png") and not path.is_dir():
-        raise InputError(f"{path}: must end in .png or be a folder, got {path.suffix!r}")
+    if path.suffix not in ("", *ENDINGS) and not path.is_dir():
+        endings = ", ".join(ENDINGS)
+        raise InputError(f"{path}: must end in {endings} or be a folder, got {path.suffix!r}")
     if not path.parent.is_dir():
         raise InputError(f"{path}: the folder {path.parent} does not exist")
     if path.suffix == "" and path.exists() and not path.is_dir():
@@ -58,7 +59,7 @@ def checked_report(path: Path) -> Path:
 
 def write_report(judgements: Sequence[Judgement], path: Path) -> None:
     """The residual chart as `path`; in a folder, tables of all verdicts and residuals beside it."""
-    if path.suffix == ".png" and not path.is_dir():
+    if path.suffix in ENDINGS and not path.is_dir():
         draw_residuals(judgements, path)
         return
     path.mkdir(exist_ok=True)

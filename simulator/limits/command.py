@@ -45,6 +45,7 @@ def limits(
         bool,
         typer.Option("--unknown-skin", help="Skins differ as `dataset.session` of the scene says."),
     ] = False,
+    charts: Annotated[str, typer.Option(help="What charts are: png, svg or pdf.")] = "png",
     accuracy: Annotated[
         float | None,
         typer.Option(help="Print the most pixels that any classifier tells this well, 0 to 1."),
@@ -61,6 +62,7 @@ def limits(
 
     With --accuracy: the largest number of pixels for it, by target.
     """
+    from ..charts import checked_ending
     from ..models.plain import plain_scene
     from ..progress import on_terminal
     from ..scene.files import load_scene
@@ -72,6 +74,7 @@ def limits(
     check_numbers(draws=draws, against_rest=against_rest, seed=seed, n=n)
     touch = chosen_touch(loaded, None if size is None else 1e-3 * size, factor)
     question = Question(touch, against_rest, unknown_skin)
+    ending = checked_ending(charts)
     resistances = _listed(sheet_resistance)
     for resistance in resistances:
         with_sheets(loaded, resistance)
@@ -80,7 +83,7 @@ def limits(
             _print_counts(loaded, accuracy, (seed, draws), against_rest, track)
         if accuracy is None or output is not None:
             folder = _made(output or FOLDER)
-            _write(loaded, question, resistances, n, (seed, draws), folder, track)
+            _write(loaded, question, resistances, n, (seed, draws), folder, ending, track)
 
 
 def check_numbers(
@@ -149,6 +152,7 @@ def _write(
     n: int | None,
     random: tuple[int, int],
     folder: Path,
+    ending: str,
     track: Track,
 ) -> None:
     from .figure import draw_distances, draw_maps
@@ -161,12 +165,12 @@ def _write(
     title = _title(scene, question)
     for comparison in dict.fromkeys(variant.comparison for variant in variants):
         chosen = [variant for variant in variants if variant.comparison == comparison]
-        draw_maps(scene, chosen, title, folder / f"{comparison}.png")
+        draw_maps(scene, chosen, title, folder / f"{comparison}{ending}")
     draw_distances(
         told_apart.apart,
         told_apart.names,
         f"{scene.name}: distance between pixels' sweeps, whatever their strengths",
-        folder / "pixels.png",
+        folder / f"pixels{ending}",
     )
     write_places(variants, folder / "limits.csv")
     write_distances(told_apart.apart, told_apart.names, folder / "pixels.csv")

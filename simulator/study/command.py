@@ -29,7 +29,9 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
                 "1e3:1e6:25:log and pixels=2:10."
             ),
         ] = None,
-        chart: Annotated[Path | None, typer.Option(help="The chart's own name, a PNG.")] = None,
+        chart: Annotated[
+            Path | None, typer.Option(help="The chart's own: .png, .svg or .pdf.")
+        ] = None,
         max_frequency: Annotated[
             float | None,
             typer.Option(
@@ -66,6 +68,7 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         distance between classes in units of the meter's error, and the band of
         frequencies that tells neighbours best.
         """
+        from ..charts import checked_chart
         from ..progress import on_terminal
         from ..sweeps import checked_output
         from . import run
@@ -77,7 +80,7 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         from .settings import changed, checked_rtol, checked_workers
 
         beside = checked_output(output, ENDINGS).with_suffix(".png")
-        picture = checked_output(chart or beside, (".png",))
+        picture = checked_chart(chart or beside)
         rtol, workers = checked_rtol(rtol), checked_workers(workers)
         table = changed(scene_table(scene), max_frequency, repetitions, seed)
         axes = parse_axes(vary or READY_MADE, table)

@@ -27,7 +27,7 @@ TITLE_WIDTH, DECADE = 70, 10.0
 
 
 def draw_study(findings: xr.Dataset, axes: Sequence[Axis], title: str, path: Path) -> None:
-    """Write the chart as a PNG: accuracy, separation and, along one axis, the best band."""
+    """Write the chart: accuracy, separation and, along one axis, the best band."""
     if len(axes) == 1:
         _draw_curves(findings, axes[0], title, path)
     else:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from ..progress import Track
     from ..scene.scene import Scene
     from .scenery import Stage
 
@@ -17,7 +18,7 @@ def view(
     scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="OUT.png, .gif, .mp4, .vtu, .xdmf or .html."),
+        typer.Option("--output", "-o", help="OUT.png .svg .pdf .gif .mp4 .vtu .xdmf or .html."),
     ] = None,
     press: Annotated[
         str, typer.Option(help="As for `rcskin sweep`; without it the skin is at rest.")
@@ -54,22 +55,26 @@ def view(
 ) -> None:
     """Show the fields of a skin: pictures, movies, files for ParaView.
 
-    Of several frequencies a PNG has a panel each and a movie a frame each;
+    Of several frequencies a picture has a panel each and a movie a frame each;
     VTU holds all fields at all frequencies, XDMF has frequency for time, and
-    HTML is a page to turn the skin about in any browser, offline.
+    HTML is a page to turn the skin about in any browser, offline. In SVG and
+    PDF the fields are pixels, axes and words are lines.
 
     Potentials, currents and power are those of 1 V at the terminals.
     """
     _check(output, what, animate, exaggerate, interactive)
     every = animate == "frequency" or (output is not None and output.suffix in ALL_FREQUENCIES)
-    stage = _stage(scene, press, frequency, interface, rtol, every and animate != "phase")
     from dataclasses import replace
 
+    from ..progress import on_terminal
     from .outputs import write_output
 
-    stage = replace(stage, wrapped=wrapped, exaggeration=exaggerate)
-    if output is not None:
-        write_output(output, stage, what, animate)
+    with on_terminal() as track:
+        every = every and animate != "phase"
+        stage = _stage(scene, press, frequency, interface, rtol, every, track)
+        stage = replace(stage, wrapped=wrapped, exaggeration=exaggerate)
+        if output is not None:
+            write_output(output, stage, what, animate, track, _tell)
     if interactive:
         _interact(stage, what, output)
 
@@ -110,6 +115,7 @@ def _stage(
     interface: str | None,
     rtol: float,
     every: bool,
+    track: Track,
 ) -> Stage:
     from ..models.fields import fields
     from ..press.press import check_press, parse_press, strength_of
@@ -124,9 +130,16 @@ def _stage(
     for one_terminal in scene.driven_by_touch:
         if one_terminal.interface == chosen:
             typer.echo(f"rcskin: warning: {name}: {one_terminal}", err=True)
-    found = fields(scene, pressed, frequencies, chosen, rtol)
+    (found,) = [
+        fields(scene, pressed, each, chosen, rtol)
+        for each in track([frequencies], f"solving, frequencies: {len(frequencies)}")
+    ]
     wiring = next(each for each in scene.interfaces if each.name == chosen)
     return Stage(scene, pressed, wiring, found)
+
+
+def _tell(note: str) -> None:
+    typer.echo(f"rcskin: note: {note}", err=True)
 
 
 def _frequencies(asked: list[float] | None, scene: Scene, every: bool) -> list[float]:

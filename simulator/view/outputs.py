@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING
 
+from ..charts import ENDINGS as STILLS
+from ..progress import Track, silent
 from ..sweeps import InputError, check_needs
 from .quantities import Quantity, chosen
 from .shown import at_frequencies, over_the_phase
@@ -15,7 +18,7 @@ if TYPE_CHECKING:
     from .scenery import Stage
 
 MOVIES = (".gif", ".mp4")
-PICTURES = (".png", *MOVIES)
+PICTURES = (*STILLS, *MOVIES)
 DATA = (".vtu", ".xdmf")
 ENDINGS = (*PICTURES, *DATA, ".html")
 WRITTEN_BY = {".mp4": "imageio_ffmpeg", ".xdmf": "meshio", ".html": "plotly"}
@@ -28,6 +31,8 @@ ACROSS = 3
 PHASES = 24
 """Frames of one period."""
 MOVIE_DPI = 100
+LONG = 60.0
+"""Seconds that are told of beforehand."""
 LONGEST_PRESS = 60
 ROOM_FOR_WORDS = 1.35
 """Times what is seen in a window, for its title and colour bar."""
@@ -48,17 +53,26 @@ def check_shown() -> None:
     check_needs("--interactive", EXTRA, SURFACES, WRITTEN_BY[".html"])
 
 
-def write_output(path: Path, stage: Stage, what: str, animate: str | None) -> None:
+def write_output(
+    path: Path,
+    stage: Stage,
+    what: str,
+    animate: str | None,
+    track: Track = silent,
+    tell: Callable[[str], None] = lambda note: None,
+) -> None:
     """Write the fields in the way that the file's ending asks for, whole or not at all.
 
-    Raises InputError where nothing of the kind can be shown, or written here.
+    track: of a movie's pictures. tell: takes a note on a movie that takes minutes. Raises
+    InputError where nothing of the kind can be shown, or written here.
     """
     check_output(path)
-    write: Callable[[Path, Stage, str], None]
     if path.suffix in MOVIES:
-        write = _write_phases if animate == "phase" else _write_frequencies
-    else:
-        write = {".png": _write_picture, ".html": write_turnable}.get(path.suffix, _write_data)
+        frames = _phases(stage, what) if animate == "phase" else _frequencies(stage, what)
+        _write_frames(path, stage, frames, track, tell)
+        return
+    stills = dict.fromkeys(STILLS, _write_picture)
+    write = {**stills, ".html": write_turnable}.get(path.suffix, _write_data)
     write(path, stage, what)
 
 
@@ -102,17 +116,18 @@ def write_turnable(path: Path, stage: Stage, what: str) -> None:
     write_page(path, panels, title(stage))
 
 
-def _write_frequencies(path: Path, stage: Stage, what: str) -> None:
+def _frequencies(stage: Stage, what: str) -> list[list[Panel]]:
+    """The panels of each picture of a movie over the frequencies."""
     if all(quantity.everywhere for quantity in chosen(what, stage.fields)):
         raise InputError(f"--what {what}: is the same at all frequencies; write a .png")
     rows = [panels_of(stage, quantity) for quantity in chosen(what, stage.fields)]
-    frames = [
+    return [
         [row[min(at, len(row) - 1)] for row in rows] for at in range(len(stage.fields.frequency))
     ]
-    _write_frames(path, stage, frames)
 
 
-def _write_phases(path: Path, stage: Stage, what: str) -> None:
+def _phases(stage: Stage, what: str) -> list[list[Panel]]:
+    """The panels of each picture of a movie over one period."""
     if what not in ("potential", "current"):
         raise InputError(f"--animate phase: --what must be potential or current, got {what!r}")
     rows = []
@@ -120,18 +135,28 @@ def _write_phases(path: Path, stage: Stage, what: str) -> None:
         skin = stage.skin(quantity)
         shown = over_the_phase(quantity, stage.fields, skin, 0, PHASES)
         rows.append(stage.panels(skin, shown))
-    _write_frames(path, stage, [list(panels) for panels in zip(*rows, strict=True)])
+    return [list(panels) for panels in zip(*rows, strict=True)]
 
 
-def _write_frames(path: Path, stage: Stage, frames: list[list[Panel]]) -> None:
+def _write_frames(
+    path: Path,
+    stage: Stage,
+    frames: list[list[Panel]],
+    track: Track,
+    tell: Callable[[str], None],
+) -> None:
     from .figure import rendered
     from .movie import write_movie
     from .painting import Image
 
     def images() -> Iterator[Image]:
-        for panels in frames:
+        start = monotonic()
+        for number, panels in enumerate(track(frames, "drawing")):
             rows = [panels[low : low + ACROSS] for low in range(0, len(panels), ACROSS)]
             yield rendered(rows, title(stage), MOVIE_DPI)
+            left = (monotonic() - start) * (len(frames) - 1)
+            if number == 0 and left > LONG:
+                tell(f"{path}: {len(frames)} pictures, about {max(1, round(left / 60))} min")
 
     used = {panel.shown.colours for panels in frames for panel in panels}
     write_movie(path, images(), used)

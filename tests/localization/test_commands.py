@@ -71,9 +71,10 @@ def test_positions_are_trained_and_written(run, files, tmp_path):
     assert lines[1].startswith("0,none,0,") and lines[1].endswith(",,,,,,")
     x = float(lines[2].split(",")[5])
     assert abs(x - 5) < 3
-    code, out, _ = run("evaluate", model, files / "unseen.nc", "-o", tmp_path / "found")
+    found = ("-o", tmp_path / "found", "--charts", "pdf")
+    code, out, _ = run("evaluate", model, files / "unseen.nc", *found)
     assert code == 0 and "median error, mm" in out and "within 1 deviation" in out
-    assert (tmp_path / "found" / "positions.png").exists()
+    assert (tmp_path / "found" / "positions.pdf").read_bytes().startswith(b"%PDF")
 
 
 def test_without_a_model_scores_are_of_outer_folds(run, files):

@@ -40,13 +40,15 @@ def made_folder(folder: Path) -> Path:
     return folder
 
 
-def write_report(folder: Path, findings: Findings, style: Style) -> None:
-    """Write gap.html and gap.json, both whole or neither."""
+def write_report(folder: Path, findings: Findings, style: Style, ending: str | None = None) -> None:
+    """Write gap.html and gap.json, both whole or neither. ending: of charts beside them, if any."""
     figures = json.dumps(numbers(findings), indent=1, allow_nan=False) + "\n"
     page = _rendered(findings, _drawn(findings, style))
     with whole_file(folder / JSON) as unfinished, whole_file(folder / HTML) as unfinished_page:
         unfinished.write_text(figures, encoding="utf-8")
         unfinished_page.write_text(page, encoding="utf-8")
+    for chart in charts_of(findings, style) if ending else ():
+        chart.draw(folder / f"{chart.name}{ending}")
 
 
 def _drawn(findings: Findings, style: Style) -> dict[str, Picture]:

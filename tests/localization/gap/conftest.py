@@ -200,7 +200,9 @@ def style():
         yield figure
         figure.savefig(Path(path), dpi=40)
 
-    return Style(chart, lambda axes: axes.set_xscale("log"), ("C0", "C1", "C2"))
+    return Style(
+        chart, lambda axes: axes.set_xscale("log"), ("C0", "C1", "C2"), lambda name: f".{name}"
+    )
 
 
 @pytest.fixture(scope="session")

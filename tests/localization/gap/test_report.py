@@ -129,6 +129,16 @@ def test_classes_without_neighbours_are_no_unit(make_skin_sweeps, make_findings,
     assert (tmp_path / "distance.png").stat().st_size
 
 
+def test_charts_stand_beside_the_page_where_that_is_asked_for(
+    findings, style, tmp_path, monkeypatch
+):
+    first = charts_of(findings, style)[:1]
+    monkeypatch.setattr(report, "charts_of", lambda findings, style: first)
+    monkeypatch.setattr(report, "_rendered", lambda findings, drawn: "")
+    report.write_report(tmp_path, findings, style, ".svg")
+    assert [path.stem for path in tmp_path.glob("*.svg")] == [first[0].name]
+
+
 def test_a_chart_that_fails_leaves_nothing_behind(findings, style, tmp_path, monkeypatch):
     def fails(*arguments):
         raise RuntimeError

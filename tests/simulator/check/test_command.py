@@ -37,9 +37,10 @@ def test_a_broken_law_ends_with_code_1_and_is_told_with_sweep_and_frequencies(ru
 
 
 def test_the_chart_is_written_where_it_is_asked_for(run, two_sweeps, tmp_path):
-    code, _, _ = run("check", two_sweeps(2), "-o", tmp_path / "chart.png")
-    assert code == 0
-    assert (tmp_path / "chart.png").read_bytes().startswith(b"\x89PNG")
+    for ending, begins in ((".png", b"\x89PNG"), (".svg", b"<?xml")):
+        chart = tmp_path / f"chart{ending}"
+        assert run("check", two_sweeps(2), "-o", chart)[0] == 0
+        assert chart.read_bytes().startswith(begins)
     run("check", two_sweeps(2), "-o", tmp_path / "report")
     assert (tmp_path / "report" / "verdicts.csv").exists()
 
@@ -58,7 +59,10 @@ def test_the_table_of_another_tool_is_checked_as_it_is(run, tmp_path):
         (["absent.csv"], "absent.csv: cannot be read: No such file"),
         (["SWEEPS", "--noise", "-1"], "`noise` must be finite and > 0, got -1.0"),
         (["SWEEPS", "--tolerance", "0"], "`tolerance` must be finite and > 0, got 0.0"),
-        (["SWEEPS", "-o", "report.html"], "report.html: must end in .png or be a folder"),
+        (
+            ["SWEEPS", "-o", "report.html"],
+            "must end in .png, .svg, .pdf or be a folder",
+        ),
     ],
 )
 def test_bad_input_ends_with_one_line_and_code_2(run, two_sweeps, arguments, told):

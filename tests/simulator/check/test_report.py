@@ -206,7 +206,7 @@ def test_the_chart_is_a_whole_PNG(judge, tmp_path):
 def test_where_no_report_can_be_written_is_told_first(tmp_path):
     (tmp_path / "taken").write_text("")
     for name, told in [
-        ("report.html", r"must end in \.png or be a folder"),
+        ("report.html", r"must end in \.png, \.svg, \.pdf or be a folder"),
         ("absent/chart.png", "the folder .* does not exist"),
         ("taken", "is a file, not a folder"),
     ]:

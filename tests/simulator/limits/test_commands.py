@@ -73,6 +73,7 @@ def test_columns_and_pixels_are_criteria_too(run, scene_file):
     [
         (("limits", "strip-1x3", "--size", "99"), "--size must be"),
         (("limits", "strip-1x3", "--factor", "1"), "--factor must be"),
+        (("limits", "strip-1x3", "--charts", "jpg"), "--charts must be png or svg or pdf"),
         (("limits", "strip-1x3", "--interface", "up"), "--interface must be one of left"),
         (("limits", "strip-1x3", "--sheet-resistance", "1e3,x"), "--sheet-resistance must be"),
         (("limits", "strip-1x3", "--sheet-resistance", "-1"), "--sheet-resistance must be"),

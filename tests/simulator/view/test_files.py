@@ -52,6 +52,24 @@ def test_a_gif_keeps_the_colours_of_maps_and_foils(tmp_path):
 
 
 @pytest.mark.pictures
+@pytest.mark.parametrize(("long", "told"), [(0.0, 1), (1e6, 0)])
+def test_a_movie_that_takes_long_is_told_of_after_its_first_picture(
+    fields, stage, tmp_path, small_movies, monkeypatch, long, told
+):
+    notes, drawn = [], []
+    monkeypatch.setattr(outputs, "LONG", long)
+
+    def track(items, description):
+        for item in items:
+            drawn.append(len(notes))
+            yield item
+
+    write_output(tmp_path / "movie.gif", stage(fields()), "power", None, track, notes.append)
+    assert len(notes) == told and drawn == [0, told, told]
+    assert all("movie.gif: 3 pictures, about 1 min" in note for note in notes)
+
+
+@pytest.mark.pictures
 def test_an_mp4_has_a_frame_for_each_frequency(fields, stage, tmp_path, small_movies):
     from imageio_ffmpeg import count_frames_and_secs
 

@@ -40,6 +40,13 @@ def test_a_picture_is_written(run, solved, scene_file, tmp_path):
 
 
 @pytest.mark.pictures
+@pytest.mark.parametrize(("name", "begins"), [("a.svg", b"<?xml"), ("a.pdf", b"%PDF")])
+def test_pictures_for_papers_are_svg_and_pdf(run, solved, scene_file, tmp_path, name, begins):
+    assert run("view", scene_file, "-o", tmp_path / name) == (0, "", "")
+    assert (tmp_path / name).read_bytes().startswith(begins)
+
+
+@pytest.mark.pictures
 def test_pictures_show_one_frequency_and_data_all(run, solved, scene_file, tmp_path):
     for name in ("out.png", "out.vtu", "out.xdmf"):
         assert run("view", scene_file, "-o", tmp_path / name)[0] == 0
@@ -93,7 +100,7 @@ def test_with_a_display_a_window_is_opened(run, solved, scene_file, monkeypatch)
     ("arguments", "says"),
     [
         ((), "give -o OUT or --interactive"),
-        (("-o", "out.bmp"), "must end in .png or .gif"),
+        (("-o", "out.bmp"), "must end in .png or .svg or .pdf or .gif"),
         (("-o", "nowhere/out.png"), "the folder nowhere does not exist"),
         (("-o", "out.png", "--what", "colour"), "--what must be one of potential"),
         (("-o", "out.png", "--interface", "x"), "`interface` must be one of meter, got 'x'"),
