@@ -19,6 +19,8 @@ LINE_STYLES = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)))
 AT_REST = "#000000"
 ENDINGS = (".png", ".svg", ".pdf")
 """Of every chart: pixels for screens, lines for papers."""
+PRINTED_DPI = 300
+"""Of pixels within lines."""
 UNDATED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 """Without the time in them the same charts are the same bytes."""
 
@@ -71,4 +73,5 @@ def chart(path: Path, width: float, height: float) -> Iterator[Figure]:
         FigureCanvasAgg(figure)
         yield figure
         with whole_file(path) as unfinished:
-            figure.savefig(unfinished, metadata=UNDATED.get(path.suffix))
+            dpi = None if path.suffix == ".png" else PRINTED_DPI
+            figure.savefig(unfinished, dpi=dpi, metadata=UNDATED.get(path.suffix))

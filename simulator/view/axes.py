@@ -23,7 +23,7 @@ NUMBER_ROOM = 0.2
 """Of a number of a row or column, inches."""
 NUMBERS_WIDTH = 0.45
 """Of the numbers of rows with their word, inches."""
-BAR_WIDTH, BAR_ROOM = 0.13, 0.9
+BAR_WIDTH, BAR_ROOM = 0.13, 1.05
 """Of a colour bar, without and with its numbers and unit, inches."""
 NUMBER_COLOUR = "0.35"
 FACING = 0.3

@@ -32,7 +32,7 @@ SINGLE, PANEL, LEAST_WIDTH = 5.0, 2.3, 5.0
 """Width of a picture's panel, of one among several, and the least for the title, inches."""
 HIGHEST = 5.6
 """Of a panel, inches."""
-BESIDE = 1.75
+BESIDE = 1.85
 """For what stands beside each panel, inches."""
 LINE, AXES_HEIGHT, TITLE_AND_FOILS = 0.16, 0.85, 0.65
 """Heights of a heading's line, of axes and numbers, of title and names of foils, inches."""
@@ -143,10 +143,11 @@ def _name_foils(figure: Figure, panel: Panel) -> None:
 
     foils = panel.scenery.marks.foils
     colours = foil_colours(foils)
+    lines = -(-len(foils) // max(1, int(figure.get_figwidth() / LEGEND_WIDTH)))
     figure.legend(
         handles=[Patch(color=colours[foil.name], label=_told(foil, panel)) for foil in foils],
         loc="outside lower center",
-        ncols=max(1, min(len(foils), int(figure.get_figwidth() / LEGEND_WIDTH))),
+        ncols=-(-len(foils) // lines),
         fontsize=9,
     )
 

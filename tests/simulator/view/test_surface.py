@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.view.foils import foils
 from rcskin.simulator.view.marks import arrows, marks
+from rcskin.simulator.view.painting import lifted
 from rcskin.simulator.view.surface import curved, readable_exaggeration, surface
 
 
@@ -87,6 +88,22 @@ def test_arrows_lie_along_the_skin_where_current_flows(fields):
     assert np.abs((drawn.directions * outwards).sum(axis=0)).max() < 1e-3 * 0.04
 
 
+def test_nothing_stands_out_behind_the_edge_of_a_mug(fields, stage):
+    """Lines are raised towards the eye, not sideways; arrows beyond the edge are left out."""
+    given = fields(radius=0.04, n=(97, 33))
+    set_up = stage(given)
+    (panel,) = set_up.panels(set_up.plain_skin(), [None])
+    skin, camera = panel.scenery.skin, panel.camera
+    for line in panel.scenery.marks.rim:
+        raised = lifted(line, skin, 1.5, camera.towards)
+        assert camera.project(raised) == pytest.approx(camera.project(line), abs=1e-12)
+        assert (camera.towards @ (raised - line) > 0).all()
+    all_around = arrows(skin, np.ones_like(given.x) * [[1.0], [0.0]], 1.0)
+    seen = all_around.facing(skin, camera.towards)
+    assert 0 < seen.places.shape[1] < all_around.places.shape[1]
+    assert (camera.towards @ skin.normals[:, skin.nearest(seen.places)] > 0).all()
+
+
 CORNERS = [(0, 0), (0.06, 0), (0.12, 0), (0.12, 0.08), (0.06, 0.08), (0, 0.08)]
 
 
@@ -120,5 +137,7 @@ def test_foils_and_pixels_of_a_mesh_lie_along_its_groups(fields, stage, tmp_path
     assert between[0] == pytest.approx(0.06)
     around = np.hstack(drawn.pressed)
     assert (around[0].min(), around[0].max()) == pytest.approx((0.06, 0.12))
+    assert drawn.grid_lines is None
+    assert drawn.middles[:, 0] == pytest.approx(np.array([[0.03, 0.09], [0.04, 0.04], [0, 0]]))
     high, low = drawn.foils
     assert high.quads[0].max() < 0 and low.quads[0].min() > 0.12
