@@ -74,8 +74,8 @@ PICTURES = (
     Picture(
         "frequency.gif",
         f"{SHEET} --press 4,3 --what phase",
-        "The phase between the sheets from 1 to 200 kHz, with lines of equal phase. From less than one "
-        "degree to more than a hundred: each frame has a colour scale of its own.",
+        "The phase between the sheets from 1 to 200 kHz, with lines of equal phase. From less than "
+        "one degree to more than a hundred: each frame has a colour scale of its own.",
         "--rtol 1e-2 --frequency 1e3 --frequency 2e5",
     ),
     Picture(
