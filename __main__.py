@@ -15,7 +15,6 @@ from .hardware.virtual.simulation import Simulation
 from .localization.cli import add_commands
 from .localization.commands.gap import gap_command
 from .localization.gap import given as gap
-from .simulator.charts import checked_ending
 from .simulator.cli import app, run
 from .simulator.progress import on_terminal
 from .simulator.study.command import study_command
@@ -133,7 +132,13 @@ def _tables(*asked: Any, **options: Any) -> Mapping[str, NDArray]:
     return templates(*asked, **options)
 
 
-add_commands(app, checked_ending, _model_based)
+def _checked_ending(name: str) -> str:
+    from .simulator.charts import checked_ending
+
+    return checked_ending(name)
+
+
+add_commands(app, _checked_ending, _model_based)
 app.command("live")(live_command(_live_localizer))
 app.add_typer(meter_app(Simulation(_scene_data, _skin, _readout)), name="meter")
 
