@@ -193,7 +193,7 @@ def _explained(text: str, measured: xr.Dataset) -> list[gap.Cause]:
 def _style() -> gap.Style:
     from .simulator.charts import COLOURS, chart, frequency_axis
 
-    return gap.Style(chart, frequency_axis, COLOURS, checked_ending)
+    return gap.Style(chart, frequency_axis, COLOURS, _checked_ending)
 
 
 _simulation = gap.Simulation(
