@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
+from .keys.tables import OrTable
 from .validation import Number, Table, Whole, above_zero, at_least_zero, one_line
 
 Hertz = Annotated[Number, above_zero("Hz")]
@@ -43,14 +44,17 @@ def _listed(frequencies: object) -> object:
     try:
         return FrequencyGrid.model_validate(frequencies).values()
     except ValidationError as error:
-        raise ValueError(one_line(error)) from error
+        raise ValueError(one_line(error, FrequencyGrid)) from error
 
 
 class Sweep(Table):
     """The frequencies [Hz] of one sweep, kept ascending."""
 
     frequencies: Annotated[
-        tuple[Hertz, ...], BeforeValidator(_listed), Field(min_length=1, max_length=100_000)
+        tuple[Hertz, ...],
+        BeforeValidator(_listed),
+        OrTable(FrequencyGrid),
+        Field(min_length=1, max_length=100_000),
     ]
 
     @model_validator(mode="after")

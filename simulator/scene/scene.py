@@ -151,7 +151,7 @@ class Scene(Table):
         try:
             return Scene.model_validate(table)
         except ValidationError as error:
-            raise InputError(f"{self.name}: {one_line(error)}") from error
+            raise InputError(f"{self.name}: {one_line(error, Scene)}") from error
 
     def contact(self, name: str) -> Contact:
         """The contact of that name."""

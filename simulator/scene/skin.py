@@ -16,7 +16,7 @@ from .maps import Map
 from .mesh_file import absolute
 from .outline import Curve, Outline, check_outline
 from .shape import Shape, Stretch
-from .validation import Number, Table, above_zero, at_least_zero, single_line
+from .validation import Number, Table, Unit, above_zero, at_least_zero, single_line
 
 
 def curves(skin: Skin) -> list[Curve]:
@@ -45,7 +45,7 @@ class Anisotropy(Table):
     """
 
     ratio: Annotated[Number, Field(ge=1e-3, le=1e3)]
-    angle: Annotated[Number, Field(allow_inf_nan=False)] = 0.0
+    angle: Annotated[Number, Unit("rad"), Field(allow_inf_nan=False)] = 0.0
 
 
 class Sheet(Table):
