@@ -71,6 +71,14 @@ def scenes(
 
 
 @app.command()
+def keys() -> None:
+    """Every key of a scene file: type, unit, default and range, as Markdown."""
+    from .scene.keys.page import page
+
+    typer.echo(page(), nl=False)
+
+
+@app.command()
 def new(
     output: Annotated[Path, typer.Argument(help="MY.toml, to be changed in an editor.")],
     like: Annotated[

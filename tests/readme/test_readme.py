@@ -17,6 +17,7 @@ PAGES = (
     "simulator/README.md",
     "simulator/OWN_SKIN.md",
     "simulator/scene/SKINS.md",
+    "simulator/scene/KEYS.md",
     "localization/README.md",
     "hardware/README.md",
     "benchmarks/README.md",
