@@ -77,10 +77,11 @@ app.command("study")(study_command(_accuracy))
 
 
 def _scene_data(name: str, interface: str | None) -> SceneData:
-    from .simulator.scene.files import load_scene, scene_text
+    from .simulator.asked.scene import asked_scene
+    from .simulator.scene.files import scene_text
     from .simulator.scene.scene import checked_interface
 
-    scene = load_scene(name)
+    scene = asked_scene(name)
     return SceneData(
         name=scene.name,
         text=scene_text(scene),
@@ -99,10 +100,13 @@ def _skin(data: SceneData) -> Skin:
 
 
 def _readout(data: SceneData, seed: int) -> Readout:
+    from .simulator.asked.scene import tell_if_noise_free
     from .simulator.measure.specimen import SessionErrors
     from .simulator.scene.files import parse_scene
 
-    errors = SessionErrors(parse_scene(data.text, data.name), seed)
+    scene = parse_scene(data.text, data.name)
+    tell_if_noise_free(data.name, scene)
+    errors = SessionErrors(scene, seed)
     return lambda Z, conditions: errors.read(Z, conditions.range)
 
 
@@ -138,9 +142,10 @@ app.add_typer(meter_app(Simulation(_scene_data, _skin, _readout)), name="meter")
 
 
 def _gap_scene(name: str) -> str:
-    from .simulator.scene.files import load_scene, scene_text
+    from .simulator.asked.scene import asked_scene
+    from .simulator.scene.files import scene_text
 
-    return scene_text(load_scene(name))
+    return scene_text(asked_scene(name))
 
 
 def _reading_error(text: str) -> gap.ReadingError | None:

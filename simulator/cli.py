@@ -99,19 +99,25 @@ def sweep(
     press: Annotated[
         list[str] | None,
         typer.Option(
-            help="ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR], disc(X,Y,RADIUS)[:FACTOR] "
-            "or poly(X1,Y1,X2,Y2,...)[:FACTOR] in m, a depth (2mm) or a force (5N) in place of "
-            "FACTOR, touches joined by '+', or 'none'; may be repeated. Without it: nothing "
-            "pressed, then every pixel."
+            help="ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR], disc(X,Y,RADIUS)[:FACTOR], "
+            "both around their centre X,Y, or poly(X1,Y1,X2,Y2,...)[:FACTOR], in m, a depth (2mm) "
+            "or a force (5N) in place of FACTOR, touches joined by '+', or 'none'; may be "
+            "repeated. Without it: nothing pressed, then every pixel."
         ),
     ] = None,
-    rtol: Annotated[float, typer.Option(help="Largest relative error of Rs and of Cp.")] = 1e-4,
+    rtol: Annotated[
+        float, typer.Option(help="Largest relative error of Rs and of Cp, 1e-8 to 1e-2.")
+    ] = 1e-4,
     model: Annotated[str, typer.Option(help="auto, lumped, line, sheet or reduced.")] = "auto",
     explain: Annotated[
         bool, typer.Option("--explain", help="Print which model served each press, and why.")
     ] = False,
 ) -> None:
     """Simulate sweeps, noise-free, and write them with their estimated errors."""
+    from .asked.patience import foretold
+    from .asked.scene import asked_scene
+    from .asked.telling import counted, warn, written
+    from .asked.tolerance import checked_rtol
     from .measure.experiment import every_press
     from .measure.simulate import gather
     from .models.plain import electrical
@@ -119,11 +125,11 @@ def sweep(
     from .models.validity import warnings
     from .press.press import check_press, parse_press, strength_of
     from .progress import on_terminal
-    from .scene.files import load_scene
     from .sweeps import checked_output, write
 
     checked_output(output)
-    loaded = load_scene(scene)
+    checked_rtol(rtol)
+    loaded = asked_scene(scene)
     strength = strength_of(loaded.press)
     presses = [parse_press(text, strength) for text in press or []] or every_press(loaded)
     for asked in presses:
@@ -131,15 +137,18 @@ def sweep(
     solver = Solver(loaded, rtol, checked_model(model))
     wiring = loaded.driven_by_touch
     for warning in (*wiring, *warnings(electrical(loaded))):
-        typer.echo(f"rcskin: warning: {scene}: {warning}", err=True)
+        warn(f"{scene}: {warning}")
     with on_terminal() as track:
-        answered = [(asked, solver.solve(asked)) for asked in track(presses, loaded.name)]
-    write(gather(solver, answered), output)
+        patient = foretold(scene, track(presses, loaded.name), len(presses))
+        answered = [(asked, solver.solve(asked)) for asked in patient]
+    sweeps = gather(solver, answered)
+    write(sweeps, output)
     if explain:
         for one_terminal in wiring:
             typer.echo(f"wiring: {one_terminal}")
         for asked, answer in answered:
             typer.echo(solver.explain(asked, answer))
+    written(counted(sweeps.sizes), output)
 
 
 app.command("import")(import_sweeps)

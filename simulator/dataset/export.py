@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 VALUES_AT_ONCE = 2**20
 
 
-def export(data: Path, output: Path) -> None:
+def export(data: Path, output: Path) -> Mapping[str, int]:
     """Write a data set as `.nc`, `.csv` or `.parquet`; it appears whole or not at all.
+
+    Returns how many sweeps, interfaces and frequencies it has, by dimension.
 
     Raises InputError where the data set is absent or the ending is another.
     """
@@ -32,6 +34,7 @@ def export(data: Path, output: Path) -> None:
         check_needs(output, "scale", "pyarrow")
     with open_zarr(data) as sweeps, whole_file(output) as unfinished:
         writers[output.suffix](sweeps, unfinished)
+        return {name: sweeps.sizes[name] for name in DIMENSIONS}
 
 
 def wide_table(sweeps: xr.Dataset) -> pd.DataFrame:

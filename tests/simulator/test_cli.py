@@ -72,7 +72,7 @@ def test_the_version_is_told(run):
 def test_a_sweep_without_a_press_holds_rest_and_every_pixel(run, tmp_path, ending):
     path = tmp_path / f"out.{ending}"
     code, out, err = run("sweep", "sheet-3x3", "-o", path)
-    assert (code, out, err) == (0, "", "")
+    assert (code, out, err) == (0, f"10 sweeps x 20 frequencies -> {path}\n", "")
     written = sweeps.read(path)
     pixels = list(zip(written["row"].values, written["column"].values, strict=True))
     assert pixels == [(0, 0), *((i, j) for i in (1, 2, 3) for j in (1, 2, 3))]
@@ -118,8 +118,11 @@ def test_line_and_sheet_agree_on_the_strip(run, tmp_path):
         (["sweep", "sheet-3x3", "--press", "4,1"], "row must be in 1..3 on sheet-3x3, got 4"),
         (["sweep", "sheet-3x3", "--press", "1;2"], "press '1;2': must be ROW,COLUMN[:FACTOR]"),
         (["sweep", "sheet-3x3", "--press", "1,1:-2"], "FACTOR must be finite and > 0, got -2"),
-        (["sweep", "sheet-3x3", "--rtol", "0"], "`rtol` must be finite and > 0, got 0.0"),
-        (["sweep", "sheet-3x3", "--rtol", "nan"], "`rtol` must be finite and > 0, got nan"),
+        (["sweep", "sheet-3x3", "--rtol", "0"], "--rtol must be from 1e-08 to 0.01, got 0"),
+        (["sweep", "sheet-3x3", "--rtol", "nan"], "--rtol must be from 1e-08 to 0.01, got nan"),
+        (["sweep", "sheet-3x3", "--rtol", "0.02"], "must be from 1e-08 to 0.01, got 0.02"),
+        (["sweep", "sheet-3x3", "--press", "0,0"], "press '0,0': rows and columns count from 1"),
+        (["sweep", "sheet-3x3", "--press", "0,1"], "press '0,1': rows and columns count from 1"),
         (["sweep", "sheet-3x3", "--model", "cubic"], "must be one of auto, lumped, line, sheet"),
         (["sweep", "sheet-3x3", "--press", "1,1", "--model", "line"], "varies across sheet-3x3"),
     ],

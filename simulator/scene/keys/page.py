@@ -15,7 +15,7 @@ from ..maps import Grid
 from ..randomisation import Fixed
 from ..scene import Scene
 from ..validation import Least, Unit
-from .tables import Location, OrTable, inner, keys
+from .tables import Location, OrTable, OrText, inner, keys
 
 HEAD = """# Every key of a scene file
 
@@ -95,7 +95,8 @@ def _row(name: str, field: FieldInfo) -> tuple[str, ...]:
 
 
 def _type(field: FieldInfo) -> str:
-    also = ["table" for each in field.metadata if isinstance(each, OrTable)]
+    written = {OrTable: "table", OrText: "name"}
+    also = [written[type(each)] for each in field.metadata if type(each) in written]
     return " or ".join(dict.fromkeys([*_kinds(field.annotation), *also]))
 
 

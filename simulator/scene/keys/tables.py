@@ -20,6 +20,11 @@ class OrTable:
     table: type[BaseModel]
 
 
+@dataclass(frozen=True)
+class OrText:
+    """Says of a table that it may be written as a name, too."""
+
+
 def keys(table: type[BaseModel]) -> dict[str, FieldInfo]:
     """The keys of a table by the names that its file has them under."""
     return {field.alias or name: field for name, field in table.model_fields.items()}
