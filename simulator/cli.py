@@ -12,6 +12,7 @@ import typer
 from .calibration.command import calibrate
 from .check.command import check, import_sweeps, plot
 from .dataset.command import dataset, export
+from .describe.command import describe
 from .limits.command import limits
 from .limits.frequencies_command import frequencies
 from .view.command import view
@@ -151,6 +152,7 @@ def sweep(
     written(counted(sweeps.sizes), output)
 
 
+app.command()(describe)
 app.command("import")(import_sweeps)
 app.command()(check)
 app.command()(plot)

@@ -9,7 +9,7 @@ from ..models.line import interrogation_frequency
 from ..models.plain import electrical
 from ..scene.contacts import Contact, section
 from ..scene.scene import Scene
-from ..scene.skin import Skin, curves
+from ..scene.skin import Skin, curves, on_skin
 
 LINES = 33
 """Along each side of the skin, at whose crossings it is looked at."""
@@ -57,9 +57,6 @@ def _places(skin: Skin) -> NDArray[np.float64]:
     everywhere = np.stack([x.ravel(), y.ravel()])
     if skin.outline is None:
         return everywhere.T
-    kept = skin.outline.holds(everywhere)
-    for hole in skin.outline.holes:
-        kept &= ~hole.holds(everywhere)
     marks = skin.outline.marks
     around = [skin.outline.at(m) for m in np.linspace(0, marks[-1], 4 * LINES)]
-    return np.concatenate([everywhere.T[kept], around])
+    return np.concatenate([everywhere.T[on_skin(skin, everywhere)], around])

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 
 from .foam_mechanics import Mechanics
@@ -25,6 +27,15 @@ def curves(skin: Skin) -> list[Curve]:
         return [skin.outline, *skin.outline.holes]
     x, y = skin.length, skin.width
     return [Curve(points=((0.0, 0.0), (x, 0.0), (x, y), (0.0, y)))]
+
+
+def on_skin(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether places x of a skin without mesh, m, shape (2, ...), are on it, shape (...)."""
+    around, *holes = curves(skin)
+    found = around.holds(x)
+    for hole in holes:
+        found = found & ~hole.holds(x)
+    return found
 
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
