@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -23,7 +24,6 @@ app = typer.Typer(
     name="rcskin",
     help="Simulate a capacitive soft sensor skin and localize touches on it.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
@@ -43,6 +43,16 @@ def common(
     ] = False,
 ) -> None:
     """Simulate a capacitive soft sensor skin and localize touches on it."""
+
+
+@app.command("help")
+def help_of(
+    command: Annotated[
+        list[str] | None, typer.Argument(help="Such as sweep, or meter serve.")
+    ] = None,
+) -> None:
+    """Explain a command, as COMMAND --help does."""
+    app([*(command or []), "--help"], prog_name="rcskin", standalone_mode=False)
 
 
 @app.command()
@@ -174,7 +184,7 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
     try:
         code = app(standalone_mode=False)
     except typer.TyperException as error:
-        _end(error.format_message(), BAD_INPUT)
+        _end(error.format_message() + _example(error), BAD_INPUT)
     except InputError as error:
         _end(str(error), BAD_INPUT)
     except ToleranceError as error:
@@ -193,6 +203,21 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
     if code == INTERRUPTED:  # typer takes Ctrl-C for an answer
         _end("interrupted", INTERRUPTED)
     sys.exit(code or 0)
+
+
+def _example(error: typer.TyperException) -> str:
+    """The example of the command at hand, where something is missing that it needs."""
+    context = getattr(error, "ctx", None)
+    example = context.command.epilog if context is not None else None
+    missing = error.format_message().startswith("Missing ")
+    return f" {example}" if missing and example else ""
+
+
+def with_examples(commands: typer.Typer, examples: Mapping[str, str]) -> None:
+    """Have every command of which there is an example end its help with it."""
+    for each in commands.registered_commands:
+        name = each.name or getattr(each.callback, "__name__", "")
+        each.epilog = f"Example: {examples[name]}" if name in examples else None
 
 
 def _end(message: str, code: int) -> None:

@@ -79,10 +79,10 @@ def _cores() -> int:
 
 
 def export(
-    data: Annotated[Path, typer.Argument(help="A data set, DATA.zarr.")],
+    data: Annotated[Path, typer.Argument(help="A data set, DATA.zarr, or sweeps, .nc or .csv.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="OUT.nc, OUT.csv or OUT.parquet.")],
 ) -> None:
-    """Write a data set as NetCDF, CSV or Parquet.
+    """Write a data set or sweeps as NetCDF, CSV or Parquet.
 
     NetCDF keeps everything. CSV is the long form of sweeps, a line for each
     frequency. Parquet has one row a sweep: labels, touches, and columns

@@ -22,7 +22,7 @@ def told_apart(scene: Scene, pixels: Sequence[Pixel]) -> str:
         return "not looked into on a mesh"
     groups = alike(scene, pixels)
     if len(groups) == len(pixels):
-        return "every pixel shows sweeps of its own; rcskin limits says how far noise lets it"
+        return "every pixel shows sweeps of its own"
     told = [
         f"{name}s {'; '.join(map(_and, lines))} look alike at every frequency"
         if lines

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from ..asked.cut_off import cut_off_frequency, farthest
+from ..models.plain import electrical
 from ..scene.contacts import Contact
 from ..scene.maps import AnyMap
 from ..scene.planar import Circle, area
@@ -195,9 +196,8 @@ def _cut_off(scene: Scene) -> str:
         seen = "no frequency lies above it: all see the whole skin"
     elif above == len(f):
         seen = "all frequencies lie above it: none sees the whole skin"
-    return (
-        f"{prefixed(cut_off, 'Hz')} (Eq. 6, {1e3 * farthest(scene):.4g} mm from the foils): {seen}"
-    )
+    reach = 1e3 * farthest(electrical(scene))
+    return f"{prefixed(cut_off, 'Hz')} (Eq. 6, {reach:.4g} mm from the foils): {seen}"
 
 
 def _noise(scene: Scene) -> str:
@@ -214,7 +214,8 @@ def _noise(scene: Scene) -> str:
 
 def assumed(scene: Scene) -> list[str]:
     """The keys that the file does not set, with their defaults; tables that it lacks by name."""
-    return list(_unset(scene, ""))
+    unused = () if scene.press.plain else ("press.capacitance_factor", "press.factor_spread")
+    return [told for told in _unset(scene, "") if not told.startswith(unused)]
 
 
 def _unset(table: BaseModel, place: str) -> Iterator[str]:

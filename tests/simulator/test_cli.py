@@ -1,8 +1,10 @@
 """The command line as its user meets it: exit codes, one clear line, nothing half-written."""
 
+import os
 import subprocess
 import sys
 from importlib.metadata import version
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -44,7 +46,7 @@ def test_scenes_names_every_built_in_scene(run):
 def test_scenes_shows_the_file_of_one(run):
     assert run("scenes", "strip-1x3")[1] == (BUILTIN / "strip-1x3.toml").read_text()
     code, _, err = run("scenes", "strip-1x9")
-    assert code == 2 and "no built-in scene; there are glove, sheet-3x3" in err
+    assert code == 2 and "no built-in scene; there are foam, glove, l-shape" in err
 
 
 @pytest.mark.parametrize("like", [None, "sheet-3x3"])
@@ -182,6 +184,45 @@ def test_a_tolerance_out_of_reach_ends_with_code_1_and_no_file(run, tmp_path):
     assert "estimated error" in err
     assert err.count("\n") == 1
     assert not path.exists()
+
+
+@pytest.mark.parametrize("command", [["sweep"], ["meter", "serve"], ["calibrate"]])
+def test_help_of_a_command_is_what_its_option_shows(run, command):
+    code, shown, err = run("help", *command)
+    assert (code, err) == (0, "") and f"rcskin {' '.join(command)} [OPTIONS]" in shown
+    assert shown == run(*command, "--help")[1]
+    assert "Example: rcskin" in shown
+
+
+def test_help_of_nothing_lists_the_commands_and_of_no_command_is_refused(run):
+    assert run("help")[1] == run("--help")[1]
+    code, _, err = run("help", "swep")
+    assert code == 2 and "No such command 'swep'" in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["sweep"], "Missing argument 'scene'. Example: rcskin sweep sheet-5x5 -o all.nc"),
+        (["sweep", "strip-1x3"], "Missing option '--output' / '-o'. Example: rcskin sweep"),
+        (["meter", "correct"], "Example: rcskin meter correct open --resource"),
+    ],
+)
+def test_what_is_missing_is_told_with_an_example(run, arguments, told):
+    code, _, err = run(*arguments)
+    assert code == 2 and told in err and err.count("\n") == 1
+
+
+def test_shells_complete_commands():
+    asked = {"_RCSKIN_COMPLETE": "complete_bash", "COMP_WORDS": "rcskin swe", "COMP_CWORD": "1"}
+    told = subprocess.run(
+        [Path(sys.executable).with_name("rcskin")],
+        env={**os.environ, **asked},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert told.stdout.split() == ["sweep"]
 
 
 @pytest.mark.parametrize("arguments", [["sweep"], ["nonsense"], ["sweep", "strip-1x3"]])
