@@ -15,7 +15,7 @@ from .hardware.virtual.simulation import Simulation
 from .localization.cli import add_commands
 from .localization.commands.gap import gap_command
 from .localization.gap import given as gap
-from .simulator.cli import app, run
+from .simulator.cli import app, run, with_examples
 from .simulator.progress import on_terminal
 from .simulator.study.command import study_command
 
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from .localization.learners.registry import Estimator
 
 __all__ = ["app", "main"]
+
+VIRTUAL = "TCPIP0::127.0.0.1::3500::SOCKET"
 
 
 @app.command()
@@ -77,10 +79,11 @@ app.command("study")(study_command(_accuracy))
 
 
 def _scene_data(name: str, interface: str | None) -> SceneData:
-    from .simulator.scene.files import load_scene, scene_text
+    from .simulator.asked.scene import asked_scene
+    from .simulator.scene.files import scene_text
     from .simulator.scene.scene import checked_interface
 
-    scene = load_scene(name)
+    scene = asked_scene(name)
     return SceneData(
         name=scene.name,
         text=scene_text(scene),
@@ -99,10 +102,13 @@ def _skin(data: SceneData) -> Skin:
 
 
 def _readout(data: SceneData, seed: int) -> Readout:
+    from .simulator.asked.scene import tell_if_noise_free
     from .simulator.measure.specimen import SessionErrors
     from .simulator.scene.files import parse_scene
 
-    errors = SessionErrors(parse_scene(data.text, data.name), seed)
+    scene = parse_scene(data.text, data.name)
+    tell_if_noise_free(data.name, scene)
+    errors = SessionErrors(scene, seed)
     return lambda Z, conditions: errors.read(Z, conditions.range)
 
 
@@ -140,13 +146,15 @@ def _checked_ending(name: str) -> str:
 
 add_commands(app, _checked_ending, _model_based)
 app.command("live")(live_command(_live_localizer))
-app.add_typer(meter_app(Simulation(_scene_data, _skin, _readout)), name="meter")
+meter = meter_app(Simulation(_scene_data, _skin, _readout))
+app.add_typer(meter, name="meter")
 
 
 def _gap_scene(name: str) -> str:
-    from .simulator.scene.files import load_scene, scene_text
+    from .simulator.asked.scene import asked_scene
+    from .simulator.scene.files import scene_text
 
-    return scene_text(load_scene(name))
+    return scene_text(asked_scene(name))
 
 
 def _reading_error(text: str) -> gap.ReadingError | None:
@@ -200,6 +208,37 @@ _simulation = gap.Simulation(
     _gap_scene, _reading_error, _resimulated, _read_by_meter, _recalibrated, _explained
 )
 app.command("gap")(gap_command(_simulation, _style, on_terminal, _model_based))
+
+
+EXAMPLES = {
+    "describe": "rcskin describe sheet-5x5 -o sheet.png",
+    "new": "rcskin new my.toml --from glove",
+    "sweep": "rcskin sweep sheet-5x5 -o all.nc",
+    "plot": "rcskin plot all.nc -o all.png",
+    "view": "rcskin view sheet-5x5 --press 2,3 --frequency 1e4 -o field.png",
+    "import": "rcskin import eis.csv --press none -o eis.nc",
+    "check": "rcskin check all.nc -o report.png",
+    "dataset": "rcskin dataset sheet-5x5 --sweeps 2000 -o skins.zarr",
+    "export": "rcskin export skins.zarr -o skins.csv",
+    "study": "rcskin study sheet-5x5 -o study.csv",
+    "limits": "rcskin limits sheet-5x5 -o limits",
+    "frequencies": "rcskin frequencies sheet-5x5 -n 8",
+    "calibrate": "rcskin calibrate sheet-5x5 run.nc -o found",
+    "gap": "rcskin gap all.nc run.nc -o gap",
+    "train": "rcskin train skins.zarr --target column -o columns.skops",
+    "evaluate": "rcskin evaluate columns.skops all.nc -o found",
+    "localize": "rcskin localize columns.skops all.nc",
+    "live": f"rcskin live --model columns.skops --resource {VIRTUAL}",
+}
+OF_THE_METER = {
+    "serve": "rcskin meter serve --scene sheet-5x5",
+    "record": f"rcskin meter record sheet-5x5 --resource {VIRTUAL} -o run.nc",
+    "correct": f"rcskin meter correct open --resource {VIRTUAL}",
+    "press": "rcskin meter press 2,3",
+    "misbehave": "rcskin meter misbehave late --times 2",
+}
+with_examples(app, EXAMPLES)
+with_examples(meter, OF_THE_METER)
 
 
 def main() -> None:

@@ -56,19 +56,18 @@ PICTURES = (
     ),
     Picture(
         "outline.png",
-        "benchmarks/gallery_scenes/l-shape.toml --press 'disc(0.09,0.025,0.012):3' "
-        "--frequency 5e4 --what current",
+        "l-shape --press 'disc(0.09,0.025,0.012):3' --frequency 5e4 --what current",
         "A skin cut to an L with a hole, fed at one end and from the hole's rim; the sheets carry "
         "different currents, and that of the top crowds at the inner corner.",
     ),
     Picture(
         "mug.png",
-        "benchmarks/gallery_scenes/mug.toml --press 2,4:2mm --frequency 2e4 --what current",
+        "mug --press 2,4:2mm --frequency 2e4 --what current",
         "A skin around a mug: bending leaves the electrical problem alone.",
     ),
     Picture(
         "deformation.png",
-        "benchmarks/gallery_scenes/mug.toml --press 2,4:2mm --what deformation --flat",
+        "mug --press 2,4:2mm --what deformation --flat",
         "A pixel pressed 2 mm into 4 mm of foam, laid flat: the skins' tension spreads the press.",
     ),
     Picture(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -12,6 +13,7 @@ import typer
 from .calibration.command import calibrate
 from .check.command import check, import_sweeps, plot
 from .dataset.command import dataset, export
+from .describe.command import describe
 from .limits.command import limits
 from .limits.frequencies_command import frequencies
 from .view.command import view
@@ -22,7 +24,6 @@ app = typer.Typer(
     name="rcskin",
     help="Simulate a capacitive soft sensor skin and localize touches on it.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
@@ -42,6 +43,16 @@ def common(
     ] = False,
 ) -> None:
     """Simulate a capacitive soft sensor skin and localize touches on it."""
+
+
+@app.command("help")
+def help_of(
+    command: Annotated[
+        list[str] | None, typer.Argument(help="Such as sweep, or meter serve.")
+    ] = None,
+) -> None:
+    """Explain a command, as COMMAND --help does."""
+    app([*(command or []), "--help"], prog_name="rcskin", standalone_mode=False)
 
 
 @app.command()
@@ -71,6 +82,14 @@ def scenes(
 
 
 @app.command()
+def keys() -> None:
+    """Every key of a scene file: type, unit, default and range, as Markdown."""
+    from .scene.keys.page import page
+
+    typer.echo(page(), nl=False)
+
+
+@app.command()
 def new(
     output: Annotated[Path, typer.Argument(help="MY.toml, to be changed in an editor.")],
     like: Annotated[
@@ -91,19 +110,25 @@ def sweep(
     press: Annotated[
         list[str] | None,
         typer.Option(
-            help="ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR], disc(X,Y,RADIUS)[:FACTOR] "
-            "or poly(X1,Y1,X2,Y2,...)[:FACTOR] in m, a depth (2mm) or a force (5N) in place of "
-            "FACTOR, touches joined by '+', or 'none'; may be repeated. Without it: nothing "
-            "pressed, then every pixel."
+            help="ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR], disc(X,Y,RADIUS)[:FACTOR], "
+            "both around their centre X,Y, or poly(X1,Y1,X2,Y2,...)[:FACTOR], in m, a depth (2mm) "
+            "or a force (5N) in place of FACTOR, touches joined by '+', or 'none'; may be "
+            "repeated. Without it: nothing pressed, then every pixel."
         ),
     ] = None,
-    rtol: Annotated[float, typer.Option(help="Largest relative error of Rs and of Cp.")] = 1e-4,
+    rtol: Annotated[
+        float, typer.Option(help="Largest relative error of Rs and of Cp, 1e-8 to 1e-2.")
+    ] = 1e-4,
     model: Annotated[str, typer.Option(help="auto, lumped, line, sheet or reduced.")] = "auto",
     explain: Annotated[
         bool, typer.Option("--explain", help="Print which model served each press, and why.")
     ] = False,
 ) -> None:
     """Simulate sweeps, noise-free, and write them with their estimated errors."""
+    from .asked.patience import foretold
+    from .asked.scene import asked_scene
+    from .asked.telling import counted, warn, written
+    from .asked.tolerance import checked_rtol
     from .measure.experiment import every_press
     from .measure.simulate import gather
     from .models.plain import electrical
@@ -111,11 +136,11 @@ def sweep(
     from .models.validity import warnings
     from .press.press import check_press, parse_press, strength_of
     from .progress import on_terminal
-    from .scene.files import load_scene
     from .sweeps import checked_output, write
 
     checked_output(output)
-    loaded = load_scene(scene)
+    checked_rtol(rtol)
+    loaded = asked_scene(scene)
     strength = strength_of(loaded.press)
     presses = [parse_press(text, strength) for text in press or []] or every_press(loaded)
     for asked in presses:
@@ -123,17 +148,21 @@ def sweep(
     solver = Solver(loaded, rtol, checked_model(model))
     wiring = loaded.driven_by_touch
     for warning in (*wiring, *warnings(electrical(loaded))):
-        typer.echo(f"rcskin: warning: {scene}: {warning}", err=True)
+        warn(f"{scene}: {warning}")
     with on_terminal() as track:
-        answered = [(asked, solver.solve(asked)) for asked in track(presses, loaded.name)]
-    write(gather(solver, answered), output)
+        patient = foretold(scene, track(presses, loaded.name), len(presses))
+        answered = [(asked, solver.solve(asked)) for asked in patient]
+    sweeps = gather(solver, answered)
+    write(sweeps, output)
     if explain:
         for one_terminal in wiring:
             typer.echo(f"wiring: {one_terminal}")
         for asked, answer in answered:
             typer.echo(solver.explain(asked, answer))
+    written(counted(sweeps.sizes), output)
 
 
+app.command()(describe)
 app.command("import")(import_sweeps)
 app.command()(check)
 app.command()(plot)
@@ -155,7 +184,7 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
     try:
         code = app(standalone_mode=False)
     except typer.TyperException as error:
-        _end(error.format_message(), BAD_INPUT)
+        _end(error.format_message() + _example(error), BAD_INPUT)
     except InputError as error:
         _end(str(error), BAD_INPUT)
     except ToleranceError as error:
@@ -174,6 +203,21 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
     if code == INTERRUPTED:  # typer takes Ctrl-C for an answer
         _end("interrupted", INTERRUPTED)
     sys.exit(code or 0)
+
+
+def _example(error: typer.TyperException) -> str:
+    """The example of the command at hand, where something is missing that it needs."""
+    context = getattr(error, "ctx", None)
+    example = context.command.epilog if context is not None else None
+    missing = error.format_message().startswith("Missing ")
+    return f" {example}" if missing and example else ""
+
+
+def with_examples(commands: typer.Typer, examples: Mapping[str, str]) -> None:
+    """Have every command of which there is an example end its help with it."""
+    for each in commands.registered_commands:
+        name = each.name or getattr(each.callback, "__name__", "")
+        each.epilog = f"Example: {examples[name]}" if name in examples else None
 
 
 def _end(message: str, code: int) -> None:

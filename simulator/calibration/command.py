@@ -56,9 +56,9 @@ def calibrate(
     """
     from rich.console import Console
 
+    from ..asked.scene import asked_scene
     from ..charts import checked_ending
     from ..models.plain import plain_scene
-    from ..scene.files import load_scene
     from ..scene.frequency import parse_band
     from ..sweeps import read
     from .choice import Options
@@ -75,7 +75,7 @@ def calibrate(
         not fixed_strength,
         checked_kind(prior),
     )
-    start, sweeps = plain_scene(load_scene(scene), "a calibration"), read(measured)
+    start, sweeps = plain_scene(asked_scene(scene), "a calibration"), read(measured)
     with telling() as tell:
         calibration = calibrated(start, sweeps, options, tell=tell)
     names = write_report(calibration, measured.name, folder, ending)

@@ -48,16 +48,16 @@ def import_sweeps(
     column, repetition, interface or session label the lines; without them a
     sweep begins where the frequencies start over.
     """
+    from ..asked.telling import counted, written
     from ..sweeps import checked_output, write
     from ..sweeps.imports import import_files
 
     checked_output(output)
     sweeps = import_files(files, _defaults(len(files), press, interface, session))
     write(sweeps, output)
-    counts = ", ".join(f"{name} {size}" for name, size in sweeps.sizes.items())
-    typer.echo(f"{output}: {counts}")
     if "branch_rule" in sweeps.attrs:
         typer.echo(f"{output}: {sweeps.attrs['branch_rule']}")
+    written(counted(sweeps.sizes), output)
 
 
 def _defaults(
@@ -146,6 +146,7 @@ def plot(
     ] = None,
 ) -> None:
     """Draw sweeps, simulated or measured: Rs, Cp, changes from rest, phase, Nyquist."""
+    from ..asked.telling import counted, written
     from ..charts import checked_chart
     from ..sweeps import read
     from .curves import checked_quantities, draw_curves
@@ -153,5 +154,7 @@ def plot(
     checked_chart(output)
     chosen = checked_quantities(what or ())
     names = [file.name for file in files] if len(files) > 1 else []
-    draw_curves([read(file) for file in files], output, chosen if what else (), names)
-    typer.echo(f"{output}: {len(files)} recording{'s' if len(files) > 1 else ''} drawn")
+    recordings = [read(file) for file in files]
+    draw_curves(recordings, output, chosen if what else (), names)
+    drawn = [counted(each.sizes) for each in recordings]
+    written(drawn[0] if len(drawn) == 1 else f"{len(drawn)} recordings", output)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..sweeps import InputError, check_needs, checked_output, open_zarr, whole_file
+from ..sweeps import InputError, check_needs, checked_output, open_zarr, read, whole_file
 from ..sweeps.csv import append_csv
 from ..sweeps.schema import DIMENSIONS, QUANTITIES
 
@@ -19,19 +19,23 @@ if TYPE_CHECKING:
 VALUES_AT_ONCE = 2**20
 
 
-def export(data: Path, output: Path) -> None:
-    """Write a data set as `.nc`, `.csv` or `.parquet`; it appears whole or not at all.
+def export(data: Path, output: Path) -> Mapping[str, int]:
+    """Write a data set, or sweeps of any kind, as `.nc`, `.csv` or `.parquet`; whole or not at all.
+
+    Returns how many sweeps, interfaces and frequencies it has, by dimension.
 
     Raises InputError where the data set is absent or the ending is another.
     """
     writers = {".nc": _write_netcdf, ".csv": _write_csv, ".parquet": _write_parquet}
     output = checked_output(output, tuple(writers))
     if not data.exists():
-        raise InputError(f"{data}: no such data set")
+        raise InputError(f"{data}: no such file")
     if output.suffix == ".parquet":
         check_needs(output, "scale", "pyarrow")
-    with open_zarr(data) as sweeps, whole_file(output) as unfinished:
+    opened = open_zarr(data) if data.suffix == ".zarr" else read(data)
+    with opened as sweeps, whole_file(output) as unfinished:
         writers[output.suffix](sweeps, unfinished)
+        return {name: sweeps.sizes[name] for name in DIMENSIONS}
 
 
 def wide_table(sweeps: xr.Dataset) -> pd.DataFrame:

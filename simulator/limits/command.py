@@ -62,14 +62,14 @@ def limits(
 
     With --accuracy: the largest number of pixels for it, by target.
     """
+    from ..asked.scene import asked_scene
     from ..charts import checked_ending
     from ..models.plain import plain_scene
     from ..progress import on_terminal
-    from ..scene.files import load_scene
     from .position import chosen_touch
     from .survey import Question, with_interfaces, with_sheets
 
-    plain = plain_scene(load_scene(scene), "a limit")
+    plain = plain_scene(asked_scene(scene), "a limit")
     loaded = with_interfaces(plain, interface or [])
     check_numbers(draws=draws, against_rest=against_rest, seed=seed, n=n)
     touch = chosen_touch(loaded, None if size is None else 1e-3 * size, factor)

@@ -52,16 +52,16 @@ def frequencies(
     """
     from rich.console import Console
 
+    from ..asked.scene import asked_scene
     from ..models.plain import plain_scene
     from ..progress import on_terminal
-    from ..scene.files import load_scene
     from .criteria import checked_criterion
     from .design import check_design, design
     from .position import chosen_touch
     from .sets import chosen_band
     from .survey import with_interfaces
 
-    plain = plain_scene(load_scene(scene), "a limit")
+    plain = plain_scene(asked_scene(scene), "a limit")
     loaded = with_interfaces(plain, interface or [])
     check_numbers(against_rest=against_rest)
     check_design(n, grid, repeats)

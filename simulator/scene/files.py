@@ -77,7 +77,7 @@ def _with_grid(part: Any, key: str, folder: Path) -> Any:
     try:
         asked = MapFile.model_validate(of_place)
     except ValidationError as error:
-        raise InputError(f"`{key}` {one_line(error)}") from error
+        raise InputError(f"`{key}` {one_line(error, MapFile)}") from error
     return {**part, "map": {"kind": "grid", "values": _grid(asked, key, folder).tolist()}}
 
 
@@ -197,7 +197,7 @@ def parse_scene(text: str, source: str, folder: Path = Path()) -> Scene:
     except InputError as error:
         raise InputError(f"{source}: {error}") from error
     except ValidationError as error:
-        raise InputError(f"{source}: {one_line(error)}") from error
+        raise InputError(f"{source}: {one_line(error, Scene)}") from error
 
 
 def scene_text(scene: Scene) -> str:

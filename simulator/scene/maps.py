@@ -155,10 +155,10 @@ class Gradient(_Map):
 
 
 class Random(_Map):
-    """A smooth random field of mean 1 and that relative standard deviation, see `random_field`.
+    """A smooth random field of mean 1 and that relative standard deviation.
 
     correlation_length [m]: l of exp(-r² / (2 l²)). The logarithm is normal, or the factor itself;
-    the latter is refused where it falls below LEAST.
+    the latter is refused where it falls below 0.05.
     """
 
     kind: Literal["random"] = "random"

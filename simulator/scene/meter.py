@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import tomllib
+from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
+from .keys.tables import OrTable, OrText
 from .validation import Number, Table, Whole, above_zero, at_least_zero, one_line
+
+METERS = Path(__file__).parents[1] / "meters"
 
 Hertz = Annotated[Number, above_zero("Hz")]
 
@@ -43,14 +48,17 @@ def _listed(frequencies: object) -> object:
     try:
         return FrequencyGrid.model_validate(frequencies).values()
     except ValidationError as error:
-        raise ValueError(one_line(error)) from error
+        raise ValueError(one_line(error, FrequencyGrid)) from error
 
 
 class Sweep(Table):
     """The frequencies [Hz] of one sweep, kept ascending."""
 
     frequencies: Annotated[
-        tuple[Hertz, ...], BeforeValidator(_listed), Field(min_length=1, max_length=100_000)
+        tuple[Hertz, ...],
+        BeforeValidator(_listed),
+        OrTable(FrequencyGrid),
+        Field(min_length=1, max_length=100_000),
     ]
 
     @model_validator(mode="after")
@@ -74,6 +82,32 @@ class Readout(Table):
     magnitude_noise: Relative = 0.0
     phase_noise: Radian = 0.0
     display_digits: Annotated[Whole, Field(ge=2, le=17)] = 6
+
+    @property
+    def exact(self) -> bool:
+        """Whether readings err by nothing but the digits that are displayed."""
+        return not (
+            self.magnitude_accuracy
+            or self.phase_accuracy
+            or self.magnitude_noise
+            or self.phase_noise
+        )
+
+
+def meter_names() -> list[str]:
+    """The meters whose readouts come with the package."""
+    return sorted(path.stem for path in METERS.glob("*.toml"))
+
+
+def _named(given: object) -> object:
+    if not isinstance(given, str):
+        return given
+    if given not in meter_names():
+        raise ValueError(f"must be a table or one of {', '.join(meter_names())}, got {given!r}")
+    return tomllib.loads((METERS / f"{given}.toml").read_text(encoding="utf-8"))
+
+
+AnyReadout = Annotated[Readout, BeforeValidator(_named), OrText()]
 
 
 class Experiment(Table):

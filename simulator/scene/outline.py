@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from .planar import Circle, area, distance, gap, inside, sides
-from .validation import Number, Table
+from .validation import Number, Table, Unit
 
 LEAST_APART = 1e-6
 """Sides that do not meet, over the skin's longer side."""
 
-Coordinate = Annotated[Number, Field(allow_inf_nan=False)]
+Coordinate = Annotated[Number, Unit("m"), Field(allow_inf_nan=False)]
 
-Size = Annotated[Number, Field(gt=0, allow_inf_nan=False)]
+Size = Annotated[Number, Unit("m"), Field(gt=0, allow_inf_nan=False)]
 
 
 class Curve(Table):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, model_validator
 
-from .validation import Number, Table, Whole, above_zero, at_least_zero, one_line
+from .validation import Least, Number, Table, Whole, above_zero, at_least_zero, one_line
 
 Finite = Annotated[Number, Field(allow_inf_nan=False)]
 
@@ -144,22 +144,24 @@ def _chosen(given: object) -> object:
     try:
         return kind.model_validate(given)
     except ValidationError as error:
-        raise ValueError(one_line(error)) from error
+        raise ValueError(one_line(error, kind)) from error
 
 
 Distribution = Annotated[AnyDistribution, BeforeValidator(_chosen)]
 
 
-def bounded(least: float, unit: str, *, strictly: bool = False) -> AfterValidator:
-    """Accepts distributions of which every draw is >= least (or > least); names the unit."""
+class EveryDrawFrom(Least):
+    """A validator of distributions by all that they may draw; the error names the unit."""
 
-    def validate(drawn: AnyDistribution) -> AnyDistribution:
-        if not (drawn.low > least if strictly else drawn.low >= least):
-            sign = ">" if strictly else ">="
-            raise ValueError(f"must be {sign} {least:g} {unit} in every draw, got {drawn.low:g}")
+    def __call__(self, drawn: AnyDistribution) -> AnyDistribution:
+        if not self.holds(drawn.low):
+            raise ValueError(f"must be {self.told} {self.unit} in every draw, got {drawn.low:g}")
         return drawn
 
-    return AfterValidator(validate)
+
+def bounded(least: float, unit: str, *, strictly: bool = False) -> AfterValidator:
+    """Accepts distributions of which every draw is >= least (or > least); names the unit."""
+    return AfterValidator(EveryDrawFrom(least, unit, strictly))
 
 
 CUT = 3.0

@@ -16,7 +16,7 @@ from pydantic import (
 
 from ..sweeps import InputError
 from .contacts import Contact, Interface
-from .meter import Experiment, Leads, Readout, Sweep
+from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
 from .randomisation import Randomisation
 from .skin import Metre, Name, Skin
 from .validation import Number, Table, Whole, above_zero, one_line
@@ -98,7 +98,7 @@ class Scene(Table):
     press: Pressing = Pressing()
     leads: Leads = Leads()
     sweep: Sweep
-    readout: Readout = Readout()
+    readout: AnyReadout = Readout()
     experiment: Experiment = Experiment()
     dataset: Randomisation = Randomisation()
 
@@ -151,7 +151,7 @@ class Scene(Table):
         try:
             return Scene.model_validate(table)
         except ValidationError as error:
-            raise InputError(f"{self.name}: {one_line(error)}") from error
+            raise InputError(f"{self.name}: {one_line(error, Scene)}") from error
 
     def contact(self, name: str) -> Contact:
         """The contact of that name."""

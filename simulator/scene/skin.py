@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 
 from .foam_mechanics import Mechanics
@@ -16,7 +18,7 @@ from .maps import Map
 from .mesh_file import absolute
 from .outline import Curve, Outline, check_outline
 from .shape import Shape, Stretch
-from .validation import Number, Table, above_zero, at_least_zero, single_line
+from .validation import Number, Table, Unit, above_zero, at_least_zero, single_line
 
 
 def curves(skin: Skin) -> list[Curve]:
@@ -25,6 +27,15 @@ def curves(skin: Skin) -> list[Curve]:
         return [skin.outline, *skin.outline.holes]
     x, y = skin.length, skin.width
     return [Curve(points=((0.0, 0.0), (x, 0.0), (x, y), (0.0, y)))]
+
+
+def on_skin(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether places x of a skin without mesh, m, shape (2, ...), are on it, shape (...)."""
+    around, *holes = curves(skin)
+    found = around.holds(x)
+    for hole in holes:
+        found = found & ~hole.holds(x)
+    return found
 
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
@@ -45,7 +56,7 @@ class Anisotropy(Table):
     """
 
     ratio: Annotated[Number, Field(ge=1e-3, le=1e3)]
-    angle: Annotated[Number, Field(allow_inf_nan=False)] = 0.0
+    angle: Annotated[Number, Unit("rad"), Field(allow_inf_nan=False)] = 0.0
 
 
 class Sheet(Table):

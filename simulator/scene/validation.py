@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Strict, ValidationError
+
+from .keys.meant import likely
+from .keys.tables import Location, required
 
 Number = Annotated[float, Strict()]
 """A number as TOML has it: neither text nor true or false."""
@@ -15,26 +20,48 @@ Whole = Annotated[int, Strict()]
 COMPARISONS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 
 
-def above_zero(unit: str) -> AfterValidator:
-    """Accepts finite numbers > 0; the error names the unit."""
+@dataclass(frozen=True)
+class Least:
+    """From where on numbers of a unit are taken, with it or without."""
 
-    def validate(value: float) -> float:
-        if not (math.isfinite(value) and value > 0):
-            raise ValueError(f"must be finite and > 0 {unit}, got {value:g}")
+    least: float
+    unit: str
+    strictly: bool
+
+    @property
+    def told(self) -> str:
+        """As a comparison."""
+        return f"{'>' if self.strictly else '>='} {self.least:g}"
+
+    def holds(self, value: float) -> bool:
+        """Whether a number is taken."""
+        return value > self.least if self.strictly else value >= self.least
+
+
+class FiniteFrom(Least):
+    """A validator of finite numbers; the error names the unit."""
+
+    def __call__(self, value: float) -> float:
+        if not (math.isfinite(value) and self.holds(value)):
+            raise ValueError(f"must be finite and {self.told} {self.unit}, got {value:g}")
         return value
 
-    return AfterValidator(validate)
+
+def above_zero(unit: str) -> AfterValidator:
+    """Accepts finite numbers > 0; the error names the unit."""
+    return AfterValidator(FiniteFrom(0.0, unit, strictly=True))
 
 
 def at_least_zero(unit: str) -> AfterValidator:
     """Accepts finite numbers >= 0; the error names the unit."""
+    return AfterValidator(FiniteFrom(0.0, unit, strictly=False))
 
-    def validate(value: float) -> float:
-        if not (math.isfinite(value) and value >= 0):
-            raise ValueError(f"must be finite and >= 0 {unit}, got {value:g}")
-        return value
 
-    return AfterValidator(validate)
+@dataclass(frozen=True)
+class Unit:
+    """Says the unit of numbers that take any sign."""
+
+    unit: str
 
 
 def single_line(text: str) -> str:
@@ -66,21 +93,45 @@ def by_kind(*kinds: type[BaseModel], elsewhere: str = "") -> BeforeValidator:
         try:
             return known[named].model_validate(given)
         except ValidationError as error:
-            raise ValueError(one_line(error)) from error
+            raise ValueError(one_line(error, known[named])) from error
 
     return BeforeValidator(validate)
 
 
-def one_line(error: ValidationError) -> str:
-    """The first problem that pydantic found, as one line: key, what is allowed, what was given."""
+def one_line(error: ValidationError, table: type[BaseModel]) -> str:
+    """What pydantic found in a table, as one line: key, what is allowed, what was given.
+
+    All keys that are unknown or missing are named; of other problems the first.
+    """
     problems = error.errors(include_url=False)
-    first = next((found for found in problems if found["type"] == "extra_forbidden"), problems[0])
-    key = _key(first["loc"])
-    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
-    return f"{key}{_requirement(first)}{more}"
+    missing = [found["loc"] for found in problems if found["type"] == "missing"]
+    told = []
+    for found in problems:
+        if found["type"] == "extra_forbidden":
+            meant = likely(table, found["loc"], missing)
+            missing = [location for location in missing if location not in meant]
+            told.append(f"{_key(found['loc'])}{_unknown(found['input'], meant)}")
+    told += _missing([key for location in missing for key in required(table, location)])
+    others = [f for f in problems if f["type"] not in ("missing", "extra_forbidden")]
+    told += [f"{_key(first['loc'])}{_requirement(first)}" for first in others[:1]]
+    more = f" (and {len(others) - 1} more)" if len(others) > 1 else ""
+    return "; ".join(told) + more
 
 
-def _key(location: tuple[int | str, ...]) -> str:
+def _unknown(given: object, meant: Sequence[Location]) -> str:
+    got = "" if isinstance(given, dict | list) else f", got {given!r}"
+    suggested = " or ".join(_key(location).strip() for location in meant)
+    return f"is not a known key{got}{f'; did you mean {suggested}?' if meant else ''}"
+
+
+def _missing(locations: Sequence[Location]) -> list[str]:
+    *most, last = [_key(location).strip() for location in locations] or [""]
+    if not most:
+        return [f"{last} is missing"] if last else []
+    return [f"{', '.join(most)} and {last} are missing"]
+
+
+def _key(location: Location) -> str:
     text = ""
     for part in location:
         text += f"[{part + 1}]" if isinstance(part, int) else f".{part}"
@@ -89,10 +140,6 @@ def _key(location: tuple[int | str, ...]) -> str:
 
 def _requirement(problem: Any) -> str:
     kind, context, given = problem["type"], problem.get("ctx", {}), problem["input"]
-    if kind == "missing":
-        return "is missing"
-    if kind == "extra_forbidden":
-        return f"is not a known key, got {given!r}"
     if kind == "too_short":
         return f"must have at least {context['min_length']} item, got {given!r}"
     if kind == "value_error":

@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from .point import CrossValidate
 
 
+SECONDS_A_POINT = 0.5
+"""About, of one process: 225 points of the paper's sheets with three draws."""
+
+
 def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
     """The command, told how the localizer's accuracy is found."""
 
@@ -51,7 +55,9 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         ] = None,
         rtol: Annotated[
             float | None,
-            typer.Option(help="Largest relative error of Rs and Cp; else what fits the noise."),
+            typer.Option(
+                help="Largest relative error of Rs, Cp, 1e-8 to 1e-2; else what fits the noise."
+            ),
         ] = None,
         workers: Annotated[
             int | None, typer.Option(help="Processes; else one for each core. Same results.")
@@ -68,6 +74,10 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         distance between classes in units of the meter's error, and the band of
         frequencies that tells neighbours best.
         """
+        from ..asked.patience import tell_if_long
+        from ..asked.scene import asked_scene
+        from ..asked.telling import warn, written
+        from ..asked.tolerance import checked_rtol
         from ..charts import checked_chart
         from ..progress import on_terminal
         from ..sweeps import checked_output
@@ -77,17 +87,21 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         from .keys import scene_table
         from .point import Trial
         from .report import ENDINGS, answers, experiment_told, write_table
-        from .settings import changed, checked_rtol, checked_workers
+        from .settings import changed, checked_workers
 
         beside = checked_output(output, ENDINGS).with_suffix(".png")
         picture = checked_chart(chart or beside)
-        rtol, workers = checked_rtol(rtol), checked_workers(workers)
+        if rtol is not None:
+            checked_rtol(rtol)
+        workers = checked_workers(workers)
+        asked_scene(scene)
         table = changed(scene_table(scene), max_frequency, repetitions, seed)
         axes = parse_axes(vary or READY_MADE, table)
         trial = Trial(target, draws)
         scenes = run.scenes_of(table, axes, trial)
         for warning in run.warnings_of(scenes):
-            typer.echo(f"rcskin: warning: {scene}: {warning}", err=True)
+            warn(f"{scene}: {warning}")
+        tell_if_long(scene, SECONDS_A_POINT * len(scenes) / workers, f"{len(scenes)} points")
         with on_terminal() as track:
             findings = run.study(
                 scenes, axes, trial, cross_validate, track, rtol=rtol, workers=workers
@@ -96,5 +110,6 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         draw_study(findings, axes, experiment_told(table, axes), picture)
         for line in answers(findings, axes):
             typer.echo(line)
+        written(f"{len(scenes)} points", output, picture)
 
     return study

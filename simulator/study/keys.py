@@ -99,7 +99,7 @@ def with_values(table: Mapping[str, Any], values: Mapping[Key, float]) -> Scene:
         return Scene.model_validate(changed)
     except ValidationError as error:
         given = ", ".join(f"{key.name} = {value:g}" for key, value in values.items())
-        raise InputError(f"{given}: {one_line(error)}") from error
+        raise InputError(f"{given}: {one_line(error, Scene)}") from error
 
 
 def _at(table: Any, place: Place) -> Any:

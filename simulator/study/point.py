@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from ..measure.experiment import METER, PRESSES, planned_presses
 from ..measure.readout import read_out
+from ..measure.symmetry import Pixel
 from ..press.press import Press, pixel_by_pixel
 from ..scene.scene import Scene
 from ..sweeps import InputError, build
 from .curve import Curve
 from .separation import TARGETS, Label, Separation, in_units_of_error, label_of, separation
-from .symmetry import Pixel
 
 if TYPE_CHECKING:
     import xarray as xr

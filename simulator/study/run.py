@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from ..measure.symmetry import Pixel
 from ..models.plain import plain_scene
 from ..models.validity import warnings
 from ..progress import Track
@@ -19,7 +20,6 @@ from .curve import Curve
 from .keys import with_values
 from .point import CrossValidate, Findings, Trial, judge
 from .sharing import families, member_curves, solve, tasks
-from .symmetry import Pixel
 
 if TYPE_CHECKING:
     import xarray as xr

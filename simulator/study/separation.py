@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
+from ..measure.symmetry import Pixel
 from ..scene.meter import Readout
 from ..sweeps import InputError
-from .symmetry import Pixel
 
 Label = tuple[int, ...]
 TARGETS = ("column", "row", "pixel")

@@ -39,13 +39,6 @@ def checked_workers(count: int | None) -> int:
     return count
 
 
-def checked_rtol(rtol: float | None) -> float | None:
-    """The same tolerance. Raises InputError."""
-    if rtol is not None and not (math.isfinite(rtol) and rtol > 0):
-        raise InputError(f"`rtol` must be finite and > 0, got {rtol:g}")
-    return rtol
-
-
 def _up_to(limit: float, frequencies: Any) -> Any:
     lowest = frequencies["start"] if isinstance(frequencies, dict) else min(frequencies)
     if not (math.isfinite(limit) and limit > lowest):

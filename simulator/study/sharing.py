@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fem.circuit import Circuit, one_field, two_fields
+from ..measure.symmetry import AT_REST, Pixel, representative
 from ..models.solver import Solver
 from ..press.press import Press, pixel_by_pixel
 from ..press.touch import Touch
@@ -19,7 +20,6 @@ from ..scene.meter import Sweep
 from ..scene.scene import Scene
 from .curve import Curve, trace
 from .point import Trial
-from .symmetry import AT_REST, Pixel, representative
 
 SAME = 1e-12
 NOT_OF_THE_SKIN = {"name", "description", "press", "sweep", "readout", "experiment", "dataset"}

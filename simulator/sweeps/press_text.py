@@ -56,10 +56,10 @@ class WrittenTouch(NamedTuple):
 def parse_touches(text: str) -> list[WrittenTouch]:
     """The touches of a press written as `text` in SYNTAX, in its order; none at rest.
 
-    `0,0` and `none` are the skin at rest. Raises InputError on other syntax, a factor, depth, force
+    `none` is the skin at rest. Raises InputError on other syntax, a factor, depth, force
     or size that is not finite and > 0, or a pixel named twice.
     """
-    if text.strip() in (UNPRESSED, "0,0"):
+    if text.strip() == UNPRESSED:
         return []
     touches = [_touch(part, text) for part in JOINT.split(text)]
     pixels = [touch.pixel for touch in touches if touch.kind == "pixel"]
@@ -86,12 +86,20 @@ def _touch(part: str, text: str) -> WrittenTouch:
     given = match["strength"]
     strength = None if given is None else _strength(given, text)
     if match["shape"] is None:
-        return WrittenTouch("pixel", (int(match["row"]), int(match["column"])), strength)
+        return WrittenTouch("pixel", _pixel(match["row"], match["column"], text), strength)
     numbers = match["place"].split(",")
     if match["shape"] == "poly":
         return WrittenTouch("poly", _corners(numbers, text), strength)
     kind: Kind = "rect" if match["shape"] == "rect" else "disc"
     return WrittenTouch(kind, _placed(numbers, SIZES[kind], text), strength)
+
+
+def _pixel(row: str, column: str, text: str) -> tuple[int, int]:
+    if 0 in (int(row), int(column)):
+        raise InputError(
+            f"press {text!r}: rows and columns count from 1; nothing pressed is {UNPRESSED!r}"
+        )
+    return int(row), int(column)
 
 
 def _placed(given: list[str], sizes: tuple[str, ...], text: str) -> tuple[float, ...]:

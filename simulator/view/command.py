@@ -37,7 +37,9 @@ def view(
             "deformation or all."
         ),
     ] = "potential",
-    rtol: Annotated[float, typer.Option(help="Largest relative error of Rs and of Cp.")] = 1e-4,
+    rtol: Annotated[
+        float, typer.Option(help="Largest relative error of Rs and of Cp, 1e-8 to 1e-2.")
+    ] = 1e-4,
     wrapped: Annotated[
         bool | None,
         typer.Option("--wrapped/--flat", help="In space or spread out; without it as it is."),
@@ -62,10 +64,14 @@ def view(
 
     Potentials, currents and power are those of 1 V at the terminals.
     """
+    from ..asked.tolerance import checked_rtol
+
     _check(output, what, animate, exaggerate, interactive)
+    checked_rtol(rtol)
     every = animate == "frequency" or (output is not None and output.suffix in ALL_FREQUENCIES)
     from dataclasses import replace
 
+    from ..asked.telling import written
     from ..progress import on_terminal
     from .outputs import write_output
 
@@ -75,10 +81,14 @@ def view(
         stage = replace(stage, wrapped=wrapped, exaggeration=exaggerate)
         if output is not None:
             write_output(output, stage, what, animate, track, _tell)
+    if output is not None:
+        shown = what if output.suffix not in ALL_FIELDS else "all fields"
+        written(f"{shown} of press {stage.press} at {_told(stage)}", output)
     if interactive:
         _interact(stage, what, output)
 
 
+ALL_FIELDS = (".vtu", ".xdmf")
 ALL_FREQUENCIES = (".gif", ".mp4", ".vtu", ".xdmf")
 
 
@@ -117,19 +127,20 @@ def _stage(
     every: bool,
     track: Track,
 ) -> Stage:
+    from ..asked.scene import asked_scene
+    from ..asked.telling import warn
     from ..models.fields import fields
     from ..press.press import check_press, parse_press, strength_of
-    from ..scene.files import load_scene
     from ..scene.scene import checked_interface
     from .scenery import Stage
 
-    scene = load_scene(name)
+    scene = asked_scene(name)
     pressed = check_press(parse_press(press, strength_of(scene.press)), scene)
     chosen = checked_interface(interface, scene)
     frequencies = _frequencies(frequency, scene, every)
     for one_terminal in scene.driven_by_touch:
         if one_terminal.interface == chosen:
-            typer.echo(f"rcskin: warning: {name}: {one_terminal}", err=True)
+            warn(f"{name}: {one_terminal}")
     (found,) = [
         fields(scene, pressed, each, chosen, rtol)
         for each in track([frequencies], f"solving, frequencies: {len(frequencies)}")
@@ -154,6 +165,11 @@ def _frequencies(asked: list[float] | None, scene: Scene, every: bool) -> list[f
         return sorted(set(asked or known))
     middle = math.sqrt(known[0] * known[-1])
     return [min(known, key=lambda each: abs(math.log(each / middle)))]
+
+
+def _told(stage: Stage) -> str:
+    frequencies = stage.fields.frequency
+    return f"{frequencies[0]:g} Hz" if len(frequencies) == 1 else f"{len(frequencies)} frequencies"
 
 
 def _interact(stage: Stage, what: str, output: Path | None) -> None:

@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from rcskin.__main__ import app, main
-from rcskin.simulator.scene.files import builtin_text
+from rcskin.__main__ import EXAMPLES, app, main
+from rcskin.simulator.scene.files import builtin_names, builtin_text
 from typer.main import get_command
 
 ROOT = Path(__file__).parents[2]
@@ -17,10 +17,20 @@ PAGES = (
     "simulator/README.md",
     "simulator/OWN_SKIN.md",
     "simulator/scene/SKINS.md",
+    "simulator/scene/KEYS.md",
     "localization/README.md",
     "hardware/README.md",
     "benchmarks/README.md",
 )
+SELF_MADE = (
+    "README.md",
+    "simulator/README.md",
+    "simulator/OWN_SKIN.md",
+    "simulator/scene/SKINS.md",
+)
+"""Pages whose commands take built-in scenes and what earlier commands made."""
+OF_A_SCENE = {"sweep", "describe", "view", "dataset", "study", "limits", "frequencies", "calibrate"}
+FILE = re.compile(r"[\w./-]+\.(toml|nc|csv|zarr|skops)")
 FOLDERS = ("limits", "judged")
 
 
@@ -66,10 +76,10 @@ def test_every_link_leads_to_a_file_and_a_heading(page):
         assert not anchor or anchor in anchors(os.path.relpath(target, ROOT)), link
 
 
-@pytest.mark.parametrize("page", PAGES)
-def test_every_command_shown_exists_with_its_options(page):
+@pytest.mark.parametrize("lines", [*map(commands, PAGES), [*EXAMPLES.values()]])
+def test_every_command_shown_exists_with_its_options(lines):
     known = get_command(app).commands
-    for line in commands(page):
+    for line in lines:
         words = shlex.split(line.partition(" &")[0])[1:]
         command = known[words[0]]
         while hasattr(command, "commands"):
@@ -85,6 +95,26 @@ def test_the_examples_run_one_after_the_other(page, tmp_path, monkeypatch):
     for example in blocks(page, "python"):
         exec(compile(example, page, "exec"), names)
     assert names
+
+
+def missing_inputs(line, made):
+    """Scenes and files that a command takes, and that are neither built in nor made before."""
+    command, *words = shlex.split(line.partition(" &")[0])[1:]
+    outputs = {words[k + 1] for k, word in enumerate(words) if word == "-o"}
+    outputs |= {words[0]} if command == "new" else set()
+    taken = {word for word in words if FILE.fullmatch(word)} - outputs
+    taken |= {words[0]} - {*builtin_names()} if command in OF_A_SCENE else set()
+    absent = {word for word in taken if not {word, word.split("/")[0]} & made}
+    made |= outputs
+    return absent
+
+
+@pytest.mark.parametrize("page", SELF_MADE)
+def test_commands_take_what_is_built_in_or_was_made_before(page):
+    made = {"run.nc"} if page == "simulator/OWN_SKIN.md" else set()  # which `meter record` writes
+    assert {line: missing_inputs(line, made) for line in commands(page)} == dict.fromkeys(
+        commands(page), set()
+    )
 
 
 def run(monkeypatch, line):

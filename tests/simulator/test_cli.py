@@ -1,8 +1,10 @@
 """The command line as its user meets it: exit codes, one clear line, nothing half-written."""
 
+import os
 import subprocess
 import sys
 from importlib.metadata import version
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -44,7 +46,7 @@ def test_scenes_names_every_built_in_scene(run):
 def test_scenes_shows_the_file_of_one(run):
     assert run("scenes", "strip-1x3")[1] == (BUILTIN / "strip-1x3.toml").read_text()
     code, _, err = run("scenes", "strip-1x9")
-    assert code == 2 and "no built-in scene; there are glove, sheet-3x3" in err
+    assert code == 2 and "no built-in scene; there are foam, glove, l-shape" in err
 
 
 @pytest.mark.parametrize("like", [None, "sheet-3x3"])
@@ -72,7 +74,7 @@ def test_the_version_is_told(run):
 def test_a_sweep_without_a_press_holds_rest_and_every_pixel(run, tmp_path, ending):
     path = tmp_path / f"out.{ending}"
     code, out, err = run("sweep", "sheet-3x3", "-o", path)
-    assert (code, out, err) == (0, "", "")
+    assert (code, out, err) == (0, f"10 sweeps x 20 frequencies -> {path}\n", "")
     written = sweeps.read(path)
     pixels = list(zip(written["row"].values, written["column"].values, strict=True))
     assert pixels == [(0, 0), *((i, j) for i in (1, 2, 3) for j in (1, 2, 3))]
@@ -118,8 +120,11 @@ def test_line_and_sheet_agree_on_the_strip(run, tmp_path):
         (["sweep", "sheet-3x3", "--press", "4,1"], "row must be in 1..3 on sheet-3x3, got 4"),
         (["sweep", "sheet-3x3", "--press", "1;2"], "press '1;2': must be ROW,COLUMN[:FACTOR]"),
         (["sweep", "sheet-3x3", "--press", "1,1:-2"], "FACTOR must be finite and > 0, got -2"),
-        (["sweep", "sheet-3x3", "--rtol", "0"], "`rtol` must be finite and > 0, got 0.0"),
-        (["sweep", "sheet-3x3", "--rtol", "nan"], "`rtol` must be finite and > 0, got nan"),
+        (["sweep", "sheet-3x3", "--rtol", "0"], "--rtol must be from 1e-08 to 0.01, got 0"),
+        (["sweep", "sheet-3x3", "--rtol", "nan"], "--rtol must be from 1e-08 to 0.01, got nan"),
+        (["sweep", "sheet-3x3", "--rtol", "0.02"], "must be from 1e-08 to 0.01, got 0.02"),
+        (["sweep", "sheet-3x3", "--press", "0,0"], "press '0,0': rows and columns count from 1"),
+        (["sweep", "sheet-3x3", "--press", "0,1"], "press '0,1': rows and columns count from 1"),
         (["sweep", "sheet-3x3", "--model", "cubic"], "must be one of auto, lumped, line, sheet"),
         (["sweep", "sheet-3x3", "--press", "1,1", "--model", "line"], "varies across sheet-3x3"),
     ],
@@ -179,6 +184,45 @@ def test_a_tolerance_out_of_reach_ends_with_code_1_and_no_file(run, tmp_path):
     assert "estimated error" in err
     assert err.count("\n") == 1
     assert not path.exists()
+
+
+@pytest.mark.parametrize("command", [["sweep"], ["meter", "serve"], ["calibrate"]])
+def test_help_of_a_command_is_what_its_option_shows(run, command):
+    code, shown, err = run("help", *command)
+    assert (code, err) == (0, "") and f"rcskin {' '.join(command)} [OPTIONS]" in shown
+    assert shown == run(*command, "--help")[1]
+    assert "Example: rcskin" in shown
+
+
+def test_help_of_nothing_lists_the_commands_and_of_no_command_is_refused(run):
+    assert run("help")[1] == run("--help")[1]
+    code, _, err = run("help", "swep")
+    assert code == 2 and "No such command 'swep'" in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["sweep"], "Missing argument 'scene'. Example: rcskin sweep sheet-5x5 -o all.nc"),
+        (["sweep", "strip-1x3"], "Missing option '--output' / '-o'. Example: rcskin sweep"),
+        (["meter", "correct"], "Example: rcskin meter correct open --resource"),
+    ],
+)
+def test_what_is_missing_is_told_with_an_example(run, arguments, told):
+    code, _, err = run(*arguments)
+    assert code == 2 and told in err and err.count("\n") == 1
+
+
+def test_shells_complete_commands():
+    asked = {"_RCSKIN_COMPLETE": "complete_bash", "COMP_WORDS": "rcskin swe", "COMP_CWORD": "1"}
+    told = subprocess.run(
+        [Path(sys.executable).with_name("rcskin")],
+        env={**os.environ, **asked},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert told.stdout.split() == ["sweep"]
 
 
 @pytest.mark.parametrize("arguments", [["sweep"], ["nonsense"], ["sweep", "strip-1x3"]])

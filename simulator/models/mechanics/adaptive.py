@@ -26,6 +26,8 @@ SHRINKS = 2 ** (-2 / 3)
 OF_TAIL = 0.2
 """Mean error of w in a triangle over the largest that the highest order alone holds of it there. Of
 presses up to the closing of the cells its size was 0.05 to 0.18 of that."""
+FALLS = 5.0
+"""Power of a triangle's size that the error falls with where all is smooth."""
 MOST_AT_ONCE = 8
 HALF_AGAIN = 2.0
 """Of the tolerance: what the largest error counts as where the first triangles hold it already."""
@@ -87,7 +89,19 @@ def solved(
                 unsure = OF_TAIL * tails(level.membrane, level.rest.w)
                 return Solved(level.surface, level.rest, float(found.max()), unsure)
             found *= HALF_AGAIN * rtol / found.max()
+        _check_within_reach(level.ground, found / rtol)
         level = pressing.level(_refined(level.ground, found / rtol), level.surface)
+
+
+def _check_within_reach(ground: Ground, excess: NDArray[np.float64]) -> None:
+    """Raises ToleranceError where even smooth triangles would have to become too many.
+
+    excess: of the error over its target. Away from corners it falls like h^FALLS at best; a
+    triangle is then divided into excess^(2 / FALLS). In the end there were twice as many or more.
+    """
+    smooth = np.delete(excess, ground.cornered)
+    if (np.maximum(smooth, 1.0) ** (2 / FALLS)).sum() > MOST_TRIANGLES:
+        raise ToleranceError(TOO_FINE)
 
 
 def _refined(ground: Ground, excess: NDArray[np.float64]) -> Ground:

@@ -16,6 +16,9 @@ from .dialect import Table
 SAME_FREQUENCY = 1e-6
 """Relative difference of frequencies that are one, printed with different digits."""
 
+AT_REST = "0,0"
+"""What tables may name the skin at rest."""
+
 
 @dataclass(frozen=True)
 class Sweep:
@@ -119,7 +122,7 @@ def _keys(table: Table) -> list[tuple[str, ...]]:
 def _labels(table: Table, defaults: Defaults) -> list[tuple[str, int, int, int]]:
     """(press, row, column, session) of every line."""
     sessions = _integers(table, "session", defaults.session, 0)
-    presses = _column(table, "press", defaults.press, "")
+    presses = _presses(table, defaults.press)
     rows, columns = (_integers(table, name, None, None) for name in ("row", "column"))
     labels = []
     for press, row, column, session in zip(presses, rows, columns, sessions, strict=True):
@@ -127,6 +130,14 @@ def _labels(table: Table, defaults: Defaults) -> list[tuple[str, int, int, int]]
         place = (pixel[0] if row is None else row, pixel[1] if column is None else column)
         labels.append((press or _press_text(*place), *place, session))
     return labels
+
+
+def _presses(table: Table, given: str | None) -> list[str]:
+    """Of every line; the skin at rest is named one way."""
+    if given == AT_REST:
+        raise InputError(f"--press must be {UNPRESSED!r} where nothing is pressed, got {given!r}")
+    texts = _column(table, "press", given, "")
+    return [UNPRESSED if "".join(text.split()) == AT_REST else text for text in texts]
 
 
 def _press_text(row: int, column: int) -> str:

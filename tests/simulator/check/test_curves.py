@@ -19,12 +19,12 @@ def test_every_quantity_is_drawn(run, file, tmp_path, ending):
     asked = [word for name in QUANTITIES for word in ("--what", name)]
     code, out, err = run("plot", file, "-o", output, *asked)
     assert (code, err) == (0, "") and output.stat().st_size > 5_000
-    assert out == f"{output}: 1 recording drawn\n"
+    assert out == f"3 sweeps x 2 interfaces x 3 frequencies -> {output}\n"
 
 
 def test_recordings_are_drawn_over_each_other(run, file, tmp_path):
     code, out, _ = run("plot", file, file, "-o", tmp_path / "out.svg")
-    assert code == 0 and "2 recordings" in out
+    assert code == 0 and "2 recordings -> " in out
     assert (tmp_path / "out.svg").read_text().count("run.nc") >= 2
 
 

@@ -25,16 +25,17 @@ loss_tangent = 0.0
 stray_capacitance = 0.0
 lead_resistance = 0.0
 """
+READOUT = "[readout]\ndisplay_digits = 12\n"
 
 
-@pytest.fixture(scope="module")
-def scene_file(tmp_path_factory):
+@pytest.fixture
+def scene_file(tmp_path):
     """sheet-3x3 at three frequencies, every skin alike, an ideal meter of many digits."""
     text = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")
     head, _, _ = text.partition("[sweep]")
-    path = tmp_path_factory.mktemp("scene") / "alike.toml"
-    sweep = "[sweep]\nfrequencies = [1e3, 2e4, 2e5]\n[readout]\ndisplay_digits = 12\n"
-    path.write_text(f"{head}{sweep}{ALIKE}", encoding="utf-8")
+    path = tmp_path / "alike.toml"
+    sweep = "[sweep]\nfrequencies = [1e3, 2e4, 2e5]\n"
+    path.write_text(f"{head}{sweep}{READOUT}{ALIKE}", encoding="utf-8")
     return path
 
 
@@ -43,8 +44,10 @@ def test_sweeps_are_those_of_the_full_model_within_the_tolerance(run, scene_file
     code, out, err = run(
         "dataset", scene_file, "--sweeps", 40, "--workers", 1, "--rtol", 1e-4, "-o", output
     )
-    assert (code, err) == (0, "")
-    assert "40 sweeps" in out and "0 solved in full" in out
+    assert code == 0 and err.startswith(f"rcskin: note: {scene_file}: the readout is free of noise")
+    assert err.count("\n") == 1
+    assert out.endswith(f"40 sweeps x 3 frequencies -> {output}\n")
+    assert " sweeps certified" in out and "0 solved in full" in out
     sweeps = read(output)
     assert 0 < sweeps.attrs["audit_bound"] <= 1e-4
     scene = read_scene(scene_file)
@@ -62,6 +65,10 @@ def test_sweeps_are_those_of_the_full_model_within_the_tolerance(run, scene_file
         (["sheet-3x3", "--sweeps", 0, "-o", "out.zarr"], "`sweeps` must be >= 1, got 0"),
         (["sheet-3x3", "--sweeps", 5, "-o", "out.nc"], "out.nc: must end in .zarr, got '.nc'"),
         (["sheet-9x9", "--sweeps", 5, "-o", "out.zarr"], "sheet-9x9: no such file"),
+        (
+            ["sheet-3x3", "--sweeps", 5, "--rtol", 0.1, "-o", "out.zarr"],
+            "--rtol must be from 1e-08",
+        ),
         (
             ["sheet-3x3", "--sweeps", 5, "--workers", 0, "-o", "out.zarr"],
             "--workers must be >= 1, got 0",
@@ -82,6 +89,7 @@ def test_ctrl_c_ends_with_one_line_and_leaves_a_data_set_that_goes_on(
 ):
     work = tmp_path / ".out.zarr.unfinished"
     dataset = ["dataset", scene_file, "--sweeps", "9000000", "--workers", str(workers)]
+    scene_file.write_text(f"readout = 'IM3523'\n{scene_file.read_text()}".replace(READOUT, ""))
     process = subprocess.Popen(
         [sys.executable, "-m", "rcskin", *dataset, "-o", tmp_path / "out.zarr"],
         stderr=subprocess.PIPE,
@@ -99,5 +107,6 @@ def test_ctrl_c_ends_with_one_line_and_leaves_a_data_set_that_goes_on(
 def test_export_writes_what_its_ending_says(run, make_sweeps, tmp_path):
     write(make_sweeps(), tmp_path / "data.zarr")
     code, out, err = run("export", tmp_path / "data.zarr", "-o", tmp_path / "out.nc")
-    assert (code, out, err) == (0, "", "")
+    told = f"2 sweeps x 2 interfaces x 3 frequencies -> {tmp_path / 'out.nc'}\n"
+    assert (code, out, err) == (0, told, "")
     np.testing.assert_array_equal(read(tmp_path / "out.nc")["Cp"], make_sweeps()["Cp"])

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 from rcskin.simulator.dataset.export import export
-from rcskin.simulator.sweeps import InputError, read
+from rcskin.simulator.sweeps import InputError, read, write
 
 
 @pytest.fixture
@@ -56,9 +56,17 @@ def test_sweeps_of_other_origin_are_exported_too(make_sweeps, tmp_path):
 def test_what_cannot_be_exported_is_told(data, tmp_path):
     with pytest.raises(InputError, match=r"must end in \.nc or \.csv or \.parquet, got '\.txt'"):
         export(data, tmp_path / "out.txt")
-    with pytest.raises(InputError, match=r"absent\.zarr: no such data set"):
+    with pytest.raises(InputError, match=r"absent\.zarr: no such file"):
         export(tmp_path / "absent.zarr", tmp_path / "out.nc")
     (tmp_path / "empty.zarr").mkdir()
     with pytest.raises(InputError, match=r"empty\.zarr: cannot be read as \.zarr"):
         export(tmp_path / "empty.zarr", tmp_path / "out.nc")
     assert not (tmp_path / "out.nc").exists()
+
+
+def test_sweeps_that_are_no_data_set_are_written_in_other_forms_too(make_sweeps, tmp_path):
+    write(make_sweeps(), tmp_path / "run.nc")
+    export(tmp_path / "run.nc", tmp_path / "out.csv")
+    np.testing.assert_allclose(read(tmp_path / "out.csv")["Rs"], make_sweeps()["Rs"], rtol=1e-14)
+    export(tmp_path / "out.csv", tmp_path / "out.parquet")
+    assert len(pd.read_parquet(tmp_path / "out.parquet")) == make_sweeps().sizes["sweep"]

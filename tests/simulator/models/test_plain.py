@@ -22,7 +22,10 @@ def skin_with(scene, **tables):
     return Scene.model_validate(given)
 
 
-@pytest.mark.parametrize("name", builtin_names())
+NOT_PLAIN = {"l-shape", "mug", "stretched"}
+
+
+@pytest.mark.parametrize("name", sorted({*builtin_names()} - NOT_PLAIN))
 def test_a_plain_scene_is_returned_as_it_is(name):
     scene = load_scene(name)
     press = Press((Touch(1, 1, 2.0),))

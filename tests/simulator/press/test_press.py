@@ -46,7 +46,6 @@ def test_a_press_is_read_back_as_it_was_written(press):
         ("7,6:1.5+2,3:2.0", [(2, 3, 2.0), (7, 6, 1.5)]),
         ("1,1:1e+3", [(1, 1, 1000.0)]),
         ("none", []),
-        ("0,0", []),
         (" none ", []),
     ],
 )
@@ -183,7 +182,7 @@ def test_the_pixel_of_a_press(text, pixel):
     ("text", "told"),
     [
         ("4,1", "row must be in 1..3 on sheet-3x3, got 4"),
-        ("0,1", "row must be in 1..3 on sheet-3x3, got 0"),
+        ("3,4", "column must be in 1..3 on sheet-3x3, got 4"),
         ("1,1+3,9", "column must be in 1..3 on sheet-3x3, got 9"),
         ("rect(0.06,0.06,0.2,0.1)", r"within x = 0\.\.0\.12 m on sheet-3x3, got -0\.04\.\.0\.16 m"),
         ("disc(0.06,0.11,0.02)", r"within y = 0\.\.0\.12 m on sheet-3x3, got 0\.09\.\.0\.13 m"),
@@ -210,7 +209,11 @@ def test_a_press_on_the_skin_passes(text):
 def test_the_command_line_takes_places(run, tmp_path):
     path = tmp_path / "x.csv"
     asked = ("--press", "rect(0.03,0.04,0.01,0.02):2", "--press", "disc(0.03,0.04,0.005)+1,1:3")
-    assert run("sweep", "sheet-5x5", *asked, "-o", path) == (0, "", "")
+    assert run("sweep", "sheet-5x5", *asked, "-o", path) == (
+        0,
+        f"2 sweeps x 20 frequencies -> {path}\n",
+        "",
+    )
     written = sweeps.read(path)
     assert list(written["press"].values) == [
         "rect(0.03,0.04,0.01,0.02):2.0",

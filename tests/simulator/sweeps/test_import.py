@@ -37,6 +37,14 @@ def test_the_files_of_this_project_are_read_too(make_sweeps, tmp_path):
         assert list(imported[name].values) == list(make_sweeps()[name].values)
 
 
+def test_a_table_may_name_the_skin_at_rest_by_row_and_column_0(table):
+    sweeps = table("press,f/Hz,Rs,X", '"0, 0",1,2,-3', '"1,1",1,2,-3')
+    assert list(sweeps["press"].values) == ["none", "1,1"]
+    assert list(sweeps["row"].values) == [0, 1]
+    with pytest.raises(InputError, match="--press must be 'none' where nothing is pressed"):
+        table("f/Hz,Rs,X", "1,2,-3", press="0,0")
+
+
 def test_what_the_meter_displayed_as_Cp_is_kept_beside_Rs_and_X(table):
     sweeps = table("f/Hz,Rs,X,Cp (pF)", "1e3,3,-4,7")
     assert impedance(sweeps).item() == 3 - 4j

@@ -1,0 +1,46 @@
+"""A word before what takes minutes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from time import perf_counter
+from typing import TypeVar
+
+from .telling import note
+
+Item = TypeVar("Item")
+
+WORTH_A_WORD = 60.0
+"""s."""
+
+
+def tell_if_long(name: str, seconds: float, work: str) -> None:
+    """A note that tells about how long `work` takes, where that is a minute or more."""
+    if seconds >= WORTH_A_WORD:
+        note(f"{name}: {work} will take about {duration(seconds)}")
+
+
+def foretold(
+    name: str, presses: Iterable[Item], count: int, clock: Callable[[], float] = perf_counter
+) -> Iterator[Item]:
+    """So many presses; tells once how long those to come take, by how long the latest took.
+
+    The first one prepares for all: not before the second is done. Earlier only where the first
+    alone took a minute. clock: s.
+    """
+    started, told = clock(), False
+    for done, press in enumerate(presses):
+        left, latest = count - done, clock() - started
+        known = done >= 2 or (done == 1 and latest >= WORTH_A_WORD)
+        if known and not told and latest * left >= WORTH_A_WORD:
+            told = True
+            tell_if_long(name, latest * left, f"the other {left} of {count} presses")
+        started = clock()
+        yield press
+
+
+def duration(seconds: float) -> str:
+    """A time as people say it."""
+    if seconds < 90:
+        return "a minute"
+    return f"{seconds / 60:.0f} minutes" if seconds < 5400 else f"{seconds / 3600:.0f} hours"

@@ -1,0 +1,25 @@
+"""The scene that a command is asked for, with what its user should know of it."""
+
+from __future__ import annotations
+
+from ..scene.files import load_scene
+from ..scene.scene import Scene
+from .slips import slips
+from .telling import note, warn
+
+
+def asked_scene(name: str) -> Scene:
+    """The scene of that name or path; tells of slips. Raises InputError as `load_scene`."""
+    scene = load_scene(name)
+    for slip in slips(scene):
+        warn(f"{name}: {slip}")
+    return scene
+
+
+def tell_if_noise_free(name: str, scene: Scene) -> None:
+    """A note where the meter of a scene reads without error."""
+    if scene.readout.exact:
+        note(
+            f"{name}: the readout is free of noise: [readout] gives none "
+            '(readout = "IM3523", above the first table, would be that of such a meter)'
+        )

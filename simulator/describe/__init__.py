@@ -1,0 +1,1 @@
+"""What a scene is, in words and as a drawing."""

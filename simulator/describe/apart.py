@@ -1,0 +1,82 @@
+"""Which pixels can be told apart at all: those that no symmetry of the skin makes look alike."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..measure.symmetry import Pixel, representative
+from ..scene.scene import Scene
+from ..scene.skin import on_skin
+
+LOOKED_AT = 24
+"""Places along each side of a pixel at which it is asked whether there is skin."""
+
+
+def told_apart(scene: Scene, pixels: Sequence[Pixel]) -> str:
+    """In words, what even a meter without noise cannot tell; pixels: those that can be pressed."""
+    if scene.skin.mesh is not None:
+        return "not looked into on a mesh"
+    groups = alike(scene, pixels)
+    if len(groups) == len(pixels):
+        return "every pixel shows sweeps of its own"
+    told = [
+        f"{name}s {'; '.join(map(_and, lines))} look alike at every frequency"
+        if lines
+        else f"all {name}s differ"
+        for name, lines in (("row", _lines(groups, 0)), ("column", _lines(groups, 1)))
+    ]
+    example = " and ".join(f"{row},{column}" for row, column in max(groups, key=len))
+    return f"{', '.join(told)}: {len(groups)} of {len(pixels)} pixels (not, say, {example})"
+
+
+def pixels_with_skin(scene: Scene) -> list[Pixel]:
+    """The pixels that have a part of the skin in them, row by row; of a mesh all of them."""
+    pixels = [(row + 1, column + 1) for row, column in np.ndindex(*scene.pixels.shape)]
+    if scene.skin.mesh is not None:
+        return pixels
+    return [pixel for pixel in pixels if places(pixel, scene).size]
+
+
+def middle(pixel: Pixel, scene: Scene) -> NDArray[np.float64]:
+    """Where a pixel's name may stand: on its skin, (x, y) in m, as near its middle as can be."""
+    found = places(pixel, scene)
+    off = found - found.mean(axis=1, keepdims=True)
+    return found[:, np.hypot(*off).argmin()]
+
+
+def places(pixel: Pixel, scene: Scene) -> NDArray[np.float64]:
+    """Places of the skin in a pixel, evenly spread, m, shape (2, place); of a mesh any in it."""
+    (length, width), (rows, columns) = scene.skin.sides, scene.pixels.shape
+    (row, column), parts = pixel, (np.arange(LOOKED_AT) + 0.5) / LOOKED_AT
+    x, y = (column - 1 + parts) * length / columns, (row - 1 + parts) * width / rows
+    found = np.stack(np.meshgrid(x, y)).reshape(2, -1)
+    return found if scene.skin.mesh is not None else found[:, on_skin(scene.skin, found)]
+
+
+def alike(scene: Scene, pixels: Sequence[Pixel]) -> list[list[Pixel]]:
+    """Groups of pixels that show the same sweeps, whatever the meter."""
+    of, groups = representative(scene), defaultdict(list)
+    for pixel in pixels:
+        groups[of(pixel)].append(pixel)
+    return list(groups.values())
+
+
+def _lines(groups: Sequence[Sequence[Pixel]], axis: int) -> list[list[int]]:
+    """Rows or columns that hold pixels of the same groups alone, by those that do so."""
+    held = defaultdict(set)
+    for number, group in enumerate(groups):
+        for pixel in group:
+            held[pixel[axis]].add(number)
+    same = defaultdict(list)
+    for line, numbers in sorted(held.items()):
+        same[frozenset(numbers)].append(line)
+    return [lines for lines in same.values() if len(lines) > 1]
+
+
+def _and(lines: Sequence[int]) -> str:
+    *most, last = map(str, lines)
+    return f"{', '.join(most)} and {last}"

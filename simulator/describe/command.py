@@ -1,0 +1,44 @@
+"""The command `rcskin describe`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def describe(
+    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="A drawing: OUT.png, .svg or .pdf.")
+    ] = None,
+) -> None:
+    """Say what a scene is, and draw it.
+
+    Sizes, sheets, foam, capacitance, foils and interfaces; the cut-off
+    frequency beside the sweep's; which rows and columns look alike to any
+    meter; the meter's noise; and what the file does not say and is assumed.
+    """
+    from ..asked.scene import asked_scene
+    from ..asked.telling import warn, written
+    from ..models.plain import electrical
+    from ..models.validity import warnings
+    from ..sweeps import checked_output
+    from .apart import pixels_with_skin
+    from .drawing import ENDINGS, draw_scene
+    from .facts import facts
+
+    if output is not None:
+        checked_output(output, ENDINGS)
+    loaded = asked_scene(scene)
+    for warning in (*loaded.driven_by_touch, *warnings(electrical(loaded))):
+        warn(f"{scene}: {warning}")
+    told = facts(loaded)
+    room = max(len(each.about) for each in told) + 2
+    about = f": {loaded.description}" if loaded.description else ""
+    typer.echo(f"{loaded.name}{about}")
+    for each in told:
+        typer.echo(f"  {each.about:{room}}{each.told}")
+    if output is not None:
+        written("drawing", draw_scene(loaded, pixels_with_skin(loaded), output))

@@ -1,0 +1,228 @@
+"""A scene drawn from above: its outline, foils with their names, and pixels with their numbers."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+from textwrap import fill
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..charts import COLOURS, chart
+from ..measure.symmetry import Pixel
+from ..mesh.skin_mesh import domain
+from ..press.press import Press
+from ..scene.contacts import Contact, section
+from ..scene.scene import Scene
+from ..scene.skin import Skin, curves, on_skin
+from ..sweeps import checked_output
+from .apart import middle
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.patches import Patch
+
+ENDINGS = (".png", ".svg", ".pdf")
+WIDTH = 6.4
+"""Of the picture, inches."""
+TALLEST, FLATTEST = 1.5, 0.45
+"""Height of the picture over its width."""
+PIECES = 65
+"""Places along a foil, and around a circle."""
+BAND = {"top": 0.018, "bottom": 0.042}
+"""Of the longer side: how far outside the edge the foils of each sheet are drawn."""
+BESIDE = {-1.0: "right", 0.0: "center", 1.0: "left"}
+ABOVE = {-1.0: "top", 0.0: "center", 1.0: "bottom"}
+COLOUR = {"top": COLOURS[1], "bottom": COLOURS[0]}
+NAME_AT, NUMBER_AT, MARGIN = 0.07, 0.16, 0.2
+"""Of the longer side: from the edge to a foil's name, to the numbers of rows and columns, and to
+the frame of the picture."""
+LINE = 11.0
+"""From the name of one foil to that of another at the same place, points."""
+UPRIGHT, SLANTED = 0.9, 0.35
+"""Parts of the way off the skin: from where on names stand upright, and beside, not above."""
+MOST_NAMED = 12
+"""Pixels along a side up to which each is named; beyond, rows and columns are numbered alone."""
+TITLE = 72
+"""Letters of a line of the title."""
+MM = 1e3
+
+Places = NDArray[np.float64]
+
+
+def draw_scene(scene: Scene, pixels: list[Pixel], path: str | Path) -> Path:
+    """Draw a scene as a picture, .png, .svg or .pdf, whose path is given back.
+
+    pixels: those that have skin. Raises InputError for another ending or an absent folder, and
+    where a mesh file does not serve.
+    """
+    path = checked_output(path, ENDINGS)
+    length, width = scene.skin.sides
+    height = WIDTH * float(np.clip(width / length, FLATTEST, TALLEST)) + 1.2
+    with chart(path, WIDTH, height) as figure:
+        axes = figure.add_subplot()
+        _dress(axes, scene)
+        _pixels(axes, scene, pixels, _outline(axes, scene))
+        _foils(axes, scene)
+    return path
+
+
+def _dress(axes: Axes, scene: Scene) -> None:
+    length, width = scene.skin.sides
+    margin = MARGIN * max(length, width)
+    axes.set_aspect("equal")
+    axes.grid(False)
+    axes.set_xlim(-MM * margin, MM * (length + margin))
+    axes.set_ylim(-MM * margin, MM * (width + margin))
+    axes.set_xlabel("x (mm)")
+    axes.set_ylabel("y (mm)")
+    told = f"{scene.name}: {scene.description}" if scene.description else scene.name
+    axes.set_title(fill(told, TITLE))
+
+
+def _around(scene: Scene) -> list[Places]:
+    """The curves that bound a skin, m, each of shape (2, place)."""
+    found = []
+    for curve in curves(scene.skin):
+        corners = curve.marks
+        marks = corners if len(corners) > 2 else np.linspace(0, corners[-1], 4 * PIECES)
+        found.append(np.array([curve.at(mark) for mark in marks]).T)
+    return found
+
+
+def _outline(axes: Axes, scene: Scene) -> Patch | None:
+    """The outline as drawn; None of a mesh."""
+    if scene.skin.mesh is not None:
+        mesh = domain(scene, Press(), max(scene.skin.sides))
+        axes.triplot(*(MM * mesh.p[:2]), mesh.t.T, color="0.8", linewidth=0.4)
+        return None
+    first, *holes = _around(scene)
+    (around,) = axes.fill(*(MM * first), facecolor="0.96", edgecolor="none", zorder=1)
+    axes.fill(*(MM * first), fill=False, edgecolor="black", linewidth=1.2, zorder=2.5)
+    for hole in holes:
+        axes.fill(*(MM * hole), facecolor="white", edgecolor="black", linewidth=1.2, zorder=3)
+    return around
+
+
+def _pixels(axes: Axes, scene: Scene, pixels: list[Pixel], within: Patch | None) -> None:
+    (length, width), (rows, columns) = scene.skin.sides, scene.pixels.shape
+    across_x = [([x] * 2, [0, width]) for x in np.linspace(0, length, columns + 1)]
+    across_y = [([0, length], [y] * 2) for y in np.linspace(0, width, rows + 1)]
+    for x, y in across_x + across_y:
+        (line,) = axes.plot(MM * np.array(x), MM * np.array(y), color="0.6", linewidth=0.7)
+        line.set(linestyle=(0, (4, 3)), zorder=1.5)
+        if within is not None:
+            line.set_clip_path(within)
+    if max(rows, columns) <= MOST_NAMED:
+        for row, column in pixels:
+            x, y = MM * middle((row, column), scene)
+            size = 9 if max(rows, columns) <= 6 else 6
+            centred = {"ha": "center", "va": "center", "color": "0.25", "zorder": 3.5}
+            axes.text(float(x), float(y), f"{row},{column}", size=size, **centred)
+    far = NUMBER_AT * max(length, width)
+    grey = {"ha": "center", "va": "center", "color": "0.5", "size": 8}
+    for name, number, x in _shown("column", length, columns):
+        axes.text(MM * x, MM * (width + far), f"{name}{number}", **grey)
+    for name, number, y in _shown("row", width, rows):
+        axes.text(MM * (length + far), MM * y, f"{name}{number}", **grey)
+
+
+def _shown(name: str, side: float, count: int) -> Iterator[tuple[str, int, float]]:
+    """Rows or columns that are numbered, with their middles, m; the first is called by name."""
+    for k in range(0, count, -(-count // MOST_NAMED)):
+        yield f"{name} " if k == 0 else "", k + 1, side * (k + 0.5) / count
+
+
+class _Ribbon(NamedTuple):
+    """A foil's line along the edge and the way off the skin there, m, both of shape (2, place)."""
+
+    path: Places
+    out: Places
+
+    def named_at(self, gap: float) -> tuple[Places, Places]:
+        """Where its name stands, m, and the way off the skin there: that far off its middle.
+
+        In the middle of a foil that goes all around a curve.
+        """
+        if np.allclose(self.path[:, 0], self.path[:, -1], rtol=0, atol=1e-3 * gap):
+            return self.path.mean(axis=1), np.zeros(2)
+        half = self.path.shape[1] // 2
+        return self.path[:, half] + gap * self.out[:, half], self.out[:, half]
+
+
+def _foils(axes: Axes, scene: Scene) -> None:
+    stacked: dict[tuple[int, int], int] = defaultdict(int)
+    longest = max(scene.skin.sides)
+    for foil in scene.contacts:
+        ribbon = _ribbon(foil, scene)
+        beside = MM * (ribbon.path + BAND[foil.electrode] * longest * ribbon.out)
+        axes.plot(*beside, color=COLOUR[foil.electrode], linewidth=4, zorder=4)
+        at, out = ribbon.named_at(NAME_AT * longest)
+        place = round(MM * float(at[0])), round(MM * float(at[1]))
+        _name(axes, foil, scene, MM * at, out, stacked[place])
+        stacked[place] += 1
+
+
+def _name(axes: Axes, foil: Contact, scene: Scene, at: Places, out: Places, before: int) -> None:
+    right, up = (float(np.sign(part)) if abs(part) > SLANTED else 0.0 for part in out)
+    upright = abs(out[0]) > UPRIGHT
+    away = (right * LINE * before, 0.0) if upright else (0.0, (up or -1.0) * LINE * before)
+    axes.annotate(
+        f"{foil.name}, {foil.electrode} ({_role(foil, scene)})",
+        (float(at[0]), float(at[1])),
+        xytext=away,
+        textcoords="offset points",
+        rotation=90 if upright else 0,
+        ha="center" if upright else BESIDE[right],
+        va="center" if upright else ABOVE[up],
+        color=COLOUR[foil.electrode],
+        size=8,
+        annotation_clip=False,
+        zorder=5,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.5},
+    )
+
+
+def _role(foil: Contact, scene: Scene) -> str:
+    """At which interfaces it is which side."""
+    several = len(scene.interfaces) > 1
+    roles = [
+        f"{side} at {each.name}" if several else side
+        for each in scene.interfaces
+        for side, names in (("high", each.high), ("low", each.low))
+        if foil.name in names
+    ]
+    return ", ".join(roles) or "floats"
+
+
+def _ribbon(foil: Contact, scene: Scene) -> _Ribbon:
+    skin = scene.skin
+    if skin.mesh is not None:
+        return _meshed(foil, scene)
+    part = section(foil, skin)
+    curve = curves(skin)[part.curve]
+    marks = np.linspace(part.start, part.stop, PIECES)
+    path = np.array([curve.at(mark) for mark in marks]).T
+    return _Ribbon(path, _outwards(path, skin))
+
+
+def _meshed(foil: Contact, scene: Scene) -> _Ribbon:
+    """On a mesh: its facets one after the other, on the edge itself."""
+    mesh = domain(scene, Press(), max(scene.skin.sides))
+    facets = mesh.p[:2][:, mesh.foils[foil.name]]
+    gaps = np.full((2, 1, facets.shape[2]), np.nan)
+    path = np.concatenate([facets, gaps], axis=1).transpose(0, 2, 1).reshape(2, -1)
+    return _Ribbon(path, np.zeros_like(path))
+
+
+def _outwards(path: Places, skin: Skin) -> Places:
+    """Unit vectors off the skin along a path on its edge."""
+    x, y = np.gradient(path, axis=1)
+    across = np.stack([y, -x]) / np.hypot(x, y)
+    step = 1e-4 * max(skin.sides)
+    middle = np.s_[:, path.shape[1] // 2]
+    within = on_skin(skin, (path + step * across)[middle])
+    return -across if within else across

@@ -1,0 +1,233 @@
+"""What a scene is, in words: sizes, sheets, foam, foils, frequencies, and what is assumed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from pydantic import BaseModel
+
+from ..asked.cut_off import cut_off_frequency, farthest
+from ..models.plain import electrical
+from ..scene.contacts import Contact
+from ..scene.maps import AnyMap
+from ..scene.planar import Circle, area
+from ..scene.scene import Scene
+from ..scene.skin import Sheet, Skin
+from .apart import pixels_with_skin, told_apart
+
+LINES = 64
+"""Along each side of the skin, at which maps are averaged."""
+PREFIXES = {0: "", 3: "k", 6: "M", 9: "G", -3: "m", -6: "u", -9: "n", -12: "p", -15: "f"}
+
+
+class Fact(NamedTuple):
+    """One thing about a scene: what it is about, and what it is."""
+
+    about: str
+    told: str
+
+
+def facts(scene: Scene) -> list[Fact]:
+    """All that is told of a scene, in the order it is told."""
+    return [Fact(*each) for each in _facts(scene)]
+
+
+def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
+    skin, pixels = scene.skin, scene.pixels
+    yield "skin", _skin(skin)
+    for name, sheet in (("top sheet", skin.top), ("bottom sheet", skin.bottom)):
+        yield name, _sheet(sheet)
+    yield "foam", _foam(skin)
+    yield "capacitance", _capacitance(scene)
+    for foil in scene.contacts:
+        yield "foil", _foil(foil, scene)
+    for each in scene.interfaces:
+        yield "interface", f"{each.name}: {_and(each.high)} against {_and(each.low)}"
+    size = _size(skin.length / pixels.columns, skin.width / pixels.rows)
+    rows, columns = _count(pixels.rows, "row"), _count(pixels.columns, "column")
+    yield "pixels", f"{rows} x {columns}, {size} each"
+    yield "press", _press(scene)
+    yield "frequencies", _frequencies(scene)
+    yield "cut-off", _cut_off(scene)
+    yield "told apart", told_apart(scene, pixels_with_skin(scene))
+    yield "noise", _noise(scene)
+    yield "assumed", ", ".join(assumed(scene)) or "nothing: the file says all"
+
+
+def prefixed(value: float, unit: str) -> str:
+    """A number with its unit to three digits, with the prefix that suits it: 5.46 kHz."""
+    power = 3 * math.floor(math.log10(abs(value)) / 3 + 1e-12) if value else 0
+    power = min(max(power, min(PREFIXES)), max(PREFIXES))
+    return f"{value / 10.0**power:.3g} {PREFIXES[power]}{unit}"
+
+
+def _count(number: int, name: str) -> str:
+    return f"{number} {name}{'' if number == 1 else 's'}"
+
+
+def _size(x: float, y: float) -> str:
+    return f"{1e3 * x:.4g} x {1e3 * y:.4g} mm"
+
+
+def _skin(skin: Skin) -> str:
+    size = _size(skin.length, skin.width)
+    if skin.mesh is not None:
+        told = f"as {skin.mesh} has it, its pixels on {size}"
+    elif skin.outline is None:
+        told = f"rectangle of {size}"
+    else:
+        told = f"{_curve(skin.outline.shape)} within {size}, {1e4 * surface(skin):.4g} cm²"
+        holes = len(skin.outline.holes)
+        told += f", {_count(holes, 'hole')}" if holes else ""
+    if skin.stretch is not None:
+        x, y = skin.stretch.ratios
+        told += f"; stretched to {x:.3g} times its length and {y:.3g} times its width"
+    if skin.shape is not None:
+        told += f"; on a {skin.shape.kind} of radius {1e3 * skin.shape.radius:.4g} mm"
+    return told
+
+
+def _curve(shape: Circle | np.ndarray) -> str:
+    if isinstance(shape, Circle):
+        return f"disc of radius {1e3 * shape.radius:.4g} mm"
+    return f"polygon of {len(shape)} corners"
+
+
+def surface(skin: Skin) -> float:
+    """Area of a skin without mesh at rest, without its holes, m²."""
+    if skin.outline is None:
+        return skin.length * skin.width
+    first, *holes = (_enclosed(each.shape) for each in (skin.outline, *skin.outline.holes))
+    return first - sum(holes)
+
+
+def _enclosed(shape: Circle | np.ndarray) -> float:
+    return math.pi * shape.radius**2 if isinstance(shape, Circle) else abs(float(area(shape)))
+
+
+def _sheet(sheet: Sheet) -> str:
+    told = prefixed(sheet.sheet_resistance, "ohm/sq")
+    if sheet.map is not None:
+        told += f", {_varying(sheet.map)}"
+    if sheet.anisotropy is not None:
+        degrees = math.degrees(sheet.anisotropy.angle)
+        told += f", conducts {sheet.anisotropy.ratio:g} times as well along {degrees:.3g} degrees"
+    if sheet.piezoresistance:
+        told += f", resists {sheet.piezoresistance:g} times the foam's strain more"
+    return told
+
+
+def _varying(of_place: AnyMap) -> str:
+    return f"by place: a {of_place.kind} map" if of_place.uniform is None else "by an even map"
+
+
+def _foam(skin: Skin) -> str:
+    foam = skin.foam
+    told = prefixed(foam.rest_capacitance_per_area, "F/m²")
+    if foam.thickness is not None:
+        told += f", {1e3 * foam.thickness:.4g} mm thick"
+    told += f", tan d {foam.loss_tangent:g}" if foam.loss_tangent else ", without loss"
+    if foam.phase_exponent != 1:
+        told += f", of constant phase with exponent {foam.phase_exponent:g}"
+    if foam.map is not None:
+        told += f", {_varying(foam.map)}"
+    if foam.mechanics is not None:
+        told += f"; porosity {foam.mechanics.porosity:g}, {prefixed(foam.mechanics.young, 'Pa')}"
+    return told
+
+
+def _capacitance(scene: Scene) -> str:
+    skin, pixels = scene.skin, scene.pixels
+    c = skin.foam.rest_capacitance_per_area
+    pixel = c * skin.length * skin.width / (pixels.rows * pixels.columns)
+    whole = f"{prefixed(pixel, 'F')} for each whole pixel at rest"
+    if skin.mesh is not None:
+        return whole
+    return f"{prefixed(c * surface(skin) * _mean(skin), 'F')} in all, {whole}"
+
+
+def _mean(skin: Skin) -> float:
+    """Of the foam's map over the rectangle around the skin."""
+    if skin.foam.map is None:
+        return 1.0
+    lines = ((np.arange(LINES) + 0.5) / LINES * side for side in skin.sides)
+    return float(skin.foam.map.factors(np.stack(np.meshgrid(*lines)), skin.sides).mean())
+
+
+def _foil(foil: Contact, scene: Scene) -> str:
+    driven = any(foil.name in (*each.high, *each.low) for each in scene.interfaces)
+    low, high = foil.span
+    part = "" if foil.span == (0, 1) else f", from {low:g} to {high:g} of it"
+    resists = "ideal" if foil.ideal else f"{foil.resistance:g} ohm m"
+    floats = "" if driven else ", floats"
+    return f"{foil.name}: {foil.electrode} sheet, edge {foil.edge}{part}, {resists}{floats}"
+
+
+def _and(names: tuple[str, ...]) -> str:
+    return " and ".join(names)
+
+
+def _press(scene: Scene) -> str:
+    press = scene.press
+    if press.depth is not None:
+        return f"{1e3 * press.depth:.4g} mm deep"
+    if press.force is not None:
+        return f"by {press.force:.4g} N"
+    spread = (
+        f", its rise varies by {100 * press.factor_spread:.3g} %" if press.factor_spread else ""
+    )
+    return f"{press.capacitance_factor:g} times the capacitance at rest{spread}"
+
+
+def _frequencies(scene: Scene) -> str:
+    f = scene.frequencies
+    first, last = (prefixed(each, "Hz") for each in f[[0, -1]])
+    return f"{len(f)}, from {first} to {last}" if len(f) > 1 else first
+
+
+def _cut_off(scene: Scene) -> str:
+    f, cut_off = scene.frequencies, cut_off_frequency(scene)
+    above = int((f > cut_off).sum())
+    seen = f"{above} of {len(f)} frequencies lie above it and see less than the whole skin"
+    if above == 0:
+        seen = "no frequency lies above it: all see the whole skin"
+    elif above == len(f):
+        seen = "all frequencies lie above it: none sees the whole skin"
+    reach = 1e3 * farthest(electrical(scene))
+    return f"{prefixed(cut_off, 'Hz')} (Eq. 6, {reach:.4g} mm from the foils): {seen}"
+
+
+def _noise(scene: Scene) -> str:
+    readout = scene.readout
+    if readout.exact:
+        return 'none: readings are exact; readout = "IM3523" would be those of such a meter'
+    return (
+        f"{100 * readout.magnitude_noise:.3g} % of |Z| and "
+        f"{math.degrees(readout.phase_noise):.3g} degrees in each reading, "
+        f"{100 * readout.magnitude_accuracy:.3g} % and "
+        f"{math.degrees(readout.phase_accuracy):.3g} degrees fixed for a session"
+    )
+
+
+def assumed(scene: Scene) -> list[str]:
+    """The keys that the file does not set, with their defaults; tables that it lacks by name."""
+    unused = () if scene.press.plain else ("press.capacitance_factor", "press.factor_spread")
+    return [told for told in _unset(scene, "") if not told.startswith(unused)]
+
+
+def _unset(table: BaseModel, place: str) -> Iterator[str]:
+    for name, field in type(table).model_fields.items():
+        key, value = f"{place}{field.alias or name}", getattr(table, name)
+        if name in table.model_fields_set:
+            items = value if isinstance(value, tuple) else [value]
+            tables = [each for each in items if isinstance(each, BaseModel)]
+            for number, each in enumerate(tables):
+                listed = f"[{number + 1}]" if isinstance(value, tuple) else ""
+                yield from _unset(each, f"{key}{listed}.")
+        elif isinstance(value, BaseModel):
+            yield f"the defaults of [{key}]"
+        elif value not in (None, "", ()):
+            yield f"{key} = {value}"

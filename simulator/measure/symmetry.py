@@ -1,0 +1,220 @@
+"""Pixels that show the same impedance when pressed, by the symmetry of a skin.
+
+A mapping of the skin onto itself that leaves sheets, foam, foils and what interfaces connect as
+they are gives Z of a pixel at its image as well. So does one that exchanges the two sheets, or the
+two sides of every interface.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.contacts import Contact, section
+from ..scene.maps import AnyMap
+from ..scene.scene import Scene
+from ..scene.skin import Electrode, Sheet, Skin, curves
+
+Pixel = tuple[int, int]
+"""(row, column), counted from 1; (0, 0) is the skin at rest."""
+AT_REST: Pixel = (0, 0)
+
+NEAR = 1e-9
+"""Of the skin's longer side, and relatively of factors: what counts as the same."""
+MARKS = 9
+"""Places on each foil at which it is compared: both ends, and evenly between."""
+LOOKED_AT = 17
+"""Places along each side at which maps are compared."""
+OTHER: dict[Electrode, Electrode] = {"top": "bottom", "bottom": "top"}
+
+
+@dataclass(frozen=True)
+class Mapping:
+    """Of the rectangle that pixels are counted on, about its middle.
+
+    swapped: x and y change places. turned: which of the coordinates then runs the other way.
+    exchanged: whether the sheets change places, too.
+    """
+
+    swapped: bool
+    turned: tuple[bool, bool]
+    exchanged: bool
+
+    @property
+    def none(self) -> bool:
+        """Whether it leaves every place where it is."""
+        return not (self.swapped or any(self.turned))
+
+    def place(self, x: NDArray[np.float64], sides: tuple[float, float]) -> NDArray[np.float64]:
+        """Where places x go, m, shape (2, ...)."""
+        moved = x[::-1] if self.swapped else x
+        return np.stack(
+            [s - v if t else v for v, s, t in zip(moved, sides, self.turned, strict=True)]
+        )
+
+    def pixel(self, pixel: Pixel, shape: tuple[int, int]) -> Pixel:
+        """Where a pixel goes on a grid of (rows, columns)."""
+        column, row = pixel if self.swapped else pixel[::-1]
+        rows, columns = shape
+        return (
+            rows + 1 - row if self.turned[1] else row,
+            columns + 1 - column if self.turned[0] else column,
+        )
+
+    def angle(self, angle: float) -> float:
+        """Of a direction after it, rad."""
+        along = np.array([np.cos(angle), np.sin(angle)])
+        x, y = np.where(self.turned, -1.0, 1.0) * (along[::-1] if self.swapped else along)
+        return float(np.arctan2(y, x))
+
+    def electrode(self, name: Electrode) -> Electrode:
+        """What an electrode becomes."""
+        return OTHER[name] if self.exchanged else name
+
+
+MAPPINGS = [
+    Mapping(swapped, (x, y), exchanged)
+    for exchanged, swapped, x, y in itertools.product((False, True), repeat=4)
+]
+
+
+def representative(scene: Scene) -> Callable[[Pixel], Pixel]:
+    """A function from a pixel to the one of lowest row and column that shows the same impedance.
+
+    Of a mesh that a file brings every pixel is taken to be its own.
+    """
+    found = [] if scene.skin.mesh is not None else [m for m in MAPPINGS if _kept(scene, m)]
+
+    def of(pixel: Pixel) -> Pixel:
+        if pixel == AT_REST:
+            return pixel
+        return min([pixel, *(mapping.pixel(pixel, scene.pixels.shape) for mapping in found)])
+
+    return of
+
+
+def _kept(scene: Scene, mapping: Mapping) -> bool:
+    """Whether a mapping leaves all that the impedance depends on."""
+    return (
+        not mapping.none
+        and _sides_kept(scene, mapping)
+        and _layers_kept(scene.skin, mapping)
+        and _outline_kept(scene.skin, mapping)
+        and _wiring_kept(scene, mapping)
+    )
+
+
+def _sides_kept(scene: Scene, mapping: Mapping) -> bool:
+    skin, (rows, columns) = scene.skin, scene.pixels.shape
+    stretched = skin.stretch.ratios if skin.stretch else (1.0, 1.0)
+    square = skin.length == skin.width and rows == columns and stretched[0] == stretched[1]
+    return square or not mapping.swapped
+
+
+def _layers_kept(skin: Skin, mapping: Mapping) -> bool:
+    pairs = [(sheet, skin.sheet(mapping.electrode(name))) for name, sheet in _sheets(skin)]
+    return all(_sheet_becomes(*pair, mapping, skin) for pair in pairs) and _map_becomes(
+        skin.foam.map, skin.foam.map, mapping, skin
+    )
+
+
+def _sheets(skin: Skin) -> Iterator[tuple[Electrode, Sheet]]:
+    yield "top", skin.top
+    yield "bottom", skin.bottom
+
+
+def _sheet_becomes(sheet: Sheet, image: Sheet, mapping: Mapping, skin: Skin) -> bool:
+    if (sheet.sheet_resistance, sheet.piezoresistance) != (
+        image.sheet_resistance,
+        image.piezoresistance,
+    ):
+        return False
+    one, other = sheet.anisotropy, image.anisotropy
+    if one is not None and other is not None:
+        off = mapping.angle(one.angle) - other.angle
+        if one.ratio != other.ratio or abs(np.sin(off)) > NEAR:
+            return False
+    elif one is not other:
+        return False
+    return _map_becomes(sheet.map, image.map, mapping, skin)
+
+
+def _map_becomes(one: AnyMap | None, other: AnyMap | None, mapping: Mapping, skin: Skin) -> bool:
+    if one is None or other is None:
+        return one is other
+    lines = (np.linspace(0, side, LOOKED_AT) for side in skin.sides)
+    x = np.stack(np.meshgrid(*lines))
+    moved = other.factors(mapping.place(x, skin.sides), skin.sides)
+    return np.allclose(one.factors(x, skin.sides), moved, rtol=NEAR, atol=0)
+
+
+def _outline_kept(skin: Skin, mapping: Mapping) -> bool:
+    """Whether every curve around the skin becomes one of them."""
+    if skin.outline is None:
+        return True
+    drawn = [np.array([curve.at(m) for m in _marks(curve.marks)]).T for curve in curves(skin)]
+    near = NEAR * max(skin.sides)
+    return all(
+        any(_same(mapping.place(one, skin.sides), other, near) for other in drawn) for one in drawn
+    )
+
+
+def _marks(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Along a curve: its corners, or eighths of a circle."""
+    return corners[:-1] if len(corners) > 2 else np.linspace(0, corners[-1], 8, endpoint=False)
+
+
+def _same(one: NDArray[np.float64], other: NDArray[np.float64], near: float) -> bool:
+    """Whether two sets of places (2, n) are one."""
+    if one.shape != other.shape:
+        return False
+    apart = np.abs(one[:, :, None] - other[:, None, :]).max(axis=0)
+    return bool((apart.min(axis=0) <= near).all() and (apart.min(axis=1) <= near).all())
+
+
+@dataclass(frozen=True)
+class _Foil:
+    contact: Contact
+    skin: Skin
+
+    @cached_property
+    def places(self) -> NDArray[np.float64]:
+        """On it, m, shape (2, MARKS)."""
+        part = section(self.contact, self.skin)
+        curve = curves(self.skin)[part.curve]
+        return np.array([curve.at(m) for m in np.linspace(part.start, part.stop, MARKS)]).T
+
+    def becomes(self, other: _Foil, mapping: Mapping) -> bool:
+        """Whether a mapping lays it on another."""
+        return (
+            mapping.electrode(self.contact.electrode) == other.contact.electrode
+            and self.contact.resistance == other.contact.resistance
+            and _same(
+                mapping.place(self.places, self.skin.sides),
+                other.places,
+                NEAR * max(self.skin.sides),
+            )
+        )
+
+
+def _wiring_kept(scene: Scene, mapping: Mapping) -> bool:
+    """Whether every foil has an image, and every interface connects the images alike."""
+    foils = [_Foil(contact, scene.skin) for contact in scene.contacts]
+    images = {
+        foil.contact.name: next(
+            (other.contact.name for other in foils if foil.becomes(other, mapping)), None
+        )
+        for foil in foils
+    }
+    if None in images.values():
+        return False
+    for interface in scene.interfaces:
+        sides = {frozenset(interface.high), frozenset(interface.low)}
+        if {frozenset(images[name] for name in side) for side in sides} != sides:
+            return False
+    return True

@@ -1,0 +1,169 @@
+"""The page of all keys of a scene file: type, unit, default and range, as the models have them."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from types import NoneType, UnionType
+from typing import Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from ..files import MapFile
+from ..maps import Grid
+from ..randomisation import Fixed
+from ..scene import Scene
+from ..validation import Least, Unit
+from .tables import Location, OrTable, OrText, inner, keys
+
+HEAD = """# Every key of a scene file
+
+Made by `rcskin keys` from the models that check scene files. A scene is TOML in SI units. What the
+keys do is explained in [SKINS.md](SKINS.md), what they compute in [FORMULAS.md](FORMULAS.md).
+"""
+COLUMNS = ("key", "type", "unit", "default", "range")
+PLAIN = {float: "number", int: "whole number", bool: "true or false", str: "text"}
+BOUNDS = {"gt": "> {:g}", "ge": ">= {:g}", "lt": "< {:g}", "le": "<= {:g}"}
+LENGTHS = {"min_length": "length >= {}", "max_length": "length <= {}"}
+CHOSEN_BY = ("kind", "distribution")
+READ_FIRST: dict[type[BaseModel], type[BaseModel]] = {Grid: MapFile}
+"""Kinds that are turned into others before the models see them."""
+MOST_PLACES = 3
+
+
+def page() -> str:
+    """The whole page, in Markdown."""
+    return "\n".join([HEAD, *(_section(table, places) for table, places in _places().items())])
+
+
+def _places() -> Mapping[type[BaseModel], list[str]]:
+    """The tables by their models, and where they stand; in the order of a file."""
+    found: dict[type[BaseModel], list[str]] = {Scene: [""]}
+
+    def look(table: type[BaseModel], place: Location) -> None:
+        for name, field in keys(table).items():
+            for held, listed in _also_read(inner(field)):
+                header = ".".join(map(str, (*place, name)))
+                found.setdefault(held, []).append(f"[[{header}]]" if listed else f"[{header}]")
+                look(held, (*place, name))
+
+    look(Scene, ())
+    return found
+
+
+def _also_read(
+    held: Iterable[tuple[type[BaseModel], bool]],
+) -> Iterator[tuple[type[BaseModel], bool]]:
+    for table, listed in held:
+        yield table, listed
+        if table in READ_FIRST:
+            yield READ_FIRST[table], listed
+
+
+def _section(table: type[BaseModel], places: Sequence[str]) -> str:
+    rows = [_row(name, field) for name, field in keys(table).items() if not _chosen(name, field)]
+    lines = [COLUMNS, ("---",) * len(COLUMNS), *rows]
+    told = inspect.cleandoc(table.__doc__ or "").split("\n\n")
+    paragraphs = [" ".join(each.split()) for each in told]
+    grid = "\n".join(f"| {' | '.join(map(_escaped, row))} |" for row in lines)
+    return "\n\n".join([f"## {_heading(table, places)}", *paragraphs, f"{grid}\n"])
+
+
+def _escaped(cell: str) -> str:
+    return cell.replace("|", "\\|")
+
+
+def _heading(table: type[BaseModel], places: Sequence[str]) -> str:
+    chosen = [f"`{n} = {_toml(f.default)}`" for n, f in keys(table).items() if _chosen(n, f)]
+    if len(places) > MOST_PLACES:
+        return ", ".join(chosen)
+    return ", ".join([*(f"`{place}`" if place else "The scene" for place in places), *chosen])
+
+
+def _chosen(name: str, field: FieldInfo) -> bool:
+    """Whether it is the key that tells tables of several kinds apart."""
+    kinds = get_args(field.annotation) if get_origin(field.annotation) is Literal else ()
+    return name in CHOSEN_BY and len(kinds) == 1
+
+
+def _row(name: str, field: FieldInfo) -> tuple[str, ...]:
+    said = [*_metadata(field.annotation), *field.metadata]
+    units = [getattr(each, "func", each) for each in said]
+    unit = next((each.unit.strip("()") for each in units if isinstance(each, Least | Unit)), "")
+    return f"`{name}`", _type(field), unit, _default(field), _range(said)
+
+
+def _type(field: FieldInfo) -> str:
+    written = {OrTable: "table", OrText: "name"}
+    also = [written[type(each)] for each in field.metadata if type(each) in written]
+    return " or ".join(dict.fromkeys([*_kinds(field.annotation), *also]))
+
+
+def _kinds(annotation: Any) -> list[str]:
+    origin, parts = get_origin(annotation), get_args(annotation)
+    if annotation is NoneType:
+        return []
+    if annotation in PLAIN:
+        return [PLAIN[annotation]]
+    if annotation is Fixed:
+        return ["number"]
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return ["distribution" if _drawn(annotation) else "table"]
+    if origin is Literal:
+        return [f"`{_toml(each)}`" for each in parts]
+    if origin is tuple:
+        each = [" or ".join(_kinds(part)) for part in parts if part is not ...]
+        return [f"list of {_plural(each[0])}" if parts[-1] is ... else f"[{', '.join(each)}]"]
+    if origin in (Union, UnionType):
+        return [kind for part in parts for kind in _kinds(part)]
+    return _kinds(parts[0])
+
+
+def _plural(kind: str) -> str:
+    return f"{kind}s" if kind.isalpha() else kind
+
+
+def _default(field: FieldInfo) -> str:
+    if field.is_required() or field.default is None:
+        return "must be given" if field.is_required() else "none"
+    if isinstance(field.default, BaseModel) and not _drawn(type(field.default)):
+        return "its own defaults"
+    return f"`{_toml(field.default)}`"
+
+
+def _drawn(table: type[BaseModel]) -> bool:
+    """Whether it is a distribution."""
+    return any(name == "distribution" and _chosen(name, f) for name, f in keys(table).items())
+
+
+def _toml(value: object) -> str:
+    """A value as TOML has it, on one line."""
+    if isinstance(value, BaseModel):
+        given = value.model_dump(exclude_unset=True)
+        table = {"distribution": getattr(value, "distribution", None), **given}
+        return f"{{{', '.join(f'{key} = {_toml(each)}' for key, each in table.items())}}}"
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_toml, value))}]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f'"{value}"' if isinstance(value, str) else repr(value)
+
+
+def _metadata(annotation: Any) -> list[Any]:
+    """What is said of a type, and of the types in it."""
+    here = list(getattr(annotation, "__metadata__", ()))
+    said = [m for each in here for m in (each.metadata if isinstance(each, FieldInfo) else [each])]
+    return [m for part in get_args(annotation) for m in _metadata(part)] + said
+
+
+def _range(said: Sequence[Any]) -> str:
+    told = [
+        words.format(getattr(each, name))
+        for each in said
+        for name, words in {**BOUNDS, **LENGTHS}.items()
+        if getattr(each, name, None) is not None
+    ]
+    least = [getattr(each, "func", None) for each in said]
+    told += [each.told for each in least if isinstance(each, Least)]
+    return ", ".join(dict.fromkeys(told))

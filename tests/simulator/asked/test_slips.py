@@ -1,0 +1,83 @@
+"""Numbers that no skin has are told with what was likely meant; those of real skins never are."""
+
+import pytest
+from rcskin.simulator.asked.cut_off import cut_off_frequency, farthest
+from rcskin.simulator.asked.slips import slips
+from rcskin.simulator.scene.files import BUILTIN, builtin_names, load_scene
+
+GLOVE = load_scene("glove")
+MILLIMETRES = {"skin.length": 90.0, "skin.width": 60.0, "skin.foam.thickness": 3.0}
+
+
+@pytest.mark.parametrize("name", builtin_names())
+def test_built_in_scenes_are_free_of_slips(name):
+    assert slips(load_scene(name)) == []
+
+
+@pytest.mark.parametrize("side", [5e-3, 0.03, 0.3, 3.0])
+@pytest.mark.parametrize("sheet", [1e4, 2e5])
+@pytest.mark.parametrize("thickness", [5e-4, 1e-2])
+def test_skins_from_a_finger_tip_to_a_wall_are_free_of_slips(side, sheet, thickness):
+    sizes = {"skin.length": side, "skin.width": 0.7 * side, "skin.foam.thickness": thickness}
+    assert slips(GLOVE.with_({**sizes, "skin.sheet_resistance": sheet})) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"skin.length": 90.0}, ["skin.length = 90 m; did you mean 0.09?"]),
+        ({"skin.length": 9.0}, ["skin.length = 9 m; did you mean 0.09?"]),
+        (
+            MILLIMETRES,
+            [
+                "skin.length = 90 m; did you mean 0.09?",
+                "skin.width = 60 m; did you mean 0.06?",
+                "skin.foam.thickness = 3 m; did you mean 0.003?",
+            ],
+        ),
+        ({"skin.width": 6e-5}, ["skin.width = 6e-05 m; did you mean 0.06?"]),
+        ({"leads.stray_capacitance": 8.0}, ["leads.stray_capacitance = 8 F; did you mean 8e-12?"]),
+        ({"sweep.frequencies": (1e3, 2e11)}, ["sweep.frequencies = 2e+11 Hz; did you mean 2e+08?"]),
+        ({"sweep.frequencies": (1.0, 200.0)}, ["did you mean 1000 to 200000 Hz?"]),
+        ({"skin.sheet_resistance": 50.0}, ["sheet_resistance = 50 ohm/sq puts the cut-off"]),
+        ({"sweep.frequencies": (5e8, 1e9)}, ["lies far below the sweep of 5e+08 to 1e+09 Hz"]),
+    ],
+)
+def test_slips_are_told_each_in_one_line(changes, told):
+    found = slips(GLOVE.with_(changes))
+    assert len(found) == len(told)
+    for line, part in zip(found, told, strict=True):
+        assert part in line and "\n" not in line
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"), [(4.861, 4.861e-9), (70e-12, 70e-12 / 0.0144), (4.861e-15, 4.861e-9)]
+)
+def test_capacitance_in_nanofarad_of_all_or_for_each_square_millimetre(given, meant):
+    sheet = load_scene("sheet-5x5").with_({"skin.foam.capacitance_per_area": given})
+    assert f"did you mean {meant:.6g}?" in slips(sheet)[0]
+
+
+def test_commands_warn_in_one_line_and_go_on(run, tmp_path):
+    path, out = tmp_path / "big.toml", tmp_path / "out.nc"
+    text = (BUILTIN / "strip-1x3.toml").read_text(encoding="utf-8")
+    path.write_text(text.replace("length = 0.100", "length = 100", 1), encoding="utf-8")
+    code, _, err = run("sweep", path, "--press", "none", "--rtol", "1e-2", "-o", out)
+    first, *_ = err.splitlines()
+    assert first.startswith(f"rcskin: warning: {path}: skin.length = 100 m; did you mean 0.1?")
+    assert code == 0 and out.exists()
+
+
+def test_the_cut_off_is_that_of_the_paper_at_the_far_end():
+    strip = load_scene("strip-1x5")
+    assert farthest(strip) == pytest.approx(strip.skin.length)
+    assert cut_off_frequency(strip) == pytest.approx(strip.frequencies[0], rel=1e-3)
+
+
+def test_the_farthest_place_is_where_no_driven_foil_is_near():
+    crossed, two = (load_scene(f"sheet-5x5{kind}") for kind in ("", "-two-interfaces"))
+    assert farthest(crossed) == pytest.approx(0.12)
+    everywhere = {"skin.outline": {"circle": [0.06, 0.06, 0.06]}, "contact.1.edge": "outline"}
+    disc = crossed.with_({**everywhere, "contact.2.edge": "outline"})
+    assert farthest(disc) == pytest.approx(0.06, rel=1e-3)
+    assert farthest(two) < farthest(crossed) * 2**0.5

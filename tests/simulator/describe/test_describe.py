@@ -1,0 +1,144 @@
+"""A scene in words and as a drawing."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.describe.apart import alike, pixels_with_skin, told_apart
+from rcskin.simulator.describe.facts import assumed, facts, prefixed
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Touch
+from rcskin.simulator.scene.files import BUILTIN, load_scene
+
+CORNERS = [[0, 0], [0.12, 0], [0.12, 0.05], [0.05, 0.05], [0.05, 0.12], [0, 0.12]]
+L_SHAPE = {
+    "skin.outline": {"points": CORNERS},
+    "contact.1.edge": "outline.5",
+    "contact.2.edge": "outline.5",
+}
+DISC = {
+    "skin.outline": {"circle": [0.06, 0.06, 0.06]},
+    "contact.1.edge": "outline",
+    "contact.2.edge": "outline",
+}
+SKINS = {"rectangle": {}, "L": L_SHAPE, "disc": DISC}
+
+
+def skin(changes, name="sheet-3x3"):
+    return load_scene(name).with_(changes)
+
+
+def said(scene):
+    return {each.about: each.told for each in facts(scene)}
+
+
+def test_the_papers_sheet_in_words(run):
+    code, out, err = run("describe", "sheet-5x5")
+    assert (code, err) == (0, "")
+    for told in (
+        "rectangle of 120 x 120 mm",
+        "50 kohm/sq",
+        "70 pF in all, 2.8 pF for each whole pixel",
+        "top-left: top sheet, edge left, ideal",
+        "5 rows x 5 columns, 24 x 24 mm each",
+        "20, from 1 kHz to 200 kHz",
+        "5.46 kHz (Eq. 6, 120 mm from the foils): 13 of 20 frequencies lie above it",
+        "rows 1 and 5; 2 and 4 look alike at every frequency, all columns differ: 15 of 25",
+        "0.3 % of |Z| and 0.149 degrees in each reading",
+        "skin.foam.phase_exponent = 1.0",
+    ):
+        assert told in out
+
+
+def test_area_and_capacitance_are_those_within_the_outline():
+    found = said(skin(L_SHAPE))
+    assert "polygon of 6 corners within 120 x 120 mm, 95 cm²" in found["skin"]
+    assert found["capacitance"].startswith("46.2 pF in all")
+    disc = said(skin(DISC))
+    assert "disc of radius 60 mm" in disc["skin"]
+    assert disc["capacitance"].startswith(prefixed(np.pi * 0.06**2 * 4.861e-9, "F"))
+
+
+def test_a_meter_without_noise_is_told(run, tmp_path):
+    text = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(text.partition("[readout]")[0], encoding="utf-8")
+    _, out, _ = run("describe", tmp_path / "mine.toml")
+    assert "none: readings are exact" in out and "the defaults of [readout]" in out
+
+
+def test_what_the_file_says_is_not_assumed():
+    told = assumed(load_scene("glove"))
+    assert "skin.foam.loss_tangent = 0.0" in told and "the defaults of [leads]" in told
+    assert not any("sheet_resistance" in key or "readout" in key for key in told)
+
+
+def test_pixels_without_skin_are_left_out():
+    assert (3, 3) not in pixels_with_skin(skin(L_SHAPE))
+    assert len(pixels_with_skin(skin(L_SHAPE))) == 8
+    assert len(pixels_with_skin(skin(DISC))) == 9
+
+
+@pytest.mark.parametrize(
+    ("changes", "groups"),
+    [
+        ({}, 6),
+        ({"skin.bottom.sheet_resistance": 1e3}, 6),
+        ({"contact.top-left.span": [0.0, 0.5]}, 9),
+        (L_SHAPE, 8),
+        (DISC, 3),
+        ({**DISC, "skin.foam.map": {"kind": "gradient", "x": 0.2}}, 6),
+        ({**DISC, "skin.top.anisotropy": {"ratio": 2.0, "angle": 0.3}}, 5),
+        ({"skin.foam.map": {"kind": "gradient", "y": 0.2}}, 9),
+        ({"contact.bottom-left.edge": "bottom"}, 6),
+        ({"contact.bottom-left.edge": "bottom", "skin.bottom.sheet_resistance": 1e3}, 9),
+        ({"contact.bottom-left.edge": "right"}, 4),
+    ],
+)
+def test_pixels_look_alike_only_where_the_skin_is_symmetric(changes, groups):
+    scene = skin(changes)
+    assert len(alike(scene, pixels_with_skin(scene))) == groups
+
+
+@pytest.mark.parametrize("changes", [DISC, {"contact.bottom-left.edge": "right"}])
+def test_what_is_said_to_look_alike_has_the_same_impedance(changes):
+    scene = skin({**changes, "sweep.frequencies": (2e4,)})
+    solver = Solver(scene, 1e-3)
+
+    def shown(row, column):
+        return solver.solve(Press((Touch(row, column, 2.0),))).Z
+
+    groups = alike(scene, pixels_with_skin(scene))
+    largest = max(groups, key=len)
+    other = next(group[0] for group in groups if group is not largest)
+    first = shown(*largest[0])
+    for pixel in largest[1:]:
+        np.testing.assert_allclose(shown(*pixel), first, rtol=3e-3)
+    assert np.abs(shown(*other) / first - 1).max() > 5e-3
+
+
+def test_a_skin_without_symmetry_says_so():
+    told = told_apart(skin(L_SHAPE), pixels_with_skin(skin(L_SHAPE)))
+    assert told.startswith("every pixel shows sweeps of its own")
+
+
+@pytest.mark.parametrize("kind", SKINS)
+@pytest.mark.parametrize("ending", ["svg", "png", "pdf"])
+def test_a_drawing_names_foils_and_pixels(run, tmp_path, kind, ending):
+    scene, path = skin(SKINS[kind]), tmp_path / f"out.{ending}"
+    from rcskin.simulator.scene.files import scene_text
+
+    (tmp_path / "mine.toml").write_text(scene_text(scene), encoding="utf-8")
+    code, out, _ = run("describe", tmp_path / "mine.toml", "-o", path)
+    assert code == 0 and out.endswith(f"drawing -> {path}\n")
+    assert path.stat().st_size > 5_000
+    if ending == "svg":
+        drawn = path.read_text(encoding="utf-8")
+        assert "<!-- top-left, top (high) -->" in drawn
+        assert "<!-- bottom-left, bottom (low) -->" in drawn
+        named = {f"{i},{j}" for i in (1, 2, 3) for j in (1, 2, 3) if f"<!-- {i},{j} -->" in drawn}
+        assert named == {f"{i},{j}" for i, j in pixels_with_skin(scene)}
+        assert "<!-- column 1 -->" in drawn and "<!-- row 1 -->" in drawn
+
+
+def test_another_ending_is_refused_before_any_work(run):
+    code, _, err = run("describe", "no-such-scene", "-o", "out.bmp")
+    assert code == 2 and "must end in .png or .svg or .pdf" in err

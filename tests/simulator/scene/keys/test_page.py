@@ -1,0 +1,41 @@
+"""The page of keys is what the models say."""
+
+from pathlib import Path
+
+import pytest
+from rcskin.simulator.scene import keys
+from rcskin.simulator.scene.keys.tables import paths
+from rcskin.simulator.scene.scene import Scene
+
+PAGE = (Path(keys.__file__).parents[1] / "KEYS.md").read_text(encoding="utf-8")
+
+
+def test_the_page_is_what_the_command_prints(run):
+    code, out, err = run("keys")
+    assert (code, err) == (0, "")
+    assert out == PAGE, "rcskin keys > simulator/scene/KEYS.md"
+
+
+def test_every_key_stands_on_the_page():
+    names = {str(place[-1]) for place in paths(Scene)}
+    assert len(names) > 80
+    absent = {name for name in names if f"`{name}`" not in PAGE and f"`{name} = " not in PAGE}
+    assert not absent
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        "| `length` | number | m | must be given | > 0 |",
+        "| `sheet_resistance` | number | ohm/sq | must be given | > 0 |",
+        "| `angle` | number | rad | `0.0` |  |",
+        '| `electrode` | `"top"` or `"bottom"` |  | must be given |  |',
+        "| `frequencies` | list of numbers or table | Hz | must be given | length >= 1, "
+        "length <= 100000, > 0 |",
+        "| `phase_exponent` | number |  | `1.0` | > 0.5, <= 1 |",
+        "| `lead_resistance` | number or distribution | ohm | "
+        '`{distribution = "uniform", low = 0.0, high = 2.0}` | >= 0 |',
+    ],
+)
+def test_a_row_tells_type_unit_default_and_range(row):
+    assert row in PAGE.splitlines()
