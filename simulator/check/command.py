@@ -121,7 +121,7 @@ def check(
     if report is not None:
         write_report(judgements, report)
     flagged = sum(bool(each.broken) for each in judgements)
-    console.print(f"{flagged} of {len(judgements)} spectra flagged", highlight=False)
+    console.print(f"{flagged} of {len(judgements)} spectra break a law", highlight=False)
     if flagged:
         raise typer.Exit(FLAGGED)
 

@@ -1,12 +1,15 @@
 """Checking sweeps: noise told from themselves, laws judged by it, and what the report says."""
 
+import csv
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.check.report import checked_report, draw_residuals, explanations, write_report
+from rcskin.simulator.check.report import checked_report, explanations, write_report
+from rcskin.simulator.check.residuals import draw_residuals
 from rcskin.simulator.sweeps import InputError, read
 from rcskin.simulator.sweeps.examination import KRAMERS_KRONIG, examine
 from rcskin.simulator.sweeps.kramers_kronig import RESOLUTION
@@ -212,3 +215,97 @@ def test_where_no_report_can_be_written_is_told_first(tmp_path):
     ]:
         with pytest.raises(InputError, match=told):
             checked_report(tmp_path / name)
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    turn=st.floats(-20, 20),
+    noise=st.sampled_from([0, 1e-3, 1e-2]),
+    jump=st.floats(0.5, 2),
+)
+def test_the_law_of_Kramers_and_Kronig_is_broken_where_residuals_are_beyond_what_is_allowed(
+    judge, seed, turn, noise, jump
+):
+    Z = noisy(np.array([line(), line(3e-6)]), seed, noise)
+    Z[1] *= np.exp(1j * np.radians(turn))
+    Z[1, 7] *= jump
+    for judged in judge(Z):
+        residual, kept = judged.spectrum.residual, ~judged.spectrum.inductive
+        further = (abs(residual.real) > judged.allowed) | (abs(residual.imag) > judged.allowed)
+        told = [f for law in judged.broken if law.law == KRAMERS_KRONIG for f in law.frequency]
+        assert told == FREQUENCY[further & kept].tolist()
+        assert bool(told) or judged.spectrum.misfit <= 0.02
+
+
+@pytest.fixture
+def figures(monkeypatch, tmp_path):
+    """A function that draws the chart of judgements and gives the figure."""
+    from rcskin.simulator import charts
+    from rcskin.simulator.check import residuals
+
+    @contextmanager
+    def kept(*size):
+        with charts.chart(*size) as figure:
+            yield figure
+            drawn.append(figure)
+
+    drawn = []
+    monkeypatch.setattr(residuals, "chart", kept)
+
+    def figures(judged):
+        draw_residuals(judged, tmp_path / "chart.png")
+        return drawn[-1]
+
+    return figures
+
+
+def crosses(axes):
+    lines = [line for line in axes.get_lines() if line.get_marker() == "x"]
+    return [line.get_xydata() for line in lines if len(line.get_xdata())]
+
+
+def test_a_resistance_below_zero_is_outside_the_band_and_at_every_frequency_of_its_law(
+    judge, figures
+):
+    (judged,) = judge(-line().conj())
+    told = {law.law: np.array(law.frequency) / 1e3 for law in judged.broken}
+    assert len(told["Re Z >= 0"]) == len(told[KRAMERS_KRONIG]) == 20
+    figure = figures([judged])
+    real, imaginary, laws = figure.axes
+    outside = {*crosses(real)[0][:, 0], *crosses(imaginary)[0][:, 0]}
+    assert sorted(outside) == told[KRAMERS_KRONIG].tolist()
+    names = [label.get_text() for label in laws.get_yticklabels()]
+    marked = dict(zip(names, crosses(laws), strict=False))
+    assert {name: found[:, 0].tolist() for name, found in marked.items()} == {
+        name: f.tolist() for name, f in told.items()
+    }
+    assert figure.get_suptitle() == "1 of 1 spectra break a law"
+
+
+def test_a_broken_law_that_leaves_the_network_within_what_is_allowed_is_marked_as_a_law_alone(
+    judge, figures
+):
+    (judged,) = judge(line(), noise=1e-3)
+    assert len(figures([judged]).axes) == 2
+    broken = judge(np.array([line(), line()]) * np.array([[1], [-1]]))
+    assert [len(each.broken) for each in broken][0] == 0 < len(broken[1].broken)
+    labels = [text.get_text() for text in figures(broken).legends[0].get_texts()]
+    assert "passes" in labels and "sweep 1, meter" in labels
+
+
+def test_more_broken_sweeps_than_colours_are_counted(judge, figures):
+    judged = judge(np.array([-line()] * 9))
+    labels = [text.get_text() for text in figures(judged).legends[0].get_texts()]
+    assert "3 more that break a law" in labels and "passes" not in labels
+
+
+def test_tables_say_of_each_reading_which_laws_it_breaks(judge, tmp_path):
+    Z = line()
+    Z[4] *= 1.5
+    judged = judge(noisy(Z, 1))
+    write_report(judged, tmp_path / "report")
+    with (tmp_path / "report" / "residuals.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    for law in judged[0].broken:
+        told = [float(row["frequency_Hz"]) for row in rows if law.law in row["broken"]]
+        assert told == list(law.frequency)
