@@ -6,6 +6,7 @@ import asyncio
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
+from ..meter.identity import VIRTUAL_SERIAL
 from .correcting import Corrections
 from .faults import Faults
 from .language.parser import ExecutionError
@@ -31,7 +32,7 @@ class Instrument:
 
     bench: Bench
     model: str = "IM3523"
-    serial: str = "000000000"
+    serial: str = VIRTUAL_SERIAL
     pace: float = 1.0
     press: str = UNPRESSED
     settings: Settings = field(default_factory=Settings)

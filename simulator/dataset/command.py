@@ -46,7 +46,8 @@ def dataset(
         generate(plan, output, processes=workers or _cores(), scheduler=scheduler, advance=advance)
     told = open_zarr(output).attrs
     typer.echo(
-        f"{output}: {sweeps} sweeps; {told['audit_sample']} certified, largest bound on the "
+        f"{output}: {sweeps} sweeps; certified {told['audit_sample']} of the "
+        f"{plan.sessions * plan.session_sweeps} in their whole sessions, largest bound on the "
         f"relative error {told['audit_bound']:.1e}; {told['fallbacks']} solved in full"
     )
     if "cells_error" in told:

@@ -1,7 +1,7 @@
 """Sweeps: simulated and measured impedance spectra in one schema, and the files that hold them."""
 
 from .errors import InputError, ToleranceError
-from .files import checked_output, open_zarr, read, whole_file, write
+from .files import checked_output, open_zarr, read, whole_file, write, written
 from .impedance import branch_reactance, parallel_capacitance, series_capacitance
 from .needs import check_needs
 from .passivity import Violation, violations
@@ -27,4 +27,5 @@ __all__ = [
     "violations",
     "whole_file",
     "write",
+    "written",
 ]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from .csv import read_csv, write_csv
 from .errors import InputError
 from .needs import check_needs
-from .schema import check
+from .schema import DIMENSIONS, check
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,6 +30,16 @@ def write(sweeps: xr.Dataset, path: str | Path) -> None:
     path = checked_output(path)
     with whole_file(path) as unfinished:
         writers[path.suffix](check(sweeps), unfinished)
+
+
+def written(sweeps: xr.Dataset, path: str | Path) -> str:
+    """What was written, in one line: `13 sweeps x 20 frequencies -> glove.nc`."""
+    sizes = {name: sweeps.sizes[name] for name in DIMENSIONS}
+    if sizes["interface"] == 1:
+        del sizes["interface"]
+    named = {"sweep": "sweeps", "interface": "interfaces", "frequency": "frequencies"}
+    told = (f"{size} {name if size == 1 else named[name]}" for name, size in sizes.items())
+    return f"{' x '.join(told)} -> {path}"
 
 
 def read(path: str | Path) -> xr.Dataset:

@@ -40,7 +40,7 @@ def test_killed_again_and_again_it_goes_on_and_loses_nothing(ports, start_rig, t
     order = standard_order(2, 2, REPETITIONS)
     assert list(sweeps["press"].values) == [step.press for step in order]
     assert violations(sweeps, 1e-5) == []
-    assert f"{len(order)} sweeps in {output}, 0 of them with remarks" in out
+    assert out == f"{len(order)} sweeps x 3 frequencies -> {output}; 0 with remarks\n"
 
 
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
