@@ -75,10 +75,11 @@ def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callab
             Limits(repeatability=repeatability, drift=drift),
         )
         screen, operator = _operator(unattended, control, press_with, retries, steps)
-        with _how_to_go_on(task), screen:
-            header, entries = record_task(task, operator)
-        sweeps = gather(header, entries, table.name)
-        write(sweeps, output)
+        with _how_to_go_on(task):
+            with screen:
+                header, entries = record_task(task, operator)
+            sweeps = gather(header, entries, table.name)
+            write(sweeps, output)
         typer.echo("; ".join([written(sweeps, output), *_remarkable(entries)]))
 
     return record
@@ -127,7 +128,7 @@ def _operator(
     from .operators import Machine, pressing_by_command, pressing_virtually
     from .terminal import Person, Screen
 
-    console = Console(stderr=True)
+    console = Console(stderr=True, highlight=False)
     if control and press_with:
         raise InputError("`control` and `press-with` cannot both press the skin")
     if not (control or press_with or unattended):

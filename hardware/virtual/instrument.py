@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 from ..meter.identity import VIRTUAL_SERIAL
@@ -12,6 +11,7 @@ from .faults import Faults
 from .language.parser import ExecutionError
 from .measurement import NOTHING, OVERFLOW, UNDERFLOW, Bench, Result, conditions, written
 from .state import Measuring, Registers, Settings
+from .worker import Worker
 
 UNPRESSED = "none"
 TROUBLES = {OVERFLOW: Measuring.MOF, UNDERFLOW: Measuring.MUF, 2: Measuring.REF}
@@ -43,7 +43,7 @@ class Instrument:
     pending: Pending | None = None
     fresh_from: float = 0.0
     waiting: bool = False
-    worker: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1))
+    worker: Worker = field(default_factory=Worker)
 
     @property
     def identity(self) -> str:
