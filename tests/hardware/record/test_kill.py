@@ -103,7 +103,7 @@ def test_a_meter_ends_while_a_client_awaits_a_reading(slow_meter):
     process = slow_meter(quick=1e3)
     port = process.stdout.readline().split("::")[2]
     with socket.create_connection(("127.0.0.1", int(port)), timeout=5) as line:
-        line.sendall(b":FREQuency 5E3;:MEASure?\r\n")
+        line.sendall(b":TRIGger EXTernal;:FREQuency 5E3;*TRG;:MEASure?\r\n")
         assert process.stdout.readline() == "solving\n"
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=SOON)
