@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.sweeps import UNPRESSED, InputError, build, read, write
+from ...simulator.sweeps import UNPRESSED, InputError, build, read, write, written
 from ..meter.identity import origin
 from ..record.journal import Header, now
 from ..record.sweep import Sweep, flagged
@@ -66,13 +66,17 @@ def read_rest(path: Path, localizer: Localizer) -> list[Sweep]:
 
 @dataclass
 class Log:
-    """All that was measured and answered, for a file of sweeps; kept only where there is one."""
+    """All that was measured and answered, for a file of sweeps; kept only where there is one.
+
+    told: what was written, in one line, and how a session goes on with its rest.
+    """
 
     localizer: Localizer
     output: Path | None = None
     sweeps: list[Sweep] = field(default_factory=list, init=False)
     times: list[str] = field(default_factory=list, init=False)
     answers: list[tuple[str, float | None]] = field(default_factory=list, init=False)
+    told: str = field(default="", init=False)
 
     def keep(self, sweep: Sweep, answer: Answer | None, header: Header | None) -> None:
         """Keep a sweep; answer: None where the skin was left untouched by request.
@@ -109,3 +113,5 @@ class Log:
             "software": f"rcskin {version('rcskin')}",
         }
         write(sweeps, self.output)
+        again = f"; --rest-file {self.output} begins with its rest" if UNPRESSED in presses else ""
+        self.told = f"{written(sweeps, self.output)}{again}"

@@ -48,14 +48,13 @@ def import_sweeps(
     column, repetition, interface or session label the lines; without them a
     sweep begins where the frequencies start over.
     """
-    from ..sweeps import checked_output, write
+    from ..sweeps import checked_output, write, written
     from ..sweeps.imports import import_files
 
     checked_output(output)
     sweeps = import_files(files, _defaults(len(files), press, interface, session))
     write(sweeps, output)
-    counts = ", ".join(f"{name} {size}" for name, size in sweeps.sizes.items())
-    typer.echo(f"{output}: {counts}")
+    typer.echo(written(sweeps, output))
     if "branch_rule" in sweeps.attrs:
         typer.echo(f"{output}: {sweeps.attrs['branch_rule']}")
 
