@@ -34,14 +34,25 @@ def import_sweeps(
         list[int] | None,
         typer.Option(help="The session of a file without such a column, once or for each."),
     ] = None,
+    branch: Annotated[
+        str,
+        typer.Option(
+            help="Of X where Rs and Cp alone are given: followed, capacitive or resistive."
+        ),
+    ] = "followed",
 ) -> None:
     """Bring in measured sweeps from tables of other tools.
 
     A table has named columns in any order, with units: a frequency, as
     `Frequency (kHz)` or `f/Hz`, and Rs and X (`Z'`, `-Z''`), |Z| and phase
-    (`theta (deg)`), Rs and Cs, or Rs and Cp. Of the two reactances that Rs and
-    Cp leave open (X1 X2 = Rs^2), X is the one with |X| >= Rs, a phase between
-    -90 and -45 degrees; the result says so in its attribute `branch_rule`.
+    (`theta (deg)`), Rs and Cs, or Rs and Cp.
+
+    Rs and Cp leave two reactances open, X1 X2 = Rs^2. X begins with the
+    capacitive one, |X| >= Rs, at the lowest frequency, and is followed from
+    there, also past -45 degrees, as a sheet goes. Readings where that may be
+    wrong are named; `--branch capacitive` takes |X| >= Rs everywhere,
+    `--branch resistive` |X| <= Rs. The attribute `branch_rule` says what was
+    taken.
 
     Separators are comma, semicolon or tab; decimal commas, comments (# % ;) and
     lines above the header are understood. Columns of a sweep, press, row,
@@ -49,14 +60,19 @@ def import_sweeps(
     sweep begins where the frequencies start over.
     """
     from ..sweeps import checked_output, write, written
+    from ..sweeps.branch import checked_branch
     from ..sweeps.imports import import_files
 
     checked_output(output)
-    sweeps = import_files(files, _defaults(len(files), press, interface, session))
+    checked_branch(branch)
+    sweeps = import_files(files, _defaults(len(files), press, interface, session), branch)
     write(sweeps, output)
     typer.echo(written(sweeps, output))
     if "branch_rule" in sweeps.attrs:
         typer.echo(f"{output}: {sweeps.attrs['branch_rule']}")
+    if "branch_doubt" in sweeps.attrs:
+        doubt = f"rcskin: warning: {output}: {sweeps.attrs['branch_doubt']}"
+        typer.echo(f"{doubt}; --branch chooses one", err=True)
 
 
 def _defaults(
