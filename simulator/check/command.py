@@ -150,20 +150,45 @@ def _read(file: Path) -> xr.Dataset:
 
 def plot(
     files: Annotated[
-        list[Path], typer.Argument(help="Sweeps: FILE.nc or FILE.csv; drawn over each other.")
+        list[Path],
+        typer.Argument(help="FILE.nc, FILE.zarr or a CSV of any tool; drawn over each other."),
     ],
-    output: Annotated[Path, typer.Option("--output", "-o", help="OUT.png, OUT.svg or OUT.pdf.")],
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", help="OUT.png, .svg or .pdf; OUT.html is a page to zoom."),
+    ],
     what: Annotated[
         list[str] | None,
         typer.Option(help="Rs, Cp, change-Rs, change-Cp, phase or nyquist; may be given often."),
     ] = None,
 ) -> None:
     """Draw sweeps, simulated or measured: Rs, Cp, changes from rest, phase, Nyquist."""
-    from ..sweeps import checked_output, read
-    from .curves import ENDINGS, checked_quantities, draw_curves
+    from ..sweeps import checked_output
+    from .curves import ENDINGS, MOST_DRAWN, checked_quantities, draw_curves
+    from .page import ENDING, checked_page, write_page
 
-    checked_output(output, ENDINGS)
-    chosen = checked_quantities(what or ())
-    names = [file.name for file in files] if len(files) > 1 else []
-    draw_curves([read(file) for file in files], output, chosen if what else (), names)
+    checked_quantities(what or ())
+    paged = output.suffix == ENDING
+    checked_page(output) if paged else checked_output(output, (*ENDINGS, ENDING))
+    recordings = [_read(file) for file in files]
+    names = _names(files, recordings) if len(files) > 1 else []
+    (write_page if paged else draw_curves)(recordings, output, what or (), names)
     typer.echo(f"{output}: {len(files)} recording{'s' if len(files) > 1 else ''} drawn")
+    for file, sweeps in zip(files, recordings, strict=True):
+        if sweeps.sizes["sweep"] > MOST_DRAWN:
+            told = f"{MOST_DRAWN} of {sweeps.sizes['sweep']} sweeps are drawn, evenly spread"
+            typer.echo(f"rcskin: {file}: {told}", err=True)
+
+
+def _names(files: Sequence[Path], recordings: Sequence[xr.Dataset]) -> list[str]:
+    """Of recordings in a legend: as far as they differ, and what they are."""
+    from ..sweeps.schema import MEASURED, VIRTUAL
+
+    short = [file.name for file in files]
+    distinct = short if len(set(short)) == len(short) else [str(file) for file in files]
+    names = []
+    for name, sweeps in zip(distinct, recordings, strict=True):
+        model, simulated = sweeps.attrs.get("model"), "rtol" in sweeps.attrs
+        origin = model if model in (MEASURED, VIRTUAL) else "simulated" if simulated else ""
+        names.append(f"{name} ({origin})" if origin else name)
+    return names
