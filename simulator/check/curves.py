@@ -143,14 +143,26 @@ def _has_rest(sweeps: xr.Dataset) -> bool:
 
 
 def labels_of(recordings: Sequence[xr.Dataset]) -> dict[str, str]:
-    """What each press is told by: itself or, where presses are many, the column it is in."""
+    """What each press is told by: itself or, where presses are many, the column it is in.
+
+    A pixel that is pressed with one strength alone is told without it: `2,3` and `2,3:2.0` are one.
+    """
     columns: dict[str, int] = {}
     for each in recordings:
         texts, numbers = each["press"].values.astype(str), each["column"].values
         columns |= dict(zip(texts.tolist(), numbers.tolist(), strict=True))
     resting = {UNPRESSED: "at rest"} if columns.pop(UNPRESSED, None) is not None else {}
-    if len(columns) <= MOST_NAMED:
-        return resting | {press: press for press in columns}
+    strengths: dict[str, set[str]] = {}
+    for pixel, _, strength in (press.partition(":") for press in columns):
+        strengths.setdefault(pixel, set()).update({strength} - {""})
+    names = {
+        press: press.partition(":")[0]
+        if columns[press] > 0 and len(strengths[press.partition(":")[0]]) < 2
+        else press
+        for press in columns
+    }
+    if len(set(names.values())) <= MOST_NAMED:
+        return resting | names
     ordered = sorted(columns, key=lambda press: (columns[press] < 1, columns[press]))
     return resting | {
         press: f"column {columns[press]}" if columns[press] > 0 else "elsewhere"

@@ -78,6 +78,14 @@ def test_many_presses_are_told_by_their_column(make_sweeps):
     assert few["none"] == "at rest" and few["1,1"] == "1,1"
 
 
+def test_a_pixel_of_one_strength_is_the_same_press_without_it(make_sweeps):
+    press = ["none", "2,3:2.0", "2,3", "1,1:1.5", "1,1:2.0", "1,1"]
+    row, column = [0, 2, 2, 1, 1, 1], [0, 3, 3, 1, 1, 1]
+    labels = labels_of([make_sweeps(6, press=press, row=row, column=column)])
+    assert labels["2,3:2.0"] == labels["2,3"] == "2,3"
+    assert len({labels[each] for each in press[3:]}) == 3
+
+
 @pytest.mark.parametrize("many", [3, 7, 40])
 def testlabels_of_are_told_apart(many):
     colours = colours_of(["at rest", *(f"column {n}" for n in range(many))])
