@@ -9,6 +9,8 @@ from threading import Thread
 from typing import Any, TypeVar
 
 Result = TypeVar("Result")
+PARTING = 0.3
+"""Seconds that a call may take to end by itself."""
 
 
 class Worker(Executor):
@@ -35,6 +37,11 @@ class Worker(Executor):
         self._tasks.put(None)
         if wait:
             self._thread.join()
+
+    def end(self) -> None:
+        """Take no further call, and be gone where nothing is being done."""
+        self.shutdown(wait=False, cancel_futures=True)
+        self._thread.join(PARTING)
 
     def _work(self) -> None:
         while task := self._tasks.get():
