@@ -1,7 +1,6 @@
 """Checking sweeps: noise told from themselves, laws judged by it, and what the report says."""
 
 import csv
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.check.report import checked_report, explanations, write_report
-from rcskin.simulator.check.residuals import draw_residuals
 from rcskin.simulator.sweeps import InputError, read
 from rcskin.simulator.sweeps.examination import KRAMERS_KRONIG, examine
 from rcskin.simulator.sweeps.kramers_kronig import RESOLUTION
@@ -200,12 +198,6 @@ def test_a_folder_holds_the_chart_every_verdict_and_every_residual(judge, tmp_pa
     assert "Im Z <= 0" in verdicts[2]
 
 
-def test_the_chart_is_a_whole_PNG(judge, tmp_path):
-    draw_residuals(judge(line()), tmp_path / "chart.png")
-    assert (tmp_path / "chart.png").read_bytes().startswith(b"\x89PNG")
-    assert len(list(tmp_path.iterdir())) == 1
-
-
 def test_where_no_report_can_be_written_is_told_first(tmp_path):
     (tmp_path / "taken").write_text("")
     for name, told in [
@@ -235,68 +227,6 @@ def test_the_law_of_Kramers_and_Kronig_is_broken_where_residuals_are_beyond_what
         told = [f for law in judged.broken if law.law == KRAMERS_KRONIG for f in law.frequency]
         assert told == FREQUENCY[further & kept].tolist()
         assert bool(told) or judged.spectrum.misfit <= 0.02
-
-
-@pytest.fixture
-def figures(monkeypatch, tmp_path):
-    """A function that draws the chart of judgements and gives the figure."""
-    from rcskin.simulator import charts
-    from rcskin.simulator.check import residuals
-
-    @contextmanager
-    def kept(*size):
-        with charts.chart(*size) as figure:
-            yield figure
-            drawn.append(figure)
-
-    drawn = []
-    monkeypatch.setattr(residuals, "chart", kept)
-
-    def figures(judged):
-        draw_residuals(judged, tmp_path / "chart.png")
-        return drawn[-1]
-
-    return figures
-
-
-def crosses(axes):
-    lines = [line for line in axes.get_lines() if line.get_marker() == "x"]
-    return [line.get_xydata() for line in lines if len(line.get_xdata())]
-
-
-def test_a_resistance_below_zero_is_outside_the_band_and_at_every_frequency_of_its_law(
-    judge, figures
-):
-    (judged,) = judge(-line().conj())
-    told = {law.law: np.array(law.frequency) / 1e3 for law in judged.broken}
-    assert len(told["Re Z >= 0"]) == len(told[KRAMERS_KRONIG]) == 20
-    figure = figures([judged])
-    real, imaginary, laws = figure.axes
-    outside = {*crosses(real)[0][:, 0], *crosses(imaginary)[0][:, 0]}
-    assert sorted(outside) == told[KRAMERS_KRONIG].tolist()
-    names = [label.get_text() for label in laws.get_yticklabels()]
-    marked = dict(zip(names, crosses(laws), strict=False))
-    assert {name: found[:, 0].tolist() for name, found in marked.items()} == {
-        name: f.tolist() for name, f in told.items()
-    }
-    assert figure.get_suptitle() == "1 of 1 spectra break a law"
-
-
-def test_a_broken_law_that_leaves_the_network_within_what_is_allowed_is_marked_as_a_law_alone(
-    judge, figures
-):
-    (judged,) = judge(line(), noise=1e-3)
-    assert len(figures([judged]).axes) == 2
-    broken = judge(np.array([line(), line()]) * np.array([[1], [-1]]))
-    assert [len(each.broken) for each in broken][0] == 0 < len(broken[1].broken)
-    labels = [text.get_text() for text in figures(broken).legends[0].get_texts()]
-    assert "passes" in labels and "sweep 1, meter" in labels
-
-
-def test_more_broken_sweeps_than_colours_are_counted(judge, figures):
-    judged = judge(np.array([-line()] * 9))
-    labels = [text.get_text() for text in figures(judged).legends[0].get_texts()]
-    assert "3 more that break a law" in labels and "passes" not in labels
 
 
 def test_tables_say_of_each_reading_which_laws_it_breaks(judge, tmp_path):
