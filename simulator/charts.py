@@ -48,9 +48,12 @@ def frequency_axis(axes: Axes) -> None:
     axes.set_xlabel("Frequency (kHz)")
 
 
-def checked_chart(path: str | Path) -> Path:
-    """The same path, if a chart can be written there. Raises InputError as `checked_output`."""
-    return checked_output(path, ENDINGS)
+def checked_chart(path: str | Path, *more: str) -> Path:
+    """The same path, if a chart can be written there. Raises InputError as `checked_output`.
+
+    more: endings of what is allowed besides charts.
+    """
+    return checked_output(path, (*ENDINGS, *more))
 
 
 def checked_ending(name: str) -> str:

@@ -127,7 +127,7 @@ def sweep(
     """Simulate sweeps, noise-free, and write them with their estimated errors."""
     from .asked.patience import foretold
     from .asked.scene import asked_scene
-    from .asked.telling import counted, warn, written
+    from .asked.telling import warn, written
     from .asked.tolerance import checked_rtol
     from .measure.experiment import every_press
     from .measure.simulate import gather
@@ -136,7 +136,7 @@ def sweep(
     from .models.validity import warnings
     from .press.press import check_press, parse_press, strength_of
     from .progress import on_terminal
-    from .sweeps import checked_output, write
+    from .sweeps import checked_output, counted, write
 
     checked_output(output)
     checked_rtol(rtol)

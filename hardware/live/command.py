@@ -13,9 +13,8 @@ from ..options import Accuracy, Baud, Resource, Timeout
 
 if TYPE_CHECKING:
     from .answer import Localizer
-    from .link import Link
     from .rest import Rest
-    from .session import Show
+    from .session import Session, Show
 
 MOST_REST = 1000
 
@@ -54,6 +53,8 @@ def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
         from ..meter.hioki import open_meter
         from ..record.checks import Limits
         from .link import Link
+        from .log import Log
+        from .session import Session
 
         if sweeps is not None and sweeps < 1:
             raise InputError(f"`sweeps` must be at least 1, got {sweeps}")
@@ -69,30 +70,23 @@ def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
             patience,
         )
         at_rest = _rest(localizer, rest, rest_file)
-        with _showing(localizer, plain) as (show, key):
-            _run(localizer, link, at_rest, show, key, sweeps, log)
+        kept = Log(localizer, log)
+        try:
+            with _showing(localizer, plain) as (show, key):
+                _run(Session(localizer, link, at_rest, show, kept, key), sweeps)
+        finally:
+            if kept.told:
+                typer.echo(kept.told, err=True)
 
     return live
 
 
-def _run(
-    localizer: Localizer,
-    link: Link,
-    rest: Rest,
-    show: Show,
-    key: Callable[[], str],
-    answers: int | None,
-    output: Path | None,
-) -> None:
-    from .log import Log
-    from .session import Session
-
-    session = Session(localizer, link, rest, show, Log(localizer, output), key)
+def _run(session: Session, answers: int | None) -> None:
     try:
         session.run(answers)
     finally:
-        link.leave()
-        session.log.write(link.header)
+        session.link.leave()
+        session.log.write(session.link.header)
 
 
 @contextmanager

@@ -15,11 +15,10 @@ from ..meter.errors import MeterError, NoConnectionError, ReadingError
 from ..meter.hioki import Meter
 from ..meter.snapshot import require, restore, snapshot
 from ..record.checks import Judge, Limits
-from ..record.journal import Header
+from ..record.journal import Header, now
 from ..record.station import Station
 from ..record.sweep import Sweep, Watch, check_frequencies, measure_sweep
 from .answer import Localizer
-from .log import now
 
 FIRST_WAIT, LONGEST_WAIT = 0.25, 4.0
 PARTING = 0.5

@@ -5,16 +5,16 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.sweeps import UNPRESSED, InputError, build, read, write
-from ..record.journal import Header
-from ..record.sweep import Sweep
+from ...simulator.sweeps import UNPRESSED, InputError, build, counted, read, write
+from ..meter.identity import origin
+from ..record.journal import Header, now
+from ..record.sweep import Sweep, flagged
 from .answer import Answer, Localizer
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def as_dataset(
         row=places,
         column=places,
         Cp=np.array([sweep.Cp for sweep in sweeps])[:, None, :],
-        attributes={"scene": localizer.scene, "model": "measured"},
+        attributes={"scene": localizer.scene},
     )
 
 
@@ -66,13 +66,17 @@ def read_rest(path: Path, localizer: Localizer) -> list[Sweep]:
 
 @dataclass
 class Log:
-    """All that was measured and answered, for a file of sweeps; kept only where there is one."""
+    """All that was measured and answered, for a file of sweeps; kept only where there is one.
+
+    told: what was written, in one line, and how a session goes on with its rest.
+    """
 
     localizer: Localizer
     output: Path | None = None
     sweeps: list[Sweep] = field(default_factory=list, init=False)
     times: list[str] = field(default_factory=list, init=False)
     answers: list[tuple[str, float | None]] = field(default_factory=list, init=False)
+    told: str = field(default="", init=False)
 
     def keep(self, sweep: Sweep, answer: Answer | None, header: Header | None) -> None:
         """Keep a sweep; answer: None where the skin was left untouched by request.
@@ -98,24 +102,16 @@ class Log:
             return
         presses = [UNPRESSED if label == UNPRESSED else UNKNOWN for label, _ in self.answers]
         sweeps = as_dataset(self.sweeps, self.localizer, presses)
-        flagged = [
-            [number, index, code]
-            for number, sweep in enumerate(self.sweeps)
-            for index, code in enumerate(sweep.status)
-            if code
-        ]
         sweeps.attrs |= {
+            "model": origin(header.meter),
             "meter": header.meter,
             "settings": json.dumps(header.settings),
             "begun": header.begun,
             "times": json.dumps(self.times),
             "answers": json.dumps(self.answers),
-            "flagged": json.dumps(flagged),
+            "flagged": json.dumps(flagged(self.sweeps)),
             "software": f"rcskin {version('rcskin')}",
         }
         write(sweeps, self.output)
-
-
-def now() -> str:
-    """The time as ISO 8601 with milliseconds, UTC."""
-    return datetime.now(UTC).isoformat(timespec="milliseconds")
+        again = f"; --rest-file {self.output} begins with its rest" if UNPRESSED in presses else ""
+        self.told = f"{counted(sweeps.sizes)} -> {self.output}{again}"

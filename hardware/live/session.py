@@ -10,11 +10,12 @@ from typing import Protocol
 
 from ...simulator.sweeps import UNPRESSED
 from ..meter.errors import MeterError
-from ..meter.reading import BY_CODE, Reading
-from ..record.sweep import Sweep
+from ..meter.reading import Reading
+from ..record.journal import now
+from ..record.sweep import Sweep, flags
 from .answer import Answer, Localizer
 from .link import Link
-from .log import Log, as_dataset, now
+from .log import Log, as_dataset
 from .rest import Rest, at_rest
 
 RATED = 10
@@ -139,7 +140,7 @@ class Session:
                 before and ended - before,
                 self._rate(),
                 self.failed,
-                (*_flags(sweep), *self._drift(sweep, answer)),
+                (*flags([sweep]), *self._drift(sweep, answer)),
             )
         )
         if self.rest.follow(sweep, answer):
@@ -180,8 +181,3 @@ class Session:
         if len(self._ends) < 2:
             return None
         return (len(self._ends) - 1) / (self._ends[-1] - self._ends[0])
-
-
-def _flags(sweep: Sweep) -> list[str]:
-    codes = sorted({code for code in sweep.status if code})
-    return [f"{sweep.status.count(code)} readings: {BY_CODE[code].meaning}" for code in codes]

@@ -5,7 +5,11 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from ...simulator.sweeps.schema import MEASURED, VIRTUAL
+
 MODELS = ("IM3523", "IM3533", "IM3536", "IM3570")
+VIRTUAL_SERIAL = "000000000"
+"""Serial number that the virtual meter answers with."""
 MODEL = re.compile(r"\b(" + "|".join(MODELS) + r")\b", re.IGNORECASE)
 
 
@@ -31,3 +35,8 @@ def parse_identity(text: str) -> Identity:
     firmware = next((f for f in fields if re.fullmatch(r"V(er)?\.?\s*\d[\w.]*", f, re.I)), "")
     serial = next((f for f in fields if re.fullmatch(r"\d{4,}", f)), "")
     return Identity(text.strip(), found[1].upper() if found else "", serial, firmware)
+
+
+def origin(text: str) -> str:
+    """What sweeps are that a meter recorded which answers so to `*IDN?`: measured, or virtual."""
+    return VIRTUAL if parse_identity(text).serial == VIRTUAL_SERIAL else MEASURED

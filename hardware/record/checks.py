@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...simulator.sweeps import build, parallel_capacitance, violations
+from ...simulator.sweeps.passivity import listed
 from ..meter.accuracy import AccuracyTable, Conditions, full_scale
 from .sweep import Sweep
 
@@ -97,7 +98,7 @@ class Judge:
         tolerance = self.limits.errors * self.tolerance(sweep.Z)
         beyond = f"beyond the meter's error{self._guessed(sweep.Z)}"
         return [
-            f"{each.law} is broken at {_listed(each.frequency)}, {beyond}"
+            f"{each.law} is broken at {listed(each.frequency)}, {beyond}"
             for each in violations(one, tolerance)
         ]
 
@@ -117,7 +118,7 @@ class Judge:
         wrong = np.abs(np.array(sweep.Cp) - from_Z) > CALCULATED * np.abs(from_Z)
         if not wrong.any():
             return []
-        return [f"Cp does not follow from Rs, X and f at {_listed(self.frequency[wrong])}"]
+        return [f"Cp does not follow from Rs, X and f at {listed(self.frequency[wrong])}"]
 
     def _departs(
         self, sweep: Sweep, usual: NDArray[np.complex128], limit: float, what: str
@@ -130,9 +131,3 @@ class Judge:
             f"{what} by {100 * departure[worst]:.1f} % of |Z| at {self.frequency[worst]:.5g} Hz "
             f"(allowed: {100 * limit:g} %)"
         ]
-
-
-def _listed(frequency: Sequence[float] | NDArray[np.float64]) -> str:
-    if len(frequency) == 1:
-        return f"{frequency[0]:.5g} Hz"
-    return f"{len(frequency)} frequencies from {min(frequency):.5g} to {max(frequency):.5g} Hz"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from .journal import Entry
     from .operators import Operator
     from .order import Step
+    from .recorder import Task
+    from .terminal import Screen
 
 
 def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callable[..., None]:
@@ -49,7 +52,7 @@ def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callab
         accuracy: Accuracy = None,
     ) -> None:
         """Record sweeps of a scene's presses; run again, it goes on where it was ended."""
-        from ...simulator.sweeps import checked_output, write
+        from ...simulator.sweeps import checked_output, counted, write
         from ..meter.accuracy import DERIVED, read_table
         from ..meter.hioki import open_meter
         from .checks import Limits
@@ -62,7 +65,6 @@ def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callab
         table = read_table(accuracy or DERIVED)
         steps = _steps(order, data.rows, data.columns, repetitions)
         settings = _settings(speed, averaging, level, amplitude, range_, delay, cable)
-        operator = _operator(unattended, control, press_with, retries, steps)
         task = Task(
             data,
             steps,
@@ -72,9 +74,13 @@ def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callab
             settings,
             Limits(repeatability=repeatability, drift=drift),
         )
-        header, entries = record_task(task, operator)
-        write(gather(header, entries, table.name), output)
-        typer.echo(f"{len(entries)} sweeps in {output}, {_unsound(entries)} of them with remarks")
+        screen, operator = _operator(unattended, control, press_with, retries, steps)
+        with _how_to_go_on(task):
+            with screen:
+                header, entries = record_task(task, operator)
+            sweeps = gather(header, entries, table.name)
+            write(sweeps, output)
+        typer.echo("; ".join([f"{counted(sweeps.sizes)} -> {output}", *_remarkable(entries)]))
 
     return record
 
@@ -115,27 +121,57 @@ def _settings(
 
 def _operator(
     unattended: bool, control: str | None, press_with: str | None, retries: int, steps: list[Step]
-) -> Operator:
+) -> tuple[Screen, Operator]:
     from rich.console import Console
 
     from ...simulator.sweeps import InputError
     from .operators import Machine, pressing_by_command, pressing_virtually
     from .terminal import Person, Screen
 
-    console = Console(stderr=True)
-    screen = Screen(console)
+    console = Console(stderr=True, highlight=False)
     if control and press_with:
         raise InputError("`control` and `press-with` cannot both press the skin")
-    if control:
-        return Machine(pressing_virtually(control), screen, retries)
-    if press_with:
-        return Machine(pressing_by_command(press_with), screen, retries)
-    if not unattended:
-        return Person(console, screen)
-    if any(step.row for step in steps):
+    if not (control or press_with or unattended):
+        screen = Screen(console, plain=True)
+        return screen, Person(console, screen)
+    if not (control or press_with) and any(step.row for step in steps):
         raise InputError("unattended, a recording is pressed by --control or --press-with")
-    return Machine(lambda step: None, screen, retries)
+    screen, by = Screen(console), _untouched
+    if control:
+        by = pressing_virtually(control)
+    elif press_with:
+        by = pressing_by_command(press_with)
+    return screen, Machine(by, screen, retries)
 
 
-def _unsound(entries: list[Entry]) -> int:
-    return sum(bool(entry.remarks) for entry in entries)
+def _untouched(step: Step) -> None:
+    """Nothing is pressed by anyone."""
+
+
+@contextmanager
+def _how_to_go_on(task: Task) -> Iterator[None]:
+    """Where the block ends early, tell what is kept and how to go on with it."""
+    from ..meter.errors import MeterError
+    from .journal import Journal
+
+    try:
+        yield
+    except (KeyboardInterrupt, MeterError):
+        journal = Journal(task.output)
+        header = journal.header()
+        if header is not None:
+            typer.echo(
+                f"rcskin: {len(journal.entries(header.order))} of {len(header.order)} sweeps are "
+                f"kept in {journal.folder}; the same command goes on after them",
+                err=True,
+            )
+        raise
+
+
+def _remarkable(entries: list[Entry]) -> list[str]:
+    """How many sweeps have remarks, and what the meter flagged."""
+    from .sweep import flags
+
+    unsound = sum(bool(entry.remarks) for entry in entries)
+    flagged = flags([entry.sweep for entry in entries])
+    return [f"{unsound} with remarks", *(f"flagged by the meter: {each}" for each in flagged)]

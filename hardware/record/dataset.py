@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import build
+from ..meter.identity import origin
 from .journal import Entry, Header
 from .order import parse_step
+from .sweep import flagged
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,12 +27,6 @@ def gather(header: Header, entries: Sequence[Entry], accuracy: str) -> xr.Datase
     accuracy: the name of the table that sweeps were judged by.
     """
     steps = [parse_step(entry.press, header.rows, header.columns) for entry in entries]
-    flagged = [
-        [number, index, code]
-        for number, entry in enumerate(entries)
-        for index, code in enumerate(entry.sweep.status)
-        if code
-    ]
     return build(
         np.stack([entry.sweep.Z for entry in entries])[:, None, :],
         np.array(header.frequencies),
@@ -41,13 +37,13 @@ def gather(header: Header, entries: Sequence[Entry], accuracy: str) -> xr.Datase
         Cp=np.array([entry.sweep.Cp for entry in entries])[:, None, :],
         attributes={
             "scene": header.scene,
-            "model": "measured",
+            "model": origin(header.meter),
             "meter": header.meter,
             "settings": json.dumps(header.settings),
             "begun": header.begun,
             "times": json.dumps([[entry.begun, entry.ended] for entry in entries]),
             "remarks": json.dumps([list(entry.remarks) for entry in entries]),
-            "flagged": json.dumps(flagged),
+            "flagged": json.dumps(flagged([entry.sweep for entry in entries])),
             "accuracy": accuracy,
             "software": f"rcskin {version('rcskin')}",
         },

@@ -13,15 +13,43 @@ from ...simulator.sweeps import InputError
 from ..meter.errors import MeterError, PressError
 from ..meter.reading import Reading
 from .order import Step
+from .sweep import Sweep
 
 Press = Callable[[Step], None]
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a recording is.
+
+    number: of the step, from 0. total: steps. left: s until the end, None where nothing tells it
+    yet. rest: the latest sound sweep of the skin at rest, if there is one.
+    """
+
+    number: int
+    total: int
+    left: float | None = None
+    rest: Sweep | None = None
+
+    @property
+    def words(self) -> str:
+        """Which step of how many, and the time left."""
+        counted = f"{self.number + 1}/{self.total}"
+        if self.left is None:
+            return counted
+        minutes, seconds = divmod(round(self.left), 60)
+        return f"{counted}, {minutes}:{seconds:02d} min left"
 
 
 class Operator(Protocol):
     """Leads through a recording."""
 
-    def press(self, step: Step, number: int, total: int) -> None:
-        """Returns when the skin is pressed and held. Raises PressError where it cannot be."""
+    def press(self, step: Step, progress: Progress) -> bool:
+        """True when the skin is pressed and held, False where the step before is to be done again.
+
+        Raises PressError where it cannot be pressed, KeyboardInterrupt where the recording is to
+        end here.
+        """
         ...
 
     def watch(self, frequency: float, reading: Reading) -> None:
@@ -40,7 +68,7 @@ class Operator(Protocol):
 class Show(Protocol):
     """Where the course of a recording is shown."""
 
-    def begin(self, title: str) -> None: ...
+    def begin(self, title: str, rest: Sweep | None) -> None: ...
     def reading(self, frequency: float, reading: Reading) -> None: ...
     def end(self, remarks: Sequence[str]) -> None: ...
 
@@ -59,12 +87,13 @@ class Machine:
     spent: int = field(default=0, init=False)
     current: int = field(default=-1, init=False)
 
-    def press(self, step: Step, number: int, total: int) -> None:
+    def press(self, step: Step, progress: Progress) -> bool:
         """Have the machine press. Raises PressError where it fails."""
-        if number != self.current:
-            self.current, self.spent = number, 0
+        if progress.number != self.current:
+            self.current, self.spent = progress.number, 0
         self.by(step)
-        self.show.begin(f"{number + 1}/{total}  press {step.press}")
+        self.show.begin(f"{progress.words}  press {step.press}", progress.rest)
+        return True
 
     def watch(self, frequency: float, reading: Reading) -> None:
         """Show the reading."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import time
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from datetime import UTC, datetime
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +17,16 @@ from ..meter.errors import MeterError
 from ..meter.hioki import Meter
 from ..meter.snapshot import apply, require, restore, snapshot
 from ..scene_data import SceneData
+from .change import unseen_press
 from .checks import Judge, Limits
-from .journal import Entry, Header, Journal, differences
-from .operators import Operator
+from .journal import Entry, Header, Journal, differences, now
+from .operators import Operator, Progress
 from .order import REST, Step
 from .station import Station
-from .sweep import check_frequencies, measure_sweep
+from .sweep import Sweep, check_frequencies, measure_sweep
+
+LATEST = 12
+"""Steps by which the time left is told."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +46,8 @@ def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
     """Every sweep of the task, those included that an earlier run has finished.
 
     Raises InputError where the journal beside the output is of another recording or unreadable,
-    MeterError where the operator gives up on a sweep; what is finished stays on the disk.
+    MeterError where the operator gives up on a sweep, KeyboardInterrupt where the operator ends it;
+    what is finished stays on the disk.
     """
     journal = Journal(task.output)
     header = _resumed(journal, task)
@@ -51,14 +57,75 @@ def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
         if header is None:
             header = _begun(journal, task, station)
         judge = Judge(np.array(header.frequencies), task.table, header.settings, task.limits)
-        for number in range(len(task.order)):
-            if number not in entries:
-                entry = _recorded(number, task, station, operator, judge, list(entries.values()))
-                journal.keep(number, entry)
-                entries[number] = entry
+        course = Course(task, station, operator, judge, entries)
+        missing = deque(number for number in range(len(task.order)) if number not in entries)
+        while missing:
+            entry = course.step(missing[0])
+            if entry is None:
+                missing.appendleft(max(missing[0] - 1, 0))
+                continue
+            journal.keep(missing[0], entry)
+            entries[missing.popleft()] = entry
     finally:
         station.close()
     return header, [entries[number] for number in range(len(task.order))]
+
+
+@dataclass
+class Course:
+    """The way through a task. entries: what is finished, by its place in the order."""
+
+    task: Task
+    station: Station
+    operator: Operator
+    judge: Judge
+    entries: Mapping[int, Entry]
+    _ends: list[float] = field(default_factory=lambda: [time.monotonic()], init=False)
+
+    def step(self, number: int) -> Entry | None:
+        """A sweep that the operator keeps; None where the step before is to be done again.
+
+        Raises MeterError where the operator gives up, KeyboardInterrupt where the operator ends it.
+        """
+        step = self.task.order[number]
+        before = [entry for place, entry in sorted(self.entries.items()) if place < number]
+        sound = [entry for entry in before if not entry.remarks]
+        alike = [entry.sweep for entry in sound if entry.press == step.press]
+        rests = [entry.sweep for entry in sound if entry.press == REST.press]
+        progress = self._progress(number, rests)
+        while True:
+            try:
+                entry = self._attempt(step, progress)
+            except MeterError as failure:
+                self.station.close()
+                if not self.operator.again(failure):
+                    raise
+                continue
+            if entry is None:
+                return None
+            remarks = self.judge.remarks(entry.sweep, alike, step == REST)
+            if step != REST:
+                remarks += unseen_press(entry.sweep, rests)
+            if self.operator.kept(remarks):
+                self._ends.append(time.monotonic())
+                return replace(entry, remarks=tuple(remarks))
+
+    def _attempt(self, step: Step, progress: Progress) -> Entry | None:
+        meter = self.station.ready()
+        if not self.operator.press(step, progress):
+            return None
+        begun = now()
+        sweep = measure_sweep(meter, self.task.scene.frequencies, self.operator.watch)
+        assert self.station.header is not None
+        require(meter, self.station.header.settings)
+        return Entry(step.press, sweep, begun, now())
+
+    def _progress(self, number: int, rests: Sequence[Sweep]) -> Progress:
+        """The time left is told from the median of the latest steps of this run."""
+        total = len(self.task.order)
+        taken = np.diff(self._ends[-LATEST:])
+        left = float(np.median(taken)) * (total - number) if taken.size else None
+        return Progress(number, total, left, rests[-1] if rests else None)
 
 
 def _resumed(journal: Journal, task: Task) -> Header | None:
@@ -81,43 +148,10 @@ def _begun(journal: Journal, task: Task, station: Station) -> Header:
     settings = snapshot(meter)
     restore(meter, settings)
     station.header = Header(
-        **_asked(task), meter=meter.identity.text, settings=settings, begun=_now()
+        **_asked(task), meter=meter.identity.text, settings=settings, begun=now()
     )
     journal.begin(station.header)
     return station.header
-
-
-def _recorded(
-    number: int,
-    task: Task,
-    station: Station,
-    operator: Operator,
-    judge: Judge,
-    before: Sequence[Entry],
-) -> Entry:
-    step = task.order[number]
-    alike = [one.sweep for one in before if one.press == step.press and not one.remarks]
-    while True:
-        try:
-            entry = _attempt(number, task, station, operator)
-        except MeterError as failure:
-            station.close()
-            if not operator.again(failure):
-                raise
-            continue
-        remarks = judge.remarks(entry.sweep, alike, step == REST)
-        if operator.kept(remarks):
-            return Entry(entry.press, entry.sweep, entry.begun, entry.ended, tuple(remarks))
-
-
-def _attempt(number: int, task: Task, station: Station, operator: Operator) -> Entry:
-    meter, step = station.ready(), task.order[number]
-    operator.press(step, number, len(task.order))
-    begun = _now()
-    sweep = measure_sweep(meter, task.scene.frequencies, operator.watch)
-    assert station.header is not None
-    require(meter, station.header.settings)
-    return Entry(step.press, sweep, begun, _now())
 
 
 def _asked(task: Task) -> dict[str, Any]:
@@ -131,7 +165,3 @@ def _asked(task: Task) -> dict[str, Any]:
         "order": tuple(step.press for step in task.order),
         "asked": dict(task.settings),
     }
-
-
-def _now() -> str:
-    return datetime.now(UTC).isoformat(timespec="milliseconds")

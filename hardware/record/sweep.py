@@ -11,7 +11,7 @@ import numpy as np
 from ...simulator.sweeps import InputError
 from ..meter.errors import GarbledError
 from ..meter.hioki import Meter
-from ..meter.reading import Reading
+from ..meter.reading import BY_CODE, Reading
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,6 +33,26 @@ class Sweep:
     def Z(self) -> NDArray[np.complex128]:
         """Rs + jX in ohm, shape (frequency,)."""
         return np.array(self.Rs) + 1j * np.array(self.X)
+
+
+def flagged(sweeps: Sequence[Sweep]) -> list[tuple[int, int, int]]:
+    """Readings that were not normal: number of the sweep, of the frequency, and status code."""
+    return [
+        (number, index, code)
+        for number, sweep in enumerate(sweeps)
+        for index, code in enumerate(sweep.status)
+        if code
+    ]
+
+
+def flags(sweeps: Sequence[Sweep]) -> list[str]:
+    """In words, how many readings of them the meter flagged, and as what."""
+    codes = [code for _, _, code in flagged(sweeps)]
+    return [
+        f"{codes.count(code)} reading{'s' if codes.count(code) > 1 else ''}: "
+        f"{BY_CODE[code].meaning}"
+        for code in sorted(set(codes))
+    ]
 
 
 def measure_sweep(

@@ -1,40 +1,61 @@
-"""A recording on a terminal: a table that grows with each reading, and prompts for a person."""
+"""A recording on a terminal: curves that grow with each reading, and prompts for a person."""
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
 
 from ..meter.errors import MeterError
 from ..meter.reading import Reading, Status
-from .operators import Show
+from .change import percent_of_rest
+from .operators import Progress, Show
 from .order import Step
+from .sweep import Sweep
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
     from rich.console import Console
     from rich.live import Live
     from rich.table import Table
 
 SHOWN_READINGS = 20
+LEVELS = "▁▂▃▄▅▆▇█"
 
 
 class Screen:
-    """Live table of Rs and Cp on a terminal; in a pipe only what is wrong with a sweep."""
+    """Live table of Rs and Cp on a terminal while the block runs, and a line for each sweep.
 
-    def __init__(self, console: Console) -> None:
-        self._console, self._live = console, None
-        self._title, self._readings = "", deque[tuple[float, Reading]](maxlen=SHOWN_READINGS)
+    In a pipe only what is wrong with a sweep, unless `plain` asks for a line for each.
+    """
 
-    def begin(self, title: str) -> None:
-        """A sweep begins."""
+    def __init__(self, console: Console, plain: bool = False) -> None:
+        self._console, self._tells_all = console, plain or console.is_terminal
+        self._live: Live | None = None
+        self._title, self._rest = "", None
+        self._readings: list[tuple[float, Reading]] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._stop()
+
+    def begin(self, title: str, rest: Sweep | None) -> None:
+        """A sweep begins. rest: the skin at rest, which it is shown beside."""
         from rich.live import Live
 
-        self._title = title
-        self._readings.clear()
+        self._title, self._rest, self._readings = title, rest, []
         if self._console.is_terminal:
-            self._live: Live | None = Live(self._table(), console=self._console, transient=True)
+            self._live = Live(self._table(), console=self._console, transient=True)
             self._live.start()
 
     def reading(self, frequency: float, reading: Reading) -> None:
@@ -45,29 +66,65 @@ class Screen:
 
     def end(self, remarks: Sequence[str]) -> None:
         """The sweep is over; tell what is wrong with it."""
+        self._stop()
+        if self._tells_all and self._readings:
+            self._print("done" + self._curves())
+        for remark in remarks:
+            self._print(remark)
+
+    def _stop(self) -> None:
         if self._live:
             self._live.stop()
             self._live = None
-        if self._console.is_terminal and not remarks:
-            self._console.print(f"{self._title}: done", highlight=False)
-        for remark in remarks:
-            self._console.print(
-                f"{self._title}: {remark}", highlight=False, markup=False, soft_wrap=True
-            )
+
+    def _print(self, text: str) -> None:
+        self._console.print(f"{self._title}: {text}", highlight=False, markup=False, soft_wrap=True)
+
+    def _changes(self) -> dict[str, NDArray[np.float64]]:
+        """Rs and Cp in % above rest, at the readings so far; empty where no rest is known."""
+        if self._rest is None:
+            return {}
+        Rs, Cp = ([getattr(each, name) for _, each in self._readings] for name in ("Rs", "Cp"))
+        return {
+            "Rs": percent_of_rest(Rs, self._rest.Rs),
+            "Cp": percent_of_rest(Cp, self._rest.Cp),
+        }
+
+    def _curves(self) -> str:
+        """The change from rest of each quantity: as a curve where it can be drawn, and its span."""
+        drawn = self._console.is_terminal and self._console.encoding.startswith("utf")
+        told = [
+            f"{name} {sparkline(change) + ' ' if drawn else ''}"
+            f"{np.nanmin(change):+.2g} to {np.nanmax(change):+.2g} %"
+            for name, change in self._changes().items()
+            if np.isfinite(change).any()
+        ]
+        return "; against rest " + ", ".join(told) if told else ""
 
     def _table(self) -> Table:
         from rich.table import Column, Table
 
-        right = [Column(name, justify="right") for name in ("f (kHz)", "Rs (kohm)", "Cp (pF)")]
+        changes = self._changes()
+        names = ["f (kHz)", "Rs (kohm)", "Cp (pF)", *(f"{name} (% of rest)" for name in changes)]
+        right = [Column(name, justify="right") for name in names]
         table = Table(*right, "", title=self._title, box=None)
-        for frequency, reading in self._readings:
+        for place, (frequency, reading) in list(enumerate(self._readings))[-SHOWN_READINGS:]:
             table.add_row(
                 f"{frequency / 1e3:.5g}",
                 f"{reading.Rs / 1e3:.6g}",
                 f"{reading.Cp * 1e12:.6g}",
+                *(f"{change[place]:+.2f}" for change in changes.values()),
                 "" if reading.status is Status.NORMAL else reading.status.meaning,
             )
         return table
+
+
+def sparkline(values: NDArray[np.float64]) -> str:
+    """A character for each value, the lowest as low as it goes; a space where there is none."""
+    low, high = np.nanmin(values), np.nanmax(values)
+    top = len(LEVELS) - 1
+    scaled = np.full(values.shape, top / 2) if high == low else top * (values - low) / (high - low)
+    return "".join(LEVELS[round(each)] if np.isfinite(each) else " " for each in scaled.tolist())
 
 
 @dataclass(frozen=True)
@@ -77,12 +134,16 @@ class Person:
     console: Console
     show: Show
 
-    def press(self, step: Step, number: int, total: int) -> None:
-        """Tell what to press, and wait for Enter."""
+    def press(self, step: Step, progress: Progress) -> bool:
+        """Tell what to press, and wait for Enter; False where the step before is to come again."""
         place = f"row {step.row}, column {step.column}" if step.row > 0 else step.press
         what = "Release the skin" if step.row == 0 else f"Press {place} and hold it"
-        self._ask(f"{number + 1}/{total}  {what}, then Enter ")
-        self.show.begin(f"{number + 1}/{total}  press {step.press}")
+        again = "r: the one before again, " if progress.number else ""
+        question = f"{progress.words}  {what}, then Enter ({again}q: quit) "
+        if self._choice(question, "r" if progress.number else "") == "r":
+            return False
+        self.show.begin(f"{progress.words}  press {step.press}", progress.rest)
+        return True
 
     def watch(self, frequency: float, reading: Reading) -> None:
         """Show the reading."""
@@ -91,12 +152,22 @@ class Person:
     def kept(self, remarks: Sequence[str]) -> bool:
         """Whether the person keeps a sweep in spite of remarks."""
         self.show.end(remarks)
-        return not remarks or self._ask("Repeat it? [Y/n] ").lower().startswith("n")
+        question = "Enter: redo, a: accept anyway, q: quit "
+        return not remarks or self._choice(question, "ra") == "a"
 
     def again(self, failure: MeterError) -> bool:
         """Whether the person wants to try again."""
         self.show.end([str(failure)])
-        return not self._ask("Try it again? [Y/n] ").lower().startswith("n")
+        return self._choice("Enter: try again, n: give up, q: quit ", "n") != "n"
+
+    def _choice(self, question: str, letters: str) -> str:
+        """One of the letters, or nothing for Enter; asked until it is. Raises KeyboardInterrupt."""
+        while True:
+            answer = self._ask(question).lower()
+            if answer == "q":
+                raise KeyboardInterrupt
+            if answer in ("", *letters):
+                return answer
 
     def _ask(self, question: str) -> str:
         try:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
+from ..meter.identity import VIRTUAL_SERIAL
 from .correcting import Corrections
 from .faults import Faults
 from .language.parser import ExecutionError
 from .measurement import NOTHING, OVERFLOW, UNDERFLOW, Bench, Result, conditions, written
 from .state import Measuring, Registers, Settings
+from .worker import Worker
 
 UNPRESSED = "none"
 TROUBLES = {OVERFLOW: Measuring.MOF, UNDERFLOW: Measuring.MUF, 2: Measuring.REF}
@@ -31,7 +32,7 @@ class Instrument:
 
     bench: Bench
     model: str = "IM3523"
-    serial: str = "000000000"
+    serial: str = VIRTUAL_SERIAL
     pace: float = 1.0
     press: str = UNPRESSED
     settings: Settings = field(default_factory=Settings)
@@ -42,7 +43,7 @@ class Instrument:
     pending: Pending | None = None
     fresh_from: float = 0.0
     waiting: bool = False
-    worker: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1))
+    worker: Worker = field(default_factory=Worker)
 
     @property
     def identity(self) -> str:

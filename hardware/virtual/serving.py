@@ -93,7 +93,7 @@ def serve(
     Raises InputError where a port cannot be had.
     """
     asyncio.run(_serve(meter, pressing, tell, host, port, control_port))
-    meter.worker.shutdown(wait=False, cancel_futures=True)
+    meter.worker.end()
 
 
 async def _serve(

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.schema import MEASURED, VIRTUAL
 
 if TYPE_CHECKING:
     import xarray as xr
 
 VIRTUAL_SERIAL = "000000000"
-"""Serial number that the virtual meter answers with: what it records is a twin's."""
+"""Serial number of the virtual meter, whose older recordings are told by it alone."""
 
 
 @dataclass(frozen=True)
@@ -30,15 +31,16 @@ SECOND = Noun("second simulation", "second simulated")
 def noun_of(sweeps: xr.Dataset) -> Noun:
     """From the attributes: `twin`, the virtual meter, a simulation's tolerance, or none of them."""
     attributes = sweeps.attrs
-    if "twin" in attributes or VIRTUAL_SERIAL in str(attributes.get("meter", "")).split(","):
+    virtual = VIRTUAL_SERIAL in str(attributes.get("meter", "")).split(",")
+    if "twin" in attributes or virtual or attributes.get("model") == VIRTUAL:
         return TWIN
-    simulated = "rtol" in attributes and attributes.get("model") != "measured"
+    simulated = "rtol" in attributes and attributes.get("model") != MEASURED
     return SECOND if simulated else MEASUREMENT
 
 
 def check_simulated(sweeps: xr.Dataset, path: object) -> None:
     """Raises InputError where sweeps given as simulated say that they are not."""
-    if sweeps.attrs.get("model") == "measured" or "twin" in sweeps.attrs:
+    if sweeps.attrs.get("model") in (MEASURED, VIRTUAL) or "twin" in sweeps.attrs:
         called = noun_of(sweeps).adjective
         raise InputError(
             f"{path}: holds {called} sweeps; the simulated sweeps are to be named first"

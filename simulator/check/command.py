@@ -34,29 +34,44 @@ def import_sweeps(
         list[int] | None,
         typer.Option(help="The session of a file without such a column, once or for each."),
     ] = None,
+    branch: Annotated[
+        str,
+        typer.Option(
+            help="Of X where Rs and Cp alone are given: followed, capacitive or resistive."
+        ),
+    ] = "followed",
 ) -> None:
     """Bring in measured sweeps from tables of other tools.
 
     A table has named columns in any order, with units: a frequency, as
     `Frequency (kHz)` or `f/Hz`, and Rs and X (`Z'`, `-Z''`), |Z| and phase
-    (`theta (deg)`), Rs and Cs, or Rs and Cp. Of the two reactances that Rs and
-    Cp leave open (X1 X2 = Rs^2), X is the one with |X| >= Rs, a phase between
-    -90 and -45 degrees; the result says so in its attribute `branch_rule`.
+    (`theta (deg)`), Rs and Cs, or Rs and Cp.
+
+    Rs and Cp leave two reactances open, X1 X2 = Rs^2. X begins with the
+    capacitive one, |X| >= Rs, at the lowest frequency, and is followed from
+    there, also past -45 degrees, as a sheet goes. Readings where that may be
+    wrong are named; `--branch capacitive` takes |X| >= Rs everywhere,
+    `--branch resistive` |X| <= Rs. The attribute `branch_rule` says what was
+    taken.
 
     Separators are comma, semicolon or tab; decimal commas, comments (# % ;) and
     lines above the header are understood. Columns of a sweep, press, row,
     column, repetition, interface or session label the lines; without them a
     sweep begins where the frequencies start over.
     """
-    from ..asked.telling import counted, written
-    from ..sweeps import checked_output, write
+    from ..asked.telling import warn, written
+    from ..sweeps import checked_output, counted, write
+    from ..sweeps.branch import checked_branch
     from ..sweeps.imports import import_files
 
     checked_output(output)
-    sweeps = import_files(files, _defaults(len(files), press, interface, session))
+    checked_branch(branch)
+    sweeps = import_files(files, _defaults(len(files), press, interface, session), branch)
     write(sweeps, output)
     if "branch_rule" in sweeps.attrs:
         typer.echo(f"{output}: {sweeps.attrs['branch_rule']}")
+    if "branch_doubt" in sweeps.attrs:
+        warn(f"{output}: {sweeps.attrs['branch_doubt']}; --branch chooses one")
     written(counted(sweeps.sizes), output)
 
 
@@ -123,7 +138,7 @@ def check(
     if report is not None:
         write_report(judgements, report)
     flagged = sum(bool(each.broken) for each in judgements)
-    console.print(f"{flagged} of {len(judgements)} spectra flagged", highlight=False)
+    console.print(f"{flagged} of {len(judgements)} spectra break a law", highlight=False)
     if flagged:
         raise typer.Exit(FLAGGED)
 
@@ -137,24 +152,47 @@ def _read(file: Path) -> xr.Dataset:
 
 def plot(
     files: Annotated[
-        list[Path], typer.Argument(help="Sweeps: FILE.nc or FILE.csv; drawn over each other.")
+        list[Path],
+        typer.Argument(help="FILE.nc, FILE.zarr or a CSV of any tool; drawn over each other."),
     ],
-    output: Annotated[Path, typer.Option("--output", "-o", help="OUT.png, OUT.svg or OUT.pdf.")],
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", help="OUT.png, .svg or .pdf; OUT.html is a page to zoom."),
+    ],
     what: Annotated[
         list[str] | None,
         typer.Option(help="Rs, Cp, change-Rs, change-Cp, phase or nyquist; may be given often."),
     ] = None,
 ) -> None:
     """Draw sweeps, simulated or measured: Rs, Cp, changes from rest, phase, Nyquist."""
-    from ..asked.telling import counted, written
+    from ..asked.telling import note, written
     from ..charts import checked_chart
-    from ..sweeps import read
-    from .curves import checked_quantities, draw_curves
+    from ..sweeps import counted
+    from .curves import MOST_DRAWN, checked_quantities, draw_curves
+    from .page import ENDING, checked_page, write_page
 
-    checked_chart(output)
-    chosen = checked_quantities(what or ())
-    names = [file.name for file in files] if len(files) > 1 else []
-    recordings = [read(file) for file in files]
-    draw_curves(recordings, output, chosen if what else (), names)
+    checked_quantities(what or ())
+    paged = output.suffix == ENDING
+    checked_page(output) if paged else checked_chart(output, ENDING)
+    recordings = [_read(file) for file in files]
+    names = _names(files, recordings) if len(files) > 1 else []
+    (write_page if paged else draw_curves)(recordings, output, what or (), names)
+    for file, sweeps in zip(files, recordings, strict=True):
+        if sweeps.sizes["sweep"] > MOST_DRAWN:
+            note(f"{file}: {MOST_DRAWN} of {sweeps.sizes['sweep']} sweeps are drawn, evenly spread")
     drawn = [counted(each.sizes) for each in recordings]
     written(drawn[0] if len(drawn) == 1 else f"{len(drawn)} recordings", output)
+
+
+def _names(files: Sequence[Path], recordings: Sequence[xr.Dataset]) -> list[str]:
+    """Of recordings in a legend: as far as they differ, and what they are."""
+    from ..sweeps.schema import MEASURED, VIRTUAL
+
+    short = [file.name for file in files]
+    distinct = short if len(set(short)) == len(short) else [str(file) for file in files]
+    names = []
+    for name, sweeps in zip(distinct, recordings, strict=True):
+        model, simulated = sweeps.attrs.get("model"), "rtol" in sweeps.attrs
+        origin = model if model in (MEASURED, VIRTUAL) else "simulated" if simulated else ""
+        names.append(f"{name} ({origin})" if origin else name)
+    return names

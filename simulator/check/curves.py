@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 FEW = 40
 """Sweeps whose curves are drawn opaque."""
+MOST_DRAWN = 400
+"""Sweeps of a recording that are drawn; of more, so many evenly spread."""
 MOST_NAMED = 12
 """Presses with a colour and a name of their own; more are coloured by their column."""
 
@@ -69,37 +71,43 @@ def draw_curves(
     another ending, an absent folder or another quantity, and for changes without rest.
     """
     path = checked_chart(path)
-    chosen = checked_quantities(what)
-    if not what and not all(_has_rest(each) for each in recordings):
-        chosen = tuple(name for name in chosen if not QUANTITIES[name].change)
-    interfaces = [str(name) for name in recordings[0]["interface"].values]
-    labels = _labels(recordings)
-    colours = _colours(labels.values())
+    panels, across = panels_of(recordings, what)
+    labels = labels_of(recordings)
+    colours = colours_of(labels.values())
     of_press = {press: colours[label] for press, label in labels.items()}
-    panels = [(QUANTITIES[name], interface) for interface in interfaces for name in chosen]
-    across = min(len(chosen), 2) if len(interfaces) == 1 else len(chosen)
+    several = len({interface for _, interface in panels}) > 1
     down = -(-len(panels) // across)
     with chart(path, 1.6 + 3.3 * across, 0.6 + 2.5 * down) as figure:
         each = figure.subplots(down, across, squeeze=False).ravel()
         for axes, (shown, interface) in zip(each, panels, strict=False):
             for number, sweeps in enumerate(recordings):
                 style = LINE_STYLES[number % len(LINE_STYLES)]
-                _draw(axes, sweeps, interface, shown, style, of_press)
-            _dress(axes, shown, interface if len(interfaces) > 1 else "")
+                alpha = 1.0 if sweeps.sizes["sweep"] <= FEW else 0.5
+                for press, x, y in courses(sweeps, interface, shown):
+                    axes.plot(x, y, color=of_press[press], linestyle=style, alpha=alpha)
+            _dress(axes, shown, interface if several else "")
         for axes in each[len(panels) :]:
             axes.remove()
         figure.legend(*_legend(colours, labels.values(), names), loc="outside right upper")
     return path
 
 
-def _draw(
-    axes: Axes,
-    sweeps: xr.Dataset,
-    interface: str,
-    shown: Shown,
-    style: object,
-    colours: dict[str, str],
-) -> None:
+def panels_of(
+    recordings: Sequence[xr.Dataset], what: Sequence[str]
+) -> tuple[list[tuple[Shown, str]], int]:
+    """Quantity and interface of each panel, and how many stand side by side."""
+    chosen = checked_quantities(what)
+    if not what and not all(_has_rest(each) for each in recordings):
+        chosen = tuple(name for name in chosen if not QUANTITIES[name].change)
+    interfaces = [str(name) for name in recordings[0]["interface"].values]
+    panels = [(QUANTITIES[name], interface) for interface in interfaces for name in chosen]
+    return panels, min(len(chosen), 2) if len(interfaces) == 1 else len(chosen)
+
+
+def courses(
+    sweeps: xr.Dataset, interface: str, shown: Shown
+) -> Iterator[tuple[str, NDArray[np.float64], NDArray[np.float64]]]:
+    """Press, x and y of each curve: x in kHz, or ohm in Nyquist's plot; at most MOST_DRAWN."""
     if interface not in sweeps["interface"].values:
         return
     own = sweeps.sel(interface=interface)
@@ -109,9 +117,10 @@ def _draw(
     if shown.change:
         values = 100 * (values / _at_rest(values, own) - 1)
     x = Z.real if shown is QUANTITIES["nyquist"] else np.broadcast_to(f / 1e3, Z.shape)
-    alpha = 1.0 if len(Z) <= FEW else 0.5
-    for k, press in enumerate(own["press"].values.astype(str)):
-        axes.plot(x[k], values[k], color=colours[press], linestyle=style, alpha=alpha)
+    presses = own["press"].values.astype(str)
+    drawn = min(len(Z), MOST_DRAWN)
+    for k in np.linspace(0, len(Z) - 1, drawn).round().astype(int):
+        yield str(presses[k]), x[k], values[k]
 
 
 def _at_rest(values: NDArray[np.float64], sweeps: xr.Dataset) -> NDArray[np.float64]:
@@ -132,15 +141,27 @@ def _has_rest(sweeps: xr.Dataset) -> bool:
     return set(sessions[resting]) == set(sessions) and not resting.all()
 
 
-def _labels(recordings: Sequence[xr.Dataset]) -> dict[str, str]:
-    """What each press is told by: itself or, where presses are many, the column it is in."""
+def labels_of(recordings: Sequence[xr.Dataset]) -> dict[str, str]:
+    """What each press is told by: itself or, where presses are many, the column it is in.
+
+    A pixel that is pressed with one strength alone is told without it: `2,3` and `2,3:2.0` are one.
+    """
     columns: dict[str, int] = {}
     for each in recordings:
         texts, numbers = each["press"].values.astype(str), each["column"].values
         columns |= dict(zip(texts.tolist(), numbers.tolist(), strict=True))
     resting = {UNPRESSED: "at rest"} if columns.pop(UNPRESSED, None) is not None else {}
-    if len(columns) <= MOST_NAMED:
-        return resting | {press: press for press in columns}
+    strengths: dict[str, set[str]] = {}
+    for pixel, _, strength in (press.partition(":") for press in columns):
+        strengths.setdefault(pixel, set()).update({strength} - {""})
+    names = {
+        press: press.partition(":")[0]
+        if columns[press] > 0 and len(strengths[press.partition(":")[0]]) < 2
+        else press
+        for press in columns
+    }
+    if len(set(names.values())) <= MOST_NAMED:
+        return resting | names
     ordered = sorted(columns, key=lambda press: (columns[press] < 1, columns[press]))
     return resting | {
         press: f"column {columns[press]}" if columns[press] > 0 else "elsewhere"
@@ -148,7 +169,7 @@ def _labels(recordings: Sequence[xr.Dataset]) -> dict[str, str]:
     }
 
 
-def _colours(labels: Iterable[str]) -> dict[str, str]:
+def colours_of(labels: Iterable[str]) -> dict[str, str]:
     """A colour for each label, at rest apart."""
     from matplotlib import colormaps
     from matplotlib.colors import to_hex

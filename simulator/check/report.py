@@ -1,4 +1,4 @@
-"""What is to be said of measured or simulated sweeps: a table, files of it, a residual chart."""
+"""What is to be said of measured or simulated sweeps: a table on the terminal, and files of it."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..charts import COLOURS, ENDINGS, chart, frequency_axis
+from ..charts import ENDINGS
 from ..sweeps import InputError, whole_file
 from ..sweeps.examination import Judgement
+from .residuals import draw_residuals
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from rich.table import Table
 
 SUMMARY = [
@@ -37,9 +37,8 @@ RESIDUALS = [
     "residual_imag",
     "allowed",
     "fitted",
+    "broken",
 ]
-PASSING = "0.6"
-AT_MOST_NAMED = 6
 
 
 def checked_report(path: Path) -> Path:
@@ -83,9 +82,13 @@ def verdict_table(judgements: Sequence[Judgement]) -> Table:
             f"{each.phase[0]:.1f} to {each.phase[1]:.1f}",
             f"{100 * np.median(each.noise):.2g} %",
             f"{100 * each.spectrum.misfit:.2g} %",
-            f"{len(each.broken)} broken" if each.broken else "pass",
+            _verdict(len(each.broken)),
         )
     return table
+
+
+def _verdict(broken: int) -> str:
+    return f"{broken} law{'s' if broken > 1 else ''} broken" if broken else "pass"
 
 
 def explanations(judgements: Iterable[Judgement]) -> list[str]:
@@ -97,49 +100,12 @@ def _set_aside(judgement: Judgement) -> list[str]:
     spectrum = judgement.spectrum
     if not spectrum.inductive.any():
         return []
-    onset = spectrum.frequency[spectrum.inductive][0]
+    onset, inductance = spectrum.frequency[spectrum.inductive][0], spectrum.inductance
+    behind = f"behind {inductance:.2g} H in series" if inductance else "by themselves"
     return [
         f"sweep {judgement.sweep}, interface {judgement.interface}: inductive from {onset:.6g} Hz "
-        f"on; the readings below were judged behind {spectrum.inductance:.2g} H in series"
+        f"on; the readings below were judged {behind}"
     ]
-
-
-def draw_residuals(judgements: Sequence[Judgement], path: Path) -> None:
-    """Residual of the nearest passive network against frequency, real and imaginary part.
-
-    Grey: sweeps that pass. Coloured: sweeps that break a law, crosses where they do. Shaded: what
-    the first sweep is allowed. Inductive readings have no residual: their crosses stand at 0.
-    """
-    with chart(path, 9, 4.2) as figure:
-        for axes, part in zip(figure.subplots(1, 2, sharey=True), ("real", "imag"), strict=True):
-            _draw_part(axes, part, judgements)
-            frequency_axis(axes)
-            axes.set_title({"real": "Real part", "imag": "Imaginary part"}[part])
-        figure.axes[0].set_ylabel("(Z - nearest passive network) / |Z| (%)")
-        handles, labels = figure.axes[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4))
-        figure.suptitle(f"Kramers-Kronig residual; spectra: {len(judgements)}")
-
-
-def _draw_part(axes: Axes, part: str, judgements: Sequence[Judgement]) -> None:
-    allowed, kHz = 100 * judgements[0].allowed, judgements[0].spectrum.frequency / 1e3
-    axes.fill_between(kHz, -allowed, allowed, color="0.93", label="allowed")
-    passing = [each for each in judgements if not each.broken]
-    for index, each in enumerate(passing):
-        _draw_residual(axes, part, each, PASSING, "passes" if index == 0 else "")
-    for index, each in enumerate(each for each in judgements if each.broken):
-        label = f"sweep {each.sweep}, {each.interface}" if index < AT_MOST_NAMED else ""
-        _draw_residual(axes, part, each, COLOURS[index % len(COLOURS)], label)
-
-
-def _draw_residual(axes: Axes, part: str, judgement: Judgement, colour: str, label: str) -> None:
-    spectrum, kept = judgement.spectrum, ~judgement.spectrum.inductive
-    kHz = spectrum.frequency / 1e3
-    residual = 100 * np.where(kept, getattr(spectrum.residual, part), 0)
-    axes.plot(kHz[kept], residual[kept], marker=".", color=colour, label=label or "_")
-    broken = [frequency for law in judgement.broken for frequency in law.frequency]
-    wrong = np.isin(spectrum.frequency, broken)
-    axes.plot(kHz[wrong], residual[wrong], "x", color=colour)
 
 
 def _summary(judgement: Judgement) -> list[object]:
@@ -167,7 +133,8 @@ def _readings(judgement: Judgement) -> Iterable[list[object]]:
         (~spectrum.inductive).astype(int),
     )
     for row in zip(*(column.tolist() for column in columns), strict=True):
-        yield [judgement.sweep, judgement.interface, *row]
+        laws = [each.law for each in judgement.broken if row[0] in each.frequency]
+        yield [judgement.sweep, judgement.interface, *row, "; ".join(laws)]
 
 
 def _write_rows(path: Path, header: list[str], rows: Iterable[Sequence[object]]) -> None:

@@ -38,10 +38,10 @@ def dataset(
     """
     from ..asked.patience import tell_if_long
     from ..asked.scene import asked_scene, tell_if_noise_free
-    from ..asked.telling import counted, written
+    from ..asked.telling import written
     from ..asked.tolerance import checked_rtol
     from ..models.plain import plain_scene
-    from ..sweeps import InputError, open_zarr
+    from ..sweeps import InputError, counted, open_zarr
     from .bar import on_terminal
     from .plan import Plan, readings
     from .run import generate
@@ -60,7 +60,8 @@ def dataset(
     made = open_zarr(output)
     told = made.attrs
     typer.echo(
-        f"{output}: {told['audit_sample']} sweeps certified, largest bound on the "
+        f"{output}: certified {told['audit_sample']} of the "
+        f"{plan.sessions * plan.session_sweeps} sweeps of whole sessions, largest bound on the "
         f"relative error {told['audit_bound']:.1e}; {told['fallbacks']} solved in full"
     )
     if "cells_error" in told:
@@ -88,7 +89,8 @@ def export(
     frequency. Parquet has one row a sweep: labels, touches, and columns
     Rs_INTERFACE_HERTZ, X_INTERFACE_HERTZ and Cp_INTERFACE_HERTZ.
     """
-    from ..asked.telling import counted, written
+    from ..asked.telling import written
+    from ..sweeps import counted
     from .export import export as write_as
 
     written(counted(write_as(data, output)), output)

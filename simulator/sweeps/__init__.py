@@ -1,7 +1,7 @@
 """Sweeps: simulated and measured impedance spectra in one schema, and the files that hold them."""
 
 from .errors import InputError, ToleranceError
-from .files import checked_output, open_zarr, read, whole_file, write
+from .files import checked_output, counted, open_zarr, read, whole_file, write
 from .impedance import branch_reactance, parallel_capacitance, series_capacitance
 from .needs import check_needs
 from .passivity import Violation, violations
@@ -18,6 +18,7 @@ __all__ = [
     "check_needs",
     "checked_output",
     "concatenate",
+    "counted",
     "impedance",
     "open_zarr",
     "parallel_capacitance",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .branch import chosen, told
 from .errors import InputError
 from .impedance import branch_reactance
 from .schema import DIMENSIONS, build
@@ -54,7 +55,8 @@ def read_csv(path: Path) -> xr.Dataset:
     """Sweeps from a CSV with named columns in any order.
 
     `frequency_Hz` and `Rs_ohm` are required, and at least one of `X_ohm` and `Cp_F`. Where only
-    `Cp_F` is given, X is taken on the branch of `branch_reactance`. Columns that name the sweep,
+    `Cp_F` is given, X is followed along the frequencies (see `branch`), and the attributes
+    `branch_rule` and `branch_doubt` say so. Columns that name the sweep,
     the press and the interface may be absent from a file of one unlabelled sweep.
 
     Raises InputError naming the file, and the line and column where there is one: an absent column,
@@ -68,8 +70,12 @@ def read_csv(path: Path) -> xr.Dataset:
     shape = (len(sweeps), len(interfaces), -1)
     frequency = _common_frequencies(path, table, len(sweeps) * len(interfaces))
     columns = {name: table[name].to_numpy().reshape(shape) for name in QUANTITIES if name in table}
+    attributes = {}
     if "X_ohm" not in columns:
-        columns["X_ohm"] = branch_reactance(columns["Rs_ohm"], columns["Cp_F"], frequency)
+        X = branch_reactance(columns["Rs_ohm"], columns["Cp_F"], frequency)
+        found = chosen(columns["Rs_ohm"] + 1j * X, frequency, "followed")
+        columns["X_ohm"] = found.Z.imag
+        attributes = told(found, "followed", frequency, interfaces)
     labels = table.drop_duplicates("sweep")
     return build(
         columns["Rs_ohm"] + 1j * columns["X_ohm"],
@@ -79,6 +85,7 @@ def read_csv(path: Path) -> xr.Dataset:
         row=list(labels["row"].astype(int)),
         column=list(labels["column"].astype(int)),
         Cp=columns.get("Cp_F"),
+        attributes=attributes,
     )
 
 

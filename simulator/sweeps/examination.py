@@ -50,8 +50,9 @@ class Judgement:
     """What was found of one sweep at one interface.
 
     phase: lowest and highest, degrees. noise: standard deviation of Re Z and of Im Z over |Z|,
-    shape (frequency,). noise_from: `given`, `repeats` or `fit`. allowed: the largest residual that
-    is no break of Kramers-Kronig, shape (frequency,).
+    shape (frequency,). noise_from: `given`, `repeats` or `fit`. allowed: how far the real and the
+    imaginary part of the residual may be from 0; Kramers-Kronig is broken where either is further,
+    and nowhere else. Shape (frequency,).
     """
 
     sweep: int
@@ -124,7 +125,7 @@ def _examine_interface(
             _range(np.degrees(np.angle(spectrum.Z))),
             yardstick.noise,
             yardstick.origin,
-            yardstick.limit * yardstick.spread,
+            _allowed(spectrum, yardstick),
             _violations(sweep, name, spectrum, yardstick),
         )
         for sweep, spectrum in enumerate(spectra)
@@ -231,13 +232,20 @@ def _off_decreasing(values: NDArray[np.float64], allowed: NDArray[np.float64]) -
     return np.abs(values - nearest) > allowed
 
 
+def _allowed(spectrum: Spectrum, yardstick: _Yardstick) -> NDArray[np.float64]:
+    """Of a part of the residual: what chance allows a single reading; the tolerance where the whole
+    is beyond it, so divided between both parts that some reading is always further than allowed.
+    """
+    by_chance = yardstick.limit * yardstick.spread
+    if spectrum.misfit <= yardstick.tolerance:
+        return by_chance
+    return np.minimum(by_chance, yardstick.tolerance / np.sqrt(2))
+
+
 def _inconsistent(spectrum: Spectrum, yardstick: _Yardstick) -> NDArray[np.bool_]:
-    """Single readings off the rest, and all beyond the tolerance where the whole is beyond it."""
+    """Readings off the nearest passive network by more than allowed."""
     largest = np.maximum(np.abs(spectrum.residual.real), np.abs(spectrum.residual.imag))
-    astray = largest > yardstick.limit * yardstick.spread
-    if spectrum.misfit > yardstick.tolerance:
-        astray |= np.abs(spectrum.residual) > yardstick.tolerance
-    return astray & ~spectrum.inductive
+    return (largest > _allowed(spectrum, yardstick)) & ~spectrum.inductive
 
 
 def _range(values: NDArray[np.float64]) -> tuple[float, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from .csv import read_csv, write_csv
 from .errors import InputError
 from .needs import check_needs
-from .schema import check
+from .schema import DIMENSIONS, check
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,6 +30,17 @@ def write(sweeps: xr.Dataset, path: str | Path) -> None:
     path = checked_output(path)
     with whole_file(path) as unfinished:
         writers[path.suffix](check(sweeps), unfinished)
+
+
+def counted(sizes: Mapping[Hashable, int]) -> str:
+    """Of a data set's sizes, for people: `13 sweeps x 20 frequencies`; several interfaces, too."""
+    named = {"sweep": "sweeps", "interface": "interfaces", "frequency": "frequencies"}
+    told = [
+        f"{sizes[name]} {name if sizes[name] == 1 else named[name]}"
+        for name in DIMENSIONS
+        if name != "interface" or sizes[name] > 1
+    ]
+    return " x ".join(told)
 
 
 def read(path: str | Path) -> xr.Dataset:

@@ -15,32 +15,42 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .branch import checked_branch, chosen, told
 from .errors import InputError
 from .importing.dialect import read_table
 from .importing.grouping import SAME_FREQUENCY, Defaults, grouped, places
-from .importing.readings import BRANCH_RULE, impedance_readings
+from .importing.readings import impedance_readings
 from .schema import build, concatenate
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["BRANCH_RULE", "Defaults", "import_file", "import_files"]
+__all__ = ["Defaults", "import_file", "import_files"]
 
 
-def import_file(path: str | Path, defaults: Defaults = Defaults()) -> xr.Dataset:  # noqa: B008
+def import_file(
+    path: str | Path,
+    defaults: Defaults = Defaults(),  # noqa: B008
+    branch: str = "followed",
+) -> xr.Dataset:
     """The sweeps of one file.
 
-    Where the file has Rs and Cp alone, X follows BRANCH_RULE, and the attribute `branch_rule` says
-    so; `quantities` says what Z was made of, `preamble` what stood above the header.
+    branch: of the two reactances that Rs and Cp leave open where the file has these alone:
+    `followed` along the frequencies, `capacitive` or `resistive`. The attribute `branch_rule` then
+    says what was taken, `branch_doubt` which readings may be on the wrong one; `quantities` says
+    what Z was made of, `preamble` what stood above the header.
     Raises InputError naming the file, and the line where there is one, that cannot be read.
     """
     table = read_table(Path(path))
     readings = impedance_readings(table)
     sweeps = grouped(table, readings.frequency, defaults)
     interfaces, frequency, where = places(table, sweeps)
-    rule = {"branch_rule": BRANCH_RULE} if readings.pair == ("Rs", "Cp") else {}
+    Z, rule = readings.Z[where], {}
+    if readings.pair == ("Rs", "Cp"):
+        found = chosen(Z, frequency, checked_branch(branch))
+        Z, rule = found.Z, told(found, branch, frequency, interfaces)
     return build(
-        readings.Z[where],
+        Z,
         frequency,
         interface=interfaces,
         press=[sweep.press for sweep in sweeps],
@@ -57,22 +67,35 @@ def import_file(path: str | Path, defaults: Defaults = Defaults()) -> xr.Dataset
     )
 
 
-def import_files(paths: Sequence[str | Path], defaults: Sequence[Defaults]) -> xr.Dataset:
+def import_files(
+    paths: Sequence[str | Path], defaults: Sequence[Defaults], branch: str = "followed"
+) -> xr.Dataset:
     """The sweeps of several files in their order; `defaults` has one entry for each.
 
+    branch: as of `import_file`; sweeps in `branch_doubt` are counted in each file by itself.
     Attributes that differ between files are listed, separated by semicolons.
     Raises InputError where a file cannot be read, or its frequencies or interfaces are not those of
     the first.
     """
-    parts = [import_file(path, each) for path, each in zip(paths, defaults, strict=True)]
+    parts = [import_file(path, each, branch) for path, each in zip(paths, defaults, strict=True)]
+    if len(parts) > 1:
+        parts = [_doubt_of_file(part) for part in parts]
     aligned = [
         _aligned(part, path, parts[0], paths[0]) for part, path in zip(parts, paths, strict=True)
     ]
     joined = concatenate(aligned)
-    told = {name: [part.attrs.get(name, "") for part in parts] for name in _attribute_names(parts)}
+    texts = {name: [part.attrs.get(name, "") for part in parts] for name in _attribute_names(parts)}
     return joined.assign_attrs(
-        {name: "; ".join(filter(None, dict.fromkeys(texts))) for name, texts in told.items()}
+        {name: "; ".join(filter(None, dict.fromkeys(each))) for name, each in texts.items()}
     )
+
+
+def _doubt_of_file(part: xr.Dataset) -> xr.Dataset:
+    """The same sweeps, their doubt told with the name of their file."""
+    if "branch_doubt" not in part.attrs:
+        return part
+    named = f"{part.attrs['source']}: {part.attrs['branch_doubt']}"
+    return part.assign_attrs(branch_doubt=named)
 
 
 def _attribute_names(parts: Sequence[xr.Dataset]) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -25,11 +26,16 @@ class Violation:
     frequency: tuple[float, ...]
 
     def __str__(self) -> str:
-        low, high = min(self.frequency), max(self.frequency)
-        return (
-            f"sweep {self.sweep}, interface {self.interface}: {self.law} is broken at "
-            f"{len(self.frequency)} frequencies from {low:.6g} to {high:.6g} Hz"
-        )
+        where = f"sweep {self.sweep}, interface {self.interface}"
+        return f"{where}: {self.law} is broken at {listed(self.frequency)}"
+
+
+def listed(frequency: Sequence[float] | NDArray[np.float64]) -> str:
+    """Frequencies in Hz in words: the one, or how many and from where to where."""
+    low, high = min(frequency), max(frequency)
+    if len(frequency) == 1:
+        return f"{low:.6g} Hz"
+    return f"{len(frequency)} frequencies from {low:.6g} to {high:.6g} Hz"
 
 
 def violations(sweeps: xr.Dataset, tolerance: float = 1e-9) -> list[Violation]:

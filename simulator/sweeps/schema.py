@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 UNPRESSED = "none"
+MEASURED, VIRTUAL = "measured", "virtual meter"
+"""The attribute `model` of sweeps that a meter recorded, and that the virtual one did."""
 DIMENSIONS = ("sweep", "interface", "frequency")
 QUANTITIES = {
     "Rs": ("series resistance, Re Z", "ohm"),

@@ -9,6 +9,7 @@ from rcskin.hardware.meter.errors import MeterError, NoConnectionError
 from rcskin.hardware.virtual.recorded import Recorded
 from rcskin.hardware.virtual.serving import instrument, recorded
 from rcskin.simulator.sweeps import InputError, impedance, read
+from rich.console import Console
 
 
 @pytest.fixture
@@ -70,6 +71,18 @@ def test_a_recording_is_written_as_sweeps(recording):
     assert sweeps.attrs["accuracy"] == "3522-50-derived"
 
 
+def test_what_the_virtual_meter_records_is_not_called_measured(recording, instrument):
+    assert instrument.serial in read(recording).attrs["meter"]
+    assert read(recording).attrs["model"] == "virtual meter"
+
+
+def test_what_a_meter_records_is_called_measured(told, ports, tmp_path, instrument, order):
+    instrument.serial = "123456789"
+    where = ["--resource", ports.resource, "--order", order("none"), "-o", tmp_path / "a.nc"]
+    told("record", "pillow", "--unattended", *where)
+    assert read(tmp_path / "a.nc").attrs["model"] == "measured"
+
+
 def test_settings_of_the_command_line_reach_the_meter(told, ports, tmp_path, instrument):
     order = tmp_path / "order.txt"
     order.write_text("none\n")
@@ -84,32 +97,101 @@ def test_settings_of_the_command_line_reach_the_meter(told, ports, tmp_path, ins
     assert (each.speed, each.averaging, each.delay) == ("SLOW", 2, 0.1)
 
 
-def test_a_person_is_led_through_the_presses(told, ports, tmp_path):
-    order = tmp_path / "order.txt"
-    order.write_text("none\n2,1\n1,1+2,2\n")
-    where = ["--resource", ports.resource, "--order", order, "-o", tmp_path / "a.nc"]
-    output = told("record", "pillow", *where, input="\n\n\n")
-    assert "1/3  Release the skin, then Enter" in output
-    assert "2/3  Press row 2, column 1 and hold it, then Enter" in output
-    assert "3/3  Press 1,1+2,2 and hold it, then Enter" in output
+@pytest.fixture
+def order(tmp_path):
+    """A function that writes an order of presses."""
+
+    def order(*presses):
+        path = tmp_path / "order.txt"
+        path.write_text("\n".join(presses))
+        return path
+
+    return order
+
+
+@pytest.fixture
+def by_hand(command, ports, tmp_path, instrument, monkeypatch):
+    """A function that records by hand: holds the skin so, types that, and so on; the result."""
+
+    def by_hand(order, *moves, more=()):
+        left = list(moves)
+
+        def typed(console, prompt, **_):
+            console.print(prompt, markup=False, soft_wrap=True)
+            if not left:
+                raise EOFError
+            instrument.press, keys = left.pop(0)
+            return keys
+
+        monkeypatch.setattr(Console, "input", typed)
+        where = ["--resource", ports.resource, "--order", order, "-o", tmp_path / "a.nc", *more]
+        return command("record", "pillow", *where)
+
+    return by_hand
+
+
+def test_a_person_is_led_through_the_presses(by_hand, order, tmp_path):
+    result = by_hand(order("none", "2,1", "1,1+2,2"), ("none", ""), ("2,1", ""), ("2,2", ""))
+    assert "1/3  Release the skin, then Enter" in result.output
+    assert "left  Press row 2, column 1 and hold it, then Enter" in result.output
+    assert "left  Press 1,1+2,2 and hold it, then Enter" in result.output
+    assert "press 2,1: done; against rest Rs" in result.output
+    last = f"3 sweeps x 3 frequencies -> {tmp_path / 'a.nc'}; 0 with remarks"
+    assert result.output.splitlines()[-1] == last
     assert read(tmp_path / "a.nc").sizes["sweep"] == 3
 
 
-def test_a_person_decides_whether_a_bad_sweep_is_repeated(told, ports, tmp_path):
-    order = tmp_path / "order.txt"
-    order.write_text("none\n" * 2)
-    where = ["--resource", ports.resource, "--order", order, "-o", tmp_path / "a.nc"]
-    where += ["--drift", "-1"]
-    output = told("record", "pillow", *where, input="\n\ny\n\nn\n")
-    assert output.count("the skin at rest has drifted") == 2
-    assert output.count("Repeat it? [Y/n]") == 2
-    assert "2 sweeps" in output and "1 of them with remarks" in output
+def test_an_untouched_skin_is_not_taken_for_a_press(by_hand, order, tmp_path):
+    untouched, pressed = ("none", ""), ("2,1", "")
+    result = by_hand(order("none", "2,1"), untouched, untouched, untouched, pressed)
+    assert result.output.count("no press is seen: the readings are those at rest") == 1
+    assert result.output.count("Enter: redo, a: accept anyway, q: quit") == 1
+    sweeps = read(tmp_path / "a.nc")
+    assert sweeps["Cp"][1, 0, 0] / sweeps["Cp"][0, 0, 0] == pytest.approx(1.02, abs=1e-3)
+    assert "0 with remarks" in result.output
 
 
-def test_a_person_may_end_a_recording_and_go_on_later(command, told, ports, tmp_path):
-    where = ["--resource", ports.resource, "--repetitions", 1, "-o", tmp_path / "a.nc"]
-    assert command("record", "pillow", *where, input="\n\n").exit_code != 0
-    assert "3/6  Press" in told("record", "pillow", *where, input="\n" * 4)
+def test_an_untouched_skin_is_accepted_where_the_person_wants_it(by_hand, order, tmp_path):
+    result = by_hand(order("none", "2,1"), ("none", ""), ("none", ""), ("none", "x"), ("none", "a"))
+    assert result.output.count("Enter: redo, a: accept anyway, q: quit") == 2
+    assert "1 with remarks" in result.output
+    assert "no press is seen" in read(tmp_path / "a.nc").attrs["remarks"]
+
+
+def test_what_the_meter_flagged_is_counted_at_the_end(by_hand, order, instrument):
+    result = by_hand(order("none"), ("none", ""), more=["--range", 10])
+    told = "0 with remarks; flagged by the meter: 3 readings: outside guaranteed accuracy"
+    assert result.output.rstrip().endswith(told)
+
+
+def test_a_person_decides_whether_a_bad_sweep_is_repeated(by_hand, order):
+    moves = [("none", keys) for keys in ("", "", "r", "", "a")]
+    result = by_hand(order("none", "none"), *moves, more=["--drift", -1])
+    assert result.output.count("the skin at rest has drifted") == 2
+    assert result.output.count("Enter: redo, a: accept anyway, q: quit") == 2
+    assert "2 sweeps x 3 frequencies" in result.output and "1 with remarks" in result.output
+
+
+def test_a_person_has_the_sweep_before_done_again(by_hand, order, tmp_path):
+    moves = [("none", ""), ("1,1", ""), ("1,1", "r"), ("2,2", ""), ("2,1", "")]
+    result = by_hand(order("none", "2,2", "2,1"), *moves)
+    assert result.exit_code == 0
+    sweeps = read(tmp_path / "a.nc")
+    rise = (sweeps["Cp"] / sweeps["Cp"][0])[:, 0, 0].values
+    assert rise == pytest.approx([1, 1.02, 1.02], abs=1e-3)
+
+
+@pytest.mark.parametrize("last", [[("none", "q")], []])
+def test_a_recording_that_was_quit_goes_on_later(by_hand, order, tmp_path, last):
+    presses = order("none", "2,1", "none")
+    result = by_hand(presses, ("none", ""), ("2,1", ""), *last)
+    assert result.exit_code != 0 and not (tmp_path / "a.nc").exists()
+    folder = tmp_path / "a.nc.sweeps"
+    told = f"2 of 3 sweeps are kept in {folder}; the same command goes on after them"
+    assert result.output.splitlines()[-1].endswith(told)
+    again = by_hand(presses, ("none", ""))
+    assert "3/3  Release the skin" in again.output and again.exit_code == 0
+    assert read(tmp_path / "a.nc").sizes["sweep"] == 3
 
 
 @pytest.mark.parametrize(

@@ -14,10 +14,6 @@ from ..impedance import branch_reactance, parallel_capacitance
 from .dialect import Table
 
 Reals = NDArray[np.float64]
-BRANCH_RULE = (
-    "of the two reactances that give the same Rs and Cp (X1 X2 = Rs^2), X is the one with "
-    "|X| >= Rs, a phase between -90 and -45 degrees"
-)
 REPRESENTATIONS: dict[tuple[str, str], Callable[[Any, Any, Any], Any]] = {
     ("Rs", "X"): lambda Rs, X, _: Rs + 1j * X,
     ("magnitude", "phase"): lambda magnitude, phase, _: magnitude * np.exp(1j * phase),
@@ -33,8 +29,8 @@ DIGITS = 12
 class Readings:
     """What every line of a table says; arrays of shape (line,).
 
-    frequency: Hz. Z: ohm. Cp: F, as the file has it, else as it follows from Z. pair: what Z was
-    made of.
+    frequency: Hz. Z: ohm, of Rs and Cp on the capacitive branch. Cp: F, as the file has it, else as
+    it follows from Z. pair: what Z was made of.
     """
 
     frequency: Reals

@@ -103,7 +103,10 @@ def test_ctrl_c_ends_it_and_leaves_meter_and_log_in_order(start, instrument, tmp
     assert "Traceback" not in err
     assert instrument.settings.trigger == "INTERNAL"
     assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
-    assert read(tmp_path / "run.nc").sizes["sweep"] >= 4
+    kept = read(tmp_path / "run.nc").sizes["sweep"]
+    assert kept >= 4
+    last = f"{kept} sweeps x 3 frequencies -> {tmp_path / 'run.nc'}; --rest-file "
+    assert err.splitlines()[-2].startswith(last)
 
 
 def test_ctrl_c_ends_it_while_an_answer_is_awaited(start, instrument):

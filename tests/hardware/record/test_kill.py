@@ -1,12 +1,21 @@
 """A recording that is killed at any point loses no finished sweep."""
 
 import signal
+import socket
+import subprocess
+import sys
 import time
+from pathlib import Path
 
 import pytest
 from rcskin.hardware.record.journal import Journal
 from rcskin.hardware.record.order import standard_order
+from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import read, violations
+
+RIG = Path(__file__).parents[1] / "rig.py"
+SOON = 5
+"""Seconds that the end may take on a busy machine; alone it takes half a second."""
 
 REPETITIONS = 20
 
@@ -40,7 +49,7 @@ def test_killed_again_and_again_it_goes_on_and_loses_nothing(ports, start_rig, t
     order = standard_order(2, 2, REPETITIONS)
     assert list(sweeps["press"].values) == [step.press for step in order]
     assert violations(sweeps, 1e-5) == []
-    assert f"{len(order)} sweeps in {output}, 0 of them with remarks" in out
+    assert out == f"{len(order)} sweeps x 3 frequencies -> {output}; 0 with remarks\n"
 
 
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
@@ -50,3 +59,76 @@ def test_a_served_meter_ends_when_it_is_told(start_rig, end):
     process.send_signal(end)
     _, err = process.communicate(timeout=30)
     assert (process.returncode, err) == (0, "")
+
+
+SLOW = """
+import runpy, sys, time
+rig = runpy.run_path({rig!r})
+def impedance(self, press, frequency):
+    if frequency != {quick}:
+        print("solving", flush=True)
+        time.sleep(60)
+    return 1e3 - 1e3j
+rig["Pillow"].impedance = impedance
+sys.argv = ["rig", "serve", "--scene", "pillow", "--port", "0", "--control-port", "0"]
+rig["app"]()
+"""
+
+
+@pytest.fixture
+def slow_meter():
+    """A function that serves a skin which is solved at once at one frequency alone, in Hz."""
+    started = []
+
+    def slow_meter(quick):
+        words = [sys.executable, "-c", SLOW.format(rig=str(RIG), quick=quick)]
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+        started.append(subprocess.Popen(words, text=True, **pipes))
+        return started[-1]
+
+    yield slow_meter
+    for process in started:
+        process.kill()
+        process.communicate()
+
+
+def test_a_meter_ends_while_its_first_reading_is_solved(slow_meter):
+    process = slow_meter(quick=0)
+    assert process.stdout.readline() == "solving\n"
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=SOON)
+
+
+def test_a_meter_ends_while_a_client_awaits_a_reading(slow_meter):
+    process = slow_meter(quick=1e3)
+    port = process.stdout.readline().split("::")[2]
+    with socket.create_connection(("127.0.0.1", int(port)), timeout=5) as line:
+        line.sendall(b":TRIGger EXTernal;:FREQuency 5E3;*TRG;:MEASure?\r\n")
+        assert process.stdout.readline() == "solving\n"
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=SOON)
+    assert process.returncode == 0
+
+
+def test_ctrl_c_ends_a_recording_that_awaits_the_meter_and_says_how_to_go_on(
+    start_rig, serve, make_instrument, tmp_path
+):
+    meter = make_instrument()
+    with serve(meter) as ports:
+        output = tmp_path / "run.nc"
+        order = tmp_path / "order.txt"
+        order.write_text("none\n" * 500)
+        where = ["--resource", ports.resource, "--order", order, "-o", output, "--unattended"]
+        process = start_rig("record", "pillow", *where, "--timeout", 60)
+        folder = Journal(output).folder
+        while len(finished(folder)) < 1:
+            time.sleep(0.002)
+        meter.faults.add(Fault("silent", times=10**6))
+        while meter.faults.waiting[0].times == 10**6:
+            assert process.poll() is None
+            time.sleep(0.002)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=SOON)
+    kept = len(finished(folder))
+    told = f"rcskin: {kept} of 500 sweeps are kept in {folder}; the same command goes on after them"
+    assert told in err and "Traceback" not in err and process.returncode != 0

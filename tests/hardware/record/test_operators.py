@@ -2,12 +2,14 @@
 
 import io
 
+import numpy as np
 import pytest
 from rcskin.hardware.meter.errors import MeterError
 from rcskin.hardware.meter.reading import Reading, Status
 from rcskin.hardware.record.operators import pressing_by_command
 from rcskin.hardware.record.order import Step
-from rcskin.hardware.record.terminal import Screen
+from rcskin.hardware.record.sweep import Sweep
+from rcskin.hardware.record.terminal import Screen, sparkline
 from rcskin.simulator.sweeps import InputError
 from rich.console import Console
 
@@ -16,13 +18,14 @@ from rich.console import Console
 def shown():
     """What a screen prints of one sweep with two readings."""
 
-    def shown(terminal, remarks):
+    def shown(terminal, remarks, plain=False, rest=None):
         file = io.StringIO()
-        screen = Screen(Console(file=file, force_terminal=terminal, width=100))
-        screen.begin("1/9  press 2,1")
-        screen.reading(1e3, Reading(123.456e-12, 54.321e3, -1e5))
-        screen.reading(2e3, Reading(99.5e-12, 43.21e3, -9e4, Status.OUTSIDE_GUARANTEE))
-        screen.end(remarks)
+        console = Console(file=file, force_terminal=terminal, width=110)
+        with Screen(console, plain) as screen:
+            screen.begin("1/9  press 2,1", rest)
+            screen.reading(1e3, Reading(123.456e-12, 54.321e3, -1e5))
+            screen.reading(2e3, Reading(99.5e-12, 43.21e3, -9e4, Status.OUTSIDE_GUARANTEE))
+            screen.end(remarks)
         return file.getvalue()
 
     return shown
@@ -38,6 +41,38 @@ def test_a_terminal_shows_the_readings_as_they_come(shown):
 def test_a_pipe_gets_nothing_but_what_is_wrong(shown):
     assert shown(False, []) == ""
     assert shown(False, ["it [slipped]"]) == "1/9  press 2,1: it [slipped]\n"
+
+
+REST = Sweep((123.456e-12, 199e-12), (54.321e3, 86.42e3), (-1e5, -1e5), (0, 0))
+
+
+def test_a_terminal_shows_the_curve_against_rest_as_it_grows(shown):
+    text = shown(True, [], rest=REST)
+    assert "Rs (% of rest)" in text and "-50.00" in text
+    assert "done; against rest Rs █▁ -50 to +0 %, Cp █▁ -50 to +0 %" in text
+
+
+def test_plain_text_tells_the_span_of_the_curve_without_a_control_code(shown):
+    text = shown(False, ["check"], plain=True, rest=REST)
+    first, second = text.splitlines()
+    assert first == "1/9  press 2,1: done; against rest Rs -50 to +0 %, Cp -50 to +0 %"
+    assert second == "1/9  press 2,1: check" and "\x1b" not in text
+
+
+def test_a_sweep_that_ends_early_gives_the_cursor_back():
+    file = io.StringIO()
+    with (
+        pytest.raises(KeyboardInterrupt),
+        Screen(Console(file=file, force_terminal=True, width=100)) as screen,
+    ):
+        screen.begin("1/9  press 2,1", None)
+        raise KeyboardInterrupt
+    assert file.getvalue().rindex("\x1b[?25h") > file.getvalue().rindex("\x1b[?25l")
+
+
+def test_a_sparkline_has_a_character_for_each_value():
+    assert sparkline(np.array([0.0, 3.5, 7.0, np.nan])) == "▁▅█ "
+    assert sparkline(np.zeros(3)) == "▅▅▅"
 
 
 def test_a_pressing_command_gets_the_press(tmp_path):

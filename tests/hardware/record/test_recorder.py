@@ -28,7 +28,7 @@ class Silent:
     def __init__(self):
         self.remarks = []
 
-    def begin(self, title): ...
+    def begin(self, title, rest): ...
     def reading(self, frequency, reading): ...
     def end(self, remarks):
         self.remarks += remarks
@@ -92,10 +92,10 @@ def test_readings_that_are_not_normal_are_flagged(task, operator):
 class Interrupts(Machine):
     """Stops the recording before its third press."""
 
-    def press(self, step, number, total):
-        if number == 2:
+    def press(self, step, progress):
+        if progress.number == 2:
             raise KeyboardInterrupt
-        super().press(step, number, total)
+        return super().press(step, progress)
 
 
 def test_an_interrupted_recording_goes_on_where_it_was(task, operator, show):
@@ -246,3 +246,45 @@ def test_scenes_beyond_the_meter_are_refused_before_anything_is_written(task, op
     with pytest.raises(InputError, match="an IM3523 measures from 40 to 200000 Hz"):
         record(dataclasses.replace(task, scene=scene), operator)
     assert not Journal(task.output).folder.exists()
+
+
+class Repents(Machine):
+    """Wants the step before once more when it comes to the fourth."""
+
+    def press(self, step, progress):
+        self.seen.append(progress)
+        if progress.number == 3 and [each.number for each in self.seen].count(3) == 1:
+            return False
+        return super().press(step, progress)
+
+
+def test_a_step_is_done_again_when_it_is_asked_for(task, operator, show):
+    again, pressed, by = Repents(operator.by, show), [], operator.by
+    again.seen, again.by = [], lambda step: (pressed.append(step.press), by(step))
+    _, entries = record(task, again)
+    order = [step.press for step in task.order]
+    assert [entry.press for entry in entries] == order
+    assert pressed == [*order[:3], order[2], *order[3:]]
+    assert entries[2].begun > entries[1].ended
+
+
+def test_progress_tells_the_step_the_time_left_and_the_skin_at_rest(task, operator, show):
+    watched = Repents(operator.by, show)
+    watched.seen = []
+    _, entries = record(task, watched)
+    first, *later = watched.seen
+    assert (first.words, first.left, first.rest) == ("1/11", None, None)
+    assert all(each.left >= 0 and each.total == 11 for each in later)
+    assert later[0].words == f"2/11, 0:{round(later[0].left):02d} min left"
+    assert later[0].rest is entries[0].sweep and later[-1].rest is entries[5].sweep
+
+
+@pytest.mark.parametrize(("by_hand", "left"), [(True, 3), (False, 0)])
+def test_a_machine_that_does_not_press_is_asked_again_and_ends(task, operator, show, by_hand, left):
+    """Not even a machine that never presses can hold it up: after its retries all is kept."""
+    operator.retries, by, order = 3, operator.by, [REST, parse_step("2,2", 2, 2)]
+    operator.by = lambda step: None if by_hand else by(step)
+    _, entries = record(dataclasses.replace(task, order=order), operator)
+    seen = [remark for remark in show.remarks if "no press is seen" in remark]
+    assert len(seen) == (left and left + 1)
+    assert entries[0].remarks == () and len(entries[1].remarks) == (1 if by_hand else 0)

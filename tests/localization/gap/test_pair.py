@@ -18,6 +18,7 @@ MEASURED = {"model": "measured"}
         (MEASURED, MEASUREMENT),
         (MEASURED | {"meter": "HIOKI,IM3523,180912345,V1.00"}, MEASUREMENT),
         (MEASURED | {"meter": "HIOKI,IM3523,000000000,V1.00"}, TWIN),
+        ({"model": "virtual meter"}, TWIN),
         (MEASURED | {"twin": "seed 3"}, TWIN),
         (MEASURED | {"twin": 0}, TWIN),
         ({"model": "exact line", "rtol": 1e-4}, SECOND),
@@ -29,8 +30,9 @@ def test_the_noun_is_taken_from_the_attributes(make_skin_sweeps, attributes, nou
 
 
 def test_measured_sweeps_cannot_stand_for_simulated_ones(make_skin_sweeps):
-    with pytest.raises(InputError, match="run.nc: holds measured sweeps"):
-        check_simulated(make_skin_sweeps(1, attributes=MEASURED), "run.nc")
+    for model, told in (("measured", "measured"), ("virtual meter", "twin")):
+        with pytest.raises(InputError, match=f"run.nc: holds {told} sweeps"):
+            check_simulated(make_skin_sweeps(1, attributes={"model": model}), "run.nc")
 
 
 def test_only_interfaces_of_both_are_kept_and_the_others_told(make_skin_sweeps, toy):

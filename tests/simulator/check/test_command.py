@@ -1,4 +1,4 @@
-"""`rcskin check` as its user meets it: 0 where all pass, 1 where something is flagged, 2 if bad."""
+"""`rcskin check` as its user meets it: 0 where all pass, 1 where a law is broken, 2 if bad."""
 
 import numpy as np
 import pytest
@@ -26,14 +26,14 @@ def test_lawful_sweeps_end_with_code_0(run, two_sweeps, ending):
     code, out, err = run("check", two_sweeps(2, ending))
     assert (code, err) == (0, "")
     assert out.count("pass") == 2
-    assert "0 of 2 spectra flagged" in out
+    assert "0 of 2 spectra break a law" in out
 
 
 def test_a_broken_law_ends_with_code_1_and_is_told_with_sweep_and_frequencies(run, two_sweeps):
     code, out, err = run("check", two_sweeps(-1))
     assert (code, err) == (1, "")
     assert "sweep 1, interface meter: Re Z >= 0 is broken at 12 frequencies" in out
-    assert "1 of 2 spectra flagged" in out
+    assert "1 of 2 spectra break a law" in out
 
 
 def test_the_chart_is_written_where_it_is_asked_for(run, two_sweeps, tmp_path):

@@ -2,8 +2,16 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.check.curves import MOST_NAMED, QUANTITIES, _at_rest, _colours, _labels
-from rcskin.simulator.sweeps import write
+from rcskin.simulator.check.curves import (
+    MOST_DRAWN,
+    MOST_NAMED,
+    QUANTITIES,
+    _at_rest,
+    colours_of,
+    courses,
+    labels_of,
+)
+from rcskin.simulator.sweeps import read, write
 
 
 @pytest.fixture
@@ -31,7 +39,7 @@ def test_recordings_are_drawn_over_each_other(run, file, tmp_path):
 @pytest.mark.parametrize(
     "words, told",
     [
-        (["-o", "out.jpg"], "must end in .png or .svg or .pdf, got '.jpg'"),
+        (["-o", "out.jpg"], "must end in .png or .svg or .pdf or .html, got '.jpg'"),
         (["-o", "out.png", "--what", "Q"], "--what must be of Rs, Cp, change-Rs, "),
     ],
 )
@@ -63,14 +71,73 @@ def test_many_presses_are_told_by_their_column(make_sweeps):
     column = [0, 0, 0] + [column for _ in range(4) for column in range(1, 5)]
     row = [0, 0, 0] + [row for row in range(1, 5) for _ in range(4)]
     sweeps = make_sweeps(len(press), press=press, row=row, column=column)
-    labels = _labels([sweeps])
+    labels = labels_of([sweeps])
     assert labels["3,2"] == "column 2" and labels["1,1+2,2:1.5"] == "elsewhere"
     assert list(dict.fromkeys(labels.values()))[-1] == "elsewhere"
-    few = _labels([sweeps.isel(sweep=slice(0, MOST_NAMED))])
+    few = labels_of([sweeps.isel(sweep=slice(0, MOST_NAMED))])
     assert few["none"] == "at rest" and few["1,1"] == "1,1"
 
 
+def test_a_pixel_of_one_strength_is_the_same_press_without_it(make_sweeps):
+    press = ["none", "2,3:2.0", "2,3", "1,1:1.5", "1,1:2.0", "1,1"]
+    row, column = [0, 2, 2, 1, 1, 1], [0, 3, 3, 1, 1, 1]
+    labels = labels_of([make_sweeps(6, press=press, row=row, column=column)])
+    assert labels["2,3:2.0"] == labels["2,3"] == "2,3"
+    assert len({labels[each] for each in press[3:]}) == 3
+
+
 @pytest.mark.parametrize("many", [3, 7, 40])
-def test_labels_are_told_apart(many):
-    colours = _colours(["at rest", *(f"column {n}" for n in range(many))])
+def testlabels_of_are_told_apart(many):
+    colours = colours_of(["at rest", *(f"column {n}" for n in range(many))])
     assert len(set(colours.values())) == many + 1
+
+
+@pytest.fixture
+def two_files(make_sweeps, tmp_path):
+    """A simulated recording and a measured one."""
+    labels = {"press": ["none", "1,1", "none"], "row": [0, 1, 0], "column": [0, 1, 0]}
+    kinds = {"all.nc": {"model": "line", "rtol": 1e-4}, "run.nc": {"model": "measured"}}
+    for name, attributes in kinds.items():
+        write(make_sweeps(3, **labels, attributes=attributes), tmp_path / name)
+    return [tmp_path / name for name in kinds]
+
+
+def test_measured_and_simulated_are_told_apart_in_the_legend(run, two_files, tmp_path):
+    assert run("plot", *two_files, "-o", tmp_path / "out.svg")[0] == 0
+    text = (tmp_path / "out.svg").read_text()
+    assert "all.nc (simulated)" in text and "run.nc (measured)" in text
+
+
+def test_a_page_holds_every_curve_and_needs_no_network(run, two_files, tmp_path):
+    output = tmp_path / "page.html"
+    asked = [word for name in QUANTITIES for word in ("--what", name)]
+    code, out, err = run("plot", *two_files, "-o", output, *asked)
+    assert (code, out, err) == (0, f"{output}: 2 recordings drawn\n", "")
+    text = output.read_text()
+    assert "<script src=" not in text and "plotly.js v" in text
+    for name in ("at rest, all.nc (simulated)", "1,1, run.nc (measured)"):
+        assert text.count(f'"name":"{name}"') == 2 * len(QUANTITIES)
+
+
+def test_a_page_without_plotly_is_told_in_one_line(run, file, tmp_path, monkeypatch):
+    monkeypatch.setattr("rcskin.simulator.sweeps.needs.find_spec", lambda name: None)
+    code, _, err = run("plot", file, "-o", tmp_path / "page.html")
+    assert code == 2 and "needs plotly: pip install 'rcskin[view]'" in err
+    assert not (tmp_path / "page.html").exists()
+
+
+@pytest.mark.parametrize("ending", ["zarr", "csv"])
+def test_every_file_of_sweeps_is_drawn(run, make_sweeps, tmp_path, ending):
+    path = tmp_path / f"run.{ending}"
+    write(make_sweeps(3), path)
+    code, out, err = run("plot", path, "-o", tmp_path / "out.svg")
+    assert (code, err) == (0, "") and "1 recording drawn" in out
+
+
+def test_of_very_many_sweeps_some_are_drawn_and_that_is_told(run, make_sweeps, tmp_path):
+    path, many = tmp_path / "many.nc", MOST_DRAWN + 1
+    labels = {"press": ["1,1"] * many, "row": [1] * many, "column": [1] * many}
+    write(make_sweeps(many, ["left"], **labels), path)
+    assert len(list(courses(read(path), "left", QUANTITIES["Rs"]))) == MOST_DRAWN
+    code, _, err = run("plot", path, "-o", tmp_path / "out.html", "--what", "Rs")
+    assert code == 0 and err == f"rcskin: {path}: 400 of 401 sweeps are drawn, evenly spread\n"

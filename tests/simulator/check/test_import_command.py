@@ -1,5 +1,6 @@
 """`rcskin import` as its user meets it: exit codes, one clear line, nothing half-written."""
 
+import numpy as np
 import pytest
 from rcskin.simulator.sweeps import impedance, read
 
@@ -42,6 +43,23 @@ def test_the_branch_rule_is_told_and_kept(run, tables, tmp_path):
     assert code == 0
     assert "|X| >= Rs" in out
     assert "|X| >= Rs" in read(path).attrs["branch_rule"]
+
+
+def test_readings_near_45_degrees_are_named_and_a_branch_can_be_forced(run, tmp_path):
+    table, path = tmp_path / "some.csv", tmp_path / "all.nc"
+    rows = [(1e3, -8e3), (2e3, -3e3), (4e3, -1e3), (8e3, -300), (16e3, -100)]
+    Cp = [-X / (1e6 + X**2) / (2 * np.pi * f) for f, X in rows]
+    lines = [f"{f},1000,{C!r}" for (f, _), C in zip(rows, Cp, strict=True)]
+    table.write_text("\n".join(["f/Hz,Rs,Cp", *lines]))
+    code, _, err = run("import", table, "-o", path)
+    told = "3 of 5 readings may be on the wrong branch, beyond a phase near -45 degrees"
+    assert code == 0 and err.count("\n") == 1 and told in err
+    assert read(path)["X"].values.ravel() == pytest.approx([X for _, X in rows])
+    code, _, err = run("import", table, "--branch", "capacitive", "-o", path)
+    assert (code, err) == (0, "")
+    assert read(path)["X"].values.ravel()[-1] == pytest.approx(-1e4)
+    code, _, err = run("import", table, "--branch", "up", "-o", path)
+    assert code == 2 and "`branch` must be one of followed, capacitive, resistive" in err
 
 
 def test_the_branch_rule_stands_in_the_help(run):

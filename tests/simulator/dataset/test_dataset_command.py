@@ -59,6 +59,13 @@ def test_sweeps_are_those_of_the_full_model_within_the_tolerance(run, scene_file
         np.testing.assert_allclose(sweeps["Cp"][k], Cp, rtol=1e-4)
 
 
+def test_what_was_certified_is_told_beside_the_sessions_that_it_was_drawn_from(
+    run, scene_file, tmp_path
+):
+    code, out, _ = run("dataset", scene_file, "--sweeps", 10, "-o", tmp_path / "few.zarr")
+    assert code == 0 and "10 sweeps; certified 20 of the 20 in their whole sessions" in out
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [

@@ -1,0 +1,95 @@
+"""Sweeps as curves on a page to zoom in with any browser, offline: one file, drawn by plotly."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..sweeps import check_needs, checked_output, whole_file
+from .curves import QUANTITIES, Shown, colours_of, courses, labels_of, panels_of
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+    import xarray as xr
+
+ENDING = ".html"
+DASHES = ("solid", "dash", "dot", "dashdot", "longdashdot")
+"""Of the recordings, like `charts.LINE_STYLES`."""
+PANEL_HEIGHT = 380
+
+
+def checked_page(path: Path) -> Path:
+    """The same path, if a page can be written there; raises InputError where plotly is missing."""
+    check_needs(path, "view", "plotly")
+    return checked_output(path, (ENDING,))
+
+
+def write_page(
+    recordings: Sequence[xr.Dataset],
+    path: Path,
+    what: Sequence[str] = (),
+    names: Sequence[str] = (),
+) -> None:
+    """The panels of `curves.draw_curves` on a page that needs nothing else, written whole.
+
+    A click on a press or a recording hides it. Raises InputError as `draw_curves`.
+    """
+    from plotly.subplots import make_subplots
+
+    panels, across = panels_of(recordings, what)
+    down = -(-len(panels) // across)
+    titles = [f"{shown.name}, {interface}" for shown, interface in panels]
+    figure = make_subplots(rows=down, cols=across, subplot_titles=titles)
+    for number, (shown, interface) in enumerate(panels):
+        row, column = number // across + 1, number % across + 1
+        for trace in _traces(recordings, interface, shown, names):
+            figure.add_trace(trace.update(showlegend=number == 0), row, column)
+        _dress(figure, shown, row, column)
+    figure.update_layout(template="plotly_white", height=PANEL_HEIGHT * down, hovermode="closest")
+    with whole_file(path) as unfinished:
+        figure.write_html(unfinished, include_plotlyjs=True, div_id="curves")
+
+
+def _traces(
+    recordings: Sequence[xr.Dataset], interface: str, shown: Shown, names: Sequence[str]
+) -> list[go.Scatter]:
+    """A trace for each label of each recording: its curves, parted by gaps."""
+    import plotly.graph_objects as go
+
+    labels = labels_of(recordings)
+    colours = colours_of(labels.values())
+    traces = []
+    for number, sweeps in enumerate(recordings):
+        drawn = list(courses(sweeps, interface, shown))
+        for label in dict.fromkeys(labels[press] for press, _, _ in drawn):
+            own = [course for course in drawn if labels[course[0]] == label]
+            name = f"{label}, {names[number]}" if names else label
+            traces.append(
+                go.Scatter(
+                    x=[each for _, x, _ in own for each in (*x.tolist(), None)],
+                    y=[each for _, _, y in own for each in (*y.tolist(), None)],
+                    text=[press for press, x, _ in own for _ in range(len(x) + 1)],
+                    name=name,
+                    legendgroup=name,
+                    mode="lines+markers",
+                    marker={"size": 3},
+                    line={
+                        "color": colours[label],
+                        "dash": DASHES[number % len(DASHES)],
+                        "width": 1.4,
+                    },
+                )
+            )
+    return traces
+
+
+def _dress(figure: go.Figure, shown: Shown, row: int, column: int) -> None:
+    x = {"type": "log", "title": "Frequency (kHz)"}
+    y = {"title": f"{shown.name} ({shown.unit})"}
+    if shown.unit in ("ohm", "F"):
+        y |= {"exponentformat": "SI"}
+    if shown is QUANTITIES["nyquist"]:
+        x, y = {"title": "Rs (ohm)", "exponentformat": "SI"}, y | {"type": "log"}
+    figure.update_xaxes(x, row=row, col=column)
+    figure.update_yaxes(y, row=row, col=column)
