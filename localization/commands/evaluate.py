@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ..evaluation.report import Found
     from ..inputs.samples import Samples
     from ..learners.registry import Estimator
+    from ..model.model import Model
 
 FILES = "A model to evaluate, MODEL.skops, if any; then sweeps: FILE.nc, FILE.zarr or FILE.csv."
 
@@ -37,6 +38,7 @@ def evaluate_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         tune: options.Tune = False,
         folds: Annotated[int, typer.Option(help="Of the outer cross-validation, >= 2.")] = 5,
         most: options.Most = options.MOST_SWEEPS,
+        anyway: options.Anyway = False,
     ) -> None:
         """How often a localizer is right.
 
@@ -50,6 +52,7 @@ def evaluate_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         from ..evaluation.report import lines_of, made_folder, write_report
         from ..inputs.reading import read_some
         from ..inputs.samples import samples_of
+        from .asking import model_for
 
         if len(files) > 2:
             raise InputError(f"takes one model and one file of sweeps, got {len(files)} files")
@@ -59,7 +62,8 @@ def evaluate_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         sweeps = read_some(files[-1], most)
         resting = None if rest is None else read_some(rest, most)
         if len(files) == 2:
-            found = _by_model(files[0], extra(), sweeps, resting)
+            model = model_for(sweeps, files[1], files[0], extra(), anyway=anyway)
+            found = _by_model(model, sweeps, resting)
         else:
             asked = quantities.split(",")
             samples = samples_of(sweeps, target, asked, interfaces=interface, rest=resting)
@@ -72,15 +76,10 @@ def evaluate_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
     return evaluate
 
 
-def _by_model(
-    path: Path, extra: Iterable[Estimator], sweeps: xr.Dataset, rest: xr.Dataset | None
-) -> Found:
+def _by_model(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -> Found:
     from ..evaluation.evaluation import score
     from ..evaluation.report import Found
-    from ..learners.registry import estimators
-    from ..model.file import load
 
-    model = load(path, estimators(extra))
     samples = model.samples(sweeps, rest)
     scored = score(model.learned, samples)
     figures = scored.figures().items()

@@ -45,6 +45,9 @@ def gap_command(
         calibration_touches: Annotated[
             int, typer.Option(help="Pressed sweeps that calibrate, and are never tested.")
         ] = 5,
+        anyway: Annotated[
+            bool, typer.Option("--anyway", help="Compare even sweeps of different skins.")
+        ] = False,
     ) -> None:
         """How far simulation is from measurement, and what would close the gap.
 
@@ -54,7 +57,7 @@ def gap_command(
         """
         from ...simulator.sweeps import read
         from ..gap.findings import find
-        from ..gap.noun import check_simulated
+        from ..gap.noun import check_other, check_simulated
         from ..gap.pair import paired
         from ..gap.question import Question
         from ..gap.report.pages import HTML, made_folder, write_report
@@ -64,6 +67,8 @@ def gap_command(
         sides = read(simulated), read(measured)
         check_simulated(sides[0], simulated)
         text = simulation.scene(scene) if scene else ""
+        if not anyway:
+            check_other(sides[1], text or str(sides[0].attrs.get("scene", "")), measured)
         pair = paired(*sides, simulation, text, seed)
         made_folder(output)
         with progress() as track:

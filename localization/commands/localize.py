@@ -28,6 +28,7 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         ] = None,
         rest: options.Rest = None,
         most: options.Most = options.MOST_SWEEPS,
+        anyway: options.Anyway = False,
     ) -> None:
         """Tell where sweeps were pressed, each with its probability.
 
@@ -38,13 +39,14 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         from ...simulator.sweeps import checked_output
         from ..evaluation.report import write_table
         from ..inputs.reading import read_some
-        from ..learners.registry import estimators
-        from ..model.file import load
+        from .asking import model_for
 
         if output is not None:
             checked_output(output, (".csv",))
         resting = None if rest is None else read_some(rest, most)
-        header, rows = _table(load(model, estimators(extra())), read_some(sweeps, most), resting)
+        asked = read_some(sweeps, most)
+        told = model_for(asked, sweeps, model, extra(), anyway=anyway)
+        header, rows = _table(told, asked, resting)
         if output is not None:
             write_table(output, header, rows)
             return

@@ -46,3 +46,6 @@ Certain = Annotated[
 Tune = Annotated[bool, typer.Option("--tune", help="Choose parameters by cross-validation.")]
 Most = Annotated[int, typer.Option(help=MOST)]
 Rest = Annotated[Path | None, typer.Option(help=REST)]
+Anyway = Annotated[
+    bool, typer.Option("--anyway", help="Ask even if the sweeps are of another skin.")
+]

@@ -1,28 +1,12 @@
 """`rcskin train`, `evaluate` and `localize` as their user meets them."""
 
-import sys
-
 import numpy as np
 import pandas as pd
 import pytest
 import skops.io
-from rcskin import __main__ as rcskin
 from rcskin.simulator.sweeps import concatenate, write
 
 SCENE = "[skin]\nlength = 0.03\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 3\n"
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Runs `rcskin` with arguments; returns exit code, output and errors."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["rcskin", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            rcskin.main()
-        return end.value.code, *capsys.readouterr()
-
-    return run
 
 
 @pytest.fixture(scope="module")
