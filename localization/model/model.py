@@ -150,7 +150,7 @@ class Model:
         """
         if isinstance(self.learned, Classifier):
             return self.learned.answers(self.features(sweeps, rest))
-        novel = self.learned.guard.predict(self.features(sweeps, rest)) < 0
+        novel = self.learned.guards.novel(self.features(sweeps, rest))
         if self.gate is None:
             return Answers(np.where(novel, CANNOT_TELL, "1"), np.ones(novel.size), novel)
         counted = self.gate.answers(sweeps, rest)

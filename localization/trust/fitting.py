@@ -8,9 +8,10 @@ from ...simulator.sweeps import InputError
 from ..inputs.samples import Samples
 from ..learners.registry import Estimator
 from .answers import threshold_of
-from .fitted import Classifier, Regressor
-from .folds import PLENTY, by_session, held_out_of, judging
+from .fitted import Classifier, Guards, Regressor
+from .folds import PLENTY, Splits, by_session, held_out_of, judging
 from .held_out import held_out_decisions, held_out_positions
+from .kinds import kind_guard
 from .novelty import NoveltyGuard
 from .spread import Spread
 from .temperature import probabilities, sharpness_of
@@ -40,7 +41,7 @@ def learn_classes(
         probability = probabilities(held_out, sharpness)
         right = probability.argmax(axis=1) == index
         threshold = threshold_of(probability.max(axis=1), right, certain)
-    return Classifier(pipeline, sharpness, threshold, _guard(samples))
+    return Classifier(pipeline, sharpness, threshold, _guards(samples, splits))
 
 
 def learn_positions(samples: Samples, estimator: Estimator, *, tune: bool = False) -> Regressor:
@@ -58,10 +59,10 @@ def learn_positions(samples: Samples, estimator: Estimator, *, tune: bool = Fals
         deviation = deviation[unseen]
         z = np.divide(residual, deviation, out=np.zeros(told.shape), where=deviation > 0)
         factor = np.sqrt(np.square(z).mean(axis=0))
-    return Regressor(train(samples), factor, spread, _guard(samples))
+    return Regressor(train(samples), factor, spread, _guards(samples, splits))
 
 
-def _guard(samples: Samples) -> NoveltyGuard:
-    samples = samples.at_most(PLENTY)
-    groups = samples.sessions if by_session(samples.sessions) else None
-    return NoveltyGuard().fit(samples.X, groups=groups)
+def _guards(samples: Samples, splits: Splits) -> Guards:
+    some = samples.at_most(PLENTY)
+    groups = some.sessions if by_session(some.sessions) else None
+    return Guards(NoveltyGuard().fit(some.X, groups=groups), kind_guard(samples, splits))
