@@ -35,6 +35,7 @@ def dataset(
     from ..models.plain import plain_scene
     from ..scene.files import load_scene
     from ..sweeps import InputError, open_zarr
+    from ..sweeps.errors import InterruptedWorkError
     from .bar import on_terminal
     from .plan import Plan
     from .run import generate
@@ -42,8 +43,12 @@ def dataset(
     if workers is not None and workers < 1:
         raise InputError(f"--workers must be >= 1, got {workers}")
     plan = Plan(plain_scene(load_scene(scene), "a data set"), sweeps, seed, rtol)
-    with on_terminal(plan.scene.name, sweeps) as advance:
-        generate(plan, output, processes=workers or _cores(), scheduler=scheduler, advance=advance)
+    processes = workers or _cores()
+    try:
+        with on_terminal(plan.scene.name, sweeps) as advance:
+            generate(plan, output, processes=processes, scheduler=scheduler, advance=advance)
+    except KeyboardInterrupt:
+        raise InterruptedWorkError("the same command goes on from here") from None
     told = open_zarr(output).attrs
     typer.echo(
         f"{output}: {sweeps} sweeps; {told['audit_sample']} certified, largest bound on the "
