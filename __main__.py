@@ -132,7 +132,7 @@ def _tables(*asked: Any, **options: Any) -> Mapping[str, NDArray]:
     return templates(*asked, **options)
 
 
-add_commands(app, _model_based)
+add_commands(app, on_terminal, _model_based)
 app.command("live")(live_command(_live_localizer))
 app.add_typer(meter_app(Simulation(_scene_data, _skin, _readout)), name="meter")
 

@@ -9,14 +9,22 @@ import typer
 
 from .commands.evaluate import evaluate_command
 from .commands.localize import localize_command
+from .commands.options import Progress
 from .commands.train import train_command
 
 if TYPE_CHECKING:
     from .learners.registry import Estimator
 
 
-def add_commands(app: typer.Typer, extra: Callable[[], Iterable[Estimator]] = tuple) -> None:
-    """Add `train`, `evaluate` and `localize`; extra tells estimators beside those of here."""
-    app.command("train")(train_command(extra))
-    app.command("evaluate")(evaluate_command(extra))
+def add_commands(
+    app: typer.Typer,
+    progress: Progress,
+    extra: Callable[[], Iterable[Estimator]] = tuple,
+) -> None:
+    """Add `train`, `evaluate` and `localize`; extra tells estimators beside those of here.
+
+    progress: opens what tells how far work has come.
+    """
+    app.command("train")(train_command(extra, progress))
+    app.command("evaluate")(evaluate_command(extra, progress))
     app.command("localize")(localize_command(extra))

@@ -17,12 +17,15 @@ if TYPE_CHECKING:
     from ..inputs.samples import Samples
     from ..learners.registry import Estimator
     from ..model.model import Model
+    from ..trust.folds import Track
 
 FILES = "A model to evaluate, MODEL.skops, if any; then sweeps: FILE.nc, FILE.zarr or FILE.csv."
 
 
-def evaluate_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., None]:
-    """The command, told of further estimators."""
+def evaluate_command(
+    extra: Callable[[], Iterable[Estimator]], progress: options.Progress
+) -> Callable[..., None]:
+    """The command, told of further estimators. progress: opens what tells how far work has come."""
 
     def evaluate(
         files: Annotated[list[Path], typer.Argument(metavar="[MODEL] SWEEPS", help=FILES)],
@@ -65,13 +68,17 @@ def evaluate_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
             model = model_for(sweeps, files[1], files[0], extra(), anyway=anyway)
             found = _by_model(model, sweeps, resting)
         else:
-            asked = quantities.split(",")
+            asked = options.quantities_of(quantities)
             samples = samples_of(sweeps, target, asked, interfaces=interface, rest=resting)
-            found = _by_folds(samples, name, extra(), certain=certain, tune=tune, folds=folds)
+            with progress() as track:
+                found = _by_folds(
+                    samples, name, extra(), certain=certain, tune=tune, folds=folds, track=track
+                )
         for line in lines_of(found):
             typer.echo(line)
         if folder is not None:
             write_report(folder, found)
+            typer.echo(f"evaluation: {len(found.score.truth)} sweeps -> {folder}")
 
     return evaluate
 
@@ -99,11 +106,12 @@ def _by_folds(
     certain: float | None,
     tune: bool,
     folds: int,
+    track: Track,
 ) -> Found:
     from ..evaluation.evaluation import nested
     from ..evaluation.report import Found
     from ..learners.registry import chosen, estimators
 
     estimator = chosen(name, samples.problem.target, estimators(extra))
-    found = nested(samples, estimator, certain=certain, tune=tune, folds=folds)
+    found = nested(samples, estimator, certain=certain, tune=tune, folds=folds, track=track)
     return Found(found.whole, dict(found.figures()), found.validation, samples.left_out)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-if TYPE_CHECKING:
-    from contextlib import AbstractContextManager
+from .options import Progress
 
+if TYPE_CHECKING:
     from ..gap.findings import Findings
     from ..gap.given import Simulation, Style
     from ..learners.registry import Estimator
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def gap_command(
     simulation: Simulation,
     style: Callable[[], Style],
-    progress: Callable[[], AbstractContextManager[Any]],
+    progress: Progress,
     extra: Callable[[], Iterable[Estimator]] = tuple,
 ) -> Callable[..., None]:
     """The command, told how skins are simulated and charts are drawn.
@@ -90,6 +90,17 @@ def _show(findings: Findings, report: Path) -> None:
         table.add_row(row.trained, *row.cells)
     console = Console()
     console.print(table)
-    for line in (*summary(findings), cause_told(findings), *findings.notes, f"see {report}"):
+    for line in (
+        *summary(findings),
+        cause_told(findings),
+        *findings.notes,
+        _written(findings, report),
+    ):
         if line:
             console.print(line, soft_wrap=True, highlight=False)
+
+
+def _written(findings: Findings, report: Path) -> str:
+    pair = findings.trial.pair
+    ours, theirs = pair.simulated.sizes["sweep"], pair.other.sizes["sweep"]
+    return f"gap: {ours} simulated and {theirs} {pair.noun.adjective} sweeps -> {report}"

@@ -39,6 +39,7 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         from ...simulator.sweeps import checked_output
         from ..evaluation.report import write_table
         from ..inputs.reading import read_some
+        from ..trust.answers import CANNOT_TELL
         from .asking import model_for
 
         if output is not None:
@@ -49,6 +50,8 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         header, rows = _table(told, asked, resting)
         if output is not None:
             write_table(output, header, rows)
+            silent = sum(row[2] == CANNOT_TELL for row in rows)
+            typer.echo(f"answers: {len(rows)} sweeps, {silent} cannot be told -> {output}")
             return
         for row in (header, *rows):
             typer.echo(",".join(f'"{cell}"' if "," in cell else cell for cell in row))

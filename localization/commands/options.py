@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -12,6 +14,9 @@ PAPER = "Rs,Cp"
 SWEEPS = "Sweeps: FILE.nc, FILE.zarr or FILE.csv."
 MOST = "Take the first so many sweeps, of whole sessions."
 REST = "Sweeps of the skin at rest, where SWEEPS has none and the model is to be told them."
+
+Progress = Callable[[], AbstractContextManager[Any]]
+"""Opens what tells on a terminal how far work has come."""
 
 Target = Annotated[
     str,
@@ -49,3 +54,14 @@ Rest = Annotated[Path | None, typer.Option(help=REST)]
 Anyway = Annotated[
     bool, typer.Option("--anyway", help="Ask even if the sweeps are of another skin.")
 ]
+
+
+def quantities_of(features: str) -> list[str]:
+    """What --features names. Raises InputError for what cannot be a feature."""
+    from ...simulator.sweeps import InputError
+    from ..inputs.features import checked_quantities
+
+    try:
+        return list(checked_quantities(features.split(",")))
+    except InputError as error:
+        raise InputError(str(error).replace("`quantities`", "--features")) from None

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ...simulator.sweeps import InputError, whole_file
 from ..inputs.targets import COORDINATES
+from ..trust.rates import rate_told
 from .confusion import write_csv
 from .evaluation import ClassScore, PositionScore, Score
 
@@ -46,13 +47,15 @@ def made_folder(path: Path) -> Path:
 def lines_of(found: Found) -> list[str]:
     """On what, then a line for each figure, with its spread over folds where there are any."""
     first = f"{len(found.score.truth)} sweeps, {found.left_out} without a target left out"
-    return [
-        f"{first}; {found.validation}",
-        *(
-            f"{name}: {value:.3g}" + ("" if spread is None else f" ± {spread:.2g}")
-            for name, (value, spread) in found.figures.items()
-        ),
-    ]
+    rates = found.score.rates() if isinstance(found.score, ClassScore) else {}
+    lines = [f"{first}; {found.validation}"]
+    for name, (value, spread) in found.figures.items():
+        if name in rates:
+            folds = "" if spread is None else f"; folds differ by ± {100 * spread:.2g} %"
+            lines.append(f"{name}: {rate_told(*rates[name])}{folds}")
+        else:
+            lines.append(f"{name}: {value:.3g}" + ("" if spread is None else f" ± {spread:.2g}"))
+    return lines
 
 
 def write_report(folder: Path, found: Found) -> None:

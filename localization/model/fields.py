@@ -55,6 +55,9 @@ KINDS = {
     "spread": Spread | None,
     "guard": NoveltyGuard,
     "kinds": KindGuard | None,
+    "right": int,
+    "held_out": int,
+    "median_error": float,
     "estimator": str,
     "problem": dict,
     "certain": float | None,
@@ -97,6 +100,9 @@ def fields_of(model: Model) -> dict[str, Any]:
         "spread": getattr(learned, "spread", None),
         "guard": learned.guards.sweeps,
         "kinds": learned.guards.kinds,
+        "right": getattr(learned, "right", 0),
+        "held_out": getattr(learned, "held_out", 0),
+        "median_error": getattr(learned, "median_error", 0.0),
         "problem": asdict(model.problem),
         **{name: getattr(model, name) for name in COPIED},
         "gate": None if model.gate is None else fields_of(model.gate),
@@ -110,18 +116,23 @@ def model_of(fields: Any) -> Model:
     _check(fields, {"layout": int, **KINDS})
     _check(fields["problem"], PROBLEM)
     problem = Problem(**fields["problem"])
-    kind, names = (
-        (Regressor, ("pipeline", "factor", "spread"))
-        if problem.continuous
-        else (Classifier, ("pipeline", "sharpness", "threshold"))
-    )
-    guards = Guards(fields["guard"], fields["kinds"])
     return Model(
-        learned=kind(*(fields[name] for name in names), guards),
+        learned=_learned(fields, problem.continuous),
         problem=problem,
         gate=None if fields["gate"] is None else model_of(fields["gate"]),
         **{name: fields[name] for name in COPIED},
     )
+
+
+def _learned(fields: dict[str, Any], continuous: bool) -> Classifier | Regressor:
+    kind, names = (
+        (Regressor, {"factor", "spread", "median_error"})
+        if continuous
+        else (Classifier, {"sharpness", "threshold", "right", "held_out"})
+    )
+    own = {name: fields[name] for name in names}
+    guards = Guards(fields["guard"], fields["kinds"])
+    return kind(pipeline=fields["pipeline"], guards=guards, **own)
 
 
 def _is_earlier(fields: Any) -> bool:

@@ -19,7 +19,7 @@ from ..learners.registry import Registry, chosen
 from ..trust.answers import CANNOT_TELL, NOTHING_PRESSED, Answers
 from ..trust.fitted import Classifier, Regressor
 from ..trust.fitting import learn_classes, learn_positions
-from ..trust.folds import judging, told
+from ..trust.folds import Track, judging, told, untold
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -193,22 +193,24 @@ def train(
     certain: float | None = None,
     tune: bool = False,
     registry: Registry | None = None,
+    track: Track = untold,
 ) -> Model:
     """A model that tells of sweeps like these what `target` asks for.
 
     Sweeps whose press has no such target are left out. target, quantities, interfaces, rest: as of
     `samples_of`. estimator: a name in `registry`, or that of DEFAULT_OF. certain: the rate at which
     answers are to be right on held-out sweeps; without it every sweep that is no novelty is
-    answered. tune: choose the estimator's parameters by cross-validation.
+    answered. tune: choose the estimator's parameters by cross-validation. track: as of `Track`.
     Raises InputError where these cannot be had, or the sweeps are of one class.
     """
     made = chosen(estimator, target, registry)
     samples = samples_of(sweeps, target, quantities, interfaces=interfaces, rest=rest)
     if samples.problem.continuous:
         gate = _gate(sweeps, samples, rest, certain)
-        learned = learn_positions(samples, made, tune=tune)
+        learned = learn_positions(samples, made, tune=tune, track=track)
     else:
-        gate, learned = None, learn_classes(samples, made, certain=certain, tune=tune)
+        gate = None
+        learned = learn_classes(samples, made, certain=certain, tune=tune, track=track)
     held_out = told(judging(samples.strata, samples.sessions), samples.sessions)
     return Model(
         learned=learned,

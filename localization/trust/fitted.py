@@ -37,13 +37,16 @@ class Classifier:
     """Tells classes.
 
     sharpness: factor of decisions of which the softmax tells probabilities. threshold: the least
-    probability that is answered. guards: know what sweeps of the training looked like.
+    probability that is answered. guards: know what sweeps of the training looked like. right,
+    held_out: how many of the sweeps held out were told right, and of how many.
     """
 
     pipeline: Pipeline
     sharpness: float
     threshold: float
     guards: Guards
+    right: int
+    held_out: int
 
     @property
     def classes(self) -> NDArray:
@@ -65,12 +68,14 @@ class Regressor:
 
     factor: of the pipeline's own standard deviations, by which they were too small on held-out
     sweeps, shape (3,). spread: tells deviations where the pipeline has none of its own.
+    median_error: mm, of the sweeps held out.
     """
 
     pipeline: Pipeline
     factor: NDArray[np.float64]
     spread: Spread | None
     guards: Guards
+    median_error: float
 
     def positions(self, X: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Positions and standard deviations, in mm and of the strength, each of shape (n, 3)."""

@@ -146,4 +146,4 @@ def _places(positions: NDArray[np.float64]) -> NDArray[np.intp]:
     from sklearn.cluster import KMeans
 
     count = int(np.clip(len(positions) // SWEEPS_OF_PLACE, 1, MOST_PLACES))
-    return KMeans(count, n_init=1, random_state=0).fit_predict(positions[:, :2])
+    return KMeans(count, random_state=0).fit_predict(positions[:, :2])

@@ -19,7 +19,7 @@ with ending_soon(), whole_file(Path(sys.argv[1])) as unfinished:
     print("at work", flush=True)
     hashlib.pbkdf2_hmac("sha256", b"", b"", 10**9)
 """
-STUDY = ("study", "strip-1x3", "--vary", "skin.sheet_resistance=1e4:1e5:2000", "--workers", "2")
+STUDY = ("study", "strip-1x3", "--vary", "skin.sheet_resistance=1e4:1e5:1000", "--workers", "2")
 
 
 @pytest.fixture

@@ -57,7 +57,7 @@ def test_a_sheet_resistance_is_named_and_calibration_brings_accuracy_up(run, fil
     code, out, err = run(*files, "-o", tmp_path / "gap", "--draws", 2)
     assert (code, err) == (0, "")
     assert "Sheet resistance explains most of the gap" in out
-    assert f"see {tmp_path / 'gap' / 'gap.html'}" in out
+    assert out.endswith(f" twin sweeps -> {tmp_path / 'gap' / 'gap.html'}\n")
     assert {path.name for path in (tmp_path / "gap").iterdir()} == {"gap.html", "gap.json"}
     found = json.loads((tmp_path / "gap" / "gap.json").read_text())
     assert set(found) == ENTRIES
