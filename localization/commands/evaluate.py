@@ -27,6 +27,7 @@ def evaluate_command(
 ) -> Callable[..., None]:
     """The command, told of further estimators. progress: opens what tells how far work has come."""
 
+    @options.as_typed
     def evaluate(
         files: Annotated[list[Path], typer.Argument(metavar="[MODEL] SWEEPS", help=FILES)],
         output: Annotated[
@@ -68,7 +69,7 @@ def evaluate_command(
             model = model_for(sweeps, files[1], files[0], extra(), anyway=anyway)
             found = _by_model(model, sweeps, resting)
         else:
-            asked = options.quantities_of(quantities)
+            asked = quantities.split(",")
             samples = samples_of(sweeps, target, asked, interfaces=interface, rest=resting)
             with progress() as track:
                 found = _by_folds(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .options import Progress
+from .options import Progress, as_typed
 
 if TYPE_CHECKING:
     from ..gap.findings import Findings
@@ -28,6 +28,7 @@ def gap_command(
     beside those of `localization`.
     """
 
+    @as_typed
     def gap(
         simulated: Annotated[Path, typer.Argument(help="Simulated sweeps, .nc, .zarr or .csv.")],
         measured: Annotated[Path, typer.Argument(help="Sweeps of the skin itself, or of a twin.")],

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., None]:
     """The command; extra tells estimators beside those of this package."""
 
+    @options.as_typed
     def localize(
         model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
         sweeps: Annotated[Path, typer.Argument(help=options.SWEEPS)],

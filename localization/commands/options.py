@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
+import warnings
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -56,12 +59,35 @@ Anyway = Annotated[
 ]
 
 
-def quantities_of(features: str) -> list[str]:
-    """What --features names. Raises InputError for what cannot be a feature."""
-    from ...simulator.sweeps import InputError
-    from ..inputs.features import checked_quantities
+TYPED = {"quantities": "features", "interfaces": "interface"}
+"""Options that are called otherwise than the arguments behind them."""
+QUOTED = re.compile(
+    "`(target|estimator|quantities|interfaces|certain|folds|seed|draws|calibration-touches)`"
+)
+"""Arguments as messages name them."""
+WARNERS = r"(sklearn|rcskin\.localization)(\.|$)"
+"""Modules that scikit-learn's warnings are put down to: its own, and those that call it."""
 
-    try:
-        return list(checked_quantities(features.split(",")))
-    except InputError as error:
-        raise InputError(str(error).replace("`quantities`", "--features")) from None
+
+def as_typed(command: Callable[..., None]) -> Callable[..., None]:
+    """The command, whose errors name options as they were typed.
+
+    What scikit-learn warns of stays within: its user can do nothing with it.
+    """
+
+    @wraps(command)
+    def run(*arguments: Any, **named: Any) -> None:
+        from ...simulator.sweeps import InputError
+
+        try:
+            with warnings.catch_warnings():
+                warnings.filterwarnings("ignore", module=WARNERS)
+                command(*arguments, **named)
+        except InputError as error:
+            raise InputError(QUOTED.sub(_option, str(error))) from error
+
+    return run
+
+
+def _option(match: re.Match[str]) -> str:
+    return f"--{TYPED.get(match[1], match[1])}"

@@ -20,6 +20,7 @@ def train_command(
 ) -> Callable[..., None]:
     """The command, told of further estimators. progress: opens what tells how far work has come."""
 
+    @options.as_typed
     def train(
         sweeps: Annotated[Path, typer.Argument(help=options.SWEEPS)],
         output: Annotated[Path, typer.Option("--output", "-o", help="MODEL.skops.")],
@@ -51,7 +52,7 @@ def train_command(
                 known,
                 target,
                 name,
-                quantities=options.quantities_of(quantities),
+                quantities=quantities.split(","),
                 interfaces=interface,
                 certain=certain,
                 tune=tune,

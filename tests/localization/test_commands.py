@@ -81,16 +81,24 @@ def test_only_so_many_sweeps_are_taken_and_whole_sessions_of_them(run, files, tm
     assert code == 0 and "; 48 sweeps" in out
 
 
+def test_what_scikit_learn_warns_of_is_not_shown(run, make_sweeps, tmp_path):
+    write(make_sweeps(rows=4, columns=6, repetitions=2), tmp_path / "few.nc")
+    asked = ("--target", "pixel", "-o", tmp_path / "m.skops")
+    code, _, err = run("train", tmp_path / "few.nc", *asked)
+    assert (code, err) == (0, "")
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
+        (["train", "known.nc", "--estimator", "oracle", "-o", "m.skops"], "--estimator must be"),
         (["train", "known.nc", "-o", "m.pkl"], "must end in .skops"),
-        (["train", "known.nc", "--target", "depth", "-o", "m.skops"], "`target` must be one of"),
+        (["train", "known.nc", "--target", "depth", "-o", "m.skops"], "--target must be one of"),
         (["train", "known.nc", "--features", "Z", "-o", "m.skops"], "--features must be of"),
         (["train", "known.nc", "--interface", "up", "-o", "m.skops"], "no interface 'up'"),
         (["train", "pressed.nc", "--features", "dlnZ", "-o", "m.skops"], "no sweep of the skin at"),
         (["train", "known.nc", "--most", "0", "-o", "m.skops"], "--most must be >= 1"),
-        (["train", "known.nc", "--certain", "2", "-o", "m.skops"], "`certain` must be between"),
+        (["train", "known.nc", "--certain", "2", "-o", "m.skops"], "--certain must be between"),
         (["evaluate", "a.skops", "known.nc"], "holds no model of rcskin"),
         (["localize", "none.skops", "known.nc"], "cannot be read"),
         (["localize", "good.skops", "other.nc"], "trained on 20 frequencies, the sweeps have 2"),

@@ -85,10 +85,10 @@ def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
     [
         (("absent.nc", 1), "absent.nc: no such file"),
         ((1, 0), "twin.nc: holds twin sweeps; the simulated sweeps are to be named first"),
-        ((0, 1, "--target", "position"), "`target` must be one of column, row, pixel"),
+        ((0, 1, "--target", "position"), "--target must be one of column, row, pixel"),
         ((0, 1, "--estimator", "oracle"), "'oracle'"),
         ((0, 1, "--scene", "no-such-scene"), "no-such-scene: no such file"),
-        ((0, 1, "--draws", "0"), "`draws` must be >= 1, got 0"),
+        ((0, 1, "--draws", "0"), "--draws must be >= 1, got 0"),
     ],
 )
 def test_bad_input_is_one_line_and_leaves_nothing(run, files, tmp_path, arguments, message):
