@@ -13,18 +13,20 @@ from .commands.options import Progress
 from .commands.train import train_command
 
 if TYPE_CHECKING:
+    from .evaluation.plan import Plan
     from .learners.registry import Estimator
 
 
 def add_commands(
     app: typer.Typer,
     progress: Progress,
+    plan: Callable[[str], Plan | None],
     extra: Callable[[], Iterable[Estimator]] = tuple,
 ) -> None:
     """Add `train`, `evaluate` and `localize`; extra tells estimators beside those of here.
 
-    progress: opens what tells how far work has come.
+    progress: opens what tells how far work has come. plan: of a scene's text, the skin from above.
     """
     app.command("train")(train_command(extra, progress))
-    app.command("evaluate")(evaluate_command(extra, progress))
+    app.command("evaluate")(evaluate_command(extra, progress, plan))
     app.command("localize")(localize_command(extra))

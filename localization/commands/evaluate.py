@@ -13,6 +13,7 @@ from . import options
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ..evaluation.plan import Plan
     from ..evaluation.report import Found
     from ..inputs.samples import Samples
     from ..learners.registry import Estimator
@@ -23,9 +24,15 @@ FILES = "A model to evaluate, MODEL.skops, if any; then sweeps: FILE.nc, FILE.za
 
 
 def evaluate_command(
-    extra: Callable[[], Iterable[Estimator]], progress: options.Progress
+    extra: Callable[[], Iterable[Estimator]],
+    progress: options.Progress,
+    plan: Callable[[str], Plan | None],
 ) -> Callable[..., None]:
-    """The command, told of further estimators. progress: opens what tells how far work has come."""
+    """The command, told of further estimators.
+
+    progress: opens what tells how far work has come. plan: the skin of a scene's text from above,
+    None where the text says none.
+    """
 
     @options.as_typed
     def evaluate(
@@ -78,7 +85,7 @@ def evaluate_command(
         for line in lines_of(found):
             typer.echo(line)
         if folder is not None:
-            write_report(folder, found)
+            write_report(folder, found, plan(str(sweeps.attrs.get("scene", ""))))
             typer.echo(f"evaluation: {len(found.score.truth)} sweeps -> {folder}")
 
     return evaluate

@@ -17,6 +17,8 @@ from .evaluation import ClassScore, PositionScore, Score
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from .plan import Plan
+
 Figures = dict[str, tuple[float, float | None]]
 """Of each name the value, and its spread over folds if there are any."""
 POSITIONS = [
@@ -58,8 +60,11 @@ def lines_of(found: Found) -> list[str]:
     return lines
 
 
-def write_report(folder: Path, found: Found) -> None:
-    """Figures as a table; the confusion matrix, or all positions, as a table and a chart."""
+def write_report(folder: Path, found: Found, plan: Plan | None = None) -> None:
+    """Figures as a table; the confusion matrix, or all positions, as a table and a chart.
+
+    plan: of the skin that positions are on.
+    """
     score = found.score
     table = [(name, *values) for name, values in found.figures.items()]
     write_table(folder / "figures.csv", ["figure", "value", "spread"], table)
@@ -70,7 +75,7 @@ def write_report(folder: Path, found: Found) -> None:
         rows = zip(score.truth, score.told, score.deviation, strict=True)
         flat = [[f"{value:.6g}" for part in row for value in part] for row in rows]
         write_table(folder / "positions.csv", POSITIONS, flat)
-        _save(_position_chart(score), folder / "positions.png")
+        _save(_position_chart(score, plan), folder / "positions.png")
 
 
 def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
@@ -96,14 +101,17 @@ def _confusion_chart(score: ClassScore) -> Figure:
     return figure
 
 
-def _position_chart(score: PositionScore) -> Figure:
+def _position_chart(score: PositionScore, plan: Plan | None) -> Figure:
     from matplotlib.figure import Figure
 
+    from .plan import draw_plan
     from .plot import draw_error_map, draw_errors
 
-    figure = Figure(figsize=(9.5, 4), layout="constrained")
+    figure = Figure(figsize=(9.5, 4.4), layout="constrained")
     where, how_often = figure.subplots(1, 2)
     draw_error_map(where, score.truth, score.distance)
+    if plan is not None:
+        draw_plan(where, plan)
     draw_errors(how_often, score.distance)
     return figure
 

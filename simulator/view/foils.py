@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.contacts import section
-from ..scene.skin import curves
+from ..scene.contacts import path
 
 if TYPE_CHECKING:
     from ..mesh.domain import Domain
@@ -90,7 +89,7 @@ def foils(
     """All foils of a scene, driven and floating. mesh: of a skin that a file brings."""
     drawn: list[Foil] = []
     for contact in scene.contacts:
-        ends, out = mesh.foil(contact.name) if mesh else _side(_path(contact, scene), skin)
+        ends, out = mesh.foil(contact.name) if mesh else _along(contact, scene, skin)
         number = _middle(ends)
         middle = ends[:, :, number].mean(axis=1)
         before = sum(np.linalg.norm(middle - foil.middle) < BESIDE * skin.size for foil in drawn)
@@ -119,20 +118,16 @@ def _ribbon(ends: Real, out: Real, size: float, band: tuple[float, float]) -> Re
     return np.stack([near[:, 0], near[:, 1], far[:, 1], far[:, 0]], axis=1)
 
 
-def _path(contact: Contact, scene: Scene) -> Real:
-    """A foil's line along a skin without mesh, flat (2, n)."""
-    along = section(contact, scene.skin)
-    curve = curves(scene.skin)[along.curve]
-    marks = np.linspace(along.start, along.stop, PIECES + 1)
-    return np.array([curve.at(mark) for mark in marks]).T
+def _along(contact: Contact, scene: Scene, skin: Surface) -> tuple[Real, Real]:
+    return _side(path(contact, scene.skin, PIECES), skin)
 
 
-def _side(path: Real, skin: Surface) -> tuple[Real, Real]:
-    """Of a path the ends of its pieces in space and the way out there, both (3, 2, piece)."""
-    places, _, _ = skin.carry(path)
-    within, _, _ = skin.carry(path - STEP_INWARD * skin.size * skin.outward(path))
+def _side(line: Real, skin: Surface) -> tuple[Real, Real]:
+    """Of a line the ends of its pieces in space and the way out there, both (3, 2, piece)."""
+    places, _, _ = skin.carry(line)
+    within, _, _ = skin.carry(line - STEP_INWARD * skin.size * skin.outward(line))
     out = (places - within) / np.linalg.norm(places - within, axis=0)
-    pieces = list(pairwise(range(path.shape[1])))
+    pieces = list(pairwise(range(line.shape[1])))
     return places[:, pieces].transpose(0, 2, 1), out[:, pieces].transpose(0, 2, 1)
 
 
