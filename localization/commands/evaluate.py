@@ -60,7 +60,7 @@ def evaluate_command(
         sessions are held out where there are three or more.
         """
         from ...simulator.sweeps import InputError
-        from ..evaluation.report import lines_of, made_folder, write_report
+        from ..evaluation.report import checked_folder, lines_of, write_report
         from ..inputs.reading import read_some
         from ..inputs.samples import samples_of
         from .asking import model_for
@@ -69,7 +69,7 @@ def evaluate_command(
             raise InputError(f"takes one model and one file of sweeps, got {len(files)} files")
         if folds < 2:
             raise InputError(f"--folds must be >= 2, got {folds}")
-        folder = None if output is None else made_folder(output)
+        folder = None if output is None else checked_folder(output)
         sweeps = read_some(files[-1], most)
         resting = None if rest is None else read_some(rest, most)
         if len(files) == 2:

@@ -38,11 +38,10 @@ class Found:
     left_out: int
 
 
-def made_folder(path: Path) -> Path:
-    """The folder, made if its parent exists. Raises InputError where it cannot be."""
+def checked_folder(path: Path) -> Path:
+    """The same path, if it is or can be a folder: its parent exists. Raises InputError."""
     if path.is_file() or not path.parent.is_dir():
         raise InputError(f"{path}: cannot be a folder")
-    path.mkdir(exist_ok=True)
     return path
 
 
@@ -63,8 +62,9 @@ def lines_of(found: Found) -> list[str]:
 def write_report(folder: Path, found: Found, plan: Plan | None = None) -> None:
     """Figures as a table; the confusion matrix, or all positions, as a table and a chart.
 
-    plan: of the skin that positions are on.
+    folder: made where it is not there. plan: of the skin that positions are on.
     """
+    folder.mkdir(exist_ok=True)
     score = found.score
     table = [(name, *values) for name, values in found.figures.items()]
     write_table(folder / "figures.csv", ["figure", "value", "spread"], table)
