@@ -18,7 +18,6 @@ from .localization.gap import given as gap
 from .simulator.cli import app, run
 from .simulator.progress import on_terminal
 from .simulator.study.command import study_command
-from .simulator.sweeps.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -141,6 +140,7 @@ def _plan(text: str) -> Plan | None:
     from .simulator.scene.contacts import path
     from .simulator.scene.files import parse_scene
     from .simulator.scene.skin import curves
+    from .simulator.sweeps import InputError
 
     try:
         scene = parse_scene(text, "scene")
