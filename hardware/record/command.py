@@ -50,6 +50,7 @@ def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callab
     ) -> None:
         """Record sweeps of a scene's presses; run again, it goes on where it was ended."""
         from ...simulator.sweeps import checked_output, write
+        from ...simulator.sweeps.errors import InterruptedWorkError
         from ..meter.accuracy import DERIVED, read_table
         from ..meter.hioki import open_meter
         from .checks import Limits
@@ -72,7 +73,11 @@ def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callab
             settings,
             Limits(repeatability=repeatability, drift=drift),
         )
-        header, entries = record_task(task, operator)
+        try:
+            header, entries = record_task(task, operator)
+        except KeyboardInterrupt:
+            told = "what is finished is kept, and the same command goes on from here"
+            raise InterruptedWorkError(told) from None
         write(gather(header, entries, table.name), output)
         typer.echo(f"{len(entries)} sweeps in {output}, {_unsound(entries)} of them with remarks")
 
