@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from .hardware.live.answer import Localizer as LiveLocalizer
     from .hardware.virtual.skin import Readout, Skin
+    from .localization.evaluation.plan import Plan
     from .localization.learners.registry import Estimator
 
 __all__ = ["app", "main"]
@@ -144,7 +145,33 @@ def _checked_ending(name: str) -> str:
     return checked_ending(name)
 
 
-add_commands(app, _checked_ending, _model_based)
+def _plan(text: str) -> Plan | None:
+    import numpy as np
+
+    from .localization.evaluation.plan import Foil, Plan
+    from .simulator.scene.contacts import path
+    from .simulator.scene.files import parse_scene
+    from .simulator.scene.skin import curves
+    from .simulator.sweeps import InputError
+
+    try:
+        scene = parse_scene(text, "scene")
+    except InputError:
+        return None
+    if scene.skin.mesh is not None:
+        return None
+    marks = [
+        np.union1d(each.marks, np.linspace(0, each.marks[-1], 181)) for each in curves(scene.skin)
+    ]
+    outline = [
+        1e3 * np.array([curve.at(mark) for mark in along])
+        for curve, along in zip(curves(scene.skin), marks, strict=True)
+    ]
+    foils = [Foil(each.electrode, 1e3 * path(each, scene.skin).T) for each in scene.contacts]
+    return Plan(outline, foils)
+
+
+add_commands(app, on_terminal, _plan, _checked_ending, _model_based)
 app.command("live")(live_command(_live_localizer))
 meter = meter_app(Simulation(_scene_data, _skin, _readout))
 app.add_typer(meter, name="meter")

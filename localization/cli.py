@@ -9,22 +9,26 @@ import typer
 
 from .commands.evaluate import evaluate_command
 from .commands.localize import localize_command
+from .commands.options import Progress
 from .commands.train import train_command
 
 if TYPE_CHECKING:
+    from .evaluation.plan import Plan
     from .learners.registry import Estimator
 
 
 def add_commands(
     app: typer.Typer,
+    progress: Progress,
+    plan: Callable[[str], Plan | None],
     checked_ending: Callable[[str], str],
     extra: Callable[[], Iterable[Estimator]] = tuple,
 ) -> None:
-    """Add `train`, `evaluate` and `localize`.
+    """Add `train`, `evaluate` and `localize`; extra tells estimators beside those of here.
 
-    checked_ending: the ending of charts by its name, such as svg; raises InputError. extra: tells
-    estimators beside those of here.
+    progress: opens what tells how far work has come. plan: of a scene's text, the skin from above.
+    checked_ending: the ending of charts by its name, such as svg; raises InputError.
     """
-    app.command("train")(train_command(extra))
-    app.command("evaluate")(evaluate_command(extra, checked_ending))
+    app.command("train")(train_command(extra, progress))
+    app.command("evaluate")(evaluate_command(extra, progress, plan, checked_ending))
     app.command("localize")(localize_command(extra))

@@ -14,11 +14,12 @@ from .calibration.command import calibrate
 from .check.command import check, import_sweeps, plot
 from .dataset.command import dataset, export
 from .describe.command import describe
+from .interrupt import INTERRUPTED, ending_soon
 from .limits.command import limits
 from .limits.frequencies_command import frequencies
 from .view.command import view
 
-BAD_INPUT, FAILURE, INTERRUPTED = 2, 1, 130
+BAD_INPUT, FAILURE = 2, 1
 
 app = typer.Typer(
     name="rcskin",
@@ -179,16 +180,19 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
 
     failures: further errors whose message says all there is to say.
     """
-    from .sweeps.errors import InputError, ToleranceError
+    from .sweeps.errors import InputError, InterruptedWorkError, ToleranceError
 
     try:
-        code = app(standalone_mode=False)
+        with ending_soon():
+            code = app(standalone_mode=False)
     except typer.TyperException as error:
         _end(error.format_message() + _example(error), BAD_INPUT)
     except InputError as error:
         _end(str(error), BAD_INPUT)
     except ToleranceError as error:
         _end(f"{error}; a larger --rtol would be kept", FAILURE)
+    except InterruptedWorkError as error:
+        _end(f"interrupted; {error}", INTERRUPTED)
     except (KeyboardInterrupt, typer.Abort):
         _end("interrupted", INTERRUPTED)
     except BrokenPipeError:

@@ -22,25 +22,20 @@ def silent(items: Sequence[Item], description: str, /) -> Iterable[Item]:
 
 @contextmanager
 def on_terminal() -> Iterator[Track]:
-    """A tracker that draws a bar for each piece of work if standard error is a terminal."""
+    """A tracker that draws a bar for each piece of work if standard error is a terminal.
+
+    Beside it: how long the rest will take, and at the end how long all of it took.
+    """
     from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+    from rich.progress import TimeRemainingColumn as TimeLeft
 
     console = Console(stderr=True)
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left:"),
-        TimeRemainingColumn(),
+        TimeLeft(elapsed_when_finished=True),
     )
     with Progress(*columns, console=console, disable=not console.is_terminal) as progress:
 

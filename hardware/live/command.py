@@ -46,6 +46,9 @@ def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
         timeout: Timeout = 2.0,
         baud: Baud = 9600,
         accuracy: Accuracy = None,
+        anyway: Annotated[
+            bool, typer.Option("--anyway", help="Take sweeps at rest of another skin, too.")
+        ] = False,
     ) -> None:
         """Localize presses as they come: time, answer, probability and latency in ms in a pipe."""
         from ...simulator.sweeps import InputError, checked_output
@@ -69,7 +72,7 @@ def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
             Limits(drift=drift),
             patience,
         )
-        at_rest = _rest(localizer, rest, rest_file)
+        at_rest = _rest(localizer, rest, rest_file, anyway)
         kept = Log(localizer, log)
         try:
             with _showing(localizer, plain) as (show, key):
@@ -107,7 +110,7 @@ def _showing(localizer: Localizer, plain: bool) -> Iterator[tuple[Show, Callable
         yield screen, key
 
 
-def _rest(localizer: Localizer, wanted: int, file: Path | None) -> Rest:
+def _rest(localizer: Localizer, wanted: int, file: Path | None, anyway: bool) -> Rest:
     from ...simulator.sweeps import InputError
     from .log import read_rest
     from .rest import Rest
@@ -116,7 +119,7 @@ def _rest(localizer: Localizer, wanted: int, file: Path | None) -> Rest:
         raise InputError(f"`rest` must be in 1..{MOST_REST}, got {wanted}")
     rest = Rest(wanted if localizer.needs_rest else 0)
     if file:
-        rest.give(read_rest(file, localizer))
+        rest.give(read_rest(file, localizer, anyway=anyway))
     return rest
 
 

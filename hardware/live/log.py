@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import UNPRESSED, InputError, build, counted, read, write
+from ...simulator.sweeps.same_skin import check_same_skin
 from ..meter.identity import origin
 from ..record.journal import Header, now
 from ..record.sweep import Sweep, flagged
@@ -41,12 +42,15 @@ def as_dataset(
     )
 
 
-def read_rest(path: Path, localizer: Localizer) -> list[Sweep]:
+def read_rest(path: Path, localizer: Localizer, *, anyway: bool = False) -> list[Sweep]:
     """The unpressed sweeps of a file.
 
-    Raises InputError where there are none, or of other interfaces or frequencies.
+    anyway: of another skin too. Raises InputError where there are none, or of another skin, other
+    interfaces or frequencies.
     """
     sweeps = read(path)
+    if not anyway:
+        check_same_skin(str(sweeps.attrs.get("scene", "")), localizer.scene, str(path))
     unpressed = sweeps.isel(sweep=np.flatnonzero(sweeps["press"].values == UNPRESSED))
     if not unpressed.sizes["sweep"]:
         raise InputError(f"{path}: holds no sweep of the skin at rest (press `none`)")

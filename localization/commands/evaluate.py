@@ -13,18 +13,29 @@ from . import options
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ..evaluation.plan import Plan
     from ..evaluation.report import Found
     from ..inputs.samples import Samples
     from ..learners.registry import Estimator
+    from ..model.model import Model
+    from ..trust.folds import Track
 
 FILES = "A model to evaluate, MODEL.skops, if any; then sweeps: FILE.nc, FILE.zarr or FILE.csv."
 
 
 def evaluate_command(
-    extra: Callable[[], Iterable[Estimator]], checked_ending: Callable[[str], str]
+    extra: Callable[[], Iterable[Estimator]],
+    progress: options.Progress,
+    plan: Callable[[str], Plan | None],
+    checked_ending: Callable[[str], str],
 ) -> Callable[..., None]:
-    """The command, told of further estimators and of what charts can be."""
+    """The command, told of further estimators.
 
+    progress: opens what tells how far work has come. plan: the skin of a scene's text from above,
+    None where the text says none.
+    """
+
+    @options.as_typed
     def evaluate(
         files: Annotated[list[Path], typer.Argument(metavar="[MODEL] SWEEPS", help=FILES)],
         output: Annotated[
@@ -39,6 +50,7 @@ def evaluate_command(
         tune: options.Tune = False,
         folds: Annotated[int, typer.Option(help="Of the outer cross-validation, >= 2.")] = 5,
         most: options.Most = options.MOST_SWEEPS,
+        anyway: options.Anyway = False,
         charts: options.Charts = "png",
     ) -> None:
         """How often a localizer is right.
@@ -50,41 +62,43 @@ def evaluate_command(
         sessions are held out where there are three or more.
         """
         from ...simulator.sweeps import InputError
-        from ..evaluation.report import lines_of, made_folder, write_report
+        from ..evaluation.report import checked_folder, lines_of, write_report
         from ..inputs.reading import read_some
         from ..inputs.samples import samples_of
+        from .asking import model_for
 
         if len(files) > 2:
             raise InputError(f"takes one model and one file of sweeps, got {len(files)} files")
         if folds < 2:
             raise InputError(f"--folds must be >= 2, got {folds}")
         ending = checked_ending(charts)
-        folder = None if output is None else made_folder(output)
+        folder = None if output is None else checked_folder(output)
         sweeps = read_some(files[-1], most)
         resting = None if rest is None else read_some(rest, most)
         if len(files) == 2:
-            found = _by_model(files[0], extra(), sweeps, resting)
+            model = model_for(sweeps, files[1], files[0], extra(), anyway=anyway)
+            found = _by_model(model, sweeps, resting)
         else:
             asked = quantities.split(",")
             samples = samples_of(sweeps, target, asked, interfaces=interface, rest=resting)
-            found = _by_folds(samples, name, extra(), certain=certain, tune=tune, folds=folds)
+            with progress() as track:
+                found = _by_folds(
+                    samples, name, extra(), certain=certain, tune=tune, folds=folds, track=track
+                )
         for line in lines_of(found):
             typer.echo(line)
         if folder is not None:
-            write_report(folder, found, ending)
+            text = str(sweeps.attrs.get("scene", ""))
+            write_report(folder, found, plan(text), ending)
+            typer.echo(f"evaluation: {len(found.score.truth)} sweeps -> {folder}")
 
     return evaluate
 
 
-def _by_model(
-    path: Path, extra: Iterable[Estimator], sweeps: xr.Dataset, rest: xr.Dataset | None
-) -> Found:
+def _by_model(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -> Found:
     from ..evaluation.evaluation import score
     from ..evaluation.report import Found
-    from ..learners.registry import estimators
-    from ..model.file import load
 
-    model = load(path, estimators(extra))
     samples = model.samples(sweeps, rest)
     scored = score(model.learned, samples)
     figures = scored.figures().items()
@@ -104,11 +118,12 @@ def _by_folds(
     certain: float | None,
     tune: bool,
     folds: int,
+    track: Track,
 ) -> Found:
     from ..evaluation.evaluation import nested
     from ..evaluation.report import Found
     from ..learners.registry import chosen, estimators
 
     estimator = chosen(name, samples.problem.target, estimators(extra))
-    found = nested(samples, estimator, certain=certain, tune=tune, folds=folds)
+    found = nested(samples, estimator, certain=certain, tune=tune, folds=folds, track=track)
     return Found(found.whole, dict(found.figures()), found.validation, samples.left_out)

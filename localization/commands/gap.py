@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-if TYPE_CHECKING:
-    from contextlib import AbstractContextManager
+from .options import Progress, as_typed
 
+if TYPE_CHECKING:
     from ..gap.findings import Findings
     from ..gap.given import Simulation, Style
     from ..learners.registry import Estimator
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def gap_command(
     simulation: Simulation,
     style: Callable[[], Style],
-    progress: Callable[[], AbstractContextManager[Any]],
+    progress: Progress,
     extra: Callable[[], Iterable[Estimator]] = tuple,
 ) -> Callable[..., None]:
     """The command, told how skins are simulated and charts are drawn.
@@ -28,6 +28,7 @@ def gap_command(
     beside those of `localization`.
     """
 
+    @as_typed
     def gap(
         simulated: Annotated[Path, typer.Argument(help="Simulated sweeps, .nc, .zarr or .csv.")],
         measured: Annotated[Path, typer.Argument(help="Sweeps of the skin itself, or of a twin.")],
@@ -45,6 +46,9 @@ def gap_command(
         calibration_touches: Annotated[
             int, typer.Option(help="Pressed sweeps that calibrate, and are never tested.")
         ] = 5,
+        anyway: Annotated[
+            bool, typer.Option("--anyway", help="Compare even sweeps of different skins.")
+        ] = False,
         charts: Annotated[
             str | None, typer.Option(help="Write the charts too: png, svg or pdf.")
         ] = None,
@@ -57,7 +61,7 @@ def gap_command(
         """
         from ...simulator.sweeps import read
         from ..gap.findings import find
-        from ..gap.noun import check_simulated
+        from ..gap.noun import check_other, check_simulated
         from ..gap.pair import paired
         from ..gap.question import Question
         from ..gap.report.pages import HTML, made_folder, write_report
@@ -69,6 +73,8 @@ def gap_command(
         sides = read(simulated), read(measured)
         check_simulated(sides[0], simulated)
         text = simulation.scene(scene) if scene else ""
+        if not anyway:
+            check_other(sides[1], text or str(sides[0].attrs.get("scene", "")), measured)
         pair = paired(*sides, simulation, text, seed)
         made_folder(output)
         with progress() as track:
@@ -90,6 +96,17 @@ def _show(findings: Findings, report: Path) -> None:
         table.add_row(row.trained, *row.cells)
     console = Console()
     console.print(table)
-    for line in (*summary(findings), cause_told(findings), *findings.notes, f"see {report}"):
+    for line in (
+        *summary(findings),
+        cause_told(findings),
+        *findings.notes,
+        _written(findings, report),
+    ):
         if line:
             console.print(line, soft_wrap=True, highlight=False)
+
+
+def _written(findings: Findings, report: Path) -> str:
+    pair = findings.trial.pair
+    ours, theirs = pair.simulated.sizes["sweep"], pair.other.sizes["sweep"]
+    return f"gap: {ours} simulated and {theirs} {pair.noun.adjective} sweeps -> {report}"

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., None]:
     """The command; extra tells estimators beside those of this package."""
 
+    @options.as_typed
     def localize(
         model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
         sweeps: Annotated[Path, typer.Argument(help=options.SWEEPS)],
@@ -28,6 +29,7 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         ] = None,
         rest: options.Rest = None,
         most: options.Most = options.MOST_SWEEPS,
+        anyway: options.Anyway = False,
     ) -> None:
         """Tell where sweeps were pressed, each with its probability.
 
@@ -38,15 +40,19 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         from ...simulator.sweeps import checked_output
         from ..evaluation.report import write_table
         from ..inputs.reading import read_some
-        from ..learners.registry import estimators
-        from ..model.file import load
+        from ..trust.answers import CANNOT_TELL
+        from .asking import model_for
 
         if output is not None:
             checked_output(output, (".csv",))
         resting = None if rest is None else read_some(rest, most)
-        header, rows = _table(load(model, estimators(extra())), read_some(sweeps, most), resting)
+        asked = read_some(sweeps, most)
+        told = model_for(asked, sweeps, model, extra(), anyway=anyway)
+        header, rows = _table(told, asked, resting)
         if output is not None:
             write_table(output, header, rows)
+            silent = sum(row[2] == CANNOT_TELL for row in rows)
+            typer.echo(f"answers: {len(rows)} sweeps, {silent} cannot be told -> {output}")
             return
         for row in (header, *rows):
             typer.echo(",".join(f'"{cell}"' if "," in cell else cell for cell in row))

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import re
+import warnings
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from functools import wraps
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -12,6 +17,9 @@ PAPER = "Rs,Cp"
 SWEEPS = "Sweeps: FILE.nc, FILE.zarr or FILE.csv."
 MOST = "Take the first so many sweeps, of whole sessions."
 REST = "Sweeps of the skin at rest, where SWEEPS has none and the model is to be told them."
+
+Progress = Callable[[], AbstractContextManager[Any]]
+"""Opens what tells on a terminal how far work has come."""
 
 Target = Annotated[
     str,
@@ -47,3 +55,40 @@ Tune = Annotated[bool, typer.Option("--tune", help="Choose parameters by cross-v
 Most = Annotated[int, typer.Option(help=MOST)]
 Charts = Annotated[str, typer.Option(help="What charts are: png, svg or pdf.")]
 Rest = Annotated[Path | None, typer.Option(help=REST)]
+Anyway = Annotated[
+    bool, typer.Option("--anyway", help="Ask even if the sweeps are of another skin.")
+]
+
+
+TYPED = {"quantities": "features", "interfaces": "interface"}
+"""Options that are called otherwise than the arguments behind them."""
+QUOTED = re.compile(
+    "`(target|estimator|quantities|interfaces|certain|folds|seed|draws|calibration-touches)`"
+)
+"""Arguments as messages name them."""
+WARNERS = r"(sklearn|rcskin\.localization)(\.|$)"
+"""Modules that scikit-learn's warnings are put down to: its own, and those that call it."""
+
+
+def as_typed(command: Callable[..., None]) -> Callable[..., None]:
+    """The command, whose errors name options as they were typed.
+
+    What scikit-learn warns of stays within: its user can do nothing with it.
+    """
+
+    @wraps(command)
+    def run(*arguments: Any, **named: Any) -> None:
+        from ...simulator.sweeps import InputError
+
+        try:
+            with warnings.catch_warnings():
+                warnings.filterwarnings("ignore", module=WARNERS)
+                command(*arguments, **named)
+        except InputError as error:
+            raise InputError(QUOTED.sub(_option, str(error))) from error
+
+    return run
+
+
+def _option(match: re.Match[str]) -> str:
+    return f"--{TYPED.get(match[1], match[1])}"

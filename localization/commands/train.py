@@ -15,9 +15,12 @@ if TYPE_CHECKING:
     from ..model.model import Model
 
 
-def train_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., None]:
-    """The command, told of further estimators."""
+def train_command(
+    extra: Callable[[], Iterable[Estimator]], progress: options.Progress
+) -> Callable[..., None]:
+    """The command, told of further estimators. progress: opens what tells how far work has come."""
 
+    @options.as_typed
     def train(
         sweeps: Annotated[Path, typer.Argument(help=options.SWEEPS)],
         output: Annotated[Path, typer.Option("--output", "-o", help="MODEL.skops.")],
@@ -43,19 +46,23 @@ def train_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., Non
         from ..model.model import train as train_model
 
         checked_output(output, (ENDING,))
-        model = train_model(
-            read_some(sweeps, most),
-            target,
-            name,
-            quantities=quantities.split(","),
-            interfaces=interface,
-            certain=certain,
-            tune=tune,
-            registry=estimators(extra()),
-        )
+        known = read_some(sweeps, most)
+        with progress() as track:
+            model = train_model(
+                known,
+                target,
+                name,
+                quantities=quantities.split(","),
+                interfaces=interface,
+                certain=certain,
+                tune=tune,
+                registry=estimators(extra()),
+                track=track,
+            )
         save(output, model)
         for line in _told(model):
             typer.echo(f"{output}: {line}")
+        typer.echo(f"model: {_size(model)} -> {output}")
 
     return train
 
@@ -66,10 +73,34 @@ def _told(model: Model) -> list[str]:
     lines = [
         f"{model.target} by {model.estimator} from {seen}, {len(model.frequencies)} frequencies; "
         f"{model.trained_on} sweeps, {model.left_out} without a {model.target} left out",
-        f"judged by {model.validation}",
+        f"judged by {model.validation}: {_outcome(model)}",
     ]
     if model.certain is not None:
         lines.append(f"answers only where it is right at a rate of {model.certain:g} or more")
     if not model.knows_rest:
         lines.append("cannot tell that nothing is pressed: the sweeps show no skin at rest")
     return lines
+
+
+def _outcome(model: Model) -> str:
+    """Of the sweeps held out."""
+    from ..trust.fitted import Regressor
+    from ..trust.rates import rate_told
+
+    learned = model.learned
+    if isinstance(learned, Regressor):
+        return f"median error {learned.median_error:.1f} mm"
+    return f"accuracy {rate_told(learned.right, learned.held_out)}"
+
+
+def _size(model: Model) -> str:
+    """How many features, and how many answers it knows beside that nothing is pressed."""
+    from ..trust.answers import NOTHING_PRESSED
+
+    seen = f"{model.problem.features} features"
+    if model.target == "position":
+        return f"{seen}, positions"
+    if model.target == "touches":
+        return f"{seen}, {' or '.join(map(str, model.classes))} touches"
+    known = sum(str(label) not in NOTHING_PRESSED for label in model.classes)
+    return f"{seen}, {known} {model.target}{'' if known == 1 else 's'}"

@@ -16,7 +16,7 @@ from ..learners.registry import Estimator
 from ..trust.answers import Answers
 from ..trust.fitted import Classifier, Regressor
 from ..trust.fitting import learn_classes, learn_positions
-from ..trust.folds import folds_of, splits_of, told
+from ..trust.folds import Track, folds_of, splits_of, told, untold
 from ..trust.temperature import calibration_error
 from .confusion import Confusion, compare
 
@@ -47,6 +47,15 @@ class ClassScore:
     def confusion(self) -> Confusion:
         """Counts of truth against the most probable class."""
         return compare(self.truth, self.told)
+
+    def rates(self) -> dict[str, tuple[int, int]]:
+        """Of `figures` those that are rates: how many, and of how many sweeps."""
+        answered, total = self.answers.told, self.right.size
+        return {
+            "accuracy": (int(self.right.sum()), total),
+            "answered": (int(answered.sum()), total),
+            "accuracy of answers": (int(self.right[answered].sum()), int(answered.sum())),
+        }
 
     def figures(self) -> dict[str, float]:
         """Accuracy, fraction answered, accuracy of these, and expected calibration error."""
@@ -128,15 +137,16 @@ def nested(
     tune: bool = False,
     folds: int = 5,
     seed: int = 0,
+    track: Track = untold,
 ) -> Nested:
     """Train, tune and calibrate on all folds but one and score on that one, in turn.
 
-    Sessions are held out as a whole where there are enough, without and within.
-    Raises InputError as `splits_of` and `learn_classes`.
+    Sessions are held out as a whole where there are enough, without and within. track: as of
+    `Track`. Raises InputError as `splits_of` and `learn_classes`.
     """
     splits = splits_of(samples.strata, samples.sessions, folds, seed)
     scores = []
-    for train, test in splits:
+    for train, test in track(splits, f"evaluating {estimator.name}"):
         some = samples.part(train)
         learned = (
             learn_positions(some, estimator, tune=tune)

@@ -16,30 +16,47 @@ if TYPE_CHECKING:
 RIGHT, WRONG = "#56b4e9", "#e69f00"
 """Sky blue and orange of M. Okabe and K. Ito, "Color Universal Design" (2008): told apart by all
 eyes, and light enough in grey print for black figures on them."""
-MOST_WRITTEN, MOST_NAMED = 26, 50
-"""Classes of a matrix whose counts are written into it, and that are all named beside it."""
+MOST_NAMED = 50
+"""Classes of a matrix that are all named beside it."""
+LARGEST, LEAST, LEAST_OF_TWO = 11.0, 4.0, 6.5
+"""Points: letters in cells, and their least size alone and with the percentage below."""
+LETTER = 0.62
+"""Width of a figure over its size."""
 
 
 def draw_confusion(axes: Axes, confusion: Confusion) -> None:
     """Draw counts and percent of all sweeps, output class downwards, target class to the right.
 
-    A cell is the fuller of colour, the greater its share of the target class; the title tells the
-    accuracy. This is the layout of MATLAB's `plotconfusion`.
+    A cell is the fuller of colour, the greater its share of the target class, and empty where it
+    counts nothing; the percentage is left out where it has no room. The title tells the accuracy.
+    This is the layout of MATLAB's `plotconfusion`.
     """
     classes = np.arange(len(confusion.labels))
     axes.imshow(_colours(confusion))
     shown = classes[:: 1 + len(classes) // MOST_NAMED]
     names = [str(confusion.labels[k]) for k in shown]
-    axes.set_xticks(shown, names, rotation=90 if len(max(names, key=len)) > 3 else 0)
-    axes.set_yticks(shown, names)
-    axes.set_xlabel("Target class")
-    axes.set_ylabel("Output class")
+    cell = _cell(axes, len(classes))
+    longest = len(max(names, key=len))
+    size = min(LARGEST, max(LEAST, 0.6 * cell * (shown[1] - shown[0] if shown.size > 1 else 1)))
+    upright = LETTER * size * longest > cell
+    axes.set_xticks(shown, names, rotation=90 if upright else 0, fontsize=size)
+    axes.set_yticks(shown, names, fontsize=size)
+    large = max(10.0, 1.25 * cell * len(classes) / 72)
+    axes.set_xlabel("Target class", fontsize=large)
+    axes.set_ylabel("Output class", fontsize=large)
     axes.set_title(
-        f"Accuracy {100 * confusion.accuracy:.1f} % ({confusion.correct} of {confusion.total})"
+        f"Accuracy {100 * confusion.accuracy:.1f} % ({confusion.correct} of {confusion.total})",
+        fontsize=1.1 * large,
     )
-    if len(classes) <= MOST_WRITTEN:
+    if classes.size <= MOST_NAMED:
         _rule_cells(axes, classes)
-        _write_counts(axes, confusion)
+    _write_counts(axes, confusion, cell)
+
+
+def _cell(axes: Axes, classes: int) -> float:
+    """Side of a cell in points."""
+    box = axes.get_position().transformed(axes.figure.transSubfigure)
+    return 72 * min(box.width, box.height) / axes.figure.dpi / classes
 
 
 def _colours(confusion: Confusion) -> NDArray[np.float64]:
@@ -61,17 +78,24 @@ def _rule_cells(axes: Axes, classes: NDArray[np.intp]) -> None:
     axes.tick_params(which="both", length=0)
 
 
-def _write_counts(axes: Axes, confusion: Confusion) -> None:
+def _write_counts(axes: Axes, confusion: Confusion, cell: float) -> None:
+    """Counts as large as they have room, with the percentage where that can be read too."""
+    digits = len(str(confusion.counts.max(initial=0)))
+    alone = min(LARGEST, 0.9 * cell / (LETTER * digits), 0.7 * cell)
+    both = min(LARGEST, 0.9 * cell / (LETTER * len("99.9 %")), 0.4 * cell)
+    if alone < LEAST:
+        return
     for (target, output), count in np.ndenumerate(confusion.counts):
-        axes.text(
-            target,
-            output,
-            f"{count}\n{100 * count / confusion.total:.1f} %",
-            ha="center",
-            va="center",
-            fontsize=min(10, 60 / len(confusion.labels)),
-            color="black" if count else "0.55",
-        )
+        if count:
+            percent = f"\n{100 * count / confusion.total:.1f} %" if both >= LEAST_OF_TWO else ""
+            axes.text(
+                target,
+                output,
+                f"{count}{percent}",
+                ha="center",
+                va="center",
+                fontsize=both if percent else alone,
+            )
 
 
 def draw_error_map(axes: Axes, truth: NDArray[np.float64], distance: NDArray[np.float64]) -> None:

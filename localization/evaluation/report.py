@@ -10,11 +10,14 @@ from typing import TYPE_CHECKING
 
 from ...simulator.sweeps import InputError, whole_file
 from ..inputs.targets import COORDINATES
+from ..trust.rates import rate_told
 from .confusion import write_csv
 from .evaluation import ClassScore, PositionScore, Score
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from .plan import Plan
 
 Figures = dict[str, tuple[float, float | None]]
 """Of each name the value, and its spread over folds if there are any."""
@@ -35,31 +38,36 @@ class Found:
     left_out: int
 
 
-def made_folder(path: Path) -> Path:
-    """The folder, made if its parent exists. Raises InputError where it cannot be."""
+def checked_folder(path: Path) -> Path:
+    """The same path, if it is or can be a folder: its parent exists. Raises InputError."""
     if path.is_file() or not path.parent.is_dir():
         raise InputError(f"{path}: cannot be a folder")
-    path.mkdir(exist_ok=True)
     return path
 
 
 def lines_of(found: Found) -> list[str]:
     """On what, then a line for each figure, with its spread over folds where there are any."""
     first = f"{len(found.score.truth)} sweeps, {found.left_out} without a target left out"
-    return [
-        f"{first}; {found.validation}",
-        *(
-            f"{name}: {value:.3g}" + ("" if spread is None else f" ± {spread:.2g}")
-            for name, (value, spread) in found.figures.items()
-        ),
-    ]
+    rates = found.score.rates() if isinstance(found.score, ClassScore) else {}
+    lines = [f"{first}; {found.validation}"]
+    for name, (value, spread) in found.figures.items():
+        if name in rates:
+            folds = "" if spread is None else f"; folds differ by ± {100 * spread:.2g} %"
+            lines.append(f"{name}: {rate_told(*rates[name])}{folds}")
+        else:
+            lines.append(f"{name}: {value:.3g}" + ("" if spread is None else f" ± {spread:.2g}"))
+    return lines
 
 
-def write_report(folder: Path, found: Found, ending: str = ".png") -> None:
+def write_report(
+    folder: Path, found: Found, plan: Plan | None = None, ending: str = ".png"
+) -> None:
     """Figures as a table; the confusion matrix, or all positions, as a table and a chart.
 
-    ending: of the chart.
+    folder: made where it is not there. plan: of the skin that positions are on. ending: of the
+    chart.
     """
+    folder.mkdir(exist_ok=True)
     score = found.score
     table = [(name, *values) for name, values in found.figures.items()]
     write_table(folder / "figures.csv", ["figure", "value", "spread"], table)
@@ -70,7 +78,7 @@ def write_report(folder: Path, found: Found, ending: str = ".png") -> None:
         rows = zip(score.truth, score.told, score.deviation, strict=True)
         flat = [[f"{value:.6g}" for part in row for value in part] for row in rows]
         write_table(folder / "positions.csv", POSITIONS, flat)
-        _save(_position_chart(score), folder / f"positions{ending}")
+        _save(_position_chart(score, plan), folder / f"positions{ending}")
 
 
 def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
@@ -96,14 +104,17 @@ def _confusion_chart(score: ClassScore) -> Figure:
     return figure
 
 
-def _position_chart(score: PositionScore) -> Figure:
+def _position_chart(score: PositionScore, plan: Plan | None) -> Figure:
     from matplotlib.figure import Figure
 
+    from .plan import draw_plan
     from .plot import draw_error_map, draw_errors
 
-    figure = Figure(figsize=(9.5, 4), layout="constrained")
+    figure = Figure(figsize=(9.5, 4.4), layout="constrained")
     where, how_often = figure.subplots(1, 2)
     draw_error_map(where, score.truth, score.distance)
+    if plan is not None:
+        draw_plan(where, plan)
     draw_errors(how_often, score.distance)
     return figure
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.same_skin import check_same_skin
 from ...simulator.sweeps.schema import MEASURED, VIRTUAL
 
 if TYPE_CHECKING:
@@ -45,3 +46,11 @@ def check_simulated(sweeps: xr.Dataset, path: object) -> None:
         raise InputError(
             f"{path}: holds {called} sweeps; the simulated sweeps are to be named first"
         )
+
+
+def check_other(sweeps: xr.Dataset, scene: str, path: object) -> None:
+    """Raises InputError where the sweeps on the other side are of another skin than a scene's.
+
+    scene: TOML text, empty where unknown.
+    """
+    check_same_skin(str(sweeps.attrs.get("scene", "")), scene, str(path))

@@ -101,6 +101,19 @@ def needs_rest(quantities: Sequence[str]) -> bool:
     return any(name in (*AGAINST_REST, *AT_REST) for name in quantities)
 
 
+def told_by_press(quantities: Sequence[str], count: int) -> tuple[NDArray[np.intp], bool]:
+    """Indices of the features that a press changes most clearly, and whether these err alike.
+
+    Those against the skin at rest, if there are any; else all but those of the skin at rest.
+    count: of all features of the quantities.
+    """
+    relative = [name for name in quantities if name in AGAINST_REST]
+    wanted = relative or [name for name in quantities if name not in AT_REST] or list(quantities)
+    blocks = np.arange(count).reshape(len(quantities), -1)
+    told = np.concatenate([blocks[quantities.index(name)] for name in wanted])
+    return told, not any(name in READ for name in wanted)
+
+
 def _read(sweeps: xr.Dataset, name: str) -> NDArray[np.float64]:
     values = sweeps[name].transpose("sweep", "interface", "frequency").values
     return values.astype(np.float64, copy=False)

@@ -7,6 +7,8 @@ them: skin, hand and meter. A simulator has them; what is unknown needs no formu
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -22,6 +24,21 @@ BATCH = 500
 """Sweeps that one step looks at."""
 COMPONENTS = 26
 """Of features, that a network looks at."""
+
+
+INTERRUPTED = "Training interrupted by user"
+"""What scikit-learn warns of where it takes Ctrl-C for the end of a fit."""
+
+
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    """Ctrl-C ends more than the fit, where scikit-learn's warning of it is an error."""
+    try:
+        yield
+    except UserWarning as warning:
+        if not str(warning).startswith(INTERRUPTED):
+            raise
+        raise KeyboardInterrupt from None
 
 
 class _Network(BaseEstimator):
@@ -55,8 +72,9 @@ class _Network(BaseEstimator):
             warm_start=True,
             tol=0.0,
         )
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), _interruptible():
             warnings.simplefilter("ignore", ConvergenceWarning)  # a stage ends where it is to end
+            warnings.filterwarnings("error", INTERRUPTED)
             for step, count in self.stages:
                 passes = max(1, round(count * batch / len(X)))
                 self.network_.set_params(learning_rate_init=step, max_iter=passes).fit(X, y)

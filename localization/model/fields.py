@@ -20,12 +20,13 @@ from ..inversion.position import ModelBasedPosition
 from ..learners.components import Components
 from ..learners.ecoc import ECOCClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
-from ..trust.fitted import Classifier, Regressor
+from ..trust.fitted import Classifier, Guards, Regressor
+from ..trust.kinds import KindGuard
 from ..trust.novelty import NoveltyGuard
 from ..trust.spread import Spread
 from .model import Model
 
-LAYOUT = 4
+LAYOUT = 5
 """Counts up where files of a model can no longer be read as they were."""
 EARLIER = {"pipeline", "target", "quantities", "interfaces", "frequencies", "scene", "version"}
 """Fields of layout 1, which did not name itself."""
@@ -53,6 +54,10 @@ KINDS = {
     "factor": np.ndarray,
     "spread": Spread | None,
     "guard": NoveltyGuard,
+    "kinds": KindGuard | None,
+    "right": int,
+    "held_out": int,
+    "median_error": float,
     "estimator": str,
     "problem": dict,
     "certain": float | None,
@@ -93,7 +98,11 @@ def fields_of(model: Model) -> dict[str, Any]:
         "threshold": getattr(learned, "threshold", 0.0),
         "factor": getattr(learned, "factor", np.ones(3)),
         "spread": getattr(learned, "spread", None),
-        "guard": learned.guard,
+        "guard": learned.guards.sweeps,
+        "kinds": learned.guards.kinds,
+        "right": getattr(learned, "right", 0),
+        "held_out": getattr(learned, "held_out", 0),
+        "median_error": getattr(learned, "median_error", 0.0),
         "problem": asdict(model.problem),
         **{name: getattr(model, name) for name in COPIED},
         "gate": None if model.gate is None else fields_of(model.gate),
@@ -107,17 +116,23 @@ def model_of(fields: Any) -> Model:
     _check(fields, {"layout": int, **KINDS})
     _check(fields["problem"], PROBLEM)
     problem = Problem(**fields["problem"])
-    kind, names = (
-        (Regressor, ("pipeline", "factor", "spread", "guard"))
-        if problem.continuous
-        else (Classifier, ("pipeline", "sharpness", "threshold", "guard"))
-    )
     return Model(
-        learned=kind(*(fields[name] for name in names)),
+        learned=_learned(fields, problem.continuous),
         problem=problem,
         gate=None if fields["gate"] is None else model_of(fields["gate"]),
         **{name: fields[name] for name in COPIED},
     )
+
+
+def _learned(fields: dict[str, Any], continuous: bool) -> Classifier | Regressor:
+    kind, names = (
+        (Regressor, {"factor", "spread", "median_error"})
+        if continuous
+        else (Classifier, {"sharpness", "threshold", "right", "held_out"})
+    )
+    own = {name: fields[name] for name in names}
+    guards = Guards(fields["guard"], fields["kinds"])
+    return kind(pipeline=fields["pipeline"], guards=guards, **own)
 
 
 def _is_earlier(fields: Any) -> bool:

@@ -16,6 +16,7 @@ from ..learners.components import Components
 from ..learners.ecoc import ECOCClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
 from ..learners.registry import Registry
+from ..trust.kinds import KindGuard
 from ..trust.novelty import NoveltyGuard
 from ..trust.spread import Spread
 from .fields import ANOTHER_LAYOUT, BEFORE_ONE_NAME, EarlierLayoutError, fields_of, model_of
@@ -34,6 +35,7 @@ TRUSTED = [
             AdaptedPosition,
             NetworkClassifier,
             NetworkRegressor,
+            KindGuard,
             NoveltyGuard,
             Spread,
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ import numpy as np
 from sklearn.pipeline import Pipeline
 
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.same_skin import check_same_skin
 from ..inputs.features import DEFAULT_QUANTITIES, features
 from ..inputs.samples import Problem, Samples, samples_of
 from ..inputs.targets import labels
@@ -18,7 +19,7 @@ from ..learners.registry import Registry, chosen
 from ..trust.answers import CANNOT_TELL, NOTHING_PRESSED, Answers
 from ..trust.fitted import Classifier, Regressor
 from ..trust.fitting import learn_classes, learn_positions
-from ..trust.folds import judging, told
+from ..trust.folds import Track, judging, told, untold
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,6 +46,12 @@ class Model:
     """Sweeps whose press has no such target."""
     gate: Model | None = None
     """Of positions: tells how many touches there are; None where the training showed only one."""
+    anyway: bool = False
+    """Whether it answers sweeps of another skin too."""
+
+    def insisting(self) -> Model:
+        """The same model, which answers sweeps of another skin too."""
+        return replace(self, anyway=True, gate=self.gate and self.gate.insisting())
 
     @property
     def pipeline(self) -> Pipeline:
@@ -89,7 +96,7 @@ class Model:
 
     def features(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> NDArray[np.float64]:
         """What it looks at, shape (sweep, feature). Raises InputError as `predict`."""
-        self._check_like_training(sweeps)
+        self._check_like_training(sweeps, rest)
         return features(sweeps, self.quantities, interfaces=self.interfaces, rest=rest)
 
     def samples(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Samples:
@@ -97,7 +104,7 @@ class Model:
 
         Raises InputError as `predict`, and as `samples_of`.
         """
-        self._check_like_training(sweeps)
+        self._check_like_training(sweeps, rest)
         return samples_of(
             sweeps, self.target, self.quantities, interfaces=self.interfaces, rest=rest
         )
@@ -106,8 +113,9 @@ class Model:
         """The best class of each sweep, shape (sweep,), or positions, shape (sweep, 3).
 
         rest: sweeps of the skin at rest, where the model needs them and they are not among
-        `sweeps`. Raises InputError where the sweeps have other frequencies than in training, lack
-        an interface of it, or a session lacks the skin at rest.
+        `sweeps`. Raises InputError where these or the sweeps are of another skin, as their scene
+        tells, or have other frequencies than in training or lack an interface of it, and where a
+        session lacks the skin at rest.
         """
         return self.pipeline.predict(self.features(sweeps, rest))
 
@@ -142,7 +150,7 @@ class Model:
         """
         if isinstance(self.learned, Classifier):
             return self.learned.answers(self.features(sweeps, rest))
-        novel = self.learned.guard.predict(self.features(sweeps, rest)) < 0
+        novel = self.learned.guards.novel(self.features(sweeps, rest))
         if self.gate is None:
             return Answers(np.where(novel, CANNOT_TELL, "1"), np.ones(novel.size), novel)
         counted = self.gate.answers(sweeps, rest)
@@ -150,7 +158,11 @@ class Model:
         labels = np.where(unplaced, CANNOT_TELL, counted.labels)
         return Answers(labels, counted.probability, counted.novel | unplaced)
 
-    def _check_like_training(self, sweeps: xr.Dataset) -> None:
+    def _check_like_training(self, sweeps: xr.Dataset, rest: xr.Dataset | None) -> None:
+        for part in (sweeps,) if rest is None else (sweeps, rest):
+            asked = str(part.attrs.get("scene", ""))
+            if asked != self.scene and not self.anyway:
+                check_same_skin(self.scene, asked, "the model", "trained")
         given_names = [str(name) for name in sweeps["interface"].values]
         if not set(self.interfaces) <= set(given_names):
             raise InputError(
@@ -181,22 +193,24 @@ def train(
     certain: float | None = None,
     tune: bool = False,
     registry: Registry | None = None,
+    track: Track = untold,
 ) -> Model:
     """A model that tells of sweeps like these what `target` asks for.
 
     Sweeps whose press has no such target are left out. target, quantities, interfaces, rest: as of
     `samples_of`. estimator: a name in `registry`, or that of DEFAULT_OF. certain: the rate at which
     answers are to be right on held-out sweeps; without it every sweep that is no novelty is
-    answered. tune: choose the estimator's parameters by cross-validation.
+    answered. tune: choose the estimator's parameters by cross-validation. track: as of `Track`.
     Raises InputError where these cannot be had, or the sweeps are of one class.
     """
     made = chosen(estimator, target, registry)
     samples = samples_of(sweeps, target, quantities, interfaces=interfaces, rest=rest)
     if samples.problem.continuous:
         gate = _gate(sweeps, samples, rest, certain)
-        learned = learn_positions(samples, made, tune=tune)
+        learned = learn_positions(samples, made, tune=tune, track=track)
     else:
-        gate, learned = None, learn_classes(samples, made, certain=certain, tune=tune)
+        gate = None
+        learned = learn_classes(samples, made, certain=certain, tune=tune, track=track)
     held_out = told(judging(samples.strata, samples.sessions), samples.sessions)
     return Model(
         learned=learned,

@@ -10,9 +10,26 @@ from sklearn.pipeline import Pipeline
 
 from .answers import Answers, decide
 from .held_out import decisions
+from .kinds import KindGuard
 from .novelty import NoveltyGuard
 from .spread import Spread
 from .temperature import probabilities
+
+
+@dataclass(frozen=True, eq=False)
+class Guards:
+    """What sweeps of the training looked like: all of them, and of presses by one touch each kind.
+
+    kinds: None where the localizer knows more touches than one.
+    """
+
+    sweeps: NoveltyGuard
+    kinds: KindGuard | None = None
+
+    def novel(self, X: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which sweeps are unlike those of the training, shape (n,). X: shape (n, feature)."""
+        unlike = self.sweeps.predict(X) < 0
+        return unlike if self.kinds is None else unlike | (self.kinds.predict(X) < 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,13 +37,16 @@ class Classifier:
     """Tells classes.
 
     sharpness: factor of decisions of which the softmax tells probabilities. threshold: the least
-    probability that is answered. guard: knows what sweeps of the training looked like.
+    probability that is answered. guards: know what sweeps of the training looked like. right,
+    held_out: how many of the sweeps held out were told right, and of how many.
     """
 
     pipeline: Pipeline
     sharpness: float
     threshold: float
-    guard: NoveltyGuard
+    guards: Guards
+    right: int
+    held_out: int
 
     @property
     def classes(self) -> NDArray:
@@ -39,8 +59,7 @@ class Classifier:
 
     def answers(self, X: NDArray[np.float64]) -> Answers:
         """A class or CANNOT_TELL for each row."""
-        novel = self.guard.predict(X) < 0
-        return decide(self.classes, self.probabilities(X), novel, self.threshold)
+        return decide(self.classes, self.probabilities(X), self.guards.novel(X), self.threshold)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,12 +68,14 @@ class Regressor:
 
     factor: of the pipeline's own standard deviations, by which they were too small on held-out
     sweeps, shape (3,). spread: tells deviations where the pipeline has none of its own.
+    median_error: mm, of the sweeps held out.
     """
 
     pipeline: Pipeline
     factor: NDArray[np.float64]
     spread: Spread | None
-    guard: NoveltyGuard
+    guards: Guards
+    median_error: float
 
     def positions(self, X: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Positions and standard deviations, in mm and of the strength, each of shape (n, 3)."""

@@ -8,21 +8,30 @@ from ...simulator.sweeps import InputError
 from ..inputs.samples import Samples
 from ..learners.registry import Estimator
 from .answers import threshold_of
-from .fitted import Classifier, Regressor
-from .folds import PLENTY, by_session, held_out_of, judging
+from .fitted import Classifier, Guards, Regressor
+from .folds import PLENTY, Splits, Track, by_session, held_out_of, judging, untold
 from .held_out import held_out_decisions, held_out_positions
+from .kinds import kind_guard
 from .novelty import NoveltyGuard
 from .spread import Spread
 from .temperature import probabilities, sharpness_of
 from .tuning import trainer
 
+ALL = np.arange(0), np.arange(0)
+"""Stands for the fit to all sweeps, beside the splits that are fitted too."""
+
 
 def learn_classes(
-    samples: Samples, estimator: Estimator, *, certain: float | None = None, tune: bool = False
+    samples: Samples,
+    estimator: Estimator,
+    *,
+    certain: float | None = None,
+    tune: bool = False,
+    track: Track = untold,
 ) -> Classifier:
     """A classifier whose sharpness and threshold were found on sweeps held out.
 
-    certain: the rate at which answers are to be right; None answers always.
+    certain: the rate at which answers are to be right; None answers always. track: as of `Track`.
     Raises InputError where the samples are of one class, or as `judging`, `threshold_of`.
     """
     if np.unique(samples.y).size < 2:
@@ -30,26 +39,35 @@ def learn_classes(
     samples = samples.of_sessions(estimator.sessions)
     splits = judging(samples.strata, samples.sessions)
     train = trainer(estimator, samples, tune=tune)
+    fits = iter(track([ALL, *splits], f"training {estimator.name}"))
+    next(fits)
     pipeline = train(samples)
     unseen = held_out_of(splits)
-    held_out = held_out_decisions(train, samples, splits, pipeline.classes_)[unseen]
+    held_out = held_out_decisions(train, samples, fits, pipeline.classes_)[unseen]
     index = np.searchsorted(pipeline.classes_, samples.y[unseen])
     sharpness = sharpness_of(held_out, index)
-    threshold = 0.0
-    if certain is not None:
-        probability = probabilities(held_out, sharpness)
-        right = probability.argmax(axis=1) == index
-        threshold = threshold_of(probability.max(axis=1), right, certain)
-    return Classifier(pipeline, sharpness, threshold, _guard(samples))
+    probability = probabilities(held_out, sharpness)
+    right = probability.argmax(axis=1) == index
+    threshold = 0.0 if certain is None else threshold_of(probability.max(axis=1), right, certain)
+    guards = _guards(samples, splits)
+    return Classifier(pipeline, sharpness, threshold, guards, int(right.sum()), len(right))
 
 
-def learn_positions(samples: Samples, estimator: Estimator, *, tune: bool = False) -> Regressor:
-    """A regressor whose deviations were found on sweeps held out. Raises as `judging`."""
+def learn_positions(
+    samples: Samples, estimator: Estimator, *, tune: bool = False, track: Track = untold
+) -> Regressor:
+    """A regressor whose deviations were found on sweeps held out. Raises as `judging`.
+
+    track: as of `Track`.
+    """
     samples = samples.of_sessions(estimator.sessions)
     splits = judging(None, samples.sessions)
     unseen = held_out_of(splits)
     train = trainer(estimator, samples, tune=tune)
-    told, deviation = held_out_positions(train, samples, splits)
+    fits = iter(track([ALL, *splits], f"training {estimator.name}"))
+    next(fits)
+    pipeline = train(samples)
+    told, deviation = held_out_positions(train, samples, fits)
     told, residual = told[unseen], (told - samples.y)[unseen]
     factor, spread = np.ones(told.shape[1]), None
     if deviation is None:
@@ -58,10 +76,11 @@ def learn_positions(samples: Samples, estimator: Estimator, *, tune: bool = Fals
         deviation = deviation[unseen]
         z = np.divide(residual, deviation, out=np.zeros(told.shape), where=deviation > 0)
         factor = np.sqrt(np.square(z).mean(axis=0))
-    return Regressor(train(samples), factor, spread, _guard(samples))
+    median = float(np.median(np.linalg.norm(residual[:, :2], axis=1)))
+    return Regressor(pipeline, factor, spread, _guards(samples, splits), median)
 
 
-def _guard(samples: Samples) -> NoveltyGuard:
-    samples = samples.at_most(PLENTY)
-    groups = samples.sessions if by_session(samples.sessions) else None
-    return NoveltyGuard().fit(samples.X, groups=groups)
+def _guards(samples: Samples, splits: Splits) -> Guards:
+    some = samples.at_most(PLENTY)
+    groups = some.sessions if by_session(some.sessions) else None
+    return Guards(NoveltyGuard().fit(some.X, groups=groups), kind_guard(samples, splits))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from sklearn.model_selection import GroupKFold, KFold, StratifiedGroupKFold, StratifiedKFold
@@ -18,7 +19,19 @@ LEAST_SESSIONS = 3
 """From so many on, sessions are held out as a whole."""
 PLENTY = 50_000
 """More sweeps than these are held out once, not fold by fold."""
-Splits = list[tuple["NDArray[np.intp]", "NDArray[np.intp]"]]
+Split = tuple["NDArray[np.intp]", "NDArray[np.intp]"]
+Splits = list[Split]
+
+
+class Track(Protocol):
+    """Hands out splits one by one and tells its user how far it has come."""
+
+    def __call__(self, items: Sequence[Split], description: str, /) -> Iterable[Split]: ...
+
+
+def untold(items: Sequence[Split], description: str, /) -> Iterable[Split]:
+    """Hands out the items and tells nothing."""
+    return items
 
 
 def folds_of(

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.pipeline import Pipeline
 
 from ..inputs.samples import Samples
-from .folds import Splits
+from .folds import Split
 
 LEAST_PROBABILITY = 1e-12
 
@@ -24,7 +24,10 @@ def decisions(pipeline: Pipeline, X: NDArray[np.float64]) -> NDArray[np.float64]
 
 
 def held_out_decisions(
-    train: Callable[[Samples], Pipeline], samples: Samples, splits: Splits, classes: NDArray
+    train: Callable[[Samples], Pipeline],
+    samples: Samples,
+    splits: Iterable[Split],
+    classes: NDArray,
 ) -> NDArray[np.float64]:
     """Decisions of each sweep by a pipeline that was not trained on it, for all of the classes.
 
@@ -42,7 +45,7 @@ def held_out_decisions(
 
 
 def held_out_positions(
-    train: Callable[[Samples], Pipeline], samples: Samples, splits: Splits
+    train: Callable[[Samples], Pipeline], samples: Samples, splits: Iterable[Split]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
     """Positions of each sweep by a pipeline that was not trained on it, and their own deviations.
 

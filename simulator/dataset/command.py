@@ -42,6 +42,7 @@ def dataset(
     from ..asked.tolerance import checked_rtol
     from ..models.plain import plain_scene
     from ..sweeps import InputError, counted, open_zarr
+    from ..sweeps.errors import InterruptedWorkError
     from .bar import on_terminal
     from .plan import Plan, readings
     from .run import generate
@@ -55,8 +56,11 @@ def dataset(
     processes = workers or _cores()
     seconds = sweeps * readings(plan.scene) / (READINGS_A_SECOND * processes)
     tell_if_long(scene, 0 if scheduler else seconds, f"{sweeps} sweeps on {processes} processes")
-    with on_terminal(plan.scene.name, sweeps) as advance:
-        generate(plan, output, processes=processes, scheduler=scheduler, advance=advance)
+    try:
+        with on_terminal(plan.scene.name, sweeps) as advance:
+            generate(plan, output, processes=processes, scheduler=scheduler, advance=advance)
+    except KeyboardInterrupt:
+        raise InterruptedWorkError("the same command goes on from here") from None
     made = open_zarr(output)
     told = made.attrs
     typer.echo(

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from typing import Annotated, NamedTuple, Self
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 
 from .outline import Outline
@@ -32,6 +34,13 @@ def section(contact: Contact, skin: Skin) -> Section:
     marks = curves(skin)[curve].marks
     start, stop = (marks[0], marks[-1]) if side is None else (marks[side - 1], marks[side])
     return Section(curve, start + low * (stop - start), start + high * (stop - start))
+
+
+def path(contact: Contact, skin: Skin, pieces: int = 64) -> NDArray[np.float64]:
+    """A foil's line along a skin without mesh, cut into so many pieces: m, shape (2, point)."""
+    along = section(contact, skin)
+    curve = curves(skin)[along.curve]
+    return np.array([curve.at(mark) for mark in np.linspace(*along[1:], pieces + 1)]).T
 
 
 def _along_rectangle(edge: str, low: float, high: float, skin: Skin) -> Section:

@@ -7,3 +7,7 @@ class InputError(ValueError):
 
 class ToleranceError(RuntimeError):
     """The asked tolerance is not reached, so nothing is answered."""
+
+
+class InterruptedWorkError(RuntimeError):
+    """Ctrl-C ended work that can be taken up again; the message says how."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import shutil
 import warnings
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .csv import read_csv, write_csv
 from .errors import InputError
@@ -32,7 +34,7 @@ def write(sweeps: xr.Dataset, path: str | Path) -> None:
         writers[path.suffix](check(sweeps), unfinished)
 
 
-def counted(sizes: Mapping[Hashable, int]) -> str:
+def counted(sizes: Mapping[Any, int]) -> str:
     """Of a data set's sizes, for people: `13 sweeps x 20 frequencies`; several interfaces, too."""
     named = {"sweep": "sweeps", "interface": "interfaces", "frequency": "frequencies"}
     told = [
@@ -82,16 +84,20 @@ def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:
 def whole_file(path: Path) -> Iterator[Path]:
     """A temporary name beside `path`, of a file or a folder, renamed to `path` at the block's end.
 
-    Nothing is renamed where the block ends with an error.
+    Nothing is renamed where the block ends with an error, and nothing is left of it, nor where the
+    process ends within it.
     """
     unfinished = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    remove = partial(_remove, unfinished)
+    atexit.register(remove)
     try:
         yield unfinished
         if unfinished.is_dir() and path.is_dir():
             shutil.rmtree(path)
         os.replace(unfinished, path)
     finally:
-        _remove(unfinished)
+        remove()
+        atexit.unregister(remove)
 
 
 def _remove(path: Path) -> None:

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.contacts import section
-from ..scene.skin import curves
+from ..scene.contacts import path
 
 if TYPE_CHECKING:
     from ..mesh.domain import Domain
@@ -71,9 +70,9 @@ def foils(
             ends, out = mesh.foil(contact.name)
             inner, outer = ends + near * out, ends + far * out
         else:
-            path = _path(contact, scene)
-            out = skin.outward(path)
-            inner, outer = (_pieces(laid(path + off * out)) for off in (near, far))
+            along = path(contact, scene.skin, PIECES)
+            out = skin.outward(along)
+            inner, outer = (_pieces(laid(along + off * out)) for off in (near, far))
         quads = np.stack([inner[:, 0], inner[:, 1], outer[:, 1], outer[:, 0]], axis=1)
         drawn.append(Foil(contact.name, _role(contact, interface), quads))
     return tuple(drawn)
@@ -88,14 +87,6 @@ def _role(contact: Contact, interface: Interface) -> Role:
     if contact.name in interface.high:
         return "high"
     return "low" if contact.name in interface.low else "floating"
-
-
-def _path(contact: Contact, scene: Scene) -> Real:
-    """A foil's line along a skin without mesh, flat (2, n)."""
-    along = section(contact, scene.skin)
-    curve = curves(scene.skin)[along.curve]
-    marks = np.linspace(along.start, along.stop, PIECES + 1)
-    return np.array([curve.at(mark) for mark in marks]).T
 
 
 class Meshed:

@@ -1,28 +1,12 @@
 """`rcskin train`, `evaluate` and `localize` as their user meets them."""
 
-import sys
-
 import numpy as np
 import pandas as pd
 import pytest
 import skops.io
-from rcskin import __main__ as rcskin
 from rcskin.simulator.sweeps import concatenate, write
 
 SCENE = "[skin]\nlength = 0.03\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 3\n"
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Runs `rcskin` with arguments; returns exit code, output and errors."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["rcskin", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            rcskin.main()
-        return end.value.code, *capsys.readouterr()
-
-    return run
 
 
 @pytest.fixture(scope="module")
@@ -45,10 +29,12 @@ def test_a_model_is_trained_evaluated_and_asked(run, files, tmp_path):
     code, out, err = run("train", files / "known.nc", "--features", "dlnZ,dphase", "-o", model)
     assert (code, err) == (0, "")
     assert "column by ksvm-ovo from dlnZ, dphase at left" in out
-    assert "whole sessions held out" in out
+    assert "whole sessions held out: accuracy 100 % (72 of 72, at least 95 % with 95 % confi" in out
+    assert out.endswith(f"model: 40 features, 3 columns -> {model}\n")
     code, out, err = run("evaluate", model, files / "unseen.nc", "-o", tmp_path / "found")
     assert (code, err) == (0, "")
-    assert "accuracy: 1\n" in out
+    assert "accuracy: 100 % (24 of 24, at least 88 % with 95 % confidence)\n" in out
+    assert out.endswith(f"evaluation: 24 sweeps -> {tmp_path / 'found'}\n")
     assert {path.name for path in (tmp_path / "found").iterdir()} == {
         "figures.csv",
         "confusion.csv",
@@ -96,16 +82,24 @@ def test_only_so_many_sweeps_are_taken_and_whole_sessions_of_them(run, files, tm
     assert code == 0 and "; 48 sweeps" in out
 
 
+def test_what_scikit_learn_warns_of_is_not_shown(run, make_sweeps, tmp_path):
+    write(make_sweeps(rows=4, columns=6, repetitions=2), tmp_path / "few.nc")
+    asked = ("--target", "pixel", "-o", tmp_path / "m.skops")
+    code, _, err = run("train", tmp_path / "few.nc", *asked)
+    assert (code, err) == (0, "")
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
+        (["train", "known.nc", "--estimator", "oracle", "-o", "m.skops"], "--estimator must be"),
         (["train", "known.nc", "-o", "m.pkl"], "must end in .skops"),
-        (["train", "known.nc", "--target", "depth", "-o", "m.skops"], "`target` must be one of"),
-        (["train", "known.nc", "--features", "Z", "-o", "m.skops"], "`quantities` must be of"),
+        (["train", "known.nc", "--target", "depth", "-o", "m.skops"], "--target must be one of"),
+        (["train", "known.nc", "--features", "Z", "-o", "m.skops"], "--features must be of"),
         (["train", "known.nc", "--interface", "up", "-o", "m.skops"], "no interface 'up'"),
         (["train", "pressed.nc", "--features", "dlnZ", "-o", "m.skops"], "no sweep of the skin at"),
         (["train", "known.nc", "--most", "0", "-o", "m.skops"], "--most must be >= 1"),
-        (["train", "known.nc", "--certain", "2", "-o", "m.skops"], "`certain` must be between"),
+        (["train", "known.nc", "--certain", "2", "-o", "m.skops"], "--certain must be between"),
         (["evaluate", "a.skops", "known.nc"], "holds no model of rcskin"),
         (["localize", "none.skops", "known.nc"], "cannot be read"),
         (["localize", "good.skops", "other.nc"], "trained on 20 frequencies, the sweeps have 2"),

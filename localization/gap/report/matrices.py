@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
 SIDE, EACH_CLASS = 3.6, 0.3
 """Inches: of a matrix at least, and of a class in a large one."""
-MANY = 12
 
 
 def main_cases(findings: Findings, name: str) -> dict[str, Accuracy]:
@@ -45,6 +44,5 @@ def draw_confusions(findings: Findings, name: str, style: Style, path: Path) -> 
             axes.grid(False)
             draw_confusion(axes, accuracy.confusion)
             axes.set_title(f"Trained on {told}\n{axes.get_title()}", fontsize=9)
-            axes.tick_params(axis="x", labelrotation=90 if classes > MANY else 0)
         for axes in panels[len(cases) :]:
             axes.set_axis_off()

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ...trust.rates import rate_told
 from ..samples import FEATURE_SETS, TOLD
 from ..versions import AFTER, BEFORE
 
@@ -13,6 +14,11 @@ if TYPE_CHECKING:
     from ..accuracy import Accuracy
     from ..findings import Findings
     from ..given import Estimate
+
+
+MOST, PART, WORTH_TELLING = 0.5, 0.1, 0.005
+"""Shares of the misfit from which on a parameter explains most of a gap, or a part of it, and from
+which on a second one is told."""
 
 
 class Row(NamedTuple):
@@ -64,13 +70,18 @@ def summary(findings: Findings) -> list[str]:
 
 
 def cause_told(findings: Findings) -> str:
-    """Which parameter explains most of the gap, in one sentence; empty where nobody knows."""
+    """How much of the gap a parameter explains, in one sentence; empty where nobody knows."""
     if not findings.causes:
         return ""
     first, *others = findings.causes
-    told = f"{_spaced(first.parameter)} explains most of the gap: fitted alone, it removes "
-    told += f"{100 * first.share:.0f} % of the misfit"
-    if others:
+    name, share = _spaced(first.parameter), f"{100 * first.share:.0f} % of the misfit"
+    if first.share >= MOST:
+        told = f"{name} explains most of the gap: fitted alone, it removes {share}"
+    elif first.share >= PART:
+        told = f"{name} explains a part of the gap: fitted alone, it removes {share}"
+    else:
+        told = f"no parameter alone explains the gap: {name}, the first of them, removes {share}"
+    if others and others[0].share >= WORTH_TELLING:
         told += f"; next is {_spaced(others[0].parameter)} with {100 * others[0].share:.0f} %"
     return told[0].upper() + told[1:] + "."
 
@@ -110,8 +121,10 @@ def _rms(values: np.ndarray) -> float:
 
 
 def _percent(accuracy: Accuracy) -> str:
-    spread = f" ± {100 * accuracy.spread:.1f}" if accuracy.draws > 1 else ""
-    return f"{100 * accuracy.mean:.1f}{spread} %"
+    """Mean and spread over draws, of which many test the same sweeps; of one draw, how many."""
+    if accuracy.draws == 1:
+        return rate_told(accuracy.confusion.correct, accuracy.confusion.total)
+    return f"{100 * accuracy.mean:.1f} ± {100 * accuracy.spread:.1f} %"
 
 
 def _spaced(name: str) -> str:

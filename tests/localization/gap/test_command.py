@@ -57,7 +57,7 @@ def test_a_sheet_resistance_is_named_and_calibration_brings_accuracy_up(run, fil
     code, out, err = run(*files, "-o", tmp_path / "gap", "--draws", 2)
     assert (code, err) == (0, "")
     assert "Sheet resistance explains most of the gap" in out
-    assert f"see {tmp_path / 'gap' / 'gap.html'}" in out
+    assert out.endswith(f" twin sweeps -> {tmp_path / 'gap' / 'gap.html'}\n")
     assert {path.name for path in (tmp_path / "gap").iterdir()} == {"gap.html", "gap.json"}
     found = json.loads((tmp_path / "gap" / "gap.json").read_text())
     assert set(found) == ENTRIES
@@ -85,10 +85,10 @@ def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
     [
         (("absent.nc", 1), "absent.nc: no such file"),
         ((1, 0), "twin.nc: holds twin sweeps; the simulated sweeps are to be named first"),
-        ((0, 1, "--target", "position"), "`target` must be one of column, row, pixel"),
+        ((0, 1, "--target", "position"), "--target must be one of column, row, pixel"),
         ((0, 1, "--estimator", "oracle"), "'oracle'"),
         ((0, 1, "--scene", "no-such-scene"), "no-such-scene: no such file"),
-        ((0, 1, "--draws", "0"), "`draws` must be >= 1, got 0"),
+        ((0, 1, "--draws", "0"), "--draws must be >= 1, got 0"),
     ],
 )
 def test_bad_input_is_one_line_and_leaves_nothing(run, files, tmp_path, arguments, message):

@@ -3,8 +3,10 @@
 import json
 import math
 import re
+from dataclasses import replace
 
 import pytest
+from rcskin.localization.gap.given import Cause
 from rcskin.localization.gap.report import pages as report
 from rcskin.localization.gap.report.charts import charts_of
 from rcskin.localization.gap.report.numbers import KEYS, numbers
@@ -153,3 +155,19 @@ def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot be made"):
         report.made_folder(tmp_path / "file" / "folder")
+
+
+@pytest.mark.parametrize(
+    ("shares", "told"),
+    [
+        ((0.8, 0.3), "Foam explains most of the gap: fitted alone, it removes 80 % of the misfit; "
+         "next is sheet with 30 %."),
+        ((0.3, 0.001), "Foam explains a part of the gap: fitted alone, it removes 30 % of the "
+         "misfit."),
+        ((0.01, 0.0), "No parameter alone explains the gap: foam, the first of them, removes 1 % "
+         "of the misfit."),
+    ],
+)  # fmt: skip
+def test_words_and_share_of_a_cause_agree(findings, shares, told):
+    causes = [Cause(name, share) for name, share in zip(("foam", "sheet"), shares, strict=True)]
+    assert cause_told(replace(findings, causes=causes)) == told

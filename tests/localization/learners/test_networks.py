@@ -1,5 +1,7 @@
 """Networks that learn many sweeps in ever smaller steps."""
 
+import _thread
+import threading
 from functools import partial
 
 import numpy as np
@@ -79,3 +81,13 @@ def test_sweeps_in_plenty_are_held_out_once():
     assert 0.15 < held_out_of(once).size / sessions.size < 0.25
     np.testing.assert_array_equal(held_out_of(few), np.arange(2000))
     assert len(few) == len(splits_of(None, sessions[:2000]))
+
+
+def test_ctrl_c_ends_more_than_a_stage():
+    random = np.random.default_rng(0)
+    X, y = random.standard_normal((40, 3)), np.arange(40) % 2
+    endless = NetworkClassifier(hidden=(4,), stages=((1e-3, 10**9),))
+    interruption = threading.Timer(0.5, _thread.interrupt_main)
+    interruption.start()
+    with pytest.raises(KeyboardInterrupt):
+        endless.fit(X, y)

@@ -134,3 +134,17 @@ def test_every_estimator_is_asked_by_its_name():
 def test_a_name_that_cannot_tell_the_target_is_refused(name, target, message):
     with pytest.raises(InputError, match=message):
         chosen(name, target)
+
+
+@pytest.mark.parametrize(("target", "fits"), [("column", 6), ("position", 6)])
+def test_progress_is_told_fit_by_fit(strip, target, fits):
+    handed_out = []
+
+    def track(items, description):
+        for item in items:
+            yield item
+            handed_out.append(description)
+
+    scene = "[skin]\nlength = 0.03\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 3\n"
+    model = train(strip.assign_attrs(scene=scene), target, quantities=("dlnZ",), track=track)
+    assert handed_out == [f"training {model.estimator}"] * fits

@@ -1,0 +1,32 @@
+"""A model read from its file, to be asked of sweeps from another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..learners.registry import Estimator
+    from ..model.model import Model
+
+
+def model_for(
+    sweeps: xr.Dataset, file: Path, path: Path, extra: Iterable[Estimator], *, anyway: bool
+) -> Model:
+    """The model at a path; a note says where the sweeps of a file do not tell their skin.
+
+    extra: estimators beside those of this package. anyway: it answers sweeps of another skin too.
+    Raises InputError as `load`.
+    """
+    from ..learners.registry import estimators
+    from ..model.file import load
+
+    model = load(path, estimators(extra))
+    if model.scene and not sweeps.attrs.get("scene"):
+        typer.echo(f"rcskin: note: {file}: stores no scene, so its skin is not checked", err=True)
+    return model.insisting() if anyway else model

@@ -1,0 +1,49 @@
+"""A skin seen from above, for charts of places on it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+FOIL = {"top": "#D55E00", "bottom": "#0072B2"}
+"""Vermilion and blue of M. Okabe and K. Ito, "Color Universal Design" (2008)."""
+WIDTH = {"top": 6.0, "bottom": 3.0}
+"""Points: where foils of both sheets lie on each other, both are seen."""
+
+
+class Foil(NamedTuple):
+    """On which sheet, top or bottom, and its line in mm, shape (point, 2)."""
+
+    electrode: str
+    line: NDArray
+
+
+class Plan(NamedTuple):
+    """The lines around a skin and its holes, mm, each of shape (point, 2), and its foils."""
+
+    outline: Sequence[NDArray]
+    foils: Sequence[Foil]
+
+
+def draw_plan(axes: Axes, plan: Plan) -> None:
+    """Draw the skin's outline and its foils, those of the top sheet broader."""
+    for line in plan.outline:
+        axes.plot(*line.T, color="0.35", linewidth=1, zorder=0.5)
+    named = set()
+    for foil in sorted(plan.foils, key=lambda each: each.electrode == "bottom"):
+        axes.plot(
+            *foil.line.T,
+            color=FOIL[foil.electrode],
+            linewidth=WIDTH[foil.electrode],
+            solid_capstyle="butt",
+            zorder=0.7,
+            label=None if foil.electrode in named else f"foils of the {foil.electrode} sheet",
+        )
+        named.add(foil.electrode)
+    if named:
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), frameon=False, fontsize=8)

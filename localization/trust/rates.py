@@ -1,0 +1,36 @@
+"""How often something was right, in words: of how many, and what that says at least."""
+
+from __future__ import annotations
+
+import math
+
+CONFIDENCE = 0.95
+MANY = 500
+"""From so many on, a bound is told to a tenth of a per cent."""
+
+
+def at_least(right: int, total: int) -> float:
+    """The rate that the true one surpasses with CONFIDENCE, if each was right by chance alone.
+
+    Exact, one-sided: C. J. Clopper, E. S. Pearson, Biometrika 26 (1934) 404-413. Sweeps of one
+    session are less than independent: they tell less of other sessions.
+    """
+    from scipy.stats import binomtest
+
+    found = binomtest(right, total, alternative="greater").proportion_ci(CONFIDENCE, "exact")
+    return float(found.low)
+
+
+def rate_told(right: int, total: int) -> str:
+    """As `98 % (52 of 53, at least 91 % with 95 % confidence)`; the bound is never rounded up.
+
+    Where there was none: `none of 0`.
+    """
+    if not total:
+        return "none of 0"
+    tenths = 10 if total >= MANY else 1
+    least = math.floor(100 * tenths * at_least(right, total)) / tenths
+    rate = 100 * right / total
+    told = "100" if right == total else f"{min(rate, 99.9):.3g}"
+    bound = f"at least {least:g} % with {100 * CONFIDENCE:g} % confidence"
+    return f"{told} % ({right} of {total}, {bound})"

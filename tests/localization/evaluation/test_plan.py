@@ -1,0 +1,38 @@
+"""Errors are drawn on the skin they were made on: its outline and its foils."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from rcskin import __main__ as rcskin
+from rcskin.localization.evaluation.plan import draw_plan
+from rcskin.simulator.scene.files import load_scene, scene_text
+
+GLOVE = load_scene("glove")
+
+
+def lines(text):
+    """What is drawn of a scene, by label, mm."""
+    axes = Figure().subplots()
+    draw_plan(axes, rcskin._plan(text))
+    return {str(line.get_label()): line.get_xydata() for line in axes.lines}
+
+
+def test_a_rectangle_is_drawn_with_the_foils_of_both_sheets():
+    outline, top, bottom = lines(scene_text(GLOVE)).values()
+    np.testing.assert_allclose(outline.min(axis=0), 0)
+    np.testing.assert_allclose(outline.max(axis=0), [90, 60])
+    for foil in (top, bottom):
+        np.testing.assert_allclose(foil[:, 0], 0, atol=1e-9)
+        np.testing.assert_allclose(np.ptp(foil[:, 1]), 60)
+
+
+def test_holes_are_drawn_and_foils_lie_on_their_circle():
+    around = {"circle": [0.045, 0.03, 0.03], "holes": [{"circle": [0.045, 0.03, 0.01]}]}
+    foils = {f"contact.{k}.edge": "hole1" for k in (1, 2)}
+    drawn = [*lines(scene_text(GLOVE.with_({"skin.outline": around, **foils}))).values()]
+    radii = [np.linalg.norm(line - [45, 30], axis=1) for line in drawn]
+    np.testing.assert_allclose([each.mean() for each in radii], [30, 10, 10, 10])
+    assert max(np.ptp(each) for each in radii) < 1e-9
+
+
+def test_what_is_no_scene_has_no_plan():
+    assert rcskin._plan("") is None

@@ -1,0 +1,79 @@
+"""One Ctrl-C ends a command: within a library that does not hear of it, and with its workers."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+DEAF = """
+import hashlib, sys
+from pathlib import Path
+from rcskin.simulator.interrupt import ending_soon
+from rcskin.simulator.sweeps import whole_file
+
+with ending_soon(), whole_file(Path(sys.argv[1])) as unfinished:
+    unfinished.write_text("half")
+    print("at work", flush=True)
+    hashlib.pbkdf2_hmac("sha256", b"", b"", 10**9)
+"""
+STUDY = ("study", "strip-1x3", "--vary", "skin.sheet_resistance=1e4:1e5:1000", "--workers", "2")
+
+
+@pytest.fixture
+def start():
+    """A function that starts Python in a group of its own, which is killed at the end."""
+    started = []
+
+    def start(*arguments):
+        process = subprocess.Popen(
+            [sys.executable, *map(str, arguments)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+        started.append(process)
+        return process
+
+    yield start
+    for process in started:
+        try:
+            os.killpg(process.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            continue
+        process.communicate()
+
+
+def members(group):
+    """How many processes are in a group."""
+    told = subprocess.run(["ps", "-eo", "pgid="], capture_output=True, text=True, check=True)
+    return told.stdout.split().count(str(group))
+
+
+def test_work_in_c_is_ended_and_leaves_nothing_unfinished(start, tmp_path):
+    process = start("-c", DEAF, tmp_path / "out.csv")
+    assert process.stdout.readline() == "at work\n"
+    time.sleep(0.5)
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=30)
+    assert (process.returncode, err) == (130, "rcskin: interrupted\n")
+    assert not [*tmp_path.iterdir()]
+
+
+@pytest.mark.slow
+def test_workers_of_a_study_end_with_it(start, tmp_path):
+    process = start("-m", "rcskin", *STUDY, "-o", tmp_path / "study.csv")
+    while process.poll() is None and members(process.pid) < 4:
+        time.sleep(0.05)
+    time.sleep(1)
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=30)
+    assert (process.returncode, err) == (130, "rcskin: interrupted\n")
+    assert not [*tmp_path.iterdir()]
+    for _ in range(200):
+        if not members(process.pid):
+            break
+        time.sleep(0.05)
