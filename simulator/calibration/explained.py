@@ -64,7 +64,8 @@ def gap_by_parameter(
     tell("training a model of the scene")
     own = checked_model(model, data.scene) if model else None
     ready = Around(own or model_of(data.scene, model_tolerance(readout)), {})
-    names = candidates(ready.model.free, known, options.fit, options.fix)
+    unknown = candidates(data, ready.model.free, known, options.fit, options.fix)
+    names = unknown.fitted if options.fit else [*unknown.fitted, *unknown.held]
     with one_blas_thread():
         before = solved(Problem(asked, ready), asked.fixed).chi_squared
         found = [_alone(asked, ready, name, known[name], before) for name in names]

@@ -1,4 +1,4 @@
-"""Gauss-Newton with bounds on the problem, from several starts, and within the model's reach.
+"""Gauss-Newton within bounds, reflected off them, from several starts and within the model's reach.
 
 Where the fitted factors reach the edge of what the model was trained on, or its certificate is no
 longer small beside the meter's error, the model is trained anew about the fitted values.
@@ -37,6 +37,8 @@ EXPLAINED = 2.0
 FINEST, COARSEST = 1e-6, 1e-3
 CLOSE = 1e-8
 MOST_STEPS = 300
+INSIDE = 1e-2
+"""Deviations of its prior from a bound that an unknown begins at; from the bound it does not go."""
 AT_BOUND = 1e-6
 """Deviations of its prior within which an unknown is at its bound."""
 
@@ -131,7 +133,8 @@ def best(problem: Problem, begins: Sequence[Mapping[str, float]]) -> Fit:
 def solved(problem: Problem, begin: Mapping[str, float]) -> Fit:
     """From one start, within the model's reach."""
     low, high = problem.bounds()
-    u = np.clip(problem.asked.unknowns(begin), low, high)
+    inside = np.minimum(INSIDE, (high - low) / 4)
+    u = np.clip(problem.asked.unknowns(begin), low + inside, high - inside)
     if not len(u):
         return Fit(problem, u)
     exact: Any = problem.jacobian
@@ -140,7 +143,7 @@ def solved(problem: Problem, begin: Mapping[str, float]) -> Fit:
         u,
         exact,
         bounds=(low, high),
-        method="dogbox",
+        method="trf",
         x_scale="jac",
         ftol=CLOSE,
         xtol=CLOSE,

@@ -34,7 +34,7 @@ def test_a_scene_is_calibrated(run, files, line):
     assert (code, err) == (0, "")
     assert "foam capacitance" in out
     assert "chi-squared per degree of freedom" in out
-    assert "left as in the scene, for the data do not tell them: sheet_mismatch" in out
+    assert "told only together, as both sheets in series; top over bottom is assumed" in out
     assert sorted(path.name for path in folder.iterdir()) == FILES
     assert sorted(path.name for path in folder.parent.iterdir()) == ["found", "run.nc", "skin.toml"]
 
@@ -49,6 +49,9 @@ def test_the_calibrated_scene_says_from_what(run, files, line):
     assert calibrated.skin.foam.rest_capacitance_per_area == pytest.approx(
         truth.skin.foam.rest_capacitance_per_area, rel=0.02
     )
+    assert "left as in the scene, and allowed for within their priors: loss_tangent" in text
+    assert "both in series: " in text
+    assert "not told by the data but assumed from the scene, within its prior" in text
     code, _, err = run("sweep", folder / "calibrated.toml", "-o", folder / "again.nc")
     assert (code, err) == (0, "")
     assert read_sweeps(folder / "again.nc").sizes["frequency"] == 12
@@ -56,17 +59,7 @@ def test_the_calibrated_scene_says_from_what(run, files, line):
 
 def test_numbers_are_written_for_machines(run, files):
     scene, measured, folder = files
-    run(
-        "calibrate",
-        scene,
-        measured,
-        "-o",
-        folder,
-        "--fit",
-        "sheet_resistance",
-        "--fit",
-        "capacitance",
-    )
+    run("calibrate", scene, measured, "-o", folder, *TWO, "--fix", "others")
     told = json.loads((folder / "calibration.json").read_text())
     low, high = told["intervals_95"]["capacitance"]
     assert low < told["values"]["capacitance"] < high
