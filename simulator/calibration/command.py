@@ -22,11 +22,17 @@ def calibrate(
     ] = Path("calibration"),
     fit: Annotated[
         list[str] | None,
-        typer.Option(help="A parameter to fit; may be repeated. Without it: all that are told."),
+        typer.Option(
+            help="A parameter to fit; may be repeated. Others stay as the scene has them, but "
+            "widen the intervals by how little they are known. Without it: all."
+        ),
     ] = None,
     fix: Annotated[
         list[str] | None,
-        typer.Option(help="A parameter to leave as the scene has it; may be repeated."),
+        typer.Option(
+            help="A parameter that is known, as the scene has it; may be repeated. others: all "
+            "that --fit does not name."
+        ),
     ] = None,
     band: Annotated[str | None, typer.Option(help="LOW:HIGH in Hz; either may be absent.")] = None,
     session: Annotated[int | None, typer.Option(help="The only session that counts.")] = None,
@@ -40,6 +46,9 @@ def calibrate(
             "dataset.session draws)."
         ),
     ] = "wide",
+    anyway: Annotated[
+        bool, typer.Option("--anyway", help="Take sweeps that were recorded for another skin.")
+    ] = False,
 ) -> None:
     """Fit a scene's parameters to measured sweeps, at rest and pressed.
 
@@ -51,14 +60,17 @@ def calibrate(
     interfaces. The meter's errors are those of the scene's readout; where it
     states none, repeated sweeps at rest tell them, or what the fit leaves.
 
-    FOLDER/calibrated.toml is the scene with the fitted values.
+    FOLDER/calibrated.toml is the scene with the fitted values. All intervals
+    allow for what the data do not tell: sheets that one field sees are told
+    by their sum, and their ratio is assumed from the scene.
     """
     from rich.console import Console
 
     from ..models.plain import plain_scene
-    from ..scene.files import load_scene
+    from ..scene.files import load_scene, scene_text
     from ..scene.frequency import parse_band
     from ..sweeps import read
+    from ..sweeps.same_skin import check_same_skin
     from .choice import Options
     from .prior import checked_kind
     from .report import checked_folder, correlation_table, explanations, table, write_report
@@ -73,7 +85,10 @@ def calibrate(
         not fixed_strength,
         checked_kind(prior),
     )
-    start, sweeps = plain_scene(load_scene(scene), "a calibration"), read(measured)
+    asked, sweeps = load_scene(scene), read(measured)
+    if not anyway:
+        check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(asked), measured.name)
+    start = plain_scene(asked, "a calibration")
     with telling() as tell:
         calibration = calibrated(start, sweeps, options, tell=tell)
     names = write_report(calibration, measured.name, folder)

@@ -109,9 +109,28 @@ def test_bad_input_is_one_line_and_nothing_is_written(run, files, more, message)
 
 def test_sweeps_of_another_skin_are_refused(run, files):
     _, measured, folder = files
-    code, _, err = run("calibrate", "strip-1x3", measured, "-o", folder)
+    code, out, err = run("calibrate", "strip-1x3", measured, "-o", folder)
+    assert (code, out) == (2, "")
+    assert err.startswith("rcskin: run.nc: recorded for scene, asked of strip-1x3: width 0.08 m, ")
+    assert err.endswith("; --anyway insists\n") and err.count("\n") == 1
+    assert not folder.exists()
+
+
+def test_sweeps_of_another_skin_are_taken_where_one_insists(run, files, line):
+    scene, measured, folder = files
+    scene.write_text(scene_text(line.with_({"skin.length": 0.11, "name": "longer"})))
+    code, _, err = run("calibrate", scene, measured, "-o", folder)
     assert code == 2
-    assert "interface 'meter'; strip-1x3 has left" in err
+    assert "recorded for scene, asked of longer: length 0.1 m, not 0.11 m" in err
+    code, _, err = run("calibrate", scene, measured, "-o", folder, *TWO, "--anyway")
+    assert (code, err) == (0, "")
+
+
+def test_a_skin_of_other_materials_is_the_same_skin(run, files, line):
+    scene, measured, folder = files
+    changes = {"name": "other", "skin.sheet_resistance": 6e4, "leads": {"resistance": 5.0}}
+    scene.write_text(scene_text(line.with_(changes)))
+    assert run("calibrate", scene, measured, "-o", folder, *TWO)[0] == 0
 
 
 def test_a_file_is_no_folder(run, files):
