@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
-
-if TYPE_CHECKING:
-    from .fit import Tell
 
 
 def calibrate(
@@ -67,6 +62,7 @@ def calibrate(
     from rich.console import Console
 
     from ..models.plain import plain_scene
+    from ..progress import told_on_terminal
     from ..scene.files import load_scene, scene_text
     from ..scene.frequency import parse_band
     from ..sweeps import read
@@ -89,7 +85,7 @@ def calibrate(
     if not anyway:
         check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(asked), measured.name)
     start = plain_scene(asked, "a calibration")
-    with telling() as tell:
+    with told_on_terminal() as tell:
         calibration = calibrated(start, sweeps, options, tell=tell)
     names = write_report(calibration, measured.name, folder)
     console = Console()
@@ -99,18 +95,3 @@ def calibrate(
     for line in explanations(calibration):
         console.print(line, soft_wrap=True, markup=False, highlight=False)
     console.print(f"{folder}: {', '.join(names)}", soft_wrap=True, markup=False, highlight=False)
-
-
-@contextmanager
-def telling() -> Iterator[Tell]:
-    """Shows what goes on, on a terminal; silence in a pipe."""
-    from rich.console import Console
-
-    from .fit import silent
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield silent
-        return
-    with console.status("fitting") as status:
-        yield lambda told: status.update(told)

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from ..models.line_slopes import LineModel
 from ..models.parameters import own_values, scene_with
 from ..models.plain import require_factor, require_plain
+from ..progress import Tell, tell_nothing
 from ..scene.scene import Scene
 from .choice import Options, candidates
 from .estimates import Quantity, intervals, quantities, told_together
 from .explained import Comparison, compared
-from .fit import Fit, Tell, allowed, fitted, model_tolerance, silent
+from .fit import Fit, allowed, fitted, model_tolerance
 from .information import Information, information, with_unknown
 from .measured import Measured, measured
 from .model import Around, Model, around, checked_model, model_of
@@ -79,7 +80,7 @@ def calibrate(
     options: Options = Options(),  # noqa: B008
     *,
     model: Model | None = None,
-    tell: Tell = silent,
+    tell: Tell = tell_nothing,
 ) -> Calibration:
     """Fit a scene to sweeps, unpressed ones and presses of pixels, at all their interfaces.
 
@@ -122,7 +123,7 @@ class _Job:
         self.remarks = [f"left out: {reason}" for reason in measured.left_out]
         self.noise = noise_of(measured)
         self.priors = priors(measured, options.prior)
-        at_hand = model or model_of(measured.scene, self._tolerance)
+        at_hand = model or model_of(measured.scene, self._tolerance, tell)
         asked = candidates(measured, at_hand.free, self.priors, options.fit, options.fix)
         self.names, self.held = asked.fitted, {name: self.priors[name] for name in asked.held}
         self._ready = self._prepared(at_hand, trained=model is not None)
@@ -153,10 +154,13 @@ class _Job:
         scene = self.measured.scene
         if trained or isinstance(model, LineModel):
             return Around(checked_model(model, scene), {})
-        self._tell("training a model of the scene")
         wide = self.options.prior == "wide" and "capacitance" in self.names
         off = capacitance_off(self.measured) if wide else 0.0
-        return around(scene, {"capacitance": off}, self._tolerance) if off else Around(model, {})
+        return (
+            around(scene, {"capacitance": off}, self._tolerance, self._tell)
+            if off
+            else Around(model, {})
+        )
 
     @property
     def _tolerance(self) -> float:
@@ -168,9 +172,10 @@ class _Job:
         readout = with_noise(self.noise.readout, noise, noise)
         return replace(self.noise, readout=readout, source="the residuals of the fit")
 
-    def _remark(self, told: str) -> None:
-        self._tell(told)
-        self.remarks.append(told)
+    def _remark(self, told: str, share: float | None = None, /) -> None:
+        self._tell(told, share)
+        if share is None:
+            self.remarks.append(told)
 
 
 def _left_out(fit: Fit) -> list[str]:
