@@ -163,11 +163,17 @@ def limits(scene: Scene, target: str = "column", **options: Any) -> tuple[float,
     return bayes_accuracy(scene, target, **options)
 
 
-def calibrate(scene: Scene, sweeps: xr.Dataset) -> Calibration:
+def calibrate(scene: Scene, sweeps: xr.Dataset, *, anyway: bool = False) -> Calibration:
     """The scene fitted to measured sweeps, with what the data tell of each parameter.
 
-    Raises InputError where sweeps and scene do not fit, ToleranceError where no model holds.
+    anyway: take sweeps of another skin too. Raises InputError where sweeps and scene do not fit,
+    ToleranceError where no model holds.
     """
     from .simulator.calibration.run import calibrate as calibrated
+    from .simulator.scene.files import scene_text
+    from .simulator.sweeps.same_skin import check_same_skin
+
+    if not anyway:
+        check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(scene), "sweeps")
 
     return calibrated(scene, sweeps)

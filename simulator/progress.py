@@ -1,10 +1,13 @@
-"""Progress of long work: a bar on a terminal, silence in a pipe."""
+"""Progress of long work: a bar and the time left on a terminal, silence in a pipe."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Protocol, TypeVar
+from typing import TYPE_CHECKING, Protocol, TypeVar
+
+if TYPE_CHECKING:
+    from rich.progress import ProgressColumn
 
 Item = TypeVar("Item")
 
@@ -20,6 +23,44 @@ def silent(items: Sequence[Item], description: str, /) -> Iterable[Item]:
     return items
 
 
+class Tell(Protocol):
+    """Is told what goes on, and where that is known what share of it is done, from 0 to 1."""
+
+    def __call__(self, told: str, share: float | None = None, /) -> None: ...
+
+
+def tell_nothing(told: str, share: float | None = None, /) -> None:
+    """Tells nothing."""
+
+
+@contextmanager
+def told_on_terminal() -> Iterator[Tell]:
+    """Shows what goes on and how long it will last, if standard error is a terminal."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), *_time_left())
+    with Progress(
+        *columns, console=console, disable=not console.is_terminal, transient=True
+    ) as progress:
+        task = progress.add_task("", total=None)
+
+        def tell(told: str, share: float | None = None, /) -> None:
+            if progress.tasks[task].description != told or share is None:
+                progress.reset(task, total=None, description=told)
+            if share is not None:
+                progress.update(task, total=1.0, completed=share)
+
+        yield tell
+
+
+def _time_left() -> tuple[ProgressColumn, ...]:
+    from rich.progress import TextColumn, TimeRemainingColumn
+
+    return TextColumn("left"), TimeRemainingColumn(elapsed_when_finished=True)
+
+
 @contextmanager
 def on_terminal() -> Iterator[Track]:
     """A tracker that draws a bar for each piece of work if standard error is a terminal.
@@ -28,14 +69,13 @@ def on_terminal() -> Iterator[Track]:
     """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-    from rich.progress import TimeRemainingColumn as TimeLeft
 
     console = Console(stderr=True)
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
-        TimeLeft(elapsed_when_finished=True),
+        *_time_left(),
     )
     with Progress(*columns, console=console, disable=not console.is_terminal) as progress:
 

@@ -1,40 +1,44 @@
-"""Which parameters to fit where none are named: those that the data can tell apart."""
+"""Which parameters to fit, and which to hold though they are not known."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
+from ..fem.circuit import one_field
 from ..models.parameters import PARAMETERS
 from ..sweeps import InputError
-from .fit import Fit
-from .information import Information, information
+from .measured import Measured
 from .prior import Kind, Prior
 
-GIVEN_UP_FIRST = (
-    "sheet_mismatch",
-    "lead_resistance",
-    "stray_capacitance",
-    "lead_inductance",
-    "loss_tangent",
-    "phase_exponent",
-    "contact_resistance",
-    "capacitance",
-    "sheet_resistance",
-)
-"""Of parameters that the data cannot tell apart."""
+OTHERS = "others"
+"""In place of the names of all parameters that are not fitted."""
+
+
+class Candidates(NamedTuple):
+    """Parameters that are not known: those to fit, and those to leave as the scene has them."""
+
+    fitted: list[str]
+    held: list[str]
 
 
 def candidates(
-    free: Sequence[str], priors: Mapping[str, Prior], fit: Sequence[str], fix: Sequence[str]
-) -> list[str]:
-    """Parameters to fit, or to choose from.
+    measured: Measured,
+    free: Sequence[str],
+    priors: Mapping[str, Prior],
+    fit: Sequence[str],
+    fix: Sequence[str],
+) -> Candidates:
+    """Parameters by what is done about them. Those without a prior and those of `fix` are known.
 
-    free: those that the scene depends on. fit, fix: names asked for. Raises InputError for names
-    that are unknown, asked for both ways, or that the scene does not depend on.
+    free: those that the scene depends on. fit: names to fit, where empty all that are not known;
+    but of sheets that carry one field, which sees their sum, the ratio is held. Raises
+    InputError for names that are unknown, asked for both ways, or that the scene does not depend
+    on.
     """
     for name in (*fit, *fix):
-        if name not in PARAMETERS:
+        if name not in PARAMETERS and not (fit and name == OTHERS and name in fix):
             raise InputError(f"`parameter` must be one of {', '.join(PARAMETERS)}, got {name!r}")
     for name in fit:
         if name in fix:
@@ -43,42 +47,26 @@ def candidates(
             raise InputError(f"{name} changes nothing in this scene; free are {', '.join(free)}")
         if name not in priors:
             raise InputError(f"{name} is known: [dataset.session] does not draw it")
-    asked = fit or [name for name in free if name in priors and name not in fix]
-    if not asked:
+    known = set(PARAMETERS) - set(fit) if OTHERS in fix else set(fix)
+    unknown = [name for name in PARAMETERS if name in free and name in priors.keys() - known]
+    if not unknown:
         raise InputError("every parameter is fixed: there is nothing to fit")
-    return [name for name in PARAMETERS if name in asked]
-
-
-def chosen(fit_to: Callable[[Sequence[str]], Fit], names: Sequence[str]) -> tuple[Fit, list[str]]:
-    """The fit of those parameters that the data tell, and the names of those given up.
-
-    fit_to: the fit of some parameters.
-    """
-    fit, given_up = fit_to(names), []
-    while len(fit.asked.names) > 1:
-        name = weakest(information(fit))
-        if name is None:
-            break
-        given_up.append(name)
-        fit = fit_to([each for each in fit.asked.names if each != name])
-    return fit, given_up
-
-
-def weakest(told: Information) -> str | None:
-    """The parameter to give up for the weakest direction, None where all are told."""
-    if not told.weak:
-        return None
-    return min(told.moved(told.weak[0]), key=GIVEN_UP_FIRST.index)
+    in_series = "sheet_resistance" in unknown and one_field(measured.scene) is not None
+    asked = fit or [name for name in unknown if not (name == "sheet_mismatch" and in_series)]
+    return Candidates(
+        [name for name in unknown if name in asked], [name for name in unknown if name not in asked]
+    )
 
 
 @dataclass(frozen=True)
 class Options:
     """What to fit, and to what part of the sweeps.
 
-    fit: names of parameters, those that the data tell where empty. fix: names left as the scene
-    has them. band: lowest and highest frequency, Hz. session: the only one that counts.
-    strengths: whether those of presses are unknown too, about what is said of them, with the
-    scene's spread. prior: see `prior`.
+    fit: names of parameters, all that are not known where empty; others are held as the scene has
+    them, and count as unknown. fix: names that are known, as the scene has them, or OTHERS.
+    band: lowest and highest frequency, Hz. session: the only one that counts. strengths: whether
+    those of presses are unknown too, about what is said of them, with the scene's spread. prior:
+    see `prior`.
     """
 
     fit: tuple[str, ...] = ()

@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
-
-if TYPE_CHECKING:
-    from .fit import Tell
 
 
 def calibrate(
@@ -22,11 +17,17 @@ def calibrate(
     ] = Path("calibration"),
     fit: Annotated[
         list[str] | None,
-        typer.Option(help="A parameter to fit; may be repeated. Without it: all that are told."),
+        typer.Option(
+            help="A parameter to fit; may be repeated. Others stay as the scene has them, but "
+            "widen the intervals by how little they are known. Without it: all."
+        ),
     ] = None,
     fix: Annotated[
         list[str] | None,
-        typer.Option(help="A parameter to leave as the scene has it; may be repeated."),
+        typer.Option(
+            help="A parameter that is known, as the scene has it; may be repeated. others: all "
+            "that --fit does not name."
+        ),
     ] = None,
     band: Annotated[str | None, typer.Option(help="LOW:HIGH in Hz; either may be absent.")] = None,
     session: Annotated[int | None, typer.Option(help="The only session that counts.")] = None,
@@ -41,6 +42,9 @@ def calibrate(
         ),
     ] = "wide",
     charts: Annotated[str, typer.Option(help="What charts are: png, svg or pdf.")] = "png",
+    anyway: Annotated[
+        bool, typer.Option("--anyway", help="Take sweeps that were recorded for another skin.")
+    ] = False,
 ) -> None:
     """Fit a scene's parameters to measured sweeps, at rest and pressed.
 
@@ -52,15 +56,20 @@ def calibrate(
     interfaces. The meter's errors are those of the scene's readout; where it
     states none, repeated sweeps at rest tell them, or what the fit leaves.
 
-    FOLDER/calibrated.toml is the scene with the fitted values.
+    FOLDER/calibrated.toml is the scene with the fitted values. All intervals
+    allow for what the data do not tell: sheets that one field sees are told
+    by their sum, and their ratio is assumed from the scene.
     """
     from rich.console import Console
 
     from ..asked.scene import asked_scene
     from ..charts import checked_ending
     from ..models.plain import plain_scene
+    from ..progress import told_on_terminal
+    from ..scene.files import scene_text
     from ..scene.frequency import parse_band
     from ..sweeps import read
+    from ..sweeps.same_skin import check_same_skin
     from .choice import Options
     from .prior import checked_kind
     from .report import checked_folder, correlation_table, explanations, table, write_report
@@ -75,8 +84,11 @@ def calibrate(
         not fixed_strength,
         checked_kind(prior),
     )
-    start, sweeps = plain_scene(asked_scene(scene), "a calibration"), read(measured)
-    with telling() as tell:
+    asked, sweeps = asked_scene(scene), read(measured)
+    if not anyway:
+        check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(asked), measured.name)
+    start = plain_scene(asked, "a calibration")
+    with told_on_terminal() as tell:
         calibration = calibrated(start, sweeps, options, tell=tell)
     names = write_report(calibration, measured.name, folder, ending)
     console = Console()
@@ -86,18 +98,3 @@ def calibrate(
     for line in explanations(calibration):
         console.print(line, soft_wrap=True, markup=False, highlight=False)
     console.print(f"{folder}: {', '.join(names)}", soft_wrap=True, markup=False, highlight=False)
-
-
-@contextmanager
-def telling() -> Iterator[Tell]:
-    """Shows what goes on, on a terminal; silence in a pipe."""
-    from rich.console import Console
-
-    from .fit import silent
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield silent
-        return
-    with console.status("fitting") as status:
-        yield lambda told: status.update(told)

@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from ..fem.circuit import one_field
 from ..models.parameters import FACTORS, VALUES, own_values
 from ..scene.scene import Scene
 from .fit import Fit
-from .information import TOLD, Information
+from .information import Information
 from .prior import limits
+from .sheets import (
+    COMMON,
+    MISMATCH,
+    Interval,
+    Product,
+    hang_on_ratio,
+    of_series,
+    sheets,
+    slopes_of,
+)
 
 CONFIDENCE = 0.95
 UNITS = {name: unit if unit.isalpha() else "" for name, unit in VALUES.items()}
@@ -23,7 +33,8 @@ UNITS = {name: unit if unit.isalpha() else "" for name, unit in VALUES.items()}
 class Quantity:
     """A number of the scene: as it stood, as fitted, and its 95 % interval.
 
-    parameters: that it was fitted by. told: whether the data tell it, or the prior does.
+    parameters: that it depends on and that are not known. told: whether the data tell it, or the
+    prior does.
     """
 
     name: str
@@ -51,73 +62,90 @@ def quantile(freedom: float) -> float:
     return float(ndtri(chance) if math.isinf(freedom) else stdtrit(freedom, chance))
 
 
-def intervals(fit: Fit, information: Information, freedom: float) -> dict[str, tuple[float, float]]:
-    """Of each fitted parameter in its own unit, within what makes sense."""
-    half = quantile(freedom) * information.deviation
+def intervals(
+    scene: Scene, fit: Fit, information: Information, freedom: float
+) -> dict[str, Interval]:
+    """Of each parameter in its own unit, within what makes sense, whatever the others are.
+
+    fit, information: of all that is not known, see `with_unknown`.
+    """
+    width = quantile(freedom)
     found = {}
-    for (name, prior), width in zip(fit.asked.fitted.items(), half, strict=True):
-        value, (least, most) = fit.values[name], limits(name)
-        reach = prior.deviation * float(width)
-        found[name] = max(value - reach, least), min(value + reach, most)
+    for (name, prior), own in zip(fit.asked.fitted.items(), information.deviation, strict=True):
+        found[name] = _cut(fit.values[name], prior.deviation * float(own), width, limits(name))
+    if hang_on_ratio(scene, information):
+        found[COMMON] = of_series(scene, fit, information, width)[COMMON]
     return found
 
 
+def _cut(value: float, deviation: float, width: float, limits: Interval) -> Interval:
+    """The likeliest 95 of 100 values of a normal law that is cut at limits, about its middle.
+
+    width: times the deviation that 95 of 100 lie within where nothing is cut.
+    """
+    from scipy.optimize import brentq
+    from scipy.special import ndtr
+
+    unit = deviation * width / quantile(math.inf)
+    below, above = (value - limits[0]) / unit, (limits[1] - value) / unit
+
+    def missing(reach: float) -> float:
+        inside = ndtr(min(reach, above)) - ndtr(-min(reach, below))
+        return float(inside - CONFIDENCE * (ndtr(above) - ndtr(-below)))
+
+    root: Any = brentq(missing, 0.0, 2 * quantile(math.inf))
+    reach = unit * float(root)
+    return max(value - reach, limits[0]), min(value + reach, limits[1])
+
+
 def quantities(
-    scene: Scene, fit: Fit, information: Information, freedom: float
+    scene: Scene, fit: Fit, information: Information, freedom: float, fitted: Sequence[str]
 ) -> tuple[Quantity, ...]:
-    """Of all physical quantities that a fitted parameter changes."""
-    own = intervals(fit, information, freedom)
-    told, start = information.told, own_values(scene)
+    """Of all physical quantities that a fitted parameter changes, and the ratio of the sheets.
+
+    fit, information: as of `intervals`. fitted: names of parameters.
+    """
+    own, start = intervals(scene, fit, information, freedom), own_values(scene)
+    told = information.told
+    hanging = hang_on_ratio(scene, information)
+    series = of_series(scene, fit, information, quantile(freedom)) if hanging else {}
     factors = [
-        _factor(scene_value, name, unit, parts, fit, information, quantile(freedom))
-        for name, unit, scene_value, parts in _products(scene)
-        if set(parts) & set(fit.asked.names)
+        _factor(each, fit, information, quantile(freedom), series.get(each.name))
+        for each in _products(scene, fit.values)
+        if {*fitted, MISMATCH} & set(information.names) & set(each.slopes)
     ]
     values = [
         Quantity(name, unit, start[name], fit.values[name], *own[name], told[name], (name,))
         for name, unit in UNITS.items()
-        if name in own
+        if name in fitted
     ]
     return (*factors, *values)
 
 
-def _products(scene: Scene) -> Iterator[tuple[str, str, float, Mapping[str, float]]]:
-    """Name, unit, value in the scene and powers of the factors that it is multiplied by."""
-    top, bottom = scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance
-    common = {"sheet_resistance": 1.0}
-    yield "top sheet", "ohm/sq", top, {**common, "sheet_mismatch": 0.5}
-    yield "bottom sheet", "ohm/sq", bottom, {**common, "sheet_mismatch": -0.5}
-    if one_field(scene) is not None:
-        half = 0.5 * (top - bottom) / (top + bottom)
-        yield "both in series", "ohm/sq", top + bottom, {**common, "sheet_mismatch": half}
-    c = scene.skin.foam.rest_capacitance_per_area
-    yield "foam capacitance", "F/m²", c, {"capacitance": 1.0}
+def _products(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
+    """values: of all parameters."""
+    yield from sheets(scene, values)
+    c, factor = scene.skin.foam.rest_capacitance_per_area, math.exp(values["capacitance"])
+    yield Product("foam capacitance", "F/m²", c, factor * c, {"capacitance": 1.0})
+    film = math.exp(values["contact_resistance"])
     for contact in scene.contacts:
         if not contact.ideal:
-            name = f"contact {contact.name}"
-            yield name, "ohm m", contact.resistance, {"contact_resistance": 1.0}
+            name, resistance = f"contact {contact.name}", contact.resistance
+            slopes = {"contact_resistance": 1.0}
+            yield Product(name, "ohm m", resistance, resistance * film, slopes)
 
 
 def _factor(
-    start: float,
-    name: str,
-    unit: str,
-    powers: Mapping[str, float],
-    fit: Fit,
-    information: Information,
-    width: float,
+    product: Product, fit: Fit, information: Information, width: float, series: Interval | None
 ) -> Quantity:
-    """A product of factors: its logarithm is a sum of parameters."""
-    of = tuple(part for part in powers if part in fit.asked.names)
-    weights = np.array(
-        [powers.get(part, 0.0) * prior.deviation for part, prior in fit.asked.fitted.items()]
-    )
-    deviation = math.sqrt(weights @ information.covariance @ weights)
-    before = math.sqrt(weights @ weights)
-    told = before > 0 and deviation < TOLD * before
-    value = start * math.exp(sum(powers[part] * fit.values[part] for part in powers))
-    spread = math.exp(width * deviation)
-    return Quantity(name, unit, start, value, value / spread, value * spread, told, of)
+    """Its logarithm is a sum of parameters, or of a sheet in series its interval is given."""
+    steps = np.array([prior.deviation for prior in fit.asked.fitted.values()])
+    weights = slopes_of(product, information.names) * steps
+    spread = math.exp(width * math.sqrt(weights @ information.covariance @ weights))
+    low, high = series or (product.value / spread, product.value * spread)
+    told = series is None and information.tells(weights)
+    of = tuple(part for part in product.slopes if part in information.names)
+    return Quantity(product.name, product.unit, product.start, product.value, low, high, told, of)
 
 
 def changed(name: str, step: float) -> str:
@@ -127,13 +155,18 @@ def changed(name: str, step: float) -> str:
     return f"{name} {step:+.3g} {UNITS[name]}".strip()
 
 
-def told_together(fit: Fit, information: Information) -> list[str]:
+def told_together(scene: Scene, fit: Fit, information: Information) -> list[str]:
     """One line for every direction that the data hardly tell."""
-    return [_direction(fit, information, weak) for weak in information.weak]
+    return [_direction(scene, fit, information, weak) for weak in information.weak]
 
 
-def _direction(fit: Fit, information: Information, direction: np.ndarray) -> str:
+def _direction(scene: Scene, fit: Fit, information: Information, direction: np.ndarray) -> str:
     parts = information.parts(direction)
+    if hang_on_ratio(scene, information) and MISMATCH in parts and {*parts} <= {COMMON, MISMATCH}:
+        return (
+            f"{COMMON} and {MISMATCH}: told only together, as both sheets in series; top over "
+            "bottom is assumed from the scene, within its prior"
+        )
     if len(parts) == 1:
         return f"{parts[0]}: the data say nothing of it; what is told is its prior"
     steps = {

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from ..fem.galerkin import one_blas_thread
 from ..models.parameters import own_values
+from ..progress import Tell, tell_nothing
 from ..scene.scene import Scene
 from .choice import Options, candidates
 from .estimates import changed
-from .fit import Fit, Tell, fitted, model_tolerance, silent, solved
+from .fit import Fit, fitted, model_tolerance, solved
 from .measured import measured
 from .model import Around, Model, checked_model, model_of
 from .prior import Prior, noise_of, priors
@@ -50,7 +51,7 @@ def gap_by_parameter(
     options: Options = Options(),  # noqa: B008
     *,
     model: Model | None = None,
-    tell: Tell = silent,
+    tell: Tell = tell_nothing,
 ) -> tuple[Explained, ...]:
     """Of every parameter of the scene, the one that removes most first.
 
@@ -61,10 +62,10 @@ def gap_by_parameter(
     data = measured(scene, sweeps, options.band, options.session)
     readout, known = noise_of(data).readout, priors(data, options.prior)
     asked = Asked(data, readout, {}, own_values(data.scene), options.strengths)
-    tell("training a model of the scene")
     own = checked_model(model, data.scene) if model else None
-    ready = Around(own or model_of(data.scene, model_tolerance(readout)), {})
-    names = candidates(ready.model.free, known, options.fit, options.fix)
+    ready = Around(own or model_of(data.scene, model_tolerance(readout), tell), {})
+    unknown = candidates(data, ready.model.free, known, options.fit, options.fix)
+    names = unknown.fitted if options.fit else [*unknown.fitted, *unknown.held]
     with one_blas_thread():
         before = solved(Problem(asked, ready), asked.fixed).chi_squared
         found = [_alone(asked, ready, name, known[name], before) for name in names]

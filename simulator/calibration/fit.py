@@ -1,4 +1,4 @@
-"""Gauss-Newton with bounds on the problem, from several starts, and within the model's reach.
+"""Gauss-Newton within bounds, reflected off them, from several starts and within the model's reach.
 
 Where the fitted factors reach the edge of what the model was trained on, or its certificate is no
 longer small beside the meter's error, the model is trained anew about the fitted values.
@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ..fem.galerkin import one_blas_thread
+from ..progress import Tell, tell_nothing
 from ..scene.meter import Readout
 from ..sweeps import InputError
 from .model import Around, around, movable
 from .problem import Asked, Problem
 from .starts import starts
 
-Tell = Callable[[str], None]
+Residuals = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 ROUNDS = 10
 EDGE = 0.02
 NEAR = 0.1
@@ -37,12 +38,10 @@ EXPLAINED = 2.0
 FINEST, COARSEST = 1e-6, 1e-3
 CLOSE = 1e-8
 MOST_STEPS = 300
+INSIDE = 1e-2
+"""Deviations of its prior from a bound that an unknown begins at; from the bound it does not go."""
 AT_BOUND = 1e-6
 """Deviations of its prior within which an unknown is at its bound."""
-
-
-def silent(told: str) -> None:
-    """Tells nothing."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +95,7 @@ def model_tolerance(readout: Readout) -> float:
 
 
 def fitted(
-    asked: Asked, ready: Around, begin: Mapping[str, float] | None = None, tell: Tell = silent
+    asked: Asked, ready: Around, begin: Mapping[str, float] | None = None, tell: Tell = tell_nothing
 ) -> Fit:
     """The best fit. ready: a model to begin with. begin: values to begin at, in place of several.
 
@@ -106,41 +105,42 @@ def fitted(
         for trained in range(ROUNDS):
             problem = Problem(asked, ready)
             begins = starts(problem) if begin is None else [begin]
-            fit = best(problem, begins)
+            fit = best(problem, begins, tell)
             certificate = certified(fit)
             if not held(fit) and (certificate <= allowed(asked) or near(fit)):
                 return Fit(problem, fit.u, certificate, trained)
             begin = fit.values
             tell(_again(fit, certificate))
-            ready = around(asked.measured.scene, begin, model_tolerance(asked.readout))
+            ready = around(asked.measured.scene, begin, model_tolerance(asked.readout), tell)
     raise InputError(
         f"{asked.measured.scene.name} is too unlike what was measured: its factors run away"
     )
 
 
-def best(problem: Problem, begins: Sequence[Mapping[str, float]]) -> Fit:
+def best(problem: Problem, begins: Sequence[Mapping[str, float]], tell: Tell = tell_nothing) -> Fit:
     """From several starts, as many as it takes to explain the readings."""
     fits: list[Fit] = []
     for begin in begins:
-        fits.append(solved(problem, begin))
+        fits.append(solved(problem, begin, tell))
         if fits[-1].chi_squared < EXPLAINED * problem.asked.measured.numbers:
             break
     return min(fits, key=lambda fit: fit.cost)
 
 
-def solved(problem: Problem, begin: Mapping[str, float]) -> Fit:
+def solved(problem: Problem, begin: Mapping[str, float], tell: Tell = tell_nothing) -> Fit:
     """From one start, within the model's reach."""
     low, high = problem.bounds()
-    u = np.clip(problem.asked.unknowns(begin), low, high)
+    inside = np.minimum(INSIDE, (high - low) / 4)
+    u = np.clip(problem.asked.unknowns(begin), low + inside, high - inside)
     if not len(u):
         return Fit(problem, u)
     exact: Any = problem.jacobian
     found = least_squares(
-        problem.residuals,
+        _watched(problem.residuals, tell),
         u,
         exact,
         bounds=(low, high),
-        method="dogbox",
+        method="trf",
         x_scale="jac",
         ftol=CLOSE,
         xtol=CLOSE,
@@ -148,6 +148,23 @@ def solved(problem: Problem, begin: Mapping[str, float]) -> Fit:
         max_nfev=MOST_STEPS,
     )
     return Fit(problem, np.where(found.x - low < AT_BOUND, low, found.x))
+
+
+def _watched(residuals: Residuals, tell: Tell) -> Residuals:
+    """The same, telling how much nearer the fit is to where its sum of squares stays as it is."""
+    before, share = np.inf, 0.0
+
+    def watched(u: NDArray[np.float64]) -> NDArray[np.float64]:
+        nonlocal before, share
+        found = residuals(u)
+        cost = float(found @ found)
+        step = abs(before - cost) / max(cost, np.finfo(float).tiny)
+        share = max(share, float(np.clip(np.log(max(step, CLOSE)) / np.log(CLOSE), 0.0, 1.0)))
+        before = cost
+        tell("fitting", share)
+        return found
+
+    return watched
 
 
 def held(fit: Fit) -> list[str]:

@@ -6,15 +6,22 @@ that they tell as well as the prior does.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .fit import Fit
+from .prior import Prior
+from .problem import Problem
 
 TOLD = 0.25
 """Of the prior's deviation: what is left of it where the data tell a parameter."""
+WIDER, HANGING = 10.0, 2.0
+"""Times the priors: how wide they are made to see what hangs on them; and how much wider an
+estimate then is that the data do not tell by themselves."""
 PART = 0.2
 """Of a direction: a parameter with a smaller share is not what it moves."""
 SEEN = 4.0
@@ -23,21 +30,33 @@ SEEN = 4.0
 
 @dataclass(frozen=True)
 class Information:
-    """Of the fitted parameters.
+    """Of all parameters that are not known, fitted or held.
 
     data: information of the data alone, (parameter, parameter), all else that is unknown and the
-    size of the residuals accounted for. scale: chi-squared per degree of freedom, at least 1, that
-    errors were enlarged by.
+    size of the residuals accounted for. freedom: numbers beyond what the fit took of them. scale:
+    chi-squared per degree of freedom, at least 1, that errors were enlarged by.
     """
 
     names: tuple[str, ...]
     data: NDArray[np.float64]
+    freedom: float
     scale: float
 
-    @property
+    @cached_property
     def covariance(self) -> NDArray[np.float64]:
-        """With the prior."""
+        """With the prior: of each parameter whatever the others are."""
         return np.linalg.inv(self.data + np.eye(len(self.names))).astype(np.float64)
+
+    @cached_property
+    def _hanging(self) -> NDArray[np.float64]:
+        """The covariance, were the priors WIDER."""
+        return np.linalg.inv(self.data + np.eye(len(self.names)) / WIDER**2).astype(np.float64)
+
+    def tells(self, weights: NDArray[np.float64]) -> bool:
+        """Whether the data tell a sum of parameters, far better than and without their priors."""
+        left = weights @ self.covariance @ weights
+        without = weights @ self._hanging @ weights
+        return bool(left < TOLD**2 * weights @ weights and without < HANGING**2 * left)
 
     @property
     def deviation(self) -> NDArray[np.float64]:
@@ -51,8 +70,9 @@ class Information:
 
     @property
     def told(self) -> dict[str, bool]:
-        """Whether the data tell a parameter better than its prior by far."""
-        return dict(zip(self.names, (self.deviation < TOLD).tolist(), strict=True))
+        """Whether the data tell a parameter."""
+        each = np.eye(len(self.names))
+        return {name: self.tells(own) for name, own in zip(self.names, each, strict=True)}
 
     @property
     def weak(self) -> list[NDArray[np.float64]]:
@@ -72,19 +92,36 @@ class Information:
         return [self.names[k] for k in order] if len(order) > 1 else self.moved(direction)[:1]
 
 
-def freedom(fit: Fit, told: int) -> int:
-    """Numbers beyond what is fitted; strengths and fixed errors of the meter have priors."""
-    return max(fit.asked.measured.numbers - told, 1)
+def information(fit: Fit, held: Mapping[str, Prior] | None = None) -> Information:
+    """At a solution. held: priors of parameters that the fit left as they are, unknown though."""
+    data = _of_data(fit)
+    taken = np.trace(np.linalg.solve(data + np.eye(len(data)), data))
+    freedom = max(fit.asked.measured.numbers - float(taken), 1.0)
+    scale = max(1.0, fit.chi_squared / freedom)
+    opened = with_unknown(fit, held or {})
+    return Information(opened.asked.names, _of_data(opened) / scale, freedom, scale)
 
 
-def information(fit: Fit) -> Information:
-    """At a solution."""
+def with_unknown(fit: Fit, held: Mapping[str, Prior]) -> Fit:
+    """The same solution of the problem where the parameters that were held are unknown too."""
+    asked, values = fit.asked, fit.values
+    unknown = {**asked.fitted, **held}
+    opened = replace(
+        asked,
+        fitted={name: unknown[name] for name in values if name in unknown},
+        fixed={name: value for name, value in asked.fixed.items() if name not in unknown},
+    )
+    u = opened.unknowns(values)
+    u[len(opened.fitted) :] = fit.u[len(asked.fitted) :]
+    return replace(fit, problem=Problem(opened, fit.problem.around), u=u)
+
+
+def _of_data(fit: Fit) -> NDArray[np.float64]:
+    """Information of the data on the parameters, in units of their priors'."""
     J = fit.problem.jacobian(fit.u)
     count, readings = len(fit.asked.fitted), len(J) - len(fit.u)
     own, others = J[:readings, :count], J[:readings, count:]
     between = own.T @ others
     known = others.T @ others + np.eye(others.shape[1])
     data = own.T @ own - between @ np.linalg.solve(known, between.T)
-    told = Information(fit.asked.names, data, 1.0)
-    scale = max(1.0, fit.chi_squared / freedom(fit, sum(told.told.values())))
-    return Information(fit.asked.names, (data + data.T) / 2 / scale, scale)
+    return (data + data.T) / 2

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from ..fem.circuit import one_field
 from ..models.line_slopes import LineModel
 from ..models.parameters import FACTORS, scene_with
 from ..models.reduced.forward import REACH, Forward, Response
+from ..progress import Tell, tell_nothing
 from ..scene.scene import Scene
 from ..sweeps import InputError
 
@@ -24,12 +26,13 @@ Model = Forward | LineModel
 """Both answer `respond`, `certificate` and `cells` alike, and know what is `free`."""
 
 
-def model_of(scene: Scene, rtol: float) -> Model:
+def model_of(scene: Scene, rtol: float, tell: Tell = tell_nothing) -> Model:
     """The cheapest one that serves. rtol: largest relative error of Rs and Cp at the skin."""
     try:
         return LineModel(scene)
     except InputError:
-        return Forward(scene, rtol=rtol)
+        advance = partial(tell, "training a model of the scene")
+        return Forward(scene, rtol=rtol, advance=advance)
 
 
 class Around:
@@ -64,10 +67,12 @@ class Around:
         return self.model.certificate(cells, rises, self.own(values))
 
 
-def around(scene: Scene, values: Mapping[str, float], rtol: float) -> Around:
+def around(
+    scene: Scene, values: Mapping[str, float], rtol: float, tell: Tell = tell_nothing
+) -> Around:
     """The scene's model about values of its parameters."""
     about = {name: values.get(name, 0.0) for name in movable(scene)}
-    return Around(model_of(scene_with(scene, about), rtol), about)
+    return Around(model_of(scene_with(scene, about), rtol, tell), about)
 
 
 def movable(scene: Scene) -> list[str]:

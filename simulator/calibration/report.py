@@ -15,6 +15,7 @@ from ..models.parameters import FACTORS
 from ..scene.files import scene_text
 from ..sweeps import InputError
 from .chart import draw_residuals
+from .sheets import MISMATCH, RATIO
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -72,8 +73,12 @@ def calibrated_text(calibration: Calibration, source: str) -> str:
     """The calibrated scene as TOML, with what was fitted from what above it."""
     scene = calibration.scene
     told = "; ".join(filter(None, (scene.description, f"calibrated to {source}")))
-    lines = [f"Calibrated to {source} by rcskin calibrate.", "Fitted, with 95 % intervals:"]
-    lines += [f"  {_sentence(each)}" for each in calibration.quantities]
+    lines = [
+        f"Calibrated to {source} by rcskin calibrate.",
+        "Fitted, with 95 % intervals, each whatever the others are that are not known:",
+        *(f"  {_sentence(each)}" for each in calibration.quantities),
+        *_not_told(calibration),
+    ]
     comment = "".join(f"# {line}\n" for line in lines)
     return f"{comment}\n{scene_text(scene.model_copy(update={'description': told}))}"
 
@@ -122,10 +127,7 @@ def explanations(calibration: Calibration) -> list[str]:
         )
     if asked.touches:
         lines.append(_strengths_told(calibration))
-    if calibration.given_up:
-        names = ", ".join(calibration.given_up)
-        lines.append(f"left as in the scene, for the data do not tell them: {names}")
-    lines += calibration.unclear
+    lines += _not_told(calibration)
     lines += _ties(calibration)
     lines += calibration.remarks
     return [*lines, *(calibration.ideal.told if calibration.ideal else ())]
@@ -157,7 +159,7 @@ def numbers(calibration: Calibration, source: str) -> dict[str, Any]:
             "source": noise.source,
         },
         "certificate": fit.certificate,
-        "given_up": list(calibration.given_up),
+        "held": list(calibration.held),
         "unclear": list(calibration.unclear),
         "remarks": list(calibration.remarks),
         "ideal_capacitance": None
@@ -207,11 +209,27 @@ def _strengths_told(calibration: Calibration) -> str:
     )
 
 
+def _not_told(calibration: Calibration) -> list[str]:
+    """What is assumed and not told, a line each."""
+    left = ", ".join(name for name in calibration.held if name != MISMATCH)
+    held = f"left as in the scene, and allowed for within their priors: {left}"
+    return [*([held] if left else []), *calibration.unclear]
+
+
 def _sentence(each: Quantity) -> str:
     low, high = f"{each.low:.6g}", f"{each.high:.6g}"
-    by = "" if each.told else ", told by the prior and not by the data"
     value = f"{each.value:.6g} {each.unit}".strip()
-    return f"{each.name}: {value} ({low} to {high}){by}, was {each.start:.6g}"
+    return f"{each.name}: {value} ({low} to {high}), {_by(each)}, was {each.start:.6g}"
+
+
+def _by(each: Quantity) -> str:
+    if each.told:
+        return "told by the data"
+    if each.name == RATIO:
+        return "not told by the data but assumed from the scene, within its prior"
+    if MISMATCH in each.parameters:
+        return f"told by the data only together with {RATIO}, which is assumed"
+    return "told by the prior and not by the data"
 
 
 def _file_name(interface: str) -> str:

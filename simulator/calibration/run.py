@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from ..models.line_slopes import LineModel
 from ..models.parameters import own_values, scene_with
 from ..models.plain import require_factor, require_plain
+from ..progress import Tell, tell_nothing
 from ..scene.scene import Scene
-from .choice import Options, candidates, chosen
+from .choice import Options, candidates
 from .estimates import Quantity, intervals, quantities, told_together
 from .explained import Comparison, compared
-from .fit import Fit, Tell, allowed, fitted, model_tolerance, silent
-from .information import Information, freedom, information
+from .fit import Fit, allowed, fitted, model_tolerance
+from .information import Information, information, with_unknown
 from .measured import Measured, measured
 from .model import Around, Model, around, checked_model, model_of
 from .prior import Noise, noise_of, priors, with_noise
@@ -35,12 +36,12 @@ NOISE_ROUNDS = 3
 class Calibration:
     """What the sweeps say of a scene.
 
-    values: all parameters as `Forward` counts them about the scene given. intervals: 95 %, of the
-    fitted ones. told: whether the data tell each of them, or its prior does. scene: the calibrated
-    one. quantities: the same in physical units. strengths: of the touches of each press, with
-    deviations. noise: of the meter. unclear: what the data cannot tell apart. remarks: what was
-    done on the way. given_up: parameters left as they are, because the data do not tell them.
-    ideal: where the exponent was fitted, why an ideal capacitance would not do.
+    values: all parameters as `Forward` counts them about the scene given. intervals: 95 %, of all
+    that are not known, each whatever the others are. told: whether the data tell each of them, or
+    its prior does. held: parameters that are not known, but left as the scene has them. scene: the
+    calibrated one. quantities: the fitted in physical units. strengths: of the touches of each
+    press. noise: of the meter. unclear: what the data cannot tell apart. remarks: what was done on
+    the way. ideal: where the exponent was fitted, why an ideal capacitance would not do.
     """
 
     values: dict[str, float]
@@ -53,13 +54,13 @@ class Calibration:
     noise: Noise
     unclear: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
-    given_up: tuple[str, ...] = ()
+    held: tuple[str, ...] = ()
     ideal: Comparison | None = None
 
     @property
     def chi_squared(self) -> float:
         """Per degree of freedom."""
-        return self.fit.chi_squared / freedom(self.fit, sum(self.told.values()))
+        return self.fit.chi_squared / self.information.freedom
 
     @property
     def rms_error(self) -> float:
@@ -79,7 +80,7 @@ def calibrate(
     options: Options = Options(),  # noqa: B008
     *,
     model: Model | None = None,
-    tell: Tell = silent,
+    tell: Tell = tell_nothing,
 ) -> Calibration:
     """Fit a scene to sweeps, unpressed ones and presses of pixels, at all their interfaces.
 
@@ -89,23 +90,25 @@ def calibrate(
     """
     require_factor(require_plain(scene, "a calibration"), "a calibration")
     job = _Job(measured(scene, sweeps, options.band, options.session), options, model, tell)
-    fit, given_up, noise = job.done()
-    told = information(fit)
-    degrees = freedom(fit, sum(told.told.values())) if noise.guessed else noise.freedom
-    bounds = intervals(fit, told, degrees)
-    beaten = bounds.get("phase_exponent", (0.0, 1.0))[1] < 1
+    fit, noise = job.done()
+    told = information(fit, job.held)
+    degrees = told.freedom if noise.guessed else noise.freedom
+    unknown = with_unknown(fit, job.held)
+    bounds = intervals(scene, unknown, told, degrees)
+    names = fit.asked.names
+    beaten = "phase_exponent" in names and bounds["phase_exponent"][1] < 1
     return Calibration(
         values=fit.values,
         intervals=bounds,
         scene=scene_with(scene, fit.values),
         told=told.told,
-        quantities=quantities(scene, fit, told, degrees),
+        quantities=quantities(scene, unknown, told, degrees, names),
         information=told,
         fit=fit,
         noise=noise,
-        unclear=tuple(told_together(fit, told)),
+        unclear=tuple(told_together(scene, unknown, told)),
         remarks=tuple(dict.fromkeys([*job.remarks, *_left_out(fit)])),
-        given_up=tuple(given_up),
+        held=tuple(job.held),
         ideal=compared(fit, tell) if beaten else None,
     )
 
@@ -120,32 +123,26 @@ class _Job:
         self.remarks = [f"left out: {reason}" for reason in measured.left_out]
         self.noise = noise_of(measured)
         self.priors = priors(measured, options.prior)
-        at_hand = model or model_of(measured.scene, self._tolerance)
-        self.names = candidates(at_hand.free, self.priors, options.fit, options.fix)
+        at_hand = model or model_of(measured.scene, self._tolerance, tell)
+        asked = candidates(measured, at_hand.free, self.priors, options.fit, options.fix)
+        self.names, self.held = asked.fitted, {name: self.priors[name] for name in asked.held}
         self._ready = self._prepared(at_hand, trained=model is not None)
         self._begin: Mapping[str, float] | None = None
 
-    def done(self) -> tuple[Fit, list[str], Noise]:
-        """The fit, parameters given up, and the noise it was made with."""
-        if not self.noise.guessed:
-            return *self._fit(), self.noise
-        for _ in range(NOISE_ROUNDS):
-            fit, _ = self._fit()
-            self.noise = self._from_residuals(fit)
-        return *self._fit(), self.noise
+    def done(self) -> tuple[Fit, Noise]:
+        """The fit, and the noise it was made with."""
+        if self.noise.guessed:
+            for _ in range(NOISE_ROUNDS):
+                self.noise = self._from_residuals(self._fit())
+        return self._fit(), self.noise
 
-    def _fit(self) -> tuple[Fit, list[str]]:
-        if self.options.fit:
-            return self._fit_to(self.names), []
-        return chosen(self._fit_to, self.names)
-
-    def _fit_to(self, names: Sequence[str]) -> Fit:
+    def _fit(self) -> Fit:
         own = own_values(self.measured.scene)
         asked = Asked(
             self.measured,
             self.noise.readout,
-            {name: self.priors[name] for name in names},
-            {name: value for name, value in own.items() if name not in names},
+            {name: self.priors[name] for name in self.names},
+            {name: value for name, value in own.items() if name not in self.names},
             self.options.strengths,
         )
         fit = fitted(asked, self._ready, self._begin, self._remark)
@@ -157,25 +154,28 @@ class _Job:
         scene = self.measured.scene
         if trained or isinstance(model, LineModel):
             return Around(checked_model(model, scene), {})
-        self._tell("training a model of the scene")
         wide = self.options.prior == "wide" and "capacitance" in self.names
         off = capacitance_off(self.measured) if wide else 0.0
-        return around(scene, {"capacitance": off}, self._tolerance) if off else Around(model, {})
+        return (
+            around(scene, {"capacitance": off}, self._tolerance, self._tell)
+            if off
+            else Around(model, {})
+        )
 
     @property
     def _tolerance(self) -> float:
         return model_tolerance(self.noise.readout)
 
     def _from_residuals(self, fit: Fit) -> Noise:
-        found = information(fit)
-        scale = math.sqrt(fit.chi_squared / freedom(fit, sum(found.told.values())))
+        scale = math.sqrt(fit.chi_squared / information(fit).freedom)
         noise = scale * self.noise.readout.magnitude_noise
         readout = with_noise(self.noise.readout, noise, noise)
         return replace(self.noise, readout=readout, source="the residuals of the fit")
 
-    def _remark(self, told: str) -> None:
-        self._tell(told)
-        self.remarks.append(told)
+    def _remark(self, told: str, share: float | None = None, /) -> None:
+        self._tell(told, share)
+        if share is None:
+            self.remarks.append(told)
 
 
 def _left_out(fit: Fit) -> list[str]:

@@ -14,6 +14,12 @@ if TYPE_CHECKING:
     from .survey import Question, Variant
 
 FOLDER = Path("limits")
+MOST_ROWS = 14
+"""Of the table on the terminal; all are in limits.json."""
+ERROR = (
+    "error: half of all lie nearer in the plane; a coordinate that is not told, or told worse than "
+    "by chance, errs as chance does over the room there is"
+)
 
 
 def limits(
@@ -58,7 +64,8 @@ def limits(
     Maps of Cramer and Rao's bound on x, y and strength over the sheet, by
     frequency set, interface and sheet resistance; distances between pixels'
     sweeps in units of the meter's error; and Bayes' accuracy of columns, rows
-    and pixels, which no classifier surpasses.
+    and pixels, which no classifier surpasses. Beside each stands what is
+    taken as known and what not. --size and --factor hold for all of them.
 
     With --accuracy: the largest number of pixels for it, by target.
     """
@@ -67,12 +74,13 @@ def limits(
     from ..models.plain import plain_scene
     from ..progress import on_terminal
     from .position import chosen_touch
-    from .survey import Question, with_interfaces, with_sheets
+    from .survey import Question, with_factor, with_interfaces, with_sheets
 
     plain = plain_scene(asked_scene(scene), "a limit")
-    loaded = with_interfaces(plain, interface or [])
     check_numbers(draws=draws, against_rest=against_rest, seed=seed, n=n)
-    touch = chosen_touch(loaded, None if size is None else 1e-3 * size, factor)
+    side = None if size is None else 1e-3 * size
+    touch = chosen_touch(plain, side, factor)
+    loaded = with_factor(with_interfaces(plain, interface or []), 1 + touch.rise)
     question = Question(touch, against_rest, unknown_skin)
     ending = checked_ending(charts)
     resistances = _listed(sheet_resistance)
@@ -80,10 +88,10 @@ def limits(
         with_sheets(loaded, resistance)
     with on_terminal() as track:
         if accuracy is not None:
-            _print_counts(loaded, accuracy, (seed, draws), against_rest, track)
+            _print_counts(loaded, accuracy, (seed, draws), against_rest, track, side)
         if accuracy is None or output is not None:
             folder = _made(output or FOLDER)
-            _write(loaded, question, resistances, n, (seed, draws), folder, ending, track)
+            _write(loaded, question, resistances, n, (seed, draws), folder, ending, track, side)
 
 
 def check_numbers(
@@ -122,12 +130,17 @@ def _made(folder: Path) -> Path:
 
 
 def _print_counts(
-    scene: Scene, accuracy: float, random: tuple[int, int], against_rest: int, track: Track
+    scene: Scene,
+    accuracy: float,
+    random: tuple[int, int],
+    against_rest: int,
+    track: Track,
+    size: float | None,
 ) -> None:
     from .identity import FEWEST, MOST, counts, shape_of
 
     for target in ("column", "pixel"):
-        found = list(counts(scene, target, accuracy, *random, against_rest, track))
+        found = list(counts(scene, target, accuracy, *random, against_rest, track, size))
         reached = [each for each in found if each.reaches(accuracy)]
         best = reached[-1] if reached else None
         told = (
@@ -154,6 +167,7 @@ def _write(
     folder: Path,
     ending: str,
     track: Track,
+    size: float | None,
 ) -> None:
     from .figure import draw_distances, draw_maps
     from .identity import identity
@@ -161,7 +175,7 @@ def _write(
     from .survey import survey
 
     variants = survey(scene, question, resistances, n, track)
-    told_apart = identity(scene, *random, question.against_rest, track)
+    told_apart = identity(scene, *random, question.against_rest, track, size)
     title = _title(scene, question)
     for comparison in dict.fromkeys(variant.comparison for variant in variants):
         chosen = [variant for variant in variants if variant.comparison == comparison]
@@ -169,32 +183,33 @@ def _write(
     draw_distances(
         told_apart.apart,
         told_apart.names,
-        f"{scene.name}: distance between pixels' sweeps, whatever their strengths",
+        f"{scene.name}: distance between pixels' sweeps, at the nearest of their factors; "
+        f"{told_apart.asked}",
         folder / f"pixels{ending}",
     )
     write_places(variants, folder / "limits.csv")
     write_distances(told_apart.apart, told_apart.names, folder / "pixels.csv")
     content = {
         "scene": scene.name,
+        "position_asked": question.told,
+        "median_error_of": ERROR,
         "position": [summary(variant) for variant in variants],
         "accuracy": told_apart.summary(),
     }
     write_summary(content, folder / "limits.json")
-    _print(variants, told_apart, folder)
+    _print(variants, question, told_apart, folder)
 
 
 def _title(scene: Scene, question: Question) -> str:
     touch = question.touch
     rest = f", against {question.against_rest} sweeps at rest" if question.against_rest else ""
-    skin = ", skin unknown" if question.unknown_skin else ""
     return (
-        f"{scene.name}: least standard deviation from one sweep, touch of "
-        f"{1e3 * touch.width:.3g} x {1e3 * touch.height:.3g} mm at {1 + touch.rise:g} times "
-        f"the capacitance{rest}{skin}"
+        f"{scene.name}: least standard deviation from one sweep{rest}, at {1 + touch.rise:g} times "
+        f"the capacitance; {question.told}"
     )
 
 
-def _print(variants: list[Variant], told_apart: Identity, folder: Path) -> None:
+def _print(variants: list[Variant], question: Question, told_apart: Identity, folder: Path) -> None:
     from rich.console import Console
     from rich.table import Table
 
@@ -207,12 +222,14 @@ def _print(variants: list[Variant], told_apart: Identity, folder: Path) -> None:
         "error (mm)": "median_error_mm",
     }
     table = Table("", "median deviation of", *columns, box=None)
-    for variant in variants:
+    for variant in variants[:MOST_ROWS]:
         numbers = summary(variant)
         cells = [str(numbers[key]) for key in columns.values()]
         table.add_row(variant.comparison, variant.name, *cells)
     console = Console()
+    console.print(f"of a touch: {question.told}", soft_wrap=True, highlight=False)
     console.print(table)
-    for line in told_apart.lines():
+    left = len(variants) - MOST_ROWS
+    more = [f"  {left} more rows in {folder / 'limits.json'}"] if left > 0 else []
+    for line in (*more, f"  {ERROR}", *told_apart.lines(), f"maps and tables in {folder}"):
         console.print(line, soft_wrap=True, highlight=False)
-    console.print(f"maps and tables in {folder}", soft_wrap=True, highlight=False)

@@ -72,7 +72,11 @@ def _draw_row(
     norm = _norm(values)
     for axes, variant, own in zip(panels, variants, values, strict=True):
         _draw_map(axes, scene, variant.bounds, own, norm)
-    if norm is not None:
+    if norm is None:
+        last = panels[-1]
+        told, place = f"{label}:\nnot told anywhere", (1.04, 0.5)
+        last.text(*place, told, rotation=90, va="center", ha="left", transform=last.transAxes)
+    else:
         bar = figure.colorbar(ScalarMappable(norm, "viridis_r"), ax=panels.tolist(), pad=0.02)
         bar.set_label(label)
         bar.ax.yaxis.set_major_formatter("{x:g}")

@@ -21,11 +21,9 @@ from ..scene.frequency import laplace_variable
 from ..scene.randomisation import CUT, AnyDistribution, truncated_normal
 from ..scene.scene import Pixels, Scene
 from .information import error_model
-from .readings import LARGEST_FACTOR, LEAST_FACTOR, Hypothesis
+from .readings import CELLS, LARGEST_FACTOR, LEAST_FACTOR, Hypothesis
 
 RTOL = 1e-3
-CELLS = 3
-"""Along each side of a pixel, that touches are laid on by the area they cover."""
 
 MOST_TOUCHES = 2
 AT_ONCE = 20_000

@@ -85,16 +85,18 @@ class Identity:
     """Bayes' accuracy and the pairwise bound on it by target; distances between pixels' sweeps.
 
     apart: in the meter's errors, strengths unknown, shape (pixel, pixel); names: of the pixels.
+    asked: what is known and what is not, in words.
     """
 
     accuracy: dict[str, Accuracy]
     bound: dict[str, float]
     apart: NDArray[np.float64]
     names: list[str]
+    asked: str
 
     def summary(self) -> dict[str, Any]:
         """As it is written to a file."""
-        return {
+        return {"asked": self.asked} | {
             target: {
                 "best_possible": float(f"{found.share:.6g}"),
                 "standard_error": float(f"{found.error:.2g}"),
@@ -105,19 +107,24 @@ class Identity:
 
     def lines(self) -> list[str]:
         """As it is printed."""
-        return [
-            f"{target}s right: at most {100 * found.share:.1f} ± {100 * found.error:.1f} % "
+        return [f"of a press: {self.asked}"] + [
+            f"  {target}s right: at most {100 * found.share:.1f} ± {100 * found.error:.1f} % "
             f"by any classifier (pairwise bound {100 * self.bound[target]:.1f} %)"
             for target, found in self.accuracy.items()
         ]
 
 
 def identity(
-    scene: Scene, seed: int, draws: int, against_rest: int = 0, track: Track = silent
+    scene: Scene,
+    seed: int,
+    draws: int,
+    against_rest: int = 0,
+    track: Track = silent,
+    size: float | None = None,
 ) -> Identity:
-    """Of a known skin, pressed as the scene's experiment does."""
+    """Of a known skin, pressed as the scene's experiment does. size: as of `Readings`."""
     presses = own_presses(scene)
-    readings = Readings(scene, presses, against_rest)
+    readings = Readings(scene, presses, against_rest, size)
     among = {target: hypotheses(scene, target) for target in TARGETS}
     pixels = [each for each in among["pixel"] if each.pixels]
     return Identity(
@@ -125,6 +132,19 @@ def identity(
         {t: upper_bound(readings, each, presses) for t, each in among.items()},
         distances(readings, pixels, presses),
         [",".join(map(str, each.answer)) for each in pixels],
+        _asked(scene, size),
+    )
+
+
+def _asked(scene: Scene, size: float | None) -> str:
+    """What a classifier that errs so little knows, and what it does not."""
+    press, rest = scene.press, " or none" if scene.experiment.unpressed else ""
+    where = "whole" if size is None else f"{1e3 * size:.3g} mm about its middle"
+    factor = f"times {press.capacitance_factor:g}"
+    spread = f", give or take {100 * press.factor_spread:.3g} % of the rise"
+    return (
+        f"known are the skin, that one pixel{rest} is pressed, {where}, and how strongly, {factor}"
+        f"{spread if press.factor_spread else ' exactly'}; unknown is which pixel"
     )
 
 
@@ -155,15 +175,16 @@ def counts(
     draws: int,
     against_rest: int = 0,
     track: Track = silent,
+    size: float | None = None,
 ) -> Iterator[Count]:
     """From FEWEST pixels on, up to the first number that does not reach what is asked.
 
-    Raises InputError where that is no accuracy between 0 and 1.
+    size: as of `Readings`. Raises InputError where that is no accuracy between 0 and 1.
     """
     if not 0 < asked < 1:
         raise InputError(f"--accuracy must be > 0 and < 1, got {asked:g}")
     for n in range(FEWEST, MOST + 1):
-        found = counted(scene, target, n, seed, draws, against_rest, track)
+        found = counted(scene, target, n, seed, draws, against_rest, track, size)
         yield found
         if not found.reaches(asked):
             return
@@ -177,11 +198,12 @@ def counted(
     draws: int,
     against_rest: int = 0,
     track: Track = silent,
+    size: float | None = None,
 ) -> Count:
     """The best accuracy with n pixels along each side."""
     divided = with_pixels(scene, n)
     presses, among = own_presses(divided), hypotheses(divided, target)
-    readings = Readings(divided, presses, against_rest)
+    readings = Readings(divided, presses, against_rest, size)
     readings.train(track)
     bound = upper_bound(readings, among, presses)
     return Count(n, bayes(readings, among, presses, seed, draws, track), bound)

@@ -11,15 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.readout import observed
-from ..models.reduced.cases import pixel_touches
+from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced
 from ..progress import Track, silent
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import AnyDistribution
-from ..scene.scene import Scene
+from ..scene.scene import Pixels, Scene
 from ..sweeps import InputError
 from .information import error_model
+from .position import covered
 
 TARGETS = ("column", "row", "pixel", "pair", "touches")
 
@@ -76,6 +77,8 @@ def _answer(target: str, pixel: Pixel) -> tuple[int, ...]:
 
 
 RTOL = 1e-4
+CELLS = 3
+"""Along each side of a pixel, that touches of another size are laid on by the area they cover."""
 
 LEAST_FACTOR, LARGEST_FACTOR = 0.5, 3.0
 """Trained on at least."""
@@ -84,9 +87,16 @@ LEAST_FACTOR, LARGEST_FACTOR = 0.5, 3.0
 class Readings:
     """One skin, known, and its meter: from pixels and factors to whitened readings."""
 
-    def __init__(self, scene: Scene, presses: AnyDistribution, against_rest: int = 0) -> None:
-        """presses: factors that are asked for. Raises InputError for a meter without noise."""
-        self.scene = scene
+    def __init__(
+        self,
+        scene: Scene,
+        presses: AnyDistribution,
+        against_rest: int = 0,
+        size: float | None = None,
+    ) -> None:
+        """presses: factors that are asked for. size: m, of a square touch about the middle of each
+        pixel, in place of the whole pixel. Raises InputError for a meter without noise."""
+        self.scene, self._size = scene, size
         self.model = error_model(scene, len(scene.frequencies), against_rest)
         self._factors = (
             min(LEAST_FACTOR, float(presses.low)),
@@ -115,9 +125,54 @@ class Readings:
         """Readings of many presses, see `ReducedSkin.sweeps`; shape (press, number)."""
         frequency = self.scene.frequencies
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
+        if self._size is not None:
+            cells, rises, starts = self._laid(cells, rises, starts)
         Z = self._reduced.skin(None).sweeps(cells, rises, starts, s)
         return self.model.whitened(observed(self.scene.leads.seen_through(Z, frequency)))
 
+    def _laid(
+        self, pixels: NDArray[np.int64], rises: NDArray[np.float64], starts: NDArray[np.int64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
+        """Touches about the middles of pixels as cells; overlapping ones multiply."""
+        factors = np.ones((len(starts) - 1, self._covers.shape[1]))
+        press = np.repeat(np.arange(len(factors)), np.diff(starts))
+        np.multiply.at(factors, press, 1 + rises[:, None] * self._covers[pixels])
+        press, cells = np.nonzero(factors - 1)
+        return cells, factors[press, cells] - 1, np.searchsorted(press, np.arange(len(starts)))
+
+    @cached_property
+    def _divided(self) -> Scene:
+        """The scene with cells for pixels."""
+        rows, columns = (CELLS * count for count in self.scene.pixels.shape)
+        return self.scene.model_copy(update={"pixels": Pixels(rows=rows, columns=columns)})
+
+    @cached_property
+    def _covers(self) -> NDArray[np.float64]:
+        """What part of each cell the touch of each pixel covers, shape (pixel, cell)."""
+        skin, pixels = self.scene.skin, self.scene.pixels
+        assert self._size is not None
+        along, across = (
+            _parts(side, count, self._size)
+            for side, count in ((skin.length, pixels.columns), (skin.width, pixels.rows))
+        )
+        return np.kron(across, along).astype(np.float64)
+
     @cached_property
     def _reduced(self) -> Reduced:
-        return reduce(self.scene, RTOL, pixel_touches(self.scene, self._factors))
+        touches = pixel_touches(self.scene, self._factors)
+        if self._size is None:
+            return reduce(self.scene, RTOL, touches)
+
+        def laid(random: np.random.Generator) -> Case:
+            case = touches(random)
+            cells, rises, _ = self._laid(case.cells, case.rises, np.array([0, len(case.cells)]))
+            return Case(None, cells, rises)
+
+        return reduce(self._divided, RTOL, laid)
+
+
+def _parts(side: float, pixels: int, size: float) -> NDArray[np.float64]:
+    """Of each cell along a side, what a span about the middle of each pixel covers."""
+    middles = (np.arange(pixels) + 0.5) * side / pixels
+    lines = np.linspace(0, side, CELLS * pixels + 1)
+    return np.stack([covered(lines, middle, size)[0] for middle in middles])

@@ -41,6 +41,17 @@ class Question:
     against_rest: int = 0
     unknown_skin: bool = False
 
+    @property
+    def told(self) -> str:
+        """What an estimate that errs so little knows, and what it does not."""
+        size = f"{1e3 * self.touch.width:.3g} x {1e3 * self.touch.height:.3g} mm"
+        skin = "" if self.unknown_skin else "the skin and "
+        unknown = " and the skin, but for dataset.session" if self.unknown_skin else ""
+        return (
+            f"known are {skin}the touch's sides, {size}; unknown are x, y and strength, anywhere "
+            f"and any{unknown}"
+        )
+
 
 def survey(
     scene: Scene,
@@ -78,6 +89,12 @@ def with_sheets(scene: Scene, sheet_resistance: float) -> Scene:
     sheet = Sheet(sheet_resistance=sheet_resistance)
     skin = scene.skin.model_copy(update={"top": sheet, "bottom": sheet})
     return scene.model_copy(update={"skin": skin})
+
+
+def with_factor(scene: Scene, factor: float) -> Scene:
+    """The same scene pressed so many times the capacitance at rest."""
+    pressing = scene.press.model_copy(update={"capacitance_factor": factor})
+    return scene.model_copy(update={"press": pressing})
 
 
 def with_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
@@ -121,7 +138,10 @@ def _candidates(scene: Scene, n: int) -> NDArray[np.float64]:
 def _sets(scene: Scene, slopes: Slopes, n: int) -> dict[str, NDArray[np.float64]]:
     named = compared(scene, n, own_band(scene))
     step = max(1, len(slopes.places) // DESIGN_PLACES)
-    criterion = position_criterion(slopes.some(step))
+    try:
+        criterion = position_criterion(slopes.some(step))
+    except InputError:  # nothing tells the place, so nothing does it best
+        return {f"{n}, {name}": f for name, f in named.items()}
     starts = [slopes.number(f) for f in named.values() if len(np.unique(f)) == n]
     best = best_choice(criterion.score, len(slopes.frequency), n, starts)
     return {f"{n}, {name}": f for name, f in (named | {OPTIMAL: slopes.frequency[best]}).items()}

@@ -28,6 +28,11 @@ class Axis:
     values: tuple[float, ...]
     logarithmic: bool = False
 
+    @property
+    def linear(self) -> bool:
+        """Whether its values are spaced evenly by difference."""
+        return bool(np.allclose(np.diff(self.values, 2), 0, atol=1e-9 * abs(self.values[-1])))
+
 
 def parse_axes(texts: Sequence[str], table: Mapping[str, Any]) -> list[Axis]:
     """One or two axes of a scene's table, each written in SYNTAX; raises InputError."""

@@ -29,7 +29,8 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
             list[str] | None,
             typer.Option(
                 help="KEY=START:STOP:POINTS[:log|linear], of whole numbers KEY=START:STOP, or "
-                "KEY=VALUE,VALUE,...; once or twice. Without it: skin.sheet_resistance="
+                "KEY=VALUE,VALUE,...; once or twice. Real numbers are spaced logarithmically "
+                "unless :linear is said. Without it: skin.sheet_resistance="
                 "1e3:1e6:25:log and pixels=2:10."
             ),
         ] = None,
@@ -86,7 +87,7 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         from .figure import draw_study
         from .keys import scene_table
         from .point import Trial
-        from .report import ENDINGS, answers, experiment_told, write_table
+        from .report import ENDINGS, answers, experiment_told, screenful, spacing, write_table
         from .settings import changed, checked_workers
 
         beside = checked_output(output, ENDINGS).with_suffix(".png")
@@ -108,7 +109,7 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
             )
         write_table(findings, output)
         draw_study(findings, axes, experiment_told(table, axes), picture)
-        for line in answers(findings, axes):
+        for line in (*screenful(answers(findings, axes), output), spacing(axes)):
             typer.echo(line)
         written(f"{len(scenes)} points", output, picture)
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..charts import COLOURS, chart
 from .axis import Axis
-from .report import AS_GOOD, as_good, axis_label, best_index
+from .report import AS_GOOD, as_good, axis_label, best_index, named
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,11 +27,17 @@ TITLE_WIDTH, DECADE = 70, 10.0
 
 
 def draw_study(findings: xr.Dataset, axes: Sequence[Axis], title: str, path: Path) -> None:
-    """Write the chart: accuracy, separation and, along one axis, the best band."""
-    if len(axes) == 1:
-        _draw_curves(findings, axes[0], title, path)
-    else:
-        _draw_maps(findings, axes, title, path)
+    """Write the chart: accuracy, separation and, along one axis, the best band.
+
+    An axis of one value is none: it is told in the title.
+    """
+    varied = [axis for axis in axes if len(axis.values) > 1] or list(axes[:1])
+    alone = [axis for axis in axes if axis not in varied]
+    if len(varied) > 1:
+        return _draw_maps(findings, varied, title, path)
+    told = "; ".join([title, *(named(axis.key, axis.values[0]) for axis in alone)])
+    along = findings.isel({axis.key.name: 0 for axis in alone})
+    return _draw_curves(along, varied[0], told, path)
 
 
 def _draw_curves(findings: xr.Dataset, axis: Axis, title: str, path: Path) -> None:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 IN_HERTZ = {"band_start": "band_start_Hz", "band_stop": "band_stop_Hz"}
 ENDINGS = (".csv", ".nc")
 AS_GOOD = 0.05
+MOST_LINES = 20
 LABELS = {BOTH_SHEETS: "Sheet resistance of both sheets", ALL_PIXELS: "Pixels along each side"}
 
 
@@ -45,6 +46,27 @@ def answers(findings: xr.Dataset, axes: Sequence[Axis]) -> list[str]:
         f"{named(second, float(value))}: {_best(findings.sel({second.name: value}), first)}"
         for value in findings[second.name].values
     ]
+
+
+def spacing(axes: Sequence[Axis]) -> str:
+    """How the values of each axis are spaced, in one line."""
+    return "; ".join(_spaced(axis) for axis in axes)
+
+
+def _spaced(axis: Axis) -> str:
+    first, last, count = axis.values[0], axis.values[-1], len(axis.values)
+    if count == 1:
+        return f"{axis.key.name}: {first:.6g}"
+    even = "logarithmic" if axis.logarithmic else "linear" if axis.linear else "as listed"
+    return f"{axis.key.name}: {count} values from {first:.6g} to {last:.6g}, {even}"
+
+
+def screenful(lines: Sequence[str], output: Path) -> list[str]:
+    """As many lines as a terminal shows, and where the rest is."""
+    left = len(lines) - MOST_LINES
+    if left <= 0:
+        return list(lines)
+    return [*lines[:MOST_LINES], f"{left} more lines left out: all points are in {output}"]
 
 
 def best_index(findings: xr.Dataset) -> int:

@@ -25,7 +25,7 @@ from ..parameters import Variation, all_values, leads_of, loss_of, own_values, v
 from ..plain import require_plain
 from .cases import Case, Draw, pixel_touches
 from .family import weights_of
-from .greedy import reduce
+from .greedy import Advance, reduce, unseen
 from .model import Reduced, ReducedSkin, touched_cells
 
 
@@ -102,11 +102,17 @@ class Response:
 class Forward:
     """A scene at a tolerance, as a function of PARAMETERS and of presses on cells."""
 
-    def __init__(self, scene: Scene, cells_per_pixel: int = 1, rtol: float = 1e-4) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        cells_per_pixel: int = 1,
+        rtol: float = 1e-4,
+        advance: Advance = unseen,
+    ) -> None:
         """rtol: largest relative error of Rs and Cp at the skin, for factors within REACH.
 
-        cells_per_pixel: along each side; touches that are no pixels are laid on cells. Raises
-        InputError for a scene that is not plain.
+        cells_per_pixel: along each side; touches that are no pixels are laid on cells. advance: is
+        told what share of the training is done. Raises InputError for a scene that is not plain.
         """
         require_plain(scene, "a reduced model")
         self.scene, self.rtol, self.cells_per_pixel = scene, rtol, cells_per_pixel
@@ -115,6 +121,7 @@ class Forward:
             rows=cells_per_pixel * pixels.rows, columns=cells_per_pixel * pixels.columns
         )
         self.divided = scene.model_copy(update={"pixels": divided})
+        self._advance = advance
         self._kept: tuple[Mapping[str, float], ReducedSkin] | None = None
 
     def cells(self, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -180,7 +187,8 @@ class Forward:
         low, high = self.scene.frequencies[0], self.scene.frequencies[-1]
         band = FrequencyGrid(start=low / REACH, stop=high * REACH, points=BAND_POINTS).values()
         trained = self.divided.model_copy(update={"sweep": Sweep(frequencies=tuple(band))})
-        return reduce(trained, self.rtol, self._draw(), alike=not self._two_fields)
+        alike = not self._two_fields
+        return reduce(trained, self.rtol, self._draw(), alike=alike, advance=self._advance)
 
     @cached_property
     def _two_fields(self) -> bool:

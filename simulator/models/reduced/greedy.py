@@ -8,7 +8,7 @@ draws keep the tolerance.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -50,6 +50,13 @@ DROPPED_SHARE = 0.1
 """Of the tolerance: what any snapshot of unit energy may lose of that."""
 
 
+Advance = Callable[[float], None]
+
+
+def unseen(share: float) -> None:
+    """Shows nothing of what share is done."""
+
+
 def reduce(
     scene: Scene,
     rtol: float = 1e-5,
@@ -58,6 +65,7 @@ def reduce(
     modes: int = 1,
     alike: bool = True,
     seed: int = 0,
+    advance: Advance = unseen,
 ) -> Reduced:
     """A reduced model of a scene, within rtol in Rs and Cp for skins and presses as drawn.
 
@@ -72,7 +80,7 @@ def reduce(
     random = np.random.default_rng(seed)
     with one_blas_thread():
         family, mesh_error = _resolved(scene, circuit, modes, rtol, draw, random)
-        return _Basis(family, rtol, mesh_error).grow(draw, random)
+        return _Basis(family, rtol, mesh_error).grow(draw, random, advance)
 
 
 def _resolved(
@@ -113,19 +121,21 @@ class _Basis:
         self._shifts = np.abs(laplace_variable(np.geomspace(low, high, decades), loss))
         self._s = laplace_variable(np.geomspace(low, high, FREQUENCIES), loss)
 
-    def grow(self, draw: Draw, random: np.random.Generator) -> Reduced:
+    def grow(self, draw: Draw, random: np.random.Generator, advance: Advance) -> Reduced:
         """Until enough fresh draws in a row keep what the mesh leaves of the tolerance."""
         pixels, left = self.family.scene.pixels, self.rtol - self.mesh_error
         limit, cells = CERTIFIED_SHARE * left, pixels.rows * pixels.columns
         first = sharing_skins(covering(draw, random, cells, IDLE_DRAWS), PRESSES_ON_SKIN)
         for start in range(0, len(first), AT_ONCE):
             self._add(first[start : start + AT_ONCE])
-        quiet, reduced, roughly = 0, self._reduced(), True
+        quiet, reduced, roughly, begun = 0, self._reduced(), True, 0.0
         while quiet < min(max(FEWEST_QUIET, cells // 2), MOST_QUIET):
             cases = [draw(random) for _ in range(BATCH)]
             roughly = roughly and any(case.variation is not None for case in cases)
             cases = sharing_skins(cases, PRESSES_ON_SKIN) if roughly else cases
             found = bounds(reduced, cases, self._s)
+            begun = max(begun, float(np.nan_to_num(found).max()), 2 * limit)
+            advance(_done(found.max(), begun, limit))
             if found.max() <= limit:
                 quiet, roughly = quiet + (0 if roughly else BATCH), False
                 continue
@@ -199,6 +209,12 @@ class _Basis:
         terms = [family.space.sheet_energy(W, term) for term in family.sheet_terms]
         terms += [family.space.film_energy(W, term) for term in family.film_terms]
         return replace(reduced, stiffness=np.stack(terms), factors=family.pixels.factors(W))
+
+
+def _done(error: float, begun: float, limit: float) -> float:
+    """Share of the way down from an error to a limit, in decades."""
+    left = np.nan_to_num(error, nan=begun)
+    return float(np.clip(np.log(begun / max(left, limit)) / np.log(begun / limit), 0.0, 1.0))
 
 
 def compressed(reduced: Reduced, cases: list[Case]) -> Reduced:

@@ -16,6 +16,11 @@ FITTED = ("sheet_resistance", "capacitance", "stray_capacitance")
 REST = ("none",) * 4
 
 
+def only(names, **more):
+    """Options to fit these parameters where all others are known."""
+    return Options(fit=tuple(names), fix=("others",), **more)
+
+
 def outside(found, truth):
     """Names of fitted parameters whose interval does not hold the truth."""
     return [
@@ -31,9 +36,9 @@ def test_what_the_data_tell_is_found(line, read):
     for name, value in truth.items():
         low, high = found.intervals[name]
         assert low < value < high
-        assert found.told[name]
+        assert found.told[name] == (name != "sheet_resistance")
     assert found.intervals["lead_inductance"][0] > 0
-    assert found.given_up[0] == "sheet_mismatch"
+    assert found.held == ("sheet_mismatch",)
     assert 0.5 < found.chi_squared < 1.6
 
 
@@ -45,17 +50,18 @@ def test_the_calibrated_scene_is_the_one_that_was_measured(line, read):
         true.foam.rest_capacitance_per_area, rel=0.02
     )
     assert found.scene.sweep == line.sweep
-    assert [each.name for each in found.quantities][:4] == [
+    assert [each.name for each in found.quantities][:5] == [
         "top sheet",
         "bottom sheet",
         "both in series",
+        "top over bottom",
         "foam capacitance",
     ]
 
 
 def test_intervals_cover_the_truth_as_often_as_they_say(line, simulated):
     truth = {"sheet_resistance": 0.05, "capacitance": -0.03, "stray_capacitance": 6e-12}
-    options, trials = Options(fit=FITTED), 200
+    options, trials = only(FITTED), 200
     sweeps, random = simulated(line, truth, ("none",)), np.random.default_rng(1)
     readings = [read_out(sweeps, line.readout, random) for _ in range(trials)]
     missed = [outside(calibrate(line, each, options), truth) for each in readings]
@@ -86,20 +92,16 @@ def test_strengths_taken_as_stated_are_not_fitted(line, read):
 
 
 def test_sheets_of_one_field_are_told_only_together(line, read):
-    found = calibrate(
-        line, read(line, TRUTH, REST), Options(fit=("sheet_resistance", "sheet_mismatch"))
-    )
+    found = calibrate(line, read(line, TRUTH, REST), only(("sheet_resistance", "sheet_mismatch")))
     assert not found.told["sheet_mismatch"]
     assert "sheet_mismatch" in found.unclear[0]
-    assert "told only together" in found.unclear[0]
+    assert "told only together, as both sheets in series" in found.unclear[0]
     assert abs(found.values["sheet_mismatch"]) < 2
 
 
 def test_a_parameter_without_any_effect_is_named(make_scene, line, read):
     scene = line.model_copy(update={"skin": make_scene(top=4e4, bottom=4e4).skin})
-    found = calibrate(
-        scene, read(scene, TRUTH, REST), Options(fit=("capacitance", "sheet_mismatch"))
-    )
+    found = calibrate(scene, read(scene, TRUTH, REST), only(("capacitance", "sheet_mismatch")))
     assert found.unclear == (
         "sheet_mismatch: the data say nothing of it; what is told is its prior",
     )
@@ -110,9 +112,7 @@ def test_at_high_frequency_only_a_ratio_is_told(line, read):
     scene = line.model_copy(
         update={"sweep": line.sweep.model_copy(update={"frequencies": (3e7, 5e7, 1e8, 2e8)})}
     )
-    found = calibrate(
-        scene, read(scene, presses=REST), Options(fit=("sheet_resistance", "capacitance"))
-    )
+    found = calibrate(scene, read(scene, presses=REST), only(("sheet_resistance", "capacitance")))
     assert found.unclear == ("capacitance and sheet_resistance: told only as their ratio",) or (
         found.unclear == ("sheet_resistance and capacitance: told only as their ratio",)
     )
@@ -123,8 +123,8 @@ def test_films_and_leads_of_a_line_are_told_only_together(make_scene, line, read
     scene = line.model_copy(update={"contacts": make_scene(films).contacts})
     sweeps = read(scene, {"contact_resistance": 0.3}, REST)
     found = calibrate(scene, sweeps)
-    assert "lead_resistance" in found.given_up
-    assert found.told["contact_resistance"]
+    assert not (found.told["lead_resistance"] or found.told["contact_resistance"])
+    assert any("contact_resistance and lead_resistance" in each for each in found.unclear)
     assert not outside(found, {"contact_resistance": 0.3})
 
 
@@ -150,7 +150,7 @@ def test_residuals_tell_the_noise_where_nothing_else_does(line, read):
 
 def test_errors_grow_where_the_model_does_not_follow(line, read):
     sweeps = read(line, {"phase_exponent": 0.97}, REST)
-    options = Options(fit=("sheet_resistance", "capacitance"))
+    options = only(("sheet_resistance", "capacitance"))
     wrong, right = (calibrate(line, each, options) for each in (sweeps, read(line, {}, REST)))
     assert wrong.chi_squared > 20
     ratio = np.ptp(wrong.intervals["capacitance"]) / np.ptp(right.intervals["capacitance"])
@@ -196,7 +196,7 @@ def test_sheets_of_two_fields_are_told_apart_by_two_interfaces(make_scene, read)
     truth = {"sheet_resistance": -0.1, "sheet_mismatch": 0.3, "capacitance": 0.1}
     sweeps = read(scene, truth, REST)
     model = Forward(scene)
-    found = calibrate(scene, sweeps, Options(fit=tuple(truth)), model=model)
+    found = calibrate(scene, sweeps, only(truth), model=model)
     assert not outside(found, truth)
     assert found.told["sheet_mismatch"]
     best = gap_by_parameter(scene, sweeps, model=model)[0]
@@ -248,6 +248,7 @@ def test_presses_that_are_no_pixels_are_left_out(line, read):
         ({"fit": ("bulk",)}, "`parameter` must be one of sheet_resistance.*'bulk'"),
         ({"fit": ("contact_resistance",)}, "contact_resistance changes nothing in this scene"),
         ({"fit": ("capacitance",), "fix": ("capacitance",)}, "both fitted and fixed"),
+        ({"fix": ("others",)}, "`parameter` must be one of sheet_resistance.*'others'"),
         ({"band": (1.0, 2.0)}, "`band` must hold frequencies of the sweeps, 1000 to 200000 Hz"),
         ({"session": 7}, "`session` must be one of 0, got 7"),
     ],
@@ -268,3 +269,36 @@ def test_a_model_of_other_frequencies_is_refused(line, read, make_scene):
         calibrate(line, read(line), model=Forward(make_scene(columns=3)))
     with pytest.raises(InputError, match="`cells_per_pixel` of the model must be 1, got 2"):
         calibrate(line, read(line), model=Forward(line, 2))
+
+
+def test_what_is_held_though_not_known_widens_what_is_told(line, read):
+    sweeps, fit = read(line, {"phase_exponent": 0.98}, REST), ("capacitance",)
+    held, known = (calibrate(line, sweeps, each) for each in (Options(fit=fit), only(fit)))
+    assert held.values["capacitance"] == known.values["capacitance"]
+    assert np.ptp(held.intervals["capacitance"]) > 2 * np.ptp(known.intervals["capacitance"])
+    assert "phase_exponent" in held.held and not known.held
+
+
+def test_one_field_tells_the_sum_of_its_sheets_and_not_each(make_scene, line, read):
+    scene = line.model_copy(update={"skin": make_scene(top=20e3, bottom=35e3).skin})
+    twin = scene.with_({"skin.top.sheet_resistance": 27e3})
+    found = calibrate(scene, read(twin, presses=(*REST, "1,1", "1,2", "1,3")))
+    of = {each.name: each for each in found.quantities}
+    assert of["both in series"].told_by == "data"
+    assert of["both in series"].low < 62e3 < of["both in series"].high
+    assert of["both in series"].high < 1.1 * of["both in series"].low
+    assert of["top over bottom"].value == pytest.approx(20 / 35)
+    assert of["top over bottom"].low < 27 / 35 < of["top over bottom"].high
+    for name, truth in (("top sheet", 27e3), ("bottom sheet", 35e3)):
+        assert of[name].told_by == "prior"
+        assert of[name].low < truth < of[name].high
+        assert of[name].high < of["both in series"].high
+    assert of["top sheet"].high > 2 * of["top sheet"].low
+    assert not (found.told["sheet_resistance"] or found.told["sheet_mismatch"])
+
+
+def test_a_ratio_that_is_known_leaves_each_sheet_told(line, read):
+    found = calibrate(line, read(line, TRUTH, REST), Options(fix=("sheet_mismatch",)))
+    assert found.held == ()
+    assert {each.name: each.told for each in found.quantities}["top sheet"]
+    assert "top over bottom" not in [each.name for each in found.quantities]

@@ -34,7 +34,7 @@ def test_a_scene_is_calibrated(run, files, line):
     assert (code, err) == (0, "")
     assert "foam capacitance" in out
     assert "chi-squared per degree of freedom" in out
-    assert "left as in the scene, for the data do not tell them: sheet_mismatch" in out
+    assert "told only together, as both sheets in series; top over bottom is assumed" in out
     assert sorted(path.name for path in folder.iterdir()) == FILES
     assert sorted(path.name for path in folder.parent.iterdir()) == ["found", "run.nc", "skin.toml"]
 
@@ -49,6 +49,9 @@ def test_the_calibrated_scene_says_from_what(run, files, line):
     assert calibrated.skin.foam.rest_capacitance_per_area == pytest.approx(
         truth.skin.foam.rest_capacitance_per_area, rel=0.02
     )
+    assert "left as in the scene, and allowed for within their priors: loss_tangent" in text
+    assert "both in series: " in text
+    assert "not told by the data but assumed from the scene, within its prior" in text
     code, _, err = run("sweep", folder / "calibrated.toml", "-o", folder / "again.nc")
     assert (code, err) == (0, "")
     assert read_sweeps(folder / "again.nc").sizes["frequency"] == 12
@@ -56,17 +59,7 @@ def test_the_calibrated_scene_says_from_what(run, files, line):
 
 def test_numbers_are_written_for_machines(run, files):
     scene, measured, folder = files
-    run(
-        "calibrate",
-        scene,
-        measured,
-        "-o",
-        folder,
-        "--fit",
-        "sheet_resistance",
-        "--fit",
-        "capacitance",
-    )
+    run("calibrate", scene, measured, "-o", folder, *TWO, "--fix", "others")
     told = json.loads((folder / "calibration.json").read_text())
     low, high = told["intervals_95"]["capacitance"]
     assert low < told["values"]["capacitance"] < high
@@ -117,9 +110,28 @@ def test_bad_input_is_one_line_and_nothing_is_written(run, files, more, message)
 
 def test_sweeps_of_another_skin_are_refused(run, files):
     _, measured, folder = files
-    code, _, err = run("calibrate", "strip-1x3", measured, "-o", folder)
+    code, out, err = run("calibrate", "strip-1x3", measured, "-o", folder)
+    assert (code, out) == (2, "")
+    assert err.startswith("rcskin: run.nc: recorded for scene, asked of strip-1x3: width 0.08 m, ")
+    assert err.endswith("; --anyway insists\n") and err.count("\n") == 1
+    assert not folder.exists()
+
+
+def test_sweeps_of_another_skin_are_taken_where_one_insists(run, files, line):
+    scene, measured, folder = files
+    scene.write_text(scene_text(line.with_({"skin.length": 0.11, "name": "longer"})))
+    code, _, err = run("calibrate", scene, measured, "-o", folder)
     assert code == 2
-    assert "interface 'meter'; strip-1x3 has left" in err
+    assert "recorded for scene, asked of longer: length 0.1 m, not 0.11 m" in err
+    code, _, err = run("calibrate", scene, measured, "-o", folder, *TWO, "--anyway")
+    assert (code, err) == (0, "")
+
+
+def test_a_skin_of_other_materials_is_the_same_skin(run, files, line):
+    scene, measured, folder = files
+    changes = {"name": "other", "skin.sheet_resistance": 6e4, "leads": {"resistance": 5.0}}
+    scene.write_text(scene_text(line.with_(changes)))
+    assert run("calibrate", scene, measured, "-o", folder, *TWO)[0] == 0
 
 
 def test_a_file_is_no_folder(run, files):

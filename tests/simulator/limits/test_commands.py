@@ -47,6 +47,59 @@ def test_the_most_pixels_for_an_accuracy_are_printed(run):
     assert column.startswith("column: at most 1x") and pixel.startswith("pixel: at most 1x")
 
 
+def accuracies(folder):
+    told = json.loads((folder / "limits.json").read_text())["accuracy"]
+    return {target: told[target]["best_possible"] for target in ("column", "pixel")}
+
+
+def test_factor_and_size_reach_the_accuracies_too(run, tmp_path, scene_file):
+    path, found = scene_file(frequencies=[1e4, 1e5]), {}
+    for name, options in {
+        "weak": ("--factor", "1.01"),
+        "strong": ("--factor", "1.05"),
+        "whole": ("--factor", "1.01", "--size", "50"),
+        "small": ("--factor", "1.01", "--size", "20"),
+    }.items():
+        code, _, err = run("limits", path, *QUICK, *options, "-o", tmp_path / name)
+        assert (code, err) == (0, "")
+        found[name] = accuracies(tmp_path / name)["column"]
+    assert found["weak"] < 0.95 < found["strong"]
+    assert found["whole"] == pytest.approx(found["weak"], abs=0.01)
+    assert found["small"] < found["whole"] - 0.1
+
+
+def test_size_and_factor_hold_for_counts_of_pixels_too(run):
+    asked = ("limits", "strip-1x3", "--accuracy", "0.9", "--draws", "50")
+    whole, small, weak = (
+        run(*asked, *more)[1] for more in ((), ("--size", "3"), ("--factor", "1.05"))
+    )
+    assert len({whole, small, weak}) == 3
+
+
+def test_beside_each_figure_stands_what_is_known(run, tmp_path, scene_file):
+    out = run("limits", scene_file(), *QUICK, "-o", tmp_path / "found")[1]
+    position, accuracy = (
+        out.index(f"of a {what}: known are the skin") for what in ("touch", "press")
+    )
+    assert position < out.index("x (mm)") < accuracy < out.index("columns right")
+    assert "unknown are x, y and strength" in out and "give or take 10 % of the rise" in out
+    told = json.loads((tmp_path / "found" / "limits.json").read_text())
+    assert told["position_asked"] in out and told["accuracy"]["asked"] in out
+    out = run("limits", scene_file(), *QUICK, "--unknown-skin", "-o", tmp_path / "found")[1]
+    assert "unknown are x, y and strength, anywhere and any and the skin, but for dataset" in out
+
+
+def test_a_screenful_is_printed_and_all_is_written(run, tmp_path, scene_file):
+    many = ",".join(str(1e4 + 1e3 * k) for k in range(12))
+    asked = (*QUICK, "--sheet-resistance", many, "-o", tmp_path / "found")
+    code, out, _ = run("limits", scene_file(frequencies=[1e4, 1e5]), *asked)
+    assert code == 0
+    assert len(out.splitlines()) <= 24
+    told = json.loads((tmp_path / "found" / "limits.json").read_text())
+    assert len(told["position"]) > 14
+    assert f"{len(told['position']) - 14} more rows in" in out
+
+
 def test_frequencies_come_one_a_line_in_a_pipe(run, scene_file):
     path = scene_file()
     code, out, err = run("frequencies", path, "-n", "3", "--grid", "12")

@@ -26,8 +26,12 @@ def test_two_axes_make_a_table_a_map_and_an_answer_for_each_second_value(run, tm
         *("--vary", "pixels.columns=2:4", *FAST, "-o", tmp_path / "out.csv"),
     )
     assert (code, err) == (0, "")
-    *answers, end = out.splitlines()
+    *answers, spaced, end = out.splitlines()
     assert [line.split(":")[0] for line in answers] == [f"pixels.columns = {n}" for n in (2, 3, 4)]
+    assert spaced == (
+        "skin.sheet_resistance: 3 values from 10000 to 1e+06, logarithmic; "
+        "pixels.columns: 3 values from 2 to 4, linear"
+    )
     assert end == f"9 points -> {tmp_path / 'out.csv'}, {tmp_path / 'out.png'}"
     table = pd.read_csv(tmp_path / "out.csv")
     assert list(table) == ["skin.sheet_resistance", "pixels.columns", *COLUMNS]
@@ -45,12 +49,56 @@ def test_one_axis_makes_curves_and_netcdf_with_units(run, tmp_path):
     )
     assert code == 0
     assert out.startswith("best accuracy ")
+    assert out.endswith("contact.top-left.resistance: 3 values from 0 to 100, linear\n")
     found = xr.load_dataset(tmp_path / "out.nc")
     resistance = found["contact.top-left.resistance"]
     assert resistance.values.tolist() == [0, 50, 100]
     assert (resistance.units, found["band_start"].units) == ("ohm m", "Hz")
     assert 'name = "strip-1x4"' in found.attrs["scene"]
     assert (tmp_path / "curves.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_a_grid_is_logarithmic_unless_asked_otherwise(run, tmp_path):
+    asked = ("study", "strip-1x3", "--vary", "skin.length=0.1:0.4:3", *FAST)
+    code, out, _ = run(*asked, "-o", tmp_path / "out.csv")
+    assert code == 0
+    assert pd.read_csv(tmp_path / "out.csv")["skin.length"].tolist() == pytest.approx(
+        [0.1, 0.2, 0.4]
+    )
+    assert out.splitlines()[-2] == "skin.length: 3 values from 0.1 to 0.4, logarithmic"
+    told = " ".join(run("study", "--help")[1].replace("│", " ").split())
+    assert "spaced logarithmically unless :linear is said" in told
+
+
+def test_one_value_of_a_key_makes_curves_and_no_map(run, tmp_path):
+    vary, one = ("--vary", "skin.length=0.1:0.4:3"), ("--vary", "pixels.columns=3")
+    for name, more in (("alone", vary), ("first", (*one, *vary)), ("second", (*vary, *one))):
+        code, _, err = run("study", "strip-1x3", *more, *FAST, "-o", tmp_path / f"{name}.csv")
+        assert (code, err) == (0, "")
+    alone, first, second = (
+        imread(tmp_path / f"{name}.png") for name in ("alone", "first", "second")
+    )
+    assert alone.shape == first.shape == second.shape
+    assert abs(first - second).max() == 0
+
+
+def test_a_screenful_is_printed_and_every_point_is_written(run, tmp_path):
+    many = ",".join(f"{0.01 * k:g}" for k in range(1, 31))
+    code, out, _ = run(
+        *(
+            "study",
+            "strip-1x3",
+            "--vary",
+            "pixels.columns=3",
+            "--vary",
+            f"press.factor_spread={many}",
+        ),
+        *(*FAST, "--repetitions", "5", "-o", tmp_path / "out.csv"),
+    )
+    assert code == 0
+    assert len(out.splitlines()) == 23
+    assert f"10 more lines left out: all points are in {tmp_path / 'out.csv'}" in out
+    assert len(pd.read_csv(tmp_path / "out.csv")) == 30
 
 
 def test_the_same_command_writes_the_same_bytes(run, tmp_path):
