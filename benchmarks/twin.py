@@ -34,6 +34,7 @@ from rcskin.simulator.dataset.run import generate
 from rcskin.simulator.inversion.tables import templates
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.scene.randomisation import Lognormal, Normal
 from rcskin.simulator.scene.scene import Scene
 from twin_chart import draw
@@ -116,6 +117,7 @@ def scores(ready: Prepared, number: int) -> list[dict[str, Any]]:
     twin = Twin(built(trial.believed), ready.family, SEED, number, trial.hand)
     presses = trial.recording(np.random.default_rng([SEED, number]))
     sweeps = recorded(twin, presses, [each.name for each in trial.believed.interfaces])
+    sweeps.attrs["scene"] = scene_text(trial.believed)
     rows = [_row(trial, number, name, model, sweeps) for name, model in ready.models.items()]
     if trial.touches:
         rows += _after_calibration(ready, number, sweeps)

@@ -107,6 +107,12 @@ def model(rcskin, scene, folder):
     return folder / "columns.skops"
 
 
+def test_what_the_scene_says_is_described(rcskin, scene, folder):
+    told = rcskin("describe glove.toml -o glove.svg")
+    assert "90 x 60 mm" in told.replace("×", "x") and "alike" in told
+    assert "left" in (folder / "glove.svg").read_text()
+
+
 def test_the_simulated_sweeps_are_seen(rcskin, scene, folder):
     rcskin("sweep glove.toml -o exact.nc")
     rcskin("plot exact.nc -o exact.svg")

@@ -112,7 +112,7 @@ def test_a_page_holds_every_curve_and_needs_no_network(run, two_files, tmp_path)
     output = tmp_path / "page.html"
     asked = [word for name in QUANTITIES for word in ("--what", name)]
     code, out, err = run("plot", *two_files, "-o", output, *asked)
-    assert (code, out, err) == (0, f"{output}: 2 recordings drawn\n", "")
+    assert (code, out, err) == (0, f"2 recordings -> {output}\n", "")
     text = output.read_text()
     assert "<script src=" not in text and "plotly.js v" in text
     for name in ("at rest, all.nc (simulated)", "1,1, run.nc (measured)"):
@@ -131,7 +131,7 @@ def test_every_file_of_sweeps_is_drawn(run, make_sweeps, tmp_path, ending):
     path = tmp_path / f"run.{ending}"
     write(make_sweeps(3), path)
     code, out, err = run("plot", path, "-o", tmp_path / "out.svg")
-    assert (code, err) == (0, "") and "1 recording drawn" in out
+    assert (code, err) == (0, "") and out.startswith("3 sweeps x 2 interfaces")
 
 
 def test_of_very_many_sweeps_some_are_drawn_and_that_is_told(run, make_sweeps, tmp_path):
@@ -140,4 +140,6 @@ def test_of_very_many_sweeps_some_are_drawn_and_that_is_told(run, make_sweeps, t
     write(make_sweeps(many, ["left"], **labels), path)
     assert len(list(courses(read(path), "left", QUANTITIES["Rs"]))) == MOST_DRAWN
     code, _, err = run("plot", path, "-o", tmp_path / "out.html", "--what", "Rs")
-    assert code == 0 and err == f"rcskin: {path}: 400 of 401 sweeps are drawn, evenly spread\n"
+    assert (
+        code == 0 and err == f"rcskin: note: {path}: 400 of 401 sweeps are drawn, evenly spread\n"
+    )

@@ -49,7 +49,9 @@ def test_one_axis_makes_curves_and_netcdf_with_units(run, tmp_path):
     )
     assert code == 0
     assert out.startswith("best accuracy ")
-    assert out.endswith("contact.top-left.resistance: 3 values from 0 to 100, linear\n")
+    spaced, end = out.splitlines()[-2:]
+    assert spaced == "contact.top-left.resistance: 3 values from 0 to 100, linear"
+    assert end.startswith("3 points -> ")
     found = xr.load_dataset(tmp_path / "out.nc")
     resistance = found["contact.top-left.resistance"]
     assert resistance.values.tolist() == [0, 50, 100]

@@ -44,7 +44,8 @@ def test_a_picture_is_written(run, solved, scene_file, tmp_path):
 @pytest.mark.pictures
 @pytest.mark.parametrize(("name", "begins"), [("a.svg", b"<?xml"), ("a.pdf", b"%PDF")])
 def test_pictures_for_papers_are_svg_and_pdf(run, solved, scene_file, tmp_path, name, begins):
-    assert run("view", scene_file, "-o", tmp_path / name) == (0, "", "")
+    code, out, err = run("view", scene_file, "-o", tmp_path / name)
+    assert (code, err) == (0, "") and out.endswith(f" -> {tmp_path / name}\n")
     assert (tmp_path / name).read_bytes().startswith(begins)
 
 
