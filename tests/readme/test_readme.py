@@ -16,8 +16,9 @@ PAGES = (
     "README.md",
     "simulator/README.md",
     "simulator/OWN_SKIN.md",
-    "simulator/scene/SKINS.md",
-    "simulator/scene/KEYS.md",
+    "simulator/scene/pages/SKINS.md",
+    "simulator/scene/pages/KEYS.md",
+    "simulator/scene/pages/FORMULAS.md",
     "localization/README.md",
     "hardware/README.md",
     "benchmarks/README.md",
@@ -26,7 +27,7 @@ SELF_MADE = (
     "README.md",
     "simulator/README.md",
     "simulator/OWN_SKIN.md",
-    "simulator/scene/SKINS.md",
+    "simulator/scene/pages/SKINS.md",
 )
 """Pages whose commands take built-in scenes and what earlier commands made."""
 OF_A_SCENE = {"sweep", "describe", "view", "dataset", "study", "limits", "frequencies", "calibrate"}
