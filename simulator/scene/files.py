@@ -6,6 +6,7 @@ import csv
 import json
 import re
 import tomllib
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -141,8 +142,14 @@ def builtin_names() -> list[str]:
 def builtin_text(name: str) -> str:
     """The file of a built-in scene, comments and all. Raises InputError where there is none."""
     if name not in builtin_names():
-        raise InputError(f"{name}: no built-in scene; there are {', '.join(builtin_names())}")
+        raise InputError(f"{name}: no built-in scene; {_likely_scene(name)}")
     return (BUILTIN / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def _likely_scene(name: str) -> str:
+    close = get_close_matches(name, builtin_names(), 1)
+    meant = f"did you mean {close[0]}? " if close else ""
+    return f"{meant}there are {', '.join(builtin_names())}"
 
 
 def write_new(path: Path, like: str) -> None:
@@ -167,10 +174,8 @@ def load_scene(name_or_path: str | Path) -> Scene:
         return read_scene(BUILTIN / f"{name_or_path}.toml")
     path = Path(name_or_path)
     if not path.exists() and path.suffix != ".toml" and path.parent == Path("."):
-        raise InputError(
-            f"{name_or_path}: no such file, and no built-in scene; "
-            f"there are {', '.join(builtin_names())}"
-        )
+        likely = _likely_scene(str(name_or_path))
+        raise InputError(f"{name_or_path}: no such file, and no built-in scene; {likely}")
     return read_scene(path)
 
 

@@ -50,6 +50,12 @@ def commands(page):
     return [re.split(r" {2,}| +#", line)[0] for line in lines if line.startswith("rcskin ")]
 
 
+def walked(page):
+    """Those of its walk-through, which comes before it says how to do each task."""
+    first, how_to, _ = text(page).partition("\n## How to\n")
+    return [line for line in commands(page) if not how_to or line in first]
+
+
 def anchors(page):
     headings = re.findall(r"^#+ (.+)$", text(page), flags=re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", each).strip().lower().replace(" ", "-") for each in headings}
@@ -140,3 +146,14 @@ def test_a_skin_of_ones_own_goes_all_the_way(tmp_path, monkeypatch):
     for line in offline:
         run(monkeypatch, line)
     assert all(Path(folder).is_dir() for folder in FOLDERS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", ["README.md", "simulator/README.md", "localization/README.md"])
+def test_a_walk_through_runs_in_its_order(page, tmp_path, monkeypatch):
+    """Without `view`, which needs something to draw with, and `study`, which takes a minute."""
+    monkeypatch.chdir(tmp_path)
+    at_hand = [line for line in walked(page) if not re.match("rcskin (view|study) ", line)]
+    assert len(at_hand) >= 4
+    for line in at_hand:
+        run(monkeypatch, line)

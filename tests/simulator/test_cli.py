@@ -46,7 +46,7 @@ def test_scenes_names_every_built_in_scene(run):
 def test_scenes_shows_the_file_of_one(run):
     assert run("scenes", "strip-1x3")[1] == (BUILTIN / "strip-1x3.toml").read_text()
     code, _, err = run("scenes", "strip-1x9")
-    assert code == 2 and "no built-in scene; there are foam, glove, l-shape" in err
+    assert code == 2 and "did you mean strip-1x5? there are foam, glove, l-shape" in err
 
 
 @pytest.mark.parametrize("like", [None, "sheet-3x3"])

@@ -210,7 +210,9 @@ def test_bad_input_is_told_in_one_line(tmp_path, pairs, told):
 def test_files_that_cannot_be_read_are_told(tmp_path):
     with pytest.raises(InputError, match=r"absent\.toml: no such file$"):
         load_scene(tmp_path / "absent.toml")
-    with pytest.raises(InputError, match=r"shet: no such file, and no built-in scene; .*sheet-3x3"):
+    with pytest.raises(
+        InputError, match=r"shet: no such file, and no built-in scene; did you mean .*sheet-3x3"
+    ):
         load_scene("shet")
     binary = tmp_path / "binary.toml"
     binary.write_bytes(b"\xff\xfe\x00")
