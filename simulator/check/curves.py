@@ -21,7 +21,7 @@ FEW = 40
 """Sweeps whose curves are drawn opaque."""
 MOST_DRAWN = 400
 """Sweeps of a recording that are drawn; of more, so many evenly spread."""
-MOST_NAMED = 12
+MOST_NAMED = len(COLOURS)
 """Presses with a colour and a name of their own; more are coloured by their column."""
 
 
