@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sklearn.base import BaseEstimator
 from sklearn.decomposition import PCA
-from sklearn.utils.validation import check_is_fitted, validate_data
+from sklearn.utils.validation import validate_data
 
 from ..inputs.features import told_by_press
 from ..inputs.samples import Samples
 from ..inputs.targets import PIXELS
 from .answers import NOTHING_PRESSED
 from .folds import Splits, by_session
+from .novelty import Guard
 
 COMPONENTS = 6
 """Of features, that a press is looked at by: more of them hold noise alone."""
@@ -33,7 +33,7 @@ LEAST_VARIANCE = 1e-9
 """Of the largest within kinds."""
 
 
-class KindGuard(BaseEstimator):
+class KindGuard(Guard):
     """Distance to the nearest kind of press, in units of how sweeps of that kind spread.
 
     Each kind is a normal distribution of leading components; the distance is that of
@@ -74,23 +74,14 @@ class KindGuard(BaseEstimator):
         X = np.asarray(validate_data(self, X, ensure_min_samples=2, dtype=np.float64))
         kinds = np.asarray(kinds).astype(str)
         self.told_ = np.arange(X.shape[1]) if told is None else told
-        unseen = [self._learn(X[a], kinds[a], alike)._away(X[b]) for a, b in splits]
+        unseen = [self._learn(X[a], kinds[a], alike).away(X[b]) for a, b in splits]
         self._learn(X, kinds, alike)
         farthest = np.quantile(np.concatenate(unseen), self.share, method="higher")
         self.limit_ = self.reach * float(farthest) or 1.0
         return self
 
-    def distances(self, X) -> NDArray[np.float64]:
-        """To the nearest kind, over the limit: above 1 is of none of them. Shape (n,)."""
-        check_is_fitted(self)
-        X = np.asarray(validate_data(self, X, reset=False, dtype=np.float64))
-        return self._away(X) / self.limit_
-
-    def predict(self, X):
-        """1 for a sweep of a known kind, -1 for a novelty; shape (n,)."""
-        return np.where(self.distances(X) > 1, -1, 1)
-
-    def _away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+    def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+        """From the nearest kind, in units of its spread, shape (n,)."""
         seen = self.pca_.transform(X[:, self.told_] / self.scale_)
         squares = [
             np.square((seen - mean) @ turn).sum(axis=1)

@@ -17,7 +17,27 @@ PARTS = 5
 """Into which training is cut to see how far from the rest each part lies."""
 
 
-class NoveltyGuard(BaseEstimator):
+class Guard(BaseEstimator):
+    """Tells novelties by how far they are `away` from what was learned, against `limit_`."""
+
+    limit_: float
+
+    def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+        """From what is nearest of what was learned, shape (n,)."""
+        raise NotImplementedError
+
+    def distances(self, X) -> NDArray[np.float64]:
+        """The same over the limit: above 1 is novel. Shape (n,)."""
+        check_is_fitted(self)
+        X = np.asarray(validate_data(self, X, reset=False, dtype=np.float64))
+        return self.away(X) / self.limit_
+
+    def predict(self, X):
+        """1 for a sweep like what was learned, -1 for a novelty; shape (n,)."""
+        return np.where(self.distances(X) > 1, -1, 1)
+
+
+class NoveltyGuard(Guard):
     """Distance to the nearest sweep of the training, in features whitened by all of the training.
 
     Parameters
@@ -48,16 +68,6 @@ class NoveltyGuard(BaseEstimator):
         self._learn(X)
         self.limit_ = self.reach * float(max(unseen)) or 1.0
         return self
-
-    def distances(self, X) -> NDArray[np.float64]:
-        """To the nearest sweep that is kept, over the limit: above 1 is novel. Shape (n,)."""
-        check_is_fitted(self)
-        X = np.asarray(validate_data(self, X, reset=False, dtype=np.float64))
-        return self.away(X) / self.limit_
-
-    def predict(self, X):
-        """1 for a sweep like those of the training, -1 for a novelty; shape (n,)."""
-        return np.where(self.distances(X) > 1, -1, 1)
 
     def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
         """To the nearest sweep that is kept, in whitened features, shape (n,)."""
