@@ -277,28 +277,3 @@ def test_what_is_held_though_not_known_widens_what_is_told(line, read):
     assert held.values["capacitance"] == known.values["capacitance"]
     assert np.ptp(held.intervals["capacitance"]) > 2 * np.ptp(known.intervals["capacitance"])
     assert "phase_exponent" in held.held and not known.held
-
-
-def test_one_field_tells_the_sum_of_its_sheets_and_not_each(make_scene, line, read):
-    scene = line.model_copy(update={"skin": make_scene(top=20e3, bottom=35e3).skin})
-    twin = scene.with_({"skin.top.sheet_resistance": 27e3})
-    found = calibrate(scene, read(twin, presses=(*REST, "1,1", "1,2", "1,3")))
-    of = {each.name: each for each in found.quantities}
-    assert of["both in series"].told_by == "data"
-    assert of["both in series"].low < 62e3 < of["both in series"].high
-    assert of["both in series"].high < 1.1 * of["both in series"].low
-    assert of["top over bottom"].value == pytest.approx(20 / 35)
-    assert of["top over bottom"].low < 27 / 35 < of["top over bottom"].high
-    for name, truth in (("top sheet", 27e3), ("bottom sheet", 35e3)):
-        assert of[name].told_by == "prior"
-        assert of[name].low < truth < of[name].high
-        assert of[name].high < of["both in series"].high
-    assert of["top sheet"].high > 2 * of["top sheet"].low
-    assert not (found.told["sheet_resistance"] or found.told["sheet_mismatch"])
-
-
-def test_a_ratio_that_is_known_leaves_each_sheet_told(line, read):
-    found = calibrate(line, read(line, TRUTH, REST), Options(fix=("sheet_mismatch",)))
-    assert found.held == ()
-    assert {each.name: each.told for each in found.quantities}["top sheet"]
-    assert "top over bottom" not in [each.name for each in found.quantities]
