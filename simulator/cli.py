@@ -17,6 +17,7 @@ from .describe.command import describe
 from .interrupt import INTERRUPTED, ending_soon
 from .limits.command import limits
 from .limits.frequencies_command import frequencies
+from .page.command import page
 from .view.command import view
 
 BAD_INPUT, FAILURE = 2, 1
@@ -173,6 +174,7 @@ app.command()(calibrate)
 app.command()(limits)
 app.command()(frequencies)
 app.command()(view)
+app.command()(page)
 
 
 def run(failures: tuple[type[Exception], ...] = ()) -> None:

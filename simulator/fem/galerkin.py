@@ -109,8 +109,11 @@ class Galerkin:
         Of all unknowns of the system, 0 where this space has none. mass: M in F.
         """
         mass = self.restricted(mass)
-        u = potentials(self.driven(drive), mass, self._shifted(s, mass), s)
-        whole = np.zeros(self._system.pattern.size, dtype=u.dtype)
+        return self.spread(potentials(self.driven(drive), mass, self._shifted(s, mass), s))
+
+    def spread(self, u: NDArray) -> NDArray:
+        """Values of this space among all unknowns of the system, 0 where it has none; first axis."""
+        whole = np.zeros((self._system.pattern.size, *u.shape[1:]), dtype=u.dtype)
         whole[self._rows] = u
         return whole
 

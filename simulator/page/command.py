@@ -1,0 +1,48 @@
+"""The command `rcskin page`."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+CELLS = 2
+
+
+def page(
+    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="OUT.html.")],
+    rtol: Annotated[
+        float, typer.Option(help="Largest relative error of Rs and of Cp, 1e-8 to 1e-2.")
+    ] = 1e-3,
+    cells: Annotated[
+        int, typer.Option(min=1, max=6, help="Along each side of a pixel, for touches anywhere.")
+    ] = CELLS,
+) -> None:
+    """Write a page on which the skin is pressed: one file, for any browser, offline.
+
+    It shows what the meter would read, the field, and where a localizer
+    believes the touch; sliders change what is cast. `rcskin view -o OUT.html`
+    is for looking at one press in space instead.
+    """
+    from ..asked.scene import asked_scene, tell_if_noise_free
+    from ..asked.telling import written
+    from ..asked.tolerance import checked_rtol
+    from ..models.plain import plain_scene
+    from ..progress import told_on_terminal
+    from ..sweeps import checked_output, whole_file
+    from .document import document
+    from .packed import packed, reduced_for_page
+
+    checked_output(output, (".html",))
+    checked_rtol(rtol)
+    plain = plain_scene(asked_scene(scene), "a page")
+    tell_if_noise_free(scene, plain)
+    with told_on_terminal() as tell:
+        reduced = reduced_for_page(plain, rtol, cells, partial(tell, "reducing"))
+    text = document(packed(plain, reduced))
+    with whole_file(output) as path:
+        path.write_text(text, encoding="utf-8")
+    written(f"page of {plain.name}, {len(text) / 1e6:.1f} MB", output)

@@ -1,0 +1,192 @@
+// The page: what is set and pressed becomes curves, a field, a belief, and words.
+
+import { withPrefix } from "rcskin/charts";
+import { Controls, element } from "rcskin/controls";
+import { drawBelief, drawSkin, fit } from "rcskin/field";
+import { Gestures } from "rcskin/gestures";
+import { Skin } from "rcskin/skin";
+import { SpectraCharts } from "rcskin/spectra";
+import { initial, read, written } from "rcskin/state";
+import { Station } from "rcskin/station";
+import { csv, pressText, save, toml } from "rcskin/takeaway";
+
+/** @typedef {import("rcskin/skin").Touch} Touch */
+/** @typedef {import("rcskin/state").State} State */
+
+const FEW_DRAWS = 3;
+const MANY_DRAWS = 20;
+const PATIENCE = 250; // ms of quiet until shares are counted with many draws, and the address is renewed
+const TURN = 2500; // ms for the phase to run once around
+
+const data = JSON.parse(element("data").textContent);
+const skin = new Skin(data);
+const first = initial(data);
+let state = read(location.hash.slice(1), first, data);
+const station = new Station(skin, () => state);
+const charts = new SpectraCharts(element, skin.frequencies);
+const controls = new Controls(data, () => state, set, setStrength);
+const gestures = new Gestures(element("skin"), skin, {
+  whole: () => state.whole,
+  factor: () => state.strength,
+  strengthen: (by) => setStrength(state.strength + by),
+  changed: press,
+});
+
+/** @type {Touch[]} */
+let last = [];
+let measured = station.measure();
+let field = fieldNow();
+const waiting = { picture: 0, quiet: 0, cast: true };
+
+function fieldNow() {
+  return skin.field(state.drive, state.touches, skin.frequencies[state.at], station.cast);
+}
+
+/** @param {Touch[]} touches */
+function press(touches) {
+  if (pressText(touches) !== pressText(state.touches)) {
+    if (state.touches.length) last = state.touches;
+    state.touches = touches;
+  }
+  refresh(false);
+}
+
+/** @param {Partial<State>} values @param {boolean} cast */
+function set(values, cast) {
+  Object.assign(state, values);
+  controls.tell();
+  if (values.running) requestAnimationFrame(run);
+  refresh(cast);
+}
+
+/** Of the latest touch and the next. @param {number} factor */
+function setStrength(factor) {
+  const strength = Math.min(Math.max(Number(factor.toFixed(3)), 1), 1 + data.range.rise[1]);
+  const touches = state.touches.map((touch, k) =>
+    k === state.touches.length - 1 ? { ...touch, factor: strength } : touch,
+  );
+  gestures.touches = touches;
+  set({ strength, touches }, false);
+  element("strength").value = strength;
+}
+
+/** Everything is drawn once before the next picture of the screen, however often this is asked. @param {boolean} cast whether the skin or its readings have changed */
+function refresh(cast) {
+  waiting.cast ||= cast;
+  if (waiting.picture) return;
+  waiting.picture = requestAnimationFrame(() => {
+    waiting.picture = 0;
+    if (waiting.cast) {
+      station.renew();
+      tellApart(FEW_DRAWS);
+    }
+    draw();
+    performance.mark("rcskin-drawn");
+    clearTimeout(waiting.quiet);
+    waiting.quiet = window.setTimeout(settle, PATIENCE);
+  });
+}
+
+/** What takes longer, once nothing moves. */
+function settle() {
+  if (waiting.cast) tellApart(MANY_DRAWS);
+  waiting.cast = false;
+  const text = written(state, first);
+  history.replaceState(null, "", text ? `#${text}` : location.pathname + location.search);
+}
+
+function draw() {
+  for (const id of ["skin", "belief"]) fit(element(id), data.skin);
+  measured = station.measure();
+  field = fieldNow();
+  drawField(null);
+  const { drive, at } = state;
+  const spectra = {
+    rest: station.exact([])[drive],
+    last: last.length ? station.exact(last)[drive] : [],
+    now: measured.Z[drive],
+    heldAgainst: measured.rest[drive],
+  };
+  charts.draw(spectra, station.noise, skin.frequencies[at]);
+  element("reading").textContent = charts.told(spectra, at);
+  const told = station.localizer.told(measured.Z, measured.rest);
+  drawBelief(element("belief"), data, station.localizer.classes, told.chances);
+  element("belief").setAttribute("aria-label", told.words);
+  if (element("answer").textContent !== told.words) element("answer").textContent = told.words;
+}
+
+/** @param {number | null} phase rad, null for the size alone */
+function drawField(phase) {
+  const { high, low } = data.interfaces[state.drive];
+  const { arrows, touches } = state;
+  const shown = { phase, arrows, touches, cursor: gestures.pointed, driven: [...high, ...low] };
+  const { least, most } = drawSkin(element("skin"), data, field, shown);
+  const volts = (/** @type {number} */ value) => withPrefix(value, "V");
+  const colours =
+    phase === null
+      ? `dark ${volts(least)}, yellow ${volts(most)}`
+      : `at one moment, blue -${volts(most)}, orange +${volts(most)}`;
+  const at = withPrefix(skin.frequencies[state.at], "Hz");
+  element("legend").textContent =
+    `Difference of potential between the sheets: ${colours}, for 1 V at the foils, at ${at}.`;
+}
+
+/** @param {number} time ms */
+function run(time) {
+  if (!state.running) return refresh(false);
+  drawField((2 * Math.PI * time) / TURN);
+  requestAnimationFrame(run);
+}
+
+/** @param {number} draws */
+function tellApart(draws) {
+  const { localizer } = station;
+  const { column, row, pixel, nearest } = localizer.apart(data.press.factor_spread, draws);
+  const percent = (/** @type {number} */ share) => `${Math.round(100 * share)} %`;
+  const name = (/** @type {number} */ k) =>
+    k === 0
+      ? "nothing pressed"
+      : `pixel ${localizer.classes[k].row},${localizer.classes[k].column}`;
+  element("apart").textContent =
+    `Told right, about: columns ${percent(column)}, rows ${percent(row)}, pixels ${percent(pixel)}. ` +
+    `Hardest to tell apart: ${name(nearest.first)} and ${name(nearest.second)}, ` +
+    `${nearest.distance.toPrecision(2)} standard errors apart.`;
+}
+
+function takeSweep() {
+  const sweeps = [
+    { touches: [], Z: station.displayed(measured.rest) },
+    { touches: measured.touches, Z: station.displayed(measured.Z) },
+  ];
+  save(`${data.name}.csv`, csv(data, sweeps));
+}
+
+function reset() {
+  state = structuredClone(first);
+  controls.show();
+  gestures.set([]);
+  refresh(true);
+}
+
+function begin() {
+  const { rows, columns } = skin.model.grid;
+  element("honest").textContent =
+    `Simulated by rcskin: Rs and Cp are within ${data.rtol} of the finite-element solver's. ` +
+    `Touches that are no whole pixels are laid on ${rows} x ${columns} cells.`;
+  const clicks = {
+    release: () => gestures.set([]),
+    csv: takeSweep,
+    toml: () => save(`${data.name}.toml`, toml(data, state)),
+    again: () => set({ seed: state.seed + 1 }, false),
+    reset,
+  };
+  for (const [id, act] of Object.entries(clicks)) element(id).addEventListener("click", act);
+  window.addEventListener("resize", () => refresh(false));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => refresh(false));
+  gestures.touches = state.touches;
+  controls.show();
+  refresh(true);
+  if (state.running) requestAnimationFrame(run);
+}
+
+begin();

@@ -1,0 +1,126 @@
+// Sliders, boxes and what stands beside them: they show the state, and change it.
+
+import { withPrefix } from "rcskin/charts";
+
+/** @typedef {import("rcskin/state").State} State */
+
+const BY_DECADE = /** @type {const} */ (["resistance", "capacitance", "noise"]);
+const AS_IT_IS = /** @type {const} */ (["loss", "factor"]);
+const TICKED = /** @type {const} */ (["whole", "arrows", "running"]);
+
+/** @param {string} id @returns {any} */
+export const element = (id) => document.getElementById(id);
+
+export class Controls {
+  /**
+   * @param {any} data of the page @param {() => State} state
+   * @param {(values: Partial<State>, cast: boolean) => void} set cast: whether the skin or its readings change
+   * @param {(factor: number) => void} setStrength
+   */
+  constructor(data, state, set, setStrength) {
+    this.data = data;
+    this.state = state;
+    this.set = set;
+    this.#limits();
+    this.#boxes(
+      "read-frequencies",
+      "frequencies",
+      data.frequencies.map((/** @type {number} */ f) => withPrefix(f, "Hz")),
+    );
+    this.#boxes(
+      "read-interfaces",
+      "drives",
+      data.interfaces.map((/** @type {any} */ each) => each.name),
+    );
+    this.#on("strength", "input", (box) => setStrength(Number(box.value)));
+    this.#on("at", "input", (box) => set({ at: Number(box.value) }, false));
+    this.#on("drive", "change", (box) => set({ drive: Number(box.value) }, false));
+    for (const name of BY_DECADE)
+      this.#on(name, "input", (box) =>
+        set({ [name]: Number((10 ** Number(box.value)).toPrecision(4)) }, true),
+      );
+    for (const name of AS_IT_IS)
+      this.#on(name, "input", (box) => set({ [name]: Number(box.value) }, true));
+    for (const name of TICKED)
+      this.#on(name, "change", (box) => set({ [name]: box.checked }, false));
+  }
+
+  /** Puts every control where the state is. */
+  show() {
+    const state = this.state();
+    element("strength").value = state.strength;
+    element("at").value = state.at;
+    element("drive").value = state.drive;
+    for (const name of BY_DECADE) element(name).value = Math.log10(state[name]);
+    for (const name of AS_IT_IS) element(name).value = state[name];
+    for (const name of TICKED) element(name).checked = state[name];
+    for (const name of /** @type {const} */ (["frequencies", "drives"])) {
+      const boxes = /** @type {NodeListOf<HTMLInputElement>} */ (
+        document.querySelectorAll(`input[data-of="${name}"]`)
+      );
+      for (const [k, box] of boxes.entries()) box.checked = state[name].includes(k);
+    }
+    this.tell();
+  }
+
+  /** Writes the values beside the sliders, in their units. */
+  tell() {
+    const { data } = this;
+    const state = this.state();
+    const [top, bottom] = data.sheets.map((/** @type {number} */ R) =>
+      withPrefix(R * state.resistance, "Ω/sq"),
+    );
+    const told = {
+      strength: `${state.strength.toFixed(2)} × C`,
+      at: withPrefix(data.frequencies[state.at], "Hz"),
+      resistance: top === bottom ? top : `${top}, ${bottom}`,
+      capacitance: withPrefix(data.foam.capacitance_per_area * state.capacitance, "F/m²"),
+      loss: state.loss.toFixed(3),
+      noise: `${Number((100 * state.noise * data.readout.magnitude_noise).toPrecision(2))} %`,
+      factor: `${state.factor.toFixed(2)} × C`,
+    };
+    for (const [name, text] of Object.entries(told)) {
+      element(`${name}-value`).textContent = text;
+      element(name).setAttribute("aria-valuetext", text);
+    }
+  }
+
+  #limits() {
+    const { range, interfaces, frequencies } = this.data;
+    const strongest = 1 + range.rise[1];
+    Object.assign(element("strength"), { min: 1, max: strongest });
+    Object.assign(element("factor"), { max: strongest });
+    Object.assign(element("at"), { max: frequencies.length - 1 });
+    for (const name of /** @type {const} */ (["resistance", "capacitance"])) {
+      const [min, max] = range[name].map(Math.log10);
+      Object.assign(element(name), { min, max });
+    }
+    for (const [k, each] of interfaces.entries())
+      element("drive").append(new Option(each.name, String(k)));
+    for (const id of ["drive-label", "read-interfaces"])
+      element(id).hidden = interfaces.length === 1;
+  }
+
+  /** A box to be ticked for every frequency, or interface; the last one stays. @param {string} id @param {"frequencies" | "drives"} name @param {string[]} labels */
+  #boxes(id, name, labels) {
+    for (const [k, text] of labels.entries()) {
+      const label = document.createElement("label");
+      const box = document.createElement("input");
+      box.type = "checkbox";
+      box.dataset.of = name;
+      box.addEventListener("change", () => {
+        const others = this.state()[name].filter((each) => each !== k);
+        const chosen = box.checked ? [...others, k].sort((a, b) => a - b) : others;
+        box.checked ||= !chosen.length;
+        if (chosen.length) this.set({ [name]: chosen }, true);
+      });
+      label.append(box, text);
+      element(id).append(label);
+    }
+  }
+
+  /** @param {string} id @param {string} event @param {(box: any) => void} act */
+  #on(id, event, act) {
+    element(id).addEventListener(event, (/** @type {Event} */ happened) => act(happened.target));
+  }
+}

@@ -1,0 +1,153 @@
+// Pressing: mouse, pen and fingers on the skin, the wheel, and keys for those without.
+
+import { Plan } from "rcskin/field";
+
+/** @typedef {import("rcskin/skin").Touch} Touch */
+
+const KEYS = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] };
+const MOST = 2; // touches at once
+const STEP = 0.1; // of capacitance
+
+export class Gestures {
+  /**
+   * @param {HTMLCanvasElement} canvas @param {import("rcskin/skin").Skin} skin
+   * @param {{whole: () => boolean, factor: () => number, strengthen: (by: number) => void, changed: (touches: Touch[]) => void}} of
+   */
+  constructor(canvas, skin, of) {
+    this.canvas = canvas;
+    this.skin = skin;
+    this.of = of;
+    /** @type {Map<number, Touch>} by pointer */
+    this.held = new Map();
+    /** @type {Touch[]} */
+    this.touches = [];
+    /** @type {{row: number, column: number} | null} */
+    this.cursor = null;
+    canvas.addEventListener("pointerdown", (event) => this.#press(event));
+    canvas.addEventListener("pointermove", (event) => this.#move(event));
+    for (const end of ["pointerup", "pointercancel"]) {
+      canvas.addEventListener(end, (event) =>
+        this.held.delete(/** @type {PointerEvent} */ (event).pointerId),
+      );
+    }
+    canvas.addEventListener("wheel", (event) => this.#turn(event), { passive: false });
+    canvas.addEventListener("keydown", (event) => this.#key(event));
+    canvas.addEventListener("blur", () => this.#point(null));
+  }
+
+  /** @param {Touch[]} touches */
+  set(touches) {
+    this.touches = touches;
+    this.of.changed(touches);
+  }
+
+  /** The pixel that keys press, outlined. @returns {Touch | null} */
+  get pointed() {
+    return this.cursor && this.skin.pixel(this.cursor.row, this.cursor.column, 1);
+  }
+
+  /** @param {PointerEvent} event */
+  #press(event) {
+    const touch = this.#under(event);
+    if (!touch) return;
+    event.preventDefault();
+    this.canvas.focus({ preventScroll: true });
+    if (event.isTrusted) this.canvas.setPointerCapture(event.pointerId);
+    const beside = this.held.size || event.shiftKey ? this.touches.slice(-(MOST - 1)) : [];
+    this.#point(null);
+    this.held.set(event.pointerId, touch);
+    this.set([...beside.filter((other) => !same(other, touch)), touch]);
+  }
+
+  /** @param {PointerEvent} event */
+  #move(event) {
+    const before = this.held.get(event.pointerId);
+    const touch = before && this.#under(event);
+    if (!touch || same(touch, before)) return;
+    this.held.set(event.pointerId, touch);
+    this.set([...this.touches.filter((each) => !same(each, before) && !same(each, touch)), touch]);
+  }
+
+  /** @param {WheelEvent} event */
+  #turn(event) {
+    if (!this.touches.length) return;
+    event.preventDefault();
+    this.of.strengthen(event.deltaY < 0 ? STEP : -STEP);
+  }
+
+  /** @param {KeyboardEvent} event */
+  #key(event) {
+    const { rows, columns } = this.skin.data.pixels;
+    const step = KEYS[/** @type {keyof typeof KEYS} */ (event.key)];
+    if (step) {
+      const { row, column } = this.cursor ?? { row: 1 - step[0], column: 1 - step[1] };
+      this.#point({
+        row: Math.min(Math.max(row + step[0], 1), rows),
+        column: Math.min(Math.max(column + step[1], 1), columns),
+      });
+    } else if (event.key === "+" || event.key === "=") this.of.strengthen(STEP);
+    else if (event.key === "-") this.of.strengthen(-STEP);
+    else if ((event.key === "Enter" || event.key === " ") && this.cursor)
+      this.#pressPointed(event.shiftKey);
+    else if (event.key === "Escape" || event.key === "Delete") this.set([]);
+    else return;
+    event.preventDefault();
+  }
+
+  /** Presses the pixel pointed at, or lets go of it. @param {boolean} beside */
+  #pressPointed(beside) {
+    if (!this.cursor) return;
+    const touch = this.skin.pixel(this.cursor.row, this.cursor.column, this.of.factor());
+    const others = this.touches.filter((each) => !same(each, touch));
+    if (others.length < this.touches.length) this.set(others);
+    else this.set([...(beside ? others.slice(-(MOST - 1)) : []), touch]);
+  }
+
+  /** @param {{row: number, column: number} | null} cursor */
+  #point(cursor) {
+    if (this.cursor === cursor) return;
+    this.cursor = cursor;
+    this.of.changed(this.touches);
+  }
+
+  /** @param {PointerEvent} event @returns {Touch | null} */
+  #under(event) {
+    const { skin, pixels } = this.skin.data;
+    const box = this.canvas.getBoundingClientRect();
+    const [x, y] = new Plan(skin, this.canvas).onSkin(
+      event.clientX - box.left,
+      event.clientY - box.top,
+    );
+    if (!(x >= 0 && x <= skin.length && y >= 0 && y <= skin.width)) return null;
+    const index = (
+      /** @type {number} */ at,
+      /** @type {number} */ side,
+      /** @type {number} */ count,
+    ) => Math.min(Math.floor((at / side) * count), count - 1) + 1;
+    if (this.of.whole()) {
+      return this.skin.pixel(
+        index(y, skin.width, pixels.rows),
+        index(x, skin.length, pixels.columns),
+        this.of.factor(),
+      );
+    }
+    const [width, height] = [skin.length / pixels.columns, skin.width / pixels.rows];
+    const within = (
+      /** @type {number} */ at,
+      /** @type {number} */ size,
+      /** @type {number} */ side,
+    ) => Number(Math.min(Math.max(at, size / 2), side - size / 2).toFixed(5));
+    return {
+      x: within(x, width, skin.length),
+      y: within(y, height, skin.width),
+      width,
+      height,
+      factor: this.of.factor(),
+    };
+  }
+}
+
+/** @param {Touch} a @param {Touch} b */
+function same(a, b) {
+  return a.x === b.x && a.y === b.y;
+}

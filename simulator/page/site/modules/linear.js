@@ -1,0 +1,100 @@
+// Small systems of linear equations, and products of vectors.
+
+/** A complex symmetric system, positive in its real part: solved without pivots. */
+export class Symmetric {
+  /** @param {number} n */
+  constructor(n) {
+    this.n = n;
+    this.re = new Float64Array(n * n);
+    this.im = new Float64Array(n * n);
+    this.right = { re: new Float64Array(n), im: new Float64Array(n) };
+  }
+
+  /** Entry i, j of the lower triangle. @param {number} i @param {number} j @param {number} re @param {number} im */
+  set(i, j, re, im) {
+    this.re[i * this.n + j] = re;
+    this.im[i * this.n + j] = im;
+  }
+
+  /** @param {number} i @param {number} re @param {number} im */
+  ask(i, re, im) {
+    this.right.re[i] = re;
+    this.right.im[i] = im;
+  }
+
+  /** By L D L'. Overwrites the system. */
+  solved() {
+    const { n, re, im, right } = this;
+    const rowRe = new Float64Array(n);
+    const rowIm = new Float64Array(n);
+    for (let i = 0; i < n; i++) {
+      const own = i * n;
+      for (let j = 0; j < i; j++) {
+        let a = re[own + j];
+        let b = im[own + j];
+        const other = j * n;
+        for (let k = 0; k < j; k++) {
+          a -= rowRe[k] * re[other + k] - rowIm[k] * im[other + k];
+          b -= rowRe[k] * im[other + k] + rowIm[k] * re[other + k];
+        }
+        rowRe[j] = a;
+        rowIm[j] = b;
+      }
+      for (let j = 0; j < i; j++) {
+        const d = re[j * n + j] ** 2 + im[j * n + j] ** 2;
+        const l = (rowRe[j] * re[j * n + j] + rowIm[j] * im[j * n + j]) / d;
+        const m = (rowIm[j] * re[j * n + j] - rowRe[j] * im[j * n + j]) / d;
+        re[own + i] -= l * rowRe[j] - m * rowIm[j];
+        im[own + i] -= l * rowIm[j] + m * rowRe[j];
+        re[own + j] = l;
+        im[own + j] = m;
+        right.re[i] -= l * right.re[j] - m * right.im[j];
+        right.im[i] -= l * right.im[j] + m * right.re[j];
+      }
+    }
+    for (let i = n - 1; i >= 0; i--) {
+      const d = re[i * n + i] ** 2 + im[i * n + i] ** 2;
+      let a = (right.re[i] * re[i * n + i] + right.im[i] * im[i * n + i]) / d;
+      let b = (right.im[i] * re[i * n + i] - right.re[i] * im[i * n + i]) / d;
+      for (let k = i + 1; k < n; k++) {
+        a -= re[k * n + i] * right.re[k] - im[k * n + i] * right.im[k];
+        b -= re[k * n + i] * right.im[k] + im[k * n + i] * right.re[k];
+      }
+      right.re[i] = a;
+      right.im[i] = b;
+    }
+    return right;
+  }
+}
+
+/** @param {ArrayLike<number>} u @param {ArrayLike<number>} v */
+export function dot(u, v) {
+  let total = 0;
+  for (let k = 0; k < u.length; k++) total += u[k] * v[k];
+  return total;
+}
+
+/** Of potentials of terminals, those of all coordinates. @param {number[]} row @param {number} size */
+export function padded(row, size) {
+  const whole = new Float64Array(size);
+  whole.set(row);
+  return whole;
+}
+
+/** @param {Float64Array} M square @param {Float64Array} v */
+export function times(M, v) {
+  return v.map((_, row) => dot(M.subarray(row * v.length, (row + 1) * v.length), v));
+}
+
+/** A small matrix inverted, by Gauss and Jordan. @param {number[][]} given */
+export function inverted(given) {
+  const n = given.length;
+  const A = given.map((row, i) => [...row, ...row.map((_, j) => Number(i === j))]);
+  for (let i = 0; i < n; i++) {
+    A[i] = A[i].map((value) => value / A[i][i]);
+    for (let k = 0; k < n; k++) {
+      if (k !== i) A[k] = A[k].map((value, j) => value - A[k][i] * A[i][j]);
+    }
+  }
+  return A.map((row) => row.slice(n));
+}

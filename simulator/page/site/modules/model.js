@@ -1,0 +1,254 @@
+// The reduced model of a skin: the twin in a browser of simulator/models/reduced/kernel.py.
+
+import { dot, inverted, padded, Symmetric, times } from "rcskin/linear";
+
+/** @typedef {{type: string, base64: string}} Packed */
+/** @typedef {{conductance: number, driven: number[], tied: number[][], tiedInverse: number[][], common: number[][]}} Feed */
+/**
+ * @typedef {{grid: {rows: number, columns: number},
+ *   steps: {fewest: number, most: number, rtol: number}, terminals: number, size: number,
+ *   rows: Packed, diagonal: Packed, ranks: number[], factors: Packed, feeds: Feed[]}} PackedModel
+ */
+/** @typedef {{cells: number[], rises: number[]}} Touched cells of the grid, and by how much c rises there */
+/** @typedef {{re: number, im: number}} Complex */
+
+const LOST_SUSCEPTANCE = 1e-9;
+
+/** Numbers from base64; of float48 the lowest two bytes are left out. @param {Packed} packed @returns {Float64Array | Float32Array} */
+export function unpacked(packed) {
+  const bytes = Uint8Array.from(atob(packed.base64), (letter) => letter.charCodeAt(0));
+  if (packed.type === "float32") return new Float32Array(bytes.buffer);
+  const whole = new Uint8Array((bytes.length / 6) * 8);
+  for (let k = 0; k < bytes.length; k++) whole[8 * Math.floor(k / 6) + (k % 6) + 2] = bytes[k];
+  return new Float64Array(whole.buffer);
+}
+
+/**
+ * What a drive sees of one press at any s: Y = G + s C - s² b0² / (1 + s a1 - s² b1² / (1 + ...)).
+ */
+export class Response {
+  /**
+   * @param {number} conductance S
+   * @param {number} capacitance F
+   * @param {number[]} diagonal a1, a2, ...
+   * @param {number[]} squared b0², b1², ...
+   */
+  constructor(conductance, capacitance, diagonal, squared) {
+    this.conductance = conductance;
+    this.capacitance = capacitance;
+    this.diagonal = diagonal;
+    this.squared = squared;
+  }
+
+  /** Y in S. @param {Complex} s rad/s @returns {Complex} */
+  admittance(s) {
+    let re = 0;
+    let im = 0;
+    const s2re = s.re * s.re - s.im * s.im;
+    const s2im = 2 * s.re * s.im;
+    const { diagonal, squared } = this;
+    for (let k = diagonal.length - 1; k >= 0; k--) {
+      const next = k + 1 < diagonal.length ? squared[k + 1] : 0;
+      const nre = 1 + s.re * diagonal[k] - next * (s2re * re - s2im * im);
+      const nim = s.im * diagonal[k] - next * (s2re * im + s2im * re);
+      const size = nre * nre + nim * nim;
+      re = nre / size;
+      im = -nim / size;
+    }
+    const first = diagonal.length ? squared[0] : 0;
+    return {
+      re: this.conductance + s.re * this.capacitance - first * (s2re * re - s2im * im),
+      im: s.im * this.capacitance - first * (s2re * im + s2im * re),
+    };
+  }
+}
+
+export class Model {
+  /** @param {PackedModel} packed */
+  constructor(packed) {
+    this.grid = packed.grid;
+    this.steps = packed.steps;
+    this.terminals = packed.terminals;
+    this.size = packed.size;
+    this.feeds = packed.feeds;
+    this.rows = unpacked(packed.rows);
+    this.diagonal = unpacked(packed.diagonal);
+    this.factors = unpacked(packed.factors);
+    /** Where the factors of each cell begin, in rows. @type {number[]} */
+    this.starts = [0];
+    for (const rank of packed.ranks) this.starts.push(this.starts[this.starts.length - 1] + rank);
+  }
+
+  /** M v in C. @param {Touched} touched @param {Float64Array} v @param {Float64Array} charge */
+  charge(touched, v, charge) {
+    const { terminals, size, rows, diagonal, factors } = this;
+    charge.fill(0, 0, terminals);
+    for (let k = terminals; k < size; k++) charge[k] = diagonal[k - terminals] * v[k];
+    for (let row = 0; row < terminals; row++) {
+      const from = row * size;
+      let own = 0;
+      for (let k = 0; k < size; k++) own += rows[from + k] * v[k];
+      charge[row] = own;
+      for (let k = terminals; k < size; k++) charge[k] += rows[from + k] * v[row];
+    }
+    for (let n = 0; n < touched.cells.length; n++) {
+      const cell = touched.cells[n];
+      for (let row = this.starts[cell]; row < this.starts[cell + 1]; row++) {
+        const from = row * size;
+        let part = 0;
+        for (let k = 0; k < size; k++) part += factors[from + k] * v[k];
+        part *= touched.rises[n];
+        for (let k = 0; k < size; k++) charge[k] += part * factors[from + k];
+      }
+    }
+  }
+
+  /**
+   * Lanczos' method for one drive, until two steps in a row change neither Rs nor Cp.
+   * @param {number} drive @param {Touched} touched @param {Complex} farthest s in rad/s, of all asked
+   * @returns {Response}
+   */
+  response(drive, touched, farthest) {
+    const { size, terminals } = this;
+    const feed = this.feeds[drive];
+    const neutral = this.#neutral(feed, touched);
+    const potential = new Float64Array(size);
+    potential.set(feed.driven);
+    neutral(potential);
+    const residual = new Float64Array(size);
+    this.charge(touched, potential, residual);
+    const found = new Response(feed.conductance, dot(potential, residual), [], []);
+    const w = new Float64Array(size);
+    const product = new Float64Array(size);
+    let now = found.admittance(farthest);
+    let changeBefore = Infinity;
+    while (found.diagonal.length < this.steps.most) {
+      const solution = Float64Array.from(residual);
+      solution.fill(0, 0, terminals);
+      tie(feed, residual, solution);
+      neutral(solution);
+      const square = dot(residual, solution);
+      if (!(square > 0)) break;
+      const beside = Math.sqrt(square);
+      for (let k = 0; k < size; k++) solution[k] /= beside;
+      this.charge(touched, solution, product);
+      const own = dot(solution, product);
+      found.squared.push(square);
+      found.diagonal.push(own);
+      for (let k = 0; k < size; k++) {
+        const before = w[k];
+        w[k] = residual[k] / beside;
+        residual[k] = product[k] - own * w[k] - beside * before;
+      }
+      const before = now;
+      now = found.admittance(farthest);
+      const change = difference(before, now);
+      const { fewest, rtol } = this.steps;
+      if (found.diagonal.length >= fewest && change <= rtol && changeBefore <= rtol) break;
+      changeBefore = change;
+    }
+    return found;
+  }
+
+  /**
+   * Potentials at 1 V in the model's coordinates, by one dense complex system.
+   * @param {number} drive @param {Touched} touched @param {Complex} s rad/s
+   * @returns {{re: Float64Array, im: Float64Array}}
+   */
+  potentials(drive, touched, s) {
+    const { size, terminals } = this;
+    const feed = this.feeds[drive];
+    const floating = [...feed.tied, ...feed.common].map((row) => padded(row, size));
+    const driven = padded(feed.driven, size);
+    const M = this.#mass(touched);
+    const charges = floating.map((v) => times(M, v));
+    const charge = times(M, driven);
+    const ties = inverted(feed.tiedInverse);
+    const first = floating.length - terminals;
+    const n = first + size;
+    const system = new Symmetric(n);
+    for (let i = 0; i < n; i++) {
+      for (let j = 0; j <= i; j++) {
+        let mass;
+        if (j >= floating.length) mass = M[(i - first) * size + j - first];
+        else if (i >= floating.length) mass = charges[j][i - first];
+        else mass = dot(floating[i], charges[j]);
+        const own = i < ties.length ? ties[i][j] : i >= floating.length && i === j ? 1 : 0;
+        system.set(i, j, own + s.re * mass, s.im * mass);
+      }
+      const seen = i < floating.length ? dot(floating[i], charge) : charge[i - first];
+      system.ask(i, -s.re * seen, -s.im * seen);
+    }
+    const found = system.solved();
+    const u = { re: driven, im: new Float64Array(size) };
+    for (let i = 0; i < n; i++) {
+      if (i >= floating.length) {
+        u.re[i - first] += found.re[i];
+        u.im[i - first] += found.im[i];
+        continue;
+      }
+      for (let k = 0; k < size; k++) {
+        u.re[k] += found.re[i] * floating[i][k];
+        u.im[k] += found.im[i] * floating[i][k];
+      }
+    }
+    return u;
+  }
+
+  /** M of a press in F, row after row. @param {Touched} touched */
+  #mass(touched) {
+    const { size, terminals, rows, diagonal, factors } = this;
+    const M = new Float64Array(size * size);
+    for (let k = terminals; k < size; k++) M[k * size + k] = diagonal[k - terminals];
+    for (let row = 0; row < terminals; row++) {
+      for (let k = 0; k < size; k++) {
+        M[row * size + k] = rows[row * size + k];
+        M[k * size + row] = rows[row * size + k];
+      }
+    }
+    for (let n = 0; n < touched.cells.length; n++) {
+      const cell = touched.cells[n];
+      for (let row = this.starts[cell] * size; row < this.starts[cell + 1] * size; row += size) {
+        for (let i = 0; i < size; i++) {
+          const part = touched.rises[n] * factors[row + i];
+          for (let k = 0; k < size; k++) M[i * size + k] += part * factors[row + k];
+        }
+      }
+    }
+    return M;
+  }
+
+  /** Shifts a sheet that floats as a whole so that it keeps its charge. @param {Feed} feed @param {Touched} touched */
+  #neutral(feed, touched) {
+    if (!feed.common.length) return () => {};
+    const common = padded(feed.common[0], this.size);
+    const charge = new Float64Array(this.size);
+    this.charge(touched, common, charge);
+    const own = dot(common, charge);
+    return (/** @type {Float64Array} */ v) => {
+      const shift = dot(charge, v) / own;
+      for (let k = 0; k < v.length; k++) v[k] -= shift * common[k];
+    };
+  }
+}
+
+/** Adds the potentials that floating terminals take. @param {Feed} feed @param {Float64Array} y @param {Float64Array} solution */
+function tie(feed, y, solution) {
+  const currents = feed.tied.map((row) => row.reduce((sum, each, k) => sum + each * y[k], 0));
+  feed.tiedInverse.forEach((row, i) => {
+    const potential = row.reduce((sum, each, j) => sum + each * currents[j], 0);
+    feed.tied[i].forEach((each, k) => {
+      solution[k] += potential * each;
+    });
+  });
+}
+
+/** Of Rs and of Cp, relative to the other's. @param {Complex} Y @param {Complex} other */
+function difference(Y, other) {
+  const Rs = (/** @type {Complex} */ y) => y.re / (y.re * y.re + y.im * y.im);
+  const susceptance = Math.max(
+    Math.abs(other.im),
+    LOST_SUSCEPTANCE * Math.hypot(other.re, other.im),
+  );
+  return Math.max(Math.abs(Rs(Y) / Rs(other) - 1), Math.abs(Y.im - other.im) / susceptance);
+}

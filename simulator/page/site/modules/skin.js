@@ -1,0 +1,153 @@
+// The skin as it would be cast and read: what the sliders change, and what a meter then shows.
+
+import { Model, unpacked } from "rcskin/model";
+
+/** @typedef {import("rcskin/model").Complex} Complex */
+/** @typedef {import("rcskin/model").Touched} Touched */
+/** @typedef {import("rcskin/model").Response} Response */
+/**
+ * A touch over a rectangle about x, y in m; a pixel has its row and column, from 1.
+ * @typedef {{x: number, y: number, width: number, height: number, factor: number, row?: number, column?: number}} Touch
+ */
+/**
+ * Factors on all resistances and on all capacitance, loss tangent.
+ * @typedef {{resistance: number, capacitance: number, loss: number}} Cast
+ */
+
+const REFERENCE = 1e3; // Hz, where a constant-phase capacitance has the size that is named
+
+export class Skin {
+  /** @param {any} data as `packed` writes it */
+  constructor(data) {
+    this.data = data;
+    this.model = new Model(data.model);
+    this.basis = unpacked(data.basis);
+    /** @type {number[]} */
+    this.frequencies = data.frequencies;
+    /** @type {Map<string, Response[]>} */
+    this.known = new Map();
+  }
+
+  /** The touch of a whole pixel. @param {number} row @param {number} column @param {number} factor @returns {Touch} */
+  pixel(row, column, factor) {
+    const { skin, pixels } = this.data;
+    const width = skin.length / pixels.columns;
+    const height = skin.width / pixels.rows;
+    return {
+      x: (column - 0.5) * width,
+      y: (row - 0.5) * height,
+      width,
+      height,
+      factor,
+      row,
+      column,
+    };
+  }
+
+  /** Cells of which c rises; touches enter by the area that they cover of each. @param {Touch[]} touches @returns {Touched} */
+  touched(touches) {
+    const { rows, columns } = this.model.grid;
+    const { length, width } = this.data.skin;
+    const factors = new Float64Array(rows * columns).fill(1);
+    for (const touch of touches) {
+      const across = shares(touch.x, touch.width, length, columns);
+      const up = shares(touch.y, touch.height, width, rows);
+      for (let i = 0; i < rows; i++) {
+        for (let j = 0; j < columns; j++) {
+          const covered = up[i] * across[j];
+          if (covered > 0) factors[i * columns + j] *= 1 - covered + touch.factor * covered;
+        }
+      }
+    }
+    const cells = [...factors.keys()].filter((cell) => factors[cell] !== 1);
+    return { cells, rises: cells.map((cell) => factors[cell] - 1) };
+  }
+
+  /** Of every interface, good for all that may be cast. @param {Touch[]} touches @returns {Response[]} */
+  responses(touches) {
+    const key = JSON.stringify(touches);
+    const known = this.known.get(key);
+    if (known) return known;
+    const { range } = this.data;
+    const farthest = this.variable(this.frequencies[this.frequencies.length - 1], {
+      resistance: range.resistance[1],
+      capacitance: range.capacitance[1],
+      loss: 0,
+    });
+    const touched = this.touched(touches);
+    const found = this.model.feeds.map((_, drive) => this.model.response(drive, touched, farthest));
+    if (this.known.size > 2000) this.known.clear();
+    this.known.set(key, found);
+    return found;
+  }
+
+  /** s of the model in rad/s, for a skin as it is cast. @param {number} frequency Hz @param {Cast} cast @returns {Complex} */
+  variable(frequency, cast) {
+    const scale = cast.resistance * cast.capacitance * 2 * Math.PI * frequency;
+    const exponent = this.data.foam.phase_exponent - 1;
+    const size = scale * (frequency / REFERENCE) ** exponent;
+    const turn = (Math.PI / 2) * exponent;
+    const [cos, sin] = exponent === 0 ? [1, 0] : [Math.cos(turn), Math.sin(turn)];
+    return { re: size * (cast.loss * cos - sin), im: size * (cos + cast.loss * sin) };
+  }
+
+  /** Z in ohm at the meter's end. @param {Response} response @param {number} frequency Hz @param {Cast} cast @returns {Complex} */
+  impedance(response, frequency, cast) {
+    const Y = response.admittance(this.variable(frequency, cast));
+    const { resistance, inductance, unguarded } = this.data.leads;
+    const omega = 2 * Math.PI * frequency;
+    const seen = { re: Y.re / cast.resistance, im: Y.im / cast.resistance + omega * unguarded };
+    const size = seen.re * seen.re + seen.im * seen.im;
+    return { re: resistance + seen.re / size, im: omega * inductance - seen.im / size };
+  }
+
+  /**
+   * The difference of the sheets' potentials and the top sheet's, at the raster's points, for 1 V.
+   * @param {number} drive @param {Touch[]} touches @param {number} frequency Hz @param {Cast} cast
+   */
+  field(drive, touches, frequency, cast) {
+    const u = this.model.potentials(drive, this.touched(touches), this.variable(frequency, cast));
+    const { rows, columns } = this.data.raster;
+    const points = rows * columns;
+    const fields = this.basis.length / points / this.model.size;
+    const each = Array.from({ length: fields }, (_, field) => ({
+      re: this.#spread(u.re, field, points),
+      im: this.#spread(u.im, field, points),
+    }));
+    if (fields === 1) {
+      const [top, bottom] = this.data.sheets;
+      const share = top / (top + bottom);
+      const part = (/** @type {Float64Array} */ values) => values.map((value) => share * value);
+      return { across: each[0], top: { re: part(each[0].re), im: part(each[0].im) } };
+    }
+    const less = (/** @type {"re" | "im"} */ name) =>
+      each[0][name].map((value, point) => value - each[1][name][point]);
+    return { across: { re: less("re"), im: less("im") }, top: each[0] };
+  }
+
+  /** @param {Float64Array} u @param {number} field @param {number} points */
+  #spread(u, field, points) {
+    const found = new Float64Array(points);
+    for (let k = 0; k < u.length; k++) {
+      const from = (field * u.length + k) * points;
+      for (let point = 0; point < points; point++) found[point] += u[k] * this.basis[from + point];
+    }
+    return found;
+  }
+}
+
+/** Of even cells along a side, what part of each lies under a touch. @param {number} middle @param {number} size @param {number} side @param {number} cells */
+function shares(middle, size, side, cells) {
+  const step = side / cells;
+  return Array.from({ length: cells }, (_, cell) => {
+    const low = Math.max(middle - size / 2, cell * step);
+    const high = Math.min(middle + size / 2, (cell + 1) * step);
+    const part = (high - low) / step;
+    return part < 1e-9 ? 0 : part > 1 - 1e-9 ? 1 : part;
+  });
+}
+
+/** @param {Complex} Z ohm @param {number} frequency Hz */
+export function parallelCapacitance(Z, frequency) {
+  return -Z.im / (Z.re * Z.re + Z.im * Z.im) / (2 * Math.PI * frequency);
+}

@@ -1,0 +1,87 @@
+// What is set and pressed, kept in the page's address so that a link shows the same.
+
+/** @typedef {import("rcskin/skin").Touch} Touch */
+/**
+ * resistance, capacitance, noise: factors. loss: tangent. factor: of the usual press. strength: of the
+ * next touch. drive: shown. at: the frequency shown, its number. used: which interfaces and frequencies
+ * are read. seed: of the meter's errors, 0 for a meter without.
+ * @typedef {{resistance: number, capacitance: number, loss: number, noise: number, factor: number, strength: number,
+ *   drive: number, at: number, seed: number, whole: boolean, arrows: boolean, running: boolean,
+ *   drives: number[], frequencies: number[], touches: Touch[]}} State
+ */
+
+/** @param {any} data of the page @returns {State} */
+export function initial(data) {
+  const factor = data.press.capacitance_factor;
+  return {
+    resistance: 1,
+    capacitance: 1,
+    loss: data.foam.loss_tangent,
+    noise: 1,
+    factor,
+    strength: Math.min(factor, 1 + data.range.rise[1]),
+    drive: 0,
+    at: Math.floor(data.frequencies.length / 2),
+    seed: 1,
+    whole: true,
+    arrows: true,
+    running: false,
+    drives: data.interfaces.map((/** @type {any} */ _, /** @type {number} */ k) => k),
+    frequencies: data.frequencies.map((/** @type {any} */ _, /** @type {number} */ k) => k),
+    touches: [],
+  };
+}
+
+/** What differs from the initial state, as a part of an address. @param {State} state @param {State} first */
+export function written(state, first) {
+  const parts = new URLSearchParams();
+  for (const [name, value] of Object.entries(state)) {
+    const text = JSON.stringify(value);
+    if (name !== "running" && text !== JSON.stringify(first[/** @type {keyof State} */ (name)]))
+      parts.set(name, text);
+  }
+  return parts.toString();
+}
+
+/** The state of an address; what is not of the kind it should be is left as it was. @param {string} text @param {State} first @param {any} data @returns {State} */
+export function read(text, first, data) {
+  const state = structuredClone(first);
+  for (const [name, written] of new URLSearchParams(text)) {
+    if (!(name in first)) continue;
+    try {
+      const value = JSON.parse(written);
+      if (fits(name, value, first, data)) Object.assign(state, { [name]: value });
+    } catch {
+      // An address that was cut or mistyped: the rest of it still counts.
+    }
+  }
+  return state;
+}
+
+/** @param {string} name @param {any} value @param {State} first @param {any} data */
+function fits(name, value, first, data) {
+  const counted = (/** @type {any} */ list, /** @type {number} */ count) =>
+    Array.isArray(list) &&
+    list.length > 0 &&
+    list.every((k) => Number.isInteger(k) && k >= 0 && k < count);
+  if (name === "drives") return counted(value, data.interfaces.length);
+  if (name === "frequencies") return counted(value, data.frequencies.length);
+  if (name === "drive") return counted([value], data.interfaces.length);
+  if (name === "at") return counted([value], data.frequencies.length);
+  if (name === "touches") return Array.isArray(value) && value.length <= 2 && value.every(isTouch);
+  if (name === "resistance" || name === "capacitance") {
+    const [low, high] = data.range[name];
+    return typeof value === "number" && value >= low && value <= high;
+  }
+  return (
+    typeof value === typeof first[/** @type {keyof State} */ (name)] &&
+    (typeof value !== "number" || Number.isFinite(value))
+  );
+}
+
+/** @param {any} touch */
+function isTouch(touch) {
+  return (
+    touch && ["x", "y", "width", "height", "factor"].every((name) => Number.isFinite(touch[name]))
+  );
+}

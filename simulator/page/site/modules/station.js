@@ -1,0 +1,85 @@
+// The bench: the skin as it is cast, under the meter, and the localizer made for both.
+
+import { Localizer, RESTS } from "rcskin/localizer";
+import { displayed, Meter } from "rcskin/meter";
+
+/** @typedef {import("rcskin/model").Complex} Complex */
+/** @typedef {import("rcskin/skin").Touch} Touch */
+/** @typedef {import("rcskin/state").State} State */
+/**
+ * Z in ohm by interface and frequency, and the mean of those at rest.
+ * @typedef {{touches: Touch[], Z: Complex[][], rest: Complex[][]}} Measured
+ */
+
+const LEAST_NOISE = 1e-6; // of a scene whose meter has none: what beliefs are counted in
+
+export class Station {
+  /** @param {import("rcskin/skin").Skin} skin @param {() => State} state */
+  constructor(skin, state) {
+    this.skin = skin;
+    this.state = state;
+    this.localizer = this.#localizer();
+  }
+
+  /** The skin as the sliders have it. @returns {import("rcskin/skin").Cast} */
+  get cast() {
+    const { resistance, capacitance, loss } = this.state();
+    return { resistance, capacitance, loss };
+  }
+
+  /** Of one reading, |Z| as a fraction and the phase in rad. */
+  get noise() {
+    const { magnitude_noise, phase_noise } = this.skin.data.readout;
+    const { noise } = this.state();
+    return { magnitude: noise * magnitude_noise, phase: noise * phase_noise };
+  }
+
+  /** To be called when the skin, the meter or what is read has changed. */
+  renew() {
+    this.localizer = this.#localizer();
+  }
+
+  /** Z in ohm by interface and frequency, without noise. @param {Touch[]} touches @returns {Complex[][]} */
+  exact(touches) {
+    const { skin, cast } = this;
+    const found = skin.responses(touches);
+    return found.map((each) => skin.frequencies.map((f) => skin.impedance(each, f, cast)));
+  }
+
+  /** One sweep of what is pressed, and several at rest, in one session. @returns {Measured} */
+  measure() {
+    const { readout, interfaces } = this.skin.data;
+    const { noise, seed, touches } = this.state();
+    const meter = new Meter(readout, noise, seed, interfaces.length);
+    const read = (/** @type {Complex} */ z, /** @type {number} */ drive) => meter.read(z, drive);
+    const rest = this.exact([]).map((values, drive) =>
+      values.map((z) => mean(Array.from({ length: RESTS }, () => read(z, drive)))),
+    );
+    const Z = this.exact(touches).map((values, drive) => values.map((z) => read(z, drive)));
+    return { touches, Z, rest };
+  }
+
+  /** What the meter's display shows. @param {Complex[][]} Z */
+  displayed(Z) {
+    const digits = this.skin.data.readout.display_digits;
+    const shown = (/** @type {Complex} */ z) => ({
+      re: displayed(z.re, digits),
+      im: displayed(z.im, digits),
+    });
+    return Z.map((values) => values.map(shown));
+  }
+
+  #localizer() {
+    const { drives, frequencies, factor } = this.state();
+    const magnitude = this.noise.magnitude || LEAST_NOISE;
+    const phase = this.noise.phase || LEAST_NOISE;
+    const readings = { drives, frequencies, magnitude, phase };
+    return new Localizer(this.skin, this.cast, readings, factor);
+  }
+}
+
+/** @param {Complex[]} Z */
+function mean(Z) {
+  const sum = (/** @type {"re" | "im"} */ part) => Z.reduce((total, z) => total + z[part], 0);
+  return { re: sum("re") / Z.length, im: sum("im") / Z.length };
+}

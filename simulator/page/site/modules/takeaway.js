@@ -1,0 +1,111 @@
+// What can be taken away: the sweep as CSV, the scene as TOML.
+
+import { parallelCapacitance } from "rcskin/skin";
+
+/** @typedef {import("rcskin/model").Complex} Complex */
+/** @typedef {import("rcskin/skin").Touch} Touch */
+/** @typedef {import("rcskin/state").State} State */
+
+const HEADER = "sweep,press,row,column,interface,frequency_Hz,Rs_ohm,X_ohm,Cp_F";
+
+/** A press as rcskin's commands take it. @param {Touch[]} touches */
+export function pressText(touches) {
+  const each = touches.map((touch) =>
+    touch.row
+      ? `${touch.row},${touch.column}:${short(touch.factor)}`
+      : `rect(${[touch.x, touch.y, touch.width, touch.height].map(short).join(",")}):${short(touch.factor)}`,
+  );
+  return each.join("+") || "none";
+}
+
+/** Sweeps in the form of rcskin's files. @param {any} data @param {{touches: Touch[], Z: Complex[][]}[]} sweeps Z by interface and frequency, ohm */
+export function csv(data, sweeps) {
+  const lines = sweeps.flatMap(({ touches, Z }, sweep) => {
+    const [row, column] =
+      touches.length === 1 && touches[0].row
+        ? [touches[0].row, touches[0].column]
+        : touches.length
+          ? [-1, -1]
+          : [0, 0];
+    return Z.flatMap((values, drive) =>
+      values.map((z, k) => {
+        const f = data.frequencies[k];
+        const named = [
+          sweep,
+          quoted(pressText(touches)),
+          row,
+          column,
+          quoted(data.interfaces[drive].name),
+        ];
+        return [...named, f, z.re, z.im, parallelCapacitance(z, f)].join(",");
+      }),
+    );
+  });
+  return `${[HEADER, ...lines].join("\n")}\n`;
+}
+
+/** The scene as the sliders have it. @param {any} data @param {State} state */
+export function toml(data, state) {
+  const scene = structuredClone(data.scene);
+  for (const sheet of [scene.skin.top, scene.skin.bottom])
+    sheet.sheet_resistance *= state.resistance;
+  for (const contact of scene.contact)
+    if (contact.resistance) contact.resistance *= state.resistance;
+  scene.skin.foam.capacitance_per_area *= state.capacitance;
+  scene.skin.foam.loss_tangent = state.loss;
+  scene.press = { ...scene.press, capacitance_factor: state.factor };
+  scene.sweep = { frequencies: state.frequencies.map((k) => data.frequencies[k]) };
+  scene.interface = scene.interface.filter((/** @type {any} */ _, /** @type {number} */ k) =>
+    state.drives.includes(k),
+  );
+  for (const name of ["magnitude_accuracy", "phase_accuracy", "magnitude_noise", "phase_noise"]) {
+    if (scene.readout?.[name]) scene.readout[name] *= state.noise;
+  }
+  const asked = `# rcskin sweep THIS.toml --press '${pressText(state.touches)}' -o out.csv\n`;
+  return asked + table(scene, "");
+}
+
+/** A table: its own values first, then the tables within. @param {any} values @param {string} path @returns {string} */
+function table(values, path) {
+  const isTable = (/** @type {any} */ value) =>
+    value !== null && typeof value === "object" && !Array.isArray(value);
+  const ofTables = (/** @type {any} */ value) =>
+    Array.isArray(value) && value.length > 0 && value.every(isTable);
+  const entries = Object.entries(values);
+  const own = entries
+    .filter(([, value]) => !isTable(value) && !ofTables(value))
+    .map(([key, value]) => `${key} = ${literal(value)}\n`);
+  const within = entries.flatMap(([key, value]) => {
+    const name = path ? `${path}.${key}` : key;
+    if (isTable(value)) return [`\n[${name}]\n${table(value, name)}`];
+    return ofTables(value)
+      ? value.map((/** @type {any} */ each) => `\n[[${name}]]\n${table(each, name)}`)
+      : [];
+  });
+  return [...own, ...within].join("");
+}
+
+/** @param {any} value @returns {string} */
+function literal(value) {
+  if (Array.isArray(value)) return `[${value.map(literal).join(", ")}]`;
+  return JSON.stringify(value);
+}
+
+/** @param {number} value */
+function short(value) {
+  return Number(value.toPrecision(6)).toString();
+}
+
+/** @param {string} text */
+function quoted(text) {
+  return /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+}
+
+/** Offers a text for saving. @param {string} name @param {string} text */
+export function save(name, text) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type: "text/plain" }));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
