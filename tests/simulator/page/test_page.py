@@ -1,0 +1,192 @@
+"""`rcskin page`, and the page as its user meets it in a browser."""
+
+import json
+import re
+import tomllib
+
+import numpy as np
+import pytest
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.page.document import document
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.files import read_scene
+from rcskin.simulator.sweeps import read
+
+PIXEL = (0.45, 0.52)
+"""Of the canvas of the glove: a place in row 2, column 2."""
+
+
+@pytest.fixture(scope="session")
+def file(glove, tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "glove.html"
+    path.write_text(document(glove.data), encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def page(chromium, file):
+    context = chromium.new_context(viewport={"width": 1300, "height": 1000}, has_touch=True)
+    opened = context.new_page()
+    opened.told = []
+    opened.on("console", lambda message: opened.told.append(message.text))
+    opened.on("pageerror", lambda error: opened.told.append(str(error)))
+    opened.goto(file.as_uri())
+    opened.wait_for_function("document.getElementById('answer').textContent !== ''")
+    yield opened
+    assert opened.told == []
+    context.close()
+
+
+def settled(page):
+    """Once it has been drawn, and the address renewed."""
+    page.wait_for_timeout(600)
+
+
+def press(page, across=PIXEL[0], down=PIXEL[1], **options):
+    box = page.locator("#skin").bounding_box()
+    page.locator("#skin").click(
+        position={"x": across * box["width"], "y": down * box["height"]}, **options
+    )
+    settled(page)
+
+
+def taken(page, button):
+    with page.expect_download() as download:
+        page.locator(button).click()
+    return download.value.path()
+
+
+def test_the_command_writes_one_file_that_asks_for_nothing(run, tmp_path):
+    code, out, err = run("page", "strip-1x3", "-o", str(tmp_path / "strip.html"))
+    assert (code, err) == (0, "")
+    assert re.fullmatch(r"page of strip-1x3, \d\.\d MB -> .*strip\.html\n", out)
+    text = (tmp_path / "strip.html").read_text()
+    assert not re.search(r"(src|href)=|https?://|@import", text)
+    assert "default-src 'none'" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("sheet-3x3", "-o", "skin.png"), "must end in .html"),
+        (("sheet-3x3", "-o", "nowhere/skin.html"), "folder nowhere does not exist"),
+        (("l-shape", "-o", "skin.html"), "outline"),
+        (("sheet-3x3", "-o", "skin.html", "--rtol", "1"), "--rtol must be from"),
+    ],
+)
+def test_bad_input_is_told_in_one_line(run, tmp_path, monkeypatch, arguments, told):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run("page", *arguments)
+    assert code == 2 and told in err and err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_name_ends_the_script_that_holds_it(glove):
+    text = document(glove.data | {"name": "</script><b>", "description": "<i>"})
+    assert "</script><b>" not in text and "<i>" not in text
+
+
+def test_size(glove, file):
+    assert file.stat().st_size < 1e6
+
+
+def test_a_press_is_found_and_shown(page):
+    press(page)
+    assert "column 2" in page.locator("#answer").text_content()
+    assert page.locator("#reading").text_content().startswith("At 16.3 kHz: Rs ")
+
+
+def test_keys_press_and_let_go(page):
+    page.locator("#skin").focus()
+    for key in ("ArrowRight", "ArrowRight", "ArrowRight", "Enter"):
+        page.keyboard.press(key)
+    settled(page)
+    assert "column 3" in page.locator("#answer").text_content()
+    page.keyboard.press("Escape")
+    settled(page)
+    assert page.locator("#answer").text_content().startswith("Nothing pressed")
+
+
+def test_two_touches_are_no_single_pixel(page):
+    press(page, 0.2, 0.3)
+    press(page, 0.8, 0.3, modifiers=["Shift"])
+    assert page.locator("#answer").text_content().startswith("Cannot tell")
+
+
+def test_dragging_moves_the_touch(page):
+    box = page.locator("#skin").bounding_box()
+    x, y = box["x"], box["y"] + 0.5 * box["height"]
+    page.mouse.move(x + 0.2 * box["width"], y)
+    page.mouse.down()
+    page.mouse.move(x + 0.8 * box["width"], y, steps=8)
+    page.mouse.up()
+    settled(page)
+    assert "column 4" in page.locator("#answer").text_content()
+
+
+def test_sheets_of_more_resistance_tell_columns_apart_further(page):
+    def told():
+        text = page.locator("#apart").text_content()
+        return int(re.search(r"columns (\d+) %", text)[1])
+
+    page.locator("#noise").fill("1")
+    page.locator("#resistance").fill("-0.39")
+    settled(page)
+    worse = told()
+    page.locator("#resistance").fill("0.39")
+    settled(page)
+    assert told() > worse + 3
+
+
+def test_what_is_taken_away_is_what_rcskin_simulates(page, tmp_path):
+    press(page)
+    for slider, value in (("resistance", "0.3"), ("capacitance", "-0.2"), ("loss", "0.05")):
+        page.locator(f"#{slider}").fill(value)
+    page.locator("#noise").fill("-1")
+    settled(page)
+    scene_file = tmp_path / "cast.toml"
+    scene_file.write_bytes(taken(page, "#toml").read_bytes())
+    scene = read_scene(scene_file)
+    told = tomllib.loads(scene_file.read_text())
+    assert told["skin"]["top"]["sheet_resistance"] == pytest.approx(20e3 * 10**0.3, rel=0.02)
+    sweeps_file = tmp_path / "sweep.csv"
+    sweeps_file.write_bytes(taken(page, "#csv").read_bytes())
+    measured = read(sweeps_file)
+    presses = [str(each) for each in measured["press"].values]
+    assert presses == ["none", "2,2:2"]
+    exact = simulate(Solver(scene, 1e-6), [parse_press(each, 2.0) for each in presses])
+    of = {name: measured[name].values / exact[name].values - 1 for name in ("X", "Cp")}
+    assert np.sqrt(np.mean(of["X"] ** 2)) < 4e-3
+    assert np.sqrt(np.mean(of["Cp"] ** 2)) < 4e-3
+
+
+def test_a_link_shows_the_same_again(page):
+    press(page)
+    page.locator("#noise").fill("0.4")
+    settled(page)
+    answer, reading = (page.locator(each).text_content() for each in ("#answer", "#reading"))
+    page.reload()
+    settled(page)
+    assert page.locator("#answer").text_content() == answer
+    assert page.locator("#reading").text_content() == reading
+
+
+def test_a_spoilt_link_is_taken_as_far_as_it_can_be(page, file):
+    page.goto("about:blank")
+    page.goto(file.as_uri() + "#resistance=-3&loss=%7B&drive=9&touches=%5B1%5D&factor=1.7")
+    settled(page)
+    assert page.locator("#factor-value").text_content() == "1.70 × C"
+    assert page.locator("#answer").text_content().startswith("Nothing pressed")
+
+
+@pytest.mark.parametrize("width", [360, 820, 1920])
+def test_nothing_is_wider_than_the_window(page, width):
+    page.set_viewport_size({"width": width, "height": 800})
+    settled(page)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_the_data_survive_the_page(glove, page):
+    shown = page.evaluate("document.getElementById('data').textContent")
+    assert json.loads(shown)["frequencies"] == glove.data["frequencies"]
