@@ -242,6 +242,7 @@ EXAMPLES = {
     "new": "rcskin new my.toml --from glove",
     "sweep": "rcskin sweep sheet-5x5 -o all.nc",
     "plot": "rcskin plot all.nc -o all.png",
+    "page": "rcskin page sheet-5x5 -o skin.html",
     "view": "rcskin view sheet-5x5 --press 2,3 --frequency 1e4 -o field.png",
     "import": "rcskin import eis.csv --press none -o eis.nc",
     "check": "rcskin check all.nc -o report.png",

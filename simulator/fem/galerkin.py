@@ -112,7 +112,7 @@ class Galerkin:
         return self.spread(potentials(self.driven(drive), mass, self._shifted(s, mass), s))
 
     def spread(self, u: NDArray) -> NDArray:
-        """Values of this space among all unknowns of the system, 0 where it has none; first axis."""
+        """Values of this space, along the first axis, among all of the system; 0 elsewhere."""
         whole = np.zeros((self._system.pattern.size, *u.shape[1:]), dtype=u.dtype)
         whole[self._rows] = u
         return whole

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from ..fem.lanczos import FEWEST_STEPS, MOST_STEPS
 from ..measure.experiment import own_presses
-from ..models.plain import electrical
 from ..models.reduced.cases import Case
 from ..models.reduced.greedy import reduce, unseen
 from ..models.reduced.model import Reduced, ReducedSkin
@@ -147,7 +146,7 @@ def _tables(scene: Scene) -> dict[str, Any]:
 
 
 def _array(values: NDArray[np.float64]) -> dict[str, Any]:
-    """Little-endian, row after row, to 1.5e-11: the upper six of a number's eight bytes, rounded."""
+    """Little-endian, row after row, to 1.5e-11: the upper six of eight bytes, rounded."""
     whole = np.ascontiguousarray(values, "<f8").view("<u8") + np.uint64(1 << 15)
     return _text(whole.view("u1").reshape(-1, 8)[:, 2:], "float48")
 

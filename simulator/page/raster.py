@@ -14,8 +14,6 @@ from ..mesh.quadrilaterals import pixel_mesh
 from ..models.reduced.model import ReducedSkin
 from ..scene.scene import Scene
 
-FIELDS, SHEETS = 1, 2
-
 
 @dataclass(frozen=True)
 class Raster:

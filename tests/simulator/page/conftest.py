@@ -3,7 +3,6 @@
 import json
 import shutil
 import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -122,16 +121,12 @@ def in_node():
 def chromium():
     """A browser to open pages in, where Playwright and Chromium are installed."""
     playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
-    path = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    path = next(
+        filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+    )
     if path is None:
         pytest.skip("there is no Chromium to open the page in")
     with playwright.sync_playwright() as started:
         browser = started.chromium.launch(executable_path=path, args=["--no-sandbox"])
         yield browser
         browser.close()
-
-
-def run_rcskin(*arguments):
-    return subprocess.run(
-        [sys.executable, "-m", "rcskin", *map(str, arguments)], capture_output=True, text=True, timeout=120
-    )

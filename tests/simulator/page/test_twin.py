@@ -30,7 +30,9 @@ def drawn(scene, random):
         pixel = random.random() < 0.5
         if not pixel:
             width, height = width * random.uniform(0.2, 1), height * random.uniform(0.2, 1)
-        touches.append(Touch(row, column, factor) if pixel else Rectangle(x, y, width, height, factor))
+        touches.append(
+            Touch(row, column, factor) if pixel else Rectangle(x, y, width, height, factor)
+        )
         shown.append({"x": x, "y": y, "width": width, "height": height, "factor": factor})
     return Press(tuple(touches)), shown
 
@@ -44,7 +46,9 @@ def by_python(paged, skin, press, cast):
     loss = Loss(cast["loss"], scene.skin.foam.phase_exponent)
     s = laplace_variable(scene.frequencies, loss) * cast["resistance"] * cast["capacitance"]
     starts = np.array([0, len(cells)])
-    Y = np.stack([swept(skin.rest, feed, cells, rises, starts, s, ON_A_PAGE)[0] for feed in skin.feeds])
+    Y = np.stack(
+        [swept(skin.rest, feed, cells, rises, starts, s, ON_A_PAGE)[0] for feed in skin.feeds]
+    )
     return scene.leads.seen_through(cast["resistance"] / Y, scene.frequencies)
 
 
@@ -59,8 +63,7 @@ def test_sweeps_are_those_of_python(which, request, in_node):
         for _ in drawings
     ]
     cases = [
-        {"touches": shown, "cast": cast}
-        for (_, shown), cast in zip(drawings, casts, strict=True)
+        {"touches": shown, "cast": cast} for (_, shown), cast in zip(drawings, casts, strict=True)
     ]
     answers = in_node(paged.data, cases)
     Z = np.array([[[z["re"] + 1j * z["im"] for z in of] for of in each["Z"]] for each in answers])
