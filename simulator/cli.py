@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from .asked.telling import tell_what_is_logged
 from .calibration.command import calibrate
 from .check.command import check, import_sweeps, plot
 from .dataset.command import dataset, export
@@ -182,6 +183,7 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
     """
     from .sweeps.errors import InputError, InterruptedWorkError, ToleranceError
 
+    tell_what_is_logged("rcskin")
     try:
         with ending_soon():
             code = app(standalone_mode=False)
@@ -190,7 +192,10 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
     except InputError as error:
         _end(str(error), BAD_INPUT)
     except ToleranceError as error:
-        _end(f"{error}; a larger --rtol would be kept", FAILURE)
+        larger = (
+            "a larger --rtol" if error.times is None else f"{error.times:.1g} times that --rtol"
+        )
+        _end(f"{error}; {larger} would be kept", FAILURE)
     except InterruptedWorkError as error:
         _end(f"interrupted; {error}", INTERRUPTED)
     except (KeyboardInterrupt, typer.Abort):
