@@ -44,7 +44,8 @@ def reproduce(
 ) -> list[Claim]:
     """Write figures, tables, trained models and `report.html` into `folder`; return the claims.
 
-    The folder is made where it does not exist. ending: that figures have besides .png. Tables are the same bytes on every run.
+    The folder is made where it does not exist. ending: of figures, besides .png. Tables are the
+    same bytes on every run.
     Raises InputError where the folder cannot be made.
     """
     try:

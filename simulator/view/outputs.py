@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..charts import ENDINGS as STILLS
 from ..progress import Track, silent
@@ -193,7 +193,9 @@ def show(stage: Stage, what: str) -> None:
         plotter.add_text(told.replace("Ω", "ohm"), font_size=9, color="black")
         _add_legend(plotter, panel.scenery.marks.foils)
         panel.camera.aim(plotter)
-        plotter.camera.parallel_scale *= ROOM_FOR_WORDS
+        width, height = plotter.window_size
+        narrow = height * len(panels) / width / panel.camera.aspect
+        plotter.camera.parallel_scale *= ROOM_FOR_WORDS * max(1.0, narrow)
     plotter.show()
 
 
@@ -204,4 +206,5 @@ def _add_legend(plotter: pv.Plotter, foils: Sequence[Foil]) -> None:
     colours = foil_colours(foils)
     entries = [[foil.label, colours[foil.name]] for foil in foils]
     height = LEGEND_LINE * len(entries)
-    plotter.add_legend(entries, bcolor=None, face="rectangle", loc="lower left", size=(0.3, height))
+    place: Any = {"bcolor": None, "face": "rectangle", "loc": "lower left", "size": (0.3, height)}
+    plotter.add_legend(entries, **place)
