@@ -204,7 +204,7 @@ def _add_legend(plotter: pv.Plotter, foils: Sequence[Foil]) -> None:
     from .painting import foil_colours
 
     colours = foil_colours(foils)
-    entries = [[foil.label, colours[foil.name]] for foil in foils]
+    entries: Any = [[foil.label, colours[foil.name]] for foil in foils]
     height = LEGEND_LINE * len(entries)
     place: Any = {"bcolor": None, "face": "rectangle", "loc": "lower left", "size": (0.3, height)}
     plotter.add_legend(entries, **place)
