@@ -272,3 +272,10 @@ def test_a_line_that_is_no_TOML_is_shown_with_what_was_likely_meant(old, new, to
     with pytest.raises(InputError, match=r"mine\.toml: not valid TOML: .* line") as refused:
         parse_scene(replaced(old, new), "mine.toml")
     assert told in str(refused.value)
+
+
+@pytest.mark.parametrize(("name", "told"), [("all.nc", "sweeps"), ("m.skops", "a model")])
+def test_what_is_no_scene_is_told_by_what_it_is(name, told, tmp_path):
+    (tmp_path / name).write_bytes(b"\x89HDF")
+    with pytest.raises(InputError, match=f"{told}, a scene is expected here"):
+        load_scene(str(tmp_path / name))
