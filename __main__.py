@@ -40,6 +40,7 @@ def reproduce(
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder for figures, tables and report.html.")
     ] = Path("results"),
+    charts: Annotated[str, typer.Option(help="Figures besides: svg or pdf.")] = "png",
 ) -> None:
     """Reproduce the paper: its figures and confusion matrices, and its numbers beside ours."""
     from rich.console import Console
@@ -49,9 +50,11 @@ def reproduce(
     from .localization.evaluation.plot import draw_confusion
     from .localization.model.file import save
     from .localization.model.model import train
+    from .simulator.charts import checked_ending
     from .simulator.paper.localizer import Localizer
     from .simulator.paper.reproduce import reproduce as reproduce_paper
 
+    ending = checked_ending(charts)
     localizer = Localizer(
         cross_validate=cross_validate,
         draw=draw_confusion,
@@ -59,7 +62,7 @@ def reproduce(
         save=lambda sweeps, path: save(path, train(sweeps)),
     )
     with on_terminal() as track:
-        claims = reproduce_paper(output, localizer, track)
+        claims = reproduce_paper(output, localizer, track, ending)
     agreeing = sum(claim.agrees for claim in claims)
     Console().print(
         f"{agreeing} of the paper's {len(claims)} statements agree; see {output / 'report.html'}",

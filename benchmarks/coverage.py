@@ -1,12 +1,14 @@
 """How often the 95 % intervals of a calibration hold the truth, over twins drawn from its prior.
 
-A twin is a line of three pixels with every parameter drawn that `[dataset.session]` spreads, those
-included that no sweep tells; the calibration begins at the scene, with the same prior. Its meter
-errs as the scene's readout says, and its presses are stronger or weaker than is said of them.
+A twin is a line of three pixels with every parameter drawn that the prior spreads, those included
+that no sweep tells; the calibration begins at the scene, with the same prior. Its meter errs as the
+scene's readout says, and its presses are stronger or weaker than is said of them. `--prior session`
+spreads what `[dataset.session]` does, `--prior wide` far more: leads by what the twin's skin reads.
 """
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Iterator, Mapping
 
 import numpy as np
@@ -15,12 +17,12 @@ import xarray as xr
 from bench import Run, launch, publish
 from rcskin.simulator.calibration.choice import Options
 from rcskin.simulator.calibration.measured import measured
-from rcskin.simulator.calibration.prior import Prior, priors
+from rcskin.simulator.calibration.prior import Kind, Prior, priors
 from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.calibration.sheets import sheets
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.parameters import own_values, scene_with
+from rcskin.simulator.models.parameters import FACTORS, VALUES, own_values, scene_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.files import load_scene
@@ -37,9 +39,9 @@ AGREES = 4.0
 
 def main(run: Run) -> int:
     """The share of truths held, by parameter and quantity."""
-    scene, twins = _scene(), run.sized(TWINS, FEWEST)
-    known = priors(measured(scene, _read(scene, {}, np.random.default_rng(0))), "session")
-    held = pd.DataFrame([_trial(scene, known, number) for number in range(twins)])
+    scene, kind = _scene(), run.asked.prior
+    twins = run.sized(run.asked.twins, FEWEST)
+    held = pd.DataFrame([_trial(scene, kind, number) for number in range(twins)])
     table = pd.DataFrame(
         {
             "what": held.columns,
@@ -49,8 +51,10 @@ def main(run: Run) -> int:
             ],
         }
     )
-    title = f"Truths within the 95 % intervals of `rcskin calibrate`, of {twins} twins"
-    publish(run.results, "coverage", title, table)
+    title = (
+        f"Truths within the 95 % intervals of `rcskin calibrate`, of {twins} twins, {kind} prior"
+    )
+    publish(run.results, "coverage" if kind == "session" else f"coverage_{kind}", title, table)
     off = abs(held.to_numpy(dtype=float).mean() - 0.95)
     return int(off > AGREES * np.sqrt(0.95 * 0.05 / twins))
 
@@ -63,11 +67,14 @@ def _scene() -> Scene:
     return scene.model_copy(update={"sweep": Sweep(frequencies=tuple(few))})
 
 
-def _trial(scene: Scene, known: Mapping[str, Prior], number: int) -> dict[str, bool]:
+def _trial(scene: Scene, kind: Kind, number: int) -> dict[str, bool]:
     """Whether each interval holds the truth, of one twin."""
     random = np.random.default_rng([1, number])
-    truth = own_values(scene) | {name: _drawn(prior, random) for name, prior in known.items()}
-    found = calibrate(scene, _read(scene, truth, random), Options(prior="session"))
+    truth = own_values(scene)
+    for names in (FACTORS, VALUES):
+        known = priors(measured(scene, _read(scene, truth, np.random.default_rng(0))), kind)
+        truth |= {name: _drawn(known[name], random) for name in names if name in known}
+    found = calibrate(scene, _read(scene, truth, random), Options(prior=kind))
     return dict(_held(scene, found, truth))
 
 
@@ -102,4 +109,7 @@ def _held(
 
 
 if __name__ == "__main__":
-    launch(main)
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--prior", choices=("session", "wide"), default="session")
+    parser.add_argument("--twins", type=int, default=TWINS)
+    launch(main, parser)

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
+from .asked.telling import tell_what_is_logged
 from .calibration.command import calibrate
 from .check.command import check, import_sweeps, plot
 from .dataset.command import dataset, export
 from .describe.command import describe
-from .interrupt import INTERRUPTED, ending_soon
+from .interrupt import INTERRUPTED, ending_soon, leave
 from .limits.command import limits
 from .limits.frequencies_command import frequencies
 from .page.command import page
@@ -182,17 +184,31 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
 
     failures: further errors whose message says all there is to say.
     """
+    tell_what_is_logged("rcskin")
+    heard = threading.Event()
+    try:
+        _run(failures, heard)
+    except SystemExit as end:
+        if heard.is_set():  # libraries' threads may keep or break the usual end
+            leave(end.code if isinstance(end.code, int) else INTERRUPTED)
+        raise
+
+
+def _run(failures: tuple[type[Exception], ...], heard: threading.Event) -> NoReturn:
     from .sweeps.errors import InputError, InterruptedWorkError, ToleranceError
 
     try:
-        with ending_soon():
+        with ending_soon(heard):
             code = app(standalone_mode=False)
     except typer.TyperException as error:
         _end(error.format_message() + _example(error), BAD_INPUT)
     except InputError as error:
         _end(str(error), BAD_INPUT)
     except ToleranceError as error:
-        _end(f"{error}; a larger --rtol would be kept", FAILURE)
+        larger = (
+            "a larger --rtol" if error.times is None else f"{error.times:.1g} times that --rtol"
+        )
+        _end(f"{error}; {larger} would be kept", FAILURE)
     except InterruptedWorkError as error:
         _end(f"interrupted; {error}", INTERRUPTED)
     except (KeyboardInterrupt, typer.Abort):
@@ -226,7 +242,7 @@ def with_examples(commands: typer.Typer, examples: Mapping[str, str]) -> None:
         each.epilog = f"Example: {examples[name]}" if name in examples else None
 
 
-def _end(message: str, code: int) -> None:
+def _end(message: str, code: int) -> NoReturn:
     if message:
         typer.echo(f"rcskin: {' '.join(message.split())}", err=True)
     sys.exit(code)

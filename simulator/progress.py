@@ -33,6 +33,13 @@ def tell_nothing(told: str, share: float | None = None, /) -> None:
     """Tells nothing."""
 
 
+def duration(seconds: float) -> str:
+    """A time as people say it."""
+    if seconds < 90:
+        return "a minute"
+    return f"{seconds / 60:.0f} minutes" if seconds < 5400 else f"{seconds / 3600:.0f} hours"
+
+
 @contextmanager
 def told_on_terminal() -> Iterator[Tell]:
     """Shows what goes on and how long it will last, if standard error is a terminal."""

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from time import perf_counter
 from typing import TypeVar
 
+from ..progress import duration
 from .telling import note
 
 Item = TypeVar("Item")
@@ -37,10 +38,3 @@ def foretold(
             tell_if_long(name, latest * left, f"the other {left} of {count} presses")
         started = clock()
         yield press
-
-
-def duration(seconds: float) -> str:
-    """A time as people say it."""
-    if seconds < 90:
-        return "a minute"
-    return f"{seconds / 60:.0f} minutes" if seconds < 5400 else f"{seconds / 3600:.0f} hours"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 
 import typer
@@ -15,6 +16,14 @@ def warn(text: str) -> None:
 def note(text: str) -> None:
     """One line on standard error: what is good to know."""
     typer.echo(f"rcskin: note: {text}", err=True)
+
+
+def tell_what_is_logged(library: str) -> None:
+    """From now on each line that a library logs for its users is a note."""
+    handler, logger = logging.Handler(logging.INFO), logging.getLogger(library)
+    handler.emit = lambda record: note(record.getMessage())
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
 
 
 def written(what: str, *paths: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -92,10 +93,19 @@ def told_capacitance(
 
 
 class Progress:
-    """The frequencies of one press that are answered, and those that are left."""
+    """The frequencies of one press that are answered, and those that are left.
 
-    def __init__(self, interfaces: int, frequency: NDArray[np.float64], rtol: float) -> None:
-        self.rtol, self._all = rtol, frequency
+    saw: is told the largest error of each rung.
+    """
+
+    def __init__(
+        self,
+        interfaces: int,
+        frequency: NDArray[np.float64],
+        rtol: float,
+        saw: Callable[[float], None] = lambda error: None,
+    ) -> None:
+        self.rtol, self._all, self._saw = rtol, frequency, saw
         self._left = np.arange(len(frequency))
         self._Z = np.zeros((interfaces, len(frequency)), dtype=np.complex128)
         self._error = np.zeros((2, interfaces, len(frequency)))
@@ -123,6 +133,7 @@ class Progress:
         if not kept.all():
             self.reject(self._reason(rung))
         self._left = self._left[~kept]
+        self._saw(float(rung.error.max()))
 
     def reject(self, reason: str) -> None:
         """Note why a rung did not serve."""

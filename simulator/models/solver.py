@@ -27,6 +27,7 @@ from ..sweeps import InputError, ToleranceError
 from .answer import Answer, Progress, Rung
 from .line import Line
 from .lumped import Lumped, least_left_out
+from .outlook import Outlook
 from .plain import electrical, electrical_press, require_plain
 from .reduced.cases import pixel_touches
 from .reduced.greedy import reduce
@@ -70,7 +71,7 @@ class Solver:
         if not (np.isfinite(rtol) and rtol > 0):
             raise InputError(f"`rtol` must be finite and > 0, got {rtol}")
         self.scene, self.rtol = scene, rtol
-        self._even = electrical(scene)
+        self._even, self._outlook = electrical(scene), Outlook(rtol)
         self.model: ModelName = model
         self._sheets: dict[Resolution, Sheet] = {}
         self._left_out_at_rest = lru_cache(GRIDS_KEPT)(self._new_left_out_at_rest)
@@ -101,7 +102,8 @@ class Solver:
 
     def _of_skin(self, press: Press, frequency: NDArray[np.float64]) -> Answer:
         """The answer at the skin's own contacts."""
-        progress = Progress(len(self.scene.interfaces), frequency, self.rtol)
+        saw = self._outlook.of(str(press))
+        progress = Progress(len(self.scene.interfaces), frequency, self.rtol, saw)
         sharp, pressed = indented(self.scene, press, self.rtol)
         even = None if pressed else electrical_press(self.scene, sharp)
         if even is None:
@@ -144,7 +146,8 @@ class Solver:
             try:
                 discretised = finer.finer(progress.frequency)
             except ToleranceError as end:
-                raise ToleranceError(": ".join([str(end), *progress.rejected[-1:]])) from end
+                told = ": ".join([str(end), *progress.rejected[-1:]])
+                raise ToleranceError(told, end.times) from end
             progress.offer(discretised.rung(progress.frequency, self.rtol))
 
     def explain(self, press: Press, answer: Answer) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,10 +39,13 @@ if TYPE_CHECKING:
 BEYOND = 6
 
 
-def reproduce(folder: Path, localizer: Localizer, track: Track) -> list[Claim]:
+def reproduce(
+    folder: Path, localizer: Localizer, track: Track, ending: str = ".png"
+) -> list[Claim]:
     """Write figures, tables, trained models and `report.html` into `folder`; return the claims.
 
-    The folder is made where it does not exist. Tables are the same bytes on every run.
+    The folder is made where it does not exist. ending: of figures, besides .png. Tables are the
+    same bytes on every run.
     Raises InputError where the folder cannot be made.
     """
     try:
@@ -52,7 +55,7 @@ def reproduce(folder: Path, localizer: Localizer, track: Track) -> list[Claim]:
     results = _experiments(localizer, track)
     claims = all_claims(results)
     _write_tables(folder, results, claims, localizer)
-    pictures = _draw(folder, results, localizer, track)
+    pictures = _draw(folder, results, localizer, track, ending)
     write_report(
         folder / "report.html",
         claims=claims,
@@ -137,21 +140,30 @@ def _cutoffs(rehearsals: Mapping[str, Rehearsal]) -> pd.DataFrame:
     return pd.concat(tables)
 
 
-def _draw(folder: Path, results: Results, localizer: Localizer, track: Track) -> list[Section]:
+def _draw(
+    folder: Path, results: Results, localizer: Localizer, track: Track, ending: str
+) -> list[Section]:
+    def drawn(name: str, draw: Callable[[Path], None]) -> Path:
+        for path in {folder / f"{name}{each}" for each in (".png", ending)}:
+            draw(path)
+        return folder / f"{name}.png"
+
     scenes = {name: rehearsal.scene for name, rehearsal in results.rehearsals.items()}
-    attenuation = folder / "figure-2c.png"
-    figures.attenuation_figure(attenuation, [scenes[name] for name in STRIPS])
-    devices = {name: folder / f"{name}.png" for name in EXPERIMENTS}
-    for name, path in track(list(devices.items()), "figures"):
+
+    def device(path: Path) -> None:
+        name = path.stem
         figures.experiment_figure(
             path, results.rehearsals[name], results.confusions[name], localizer
         )
-    frequencies, noise, contacts = (
-        folder / f"{name}.png" for name in ("frequencies", "noise", "contacts")
+
+    strips = [scenes[name] for name in STRIPS]
+    attenuation = drawn("figure-2c", lambda path: figures.attenuation_figure(path, strips))
+    devices = {name: drawn(name, device) for name in track(list(EXPERIMENTS), "figures")}
+    frequencies = drawn(
+        "frequencies", lambda path: figures.frequency_figure(path, results.frequency)
     )
-    figures.frequency_figure(frequencies, results.frequency)
-    figures.noise_figure(noise, results.noise, scenes)
-    figures.contact_figure(contacts, results.contact)
+    noise = drawn("noise", lambda path: figures.noise_figure(path, results.noise, scenes))
+    contacts = drawn("contacts", lambda path: figures.contact_figure(path, results.contact))
     return [
         Section(
             "Figure 2(c): the analytic model",

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pydantic import Field, ValidationError, model_validator
 
 from ..sweeps import InputError, checked_output, whole_file
+from ..sweeps.units import in_si
 from .maps import MOST_VALUES, Factor
 from .planar import shared
 from .scene import Scene
@@ -24,6 +25,13 @@ from .validation import Table, Whole, one_line
 Count = Annotated[Whole, Field(ge=1, le=MOST_VALUES)]
 
 NAME = re.compile(r'^name = "[^"]*"', flags=re.MULTILINE)
+AT_LINE = re.compile(r"at line (\d+)")
+WHOLE_LINE = re.compile(r"\s*(?P<key>[\w.\-]+)\s*=(?P<value>[^#]*)(#.*)?")
+PART_OF_LINE = re.compile(r"(?P<key>[\w.\-]+)\s*=(?P<value>[^#,={}\[\]]+)")
+NO_SCENES = {
+    **dict.fromkeys((".nc", ".csv", ".zarr"), "these are sweeps"),
+    ".skops": "this is a model",
+}
 MAPPED = {"top", "bottom", "foam"}
 
 
@@ -181,6 +189,9 @@ def load_scene(name_or_path: str | Path) -> Scene:
 
 def read_scene(path: Path) -> Scene:
     """The scene in a TOML file; raises InputError as `load_scene` does."""
+    if path.suffix in NO_SCENES:
+        told = NO_SCENES[path.suffix]
+        raise InputError(f"{path}: {told}, a scene is expected here: a .toml or a built-in name")
     try:
         return parse_scene(path.read_text(encoding="utf-8"), str(path), path.parent)
     except FileNotFoundError:
@@ -198,11 +209,26 @@ def parse_scene(text: str, source: str, folder: Path = Path()) -> Scene:
         tables = with_grids(tomllib.loads(text), folder)
         return Scene.model_validate(tables, context={"folder": folder})
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{source}: not valid TOML: {error}") from error
+        raise InputError(f"{source}: not valid TOML: {error}{_slip(text, error)}") from error
     except InputError as error:
         raise InputError(f"{source}: {error}") from error
     except ValidationError as error:
         raise InputError(f"{source}: {one_line(error, Scene)}") from error
+
+
+def _slip(text: str, error: tomllib.TOMLDecodeError) -> str:
+    """What was likely meant in the line that is not TOML."""
+    number = AT_LINE.search(str(error))
+    line = text.splitlines()[int(number[1]) - 1] if number else ""
+    whole = WHOLE_LINE.fullmatch(line)
+    for given in [*([whole] if whole else []), *PART_OF_LINE.finditer(line)]:
+        key, value = given["key"], given["value"].strip()
+        plain = in_si(value)
+        if plain is not None:
+            return f": `{key} = {value}`; numbers stand without a unit, with a point: {plain}"
+        if value.isidentifier() and value not in ("true", "false", "inf", "nan"):
+            return f": `{key} = {value}`; text stands in quotes"
+    return f": {line.strip()}" if line.strip() else ""
 
 
 def scene_text(scene: Scene) -> str:

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Strict, ValidationError
 
+from ..sweeps.units import meant
 from .keys.meant import likely
 from .keys.tables import Location, required
 
@@ -18,6 +19,16 @@ Number = Annotated[float, Strict()]
 Whole = Annotated[int, Strict()]
 
 COMPARISONS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+
+
+TYPES = {
+    "tuple_type": "a list",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "string_type": "text in quotes",
+    "bool_type": "true or false",
+    "model_type": "a table",
+}
 
 
 @dataclass(frozen=True)
@@ -144,13 +155,24 @@ def _requirement(problem: Any) -> str:
         return f"must have at least {context['min_length']} item, got {given!r}"
     if kind == "value_error":
         return str(context["error"])
-    if kind == "tuple_type":
-        return f"must be a list, got {given!r}"
+    if kind in TYPES:
+        return f"must be {TYPES[kind]}{_slip(problem)}"
     bounds = [f"{sign} {context[name]}" for name, sign in COMPARISONS.items() if name in context]
     if bounds:
         return f"must be {' and '.join(bounds)}, got {given!r}"
     allowed = problem["msg"].removeprefix("Input should be ").removeprefix("a valid ")
     return f"must be {allowed}, got {given!r}"
+
+
+def _slip(problem: Any) -> str:
+    """What was given in place of another kind, and what was likely meant."""
+    kind, given, key = problem["type"], problem["input"], problem["loc"][-1]
+    if kind == "tuple_type" and isinstance(given, dict):
+        return f", each part of it below [[{key}]], got one table; did you mean [[{key}]]?"
+    asked = meant(given) if isinstance(given, str) and kind.startswith(("float", "int")) else ""
+    if kind == "tuple_type" and isinstance(given, str):
+        asked = f"; did you mean [{given!r}]?"
+    return f", got {given!r}{asked}"
 
 
 class Table(BaseModel):

@@ -6,7 +6,14 @@ class InputError(ValueError):
 
 
 class ToleranceError(RuntimeError):
-    """The asked tolerance is not reached, so nothing is answered."""
+    """The asked tolerance is not reached, so nothing is answered.
+
+    times: as large a tolerance is likely to be kept, where that can be told.
+    """
+
+    def __init__(self, told: str, times: float | None = None) -> None:
+        super().__init__(told)
+        self.times = times
 
 
 class InterruptedWorkError(RuntimeError):

@@ -8,11 +8,12 @@ from typing import Literal, NamedTuple
 
 from .errors import InputError
 from .schema import UNPRESSED
+from .units import meant
 
 SYNTAX = (
     "ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR], disc(X,Y,RADIUS)[:FACTOR] or "
-    "poly(X1,Y1,X2,Y2,X3,Y3,...)[:FACTOR], a depth (2mm, 0.002m) or a force (5N) in place of "
-    "FACTOR, touches joined by '+', or 'none'"
+    "poly(X1,Y1,X2,Y2,X3,Y3,...)[:FACTOR], a depth (2mm, 0.2cm, 0.002m) or a force (5N) in place "
+    "of FACTOR, touches joined by '+', or 'none'"
 )
 
 JOINT = re.compile(r"(?<!\de)\+", re.IGNORECASE)
@@ -21,7 +22,9 @@ TOUCH = re.compile(
     r"\s*(?::\s*(?P<strength>.+?)\s*)?",
     re.ASCII,
 )
-MEASURED = re.compile(r"(?P<number>.*?)\s*(?P<unit>mm|m|N)")
+MEASURED = re.compile(r"(?P<number>.*?)\s*(?P<unit>mm|cm|m|N)")
+PER_M = {"m": 1, "cm": 100, "mm": 1000}
+LENGTH = re.compile(r"\s*(?P<number>.+?)\s*(?P<unit>mm|cm|m)\s*")
 SIZES = {"rect": ("WIDTH", "HEIGHT"), "disc": ("RADIUS",)}
 
 Kind = Literal["pixel", "rect", "disc", "poly"]
@@ -87,7 +90,7 @@ def _touch(part: str, text: str) -> WrittenTouch:
     strength = None if given is None else _strength(given, text)
     if match["shape"] is None:
         return WrittenTouch("pixel", _pixel(match["row"], match["column"], text), strength)
-    numbers = match["place"].split(",")
+    numbers = list(map(_in_m, match["place"].split(",")))
     if match["shape"] == "poly":
         return WrittenTouch("poly", _corners(numbers, text), strength)
     kind: Kind = "rect" if match["shape"] == "rect" else "disc"
@@ -124,13 +127,16 @@ def _strength(given: str, text: str) -> WrittenStrength:
     if match["unit"] == "N":
         return WrittenStrength(_positive(match["number"], "force in N", text), "N")
     depth = _positive(match["number"], f"depth in {match['unit']}", text)
-    return WrittenStrength(depth / 1000 if match["unit"] == "mm" else depth, "m")
+    return WrittenStrength(depth / PER_M[match["unit"]], "m")
 
 
 def _positive(given: str, name: str, text: str) -> float:
     value = _float(given)
     if not (math.isfinite(value) and value > 0):
-        raise InputError(f"press {text!r}: {name} must be finite and > 0, got {given.strip()}")
+        asked = meant(given)
+        raise InputError(
+            f"press {text!r}: {name} must be finite and > 0, got {given.strip()}{asked}"
+        )
     return value
 
 
@@ -146,3 +152,9 @@ def _float(text: str) -> float:
         return float(text)
     except ValueError:
         return math.nan
+
+
+def _in_m(text: str) -> str:
+    """A length without its unit."""
+    match = LENGTH.fullmatch(text)
+    return text if match is None else repr(_float(match["number"]) / PER_M[match["unit"]])

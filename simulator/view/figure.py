@@ -116,7 +116,8 @@ def compose(figure: Figure, rows: Sequence[Sequence[Panel]], title: str) -> None
 def _draw_panel(axes: Axes, panel: Panel, width: float) -> None:
     camera, shown, scenery = panel.camera, panel.shown, panel.scenery
     pixels = round(width * PIXELS_PER_INCH * max(1.0, camera.aspect))
-    axes.imshow(paint(scenery, shown, camera, pixels), extent=camera.extent)
+    painted = paint(scenery, shown, camera, pixels)
+    axes.imshow(painted, extent=camera.extent, interpolation="hanning")
     axes.set_title(_heading(shown), fontsize=8.5)
     axes.grid(False)
     for spine in axes.spines.values():

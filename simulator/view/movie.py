@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..sweeps import whole_file
-from .painting import PALER, ROLE_COLOURS, Image
+from .painting import PALER, ROLE_COLOURS, Image, under_grid
 
 FPS = 8
 GREYS = 24
@@ -28,16 +28,19 @@ def write_movie(path: Path, frames: Iterable[Image], colour_maps: Collection[str
 
 
 def _palette(colour_maps: Collection[str]) -> NDArray[np.uint8]:
-    """256 colours, (256, 3): the maps, greys, and those of foils, paler too for smooth edges."""
+    """256 colours, (256, 3): the maps, greys, and those of foils, paler too for smooth edges.
+
+    Half of those of the maps are as the lines between pixels make them.
+    """
     from matplotlib import colormaps
     from matplotlib.colors import to_rgb
 
     foils = np.array([to_rgb(colour) for colour in ROLE_COLOURS.values()])
     paler = [1 - share * (1 - foils) for share in PALER]
     fixed = np.vstack([np.repeat(np.linspace(0, 1, GREYS)[:, None], 3, axis=1), *paler])
-    each = (256 - len(fixed)) // len(colour_maps)
+    each = (256 - len(fixed)) // (2 * len(colour_maps))
     maps = [colormaps[name](np.linspace(0, 1, each))[:, :3] for name in sorted(colour_maps)]
-    colours = np.vstack([fixed, *maps])
+    colours = np.vstack([fixed, *maps, *(under_grid(colours) for colours in maps)])
     filled = np.vstack([colours, np.repeat(colours[-1:], 256 - len(colours), axis=0)])
     return np.round(255 * filled).astype(np.uint8)
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..charts import ENDINGS as STILLS
 from ..progress import Track, silent
@@ -14,7 +14,10 @@ from .quantities import Quantity, chosen
 from .shown import at_frequencies, over_the_phase
 
 if TYPE_CHECKING:
+    import pyvista as pv
+
     from .figure import Panel
+    from .foils import Foil
     from .scenery import Stage
 
 MOVIES = (".gif", ".mp4")
@@ -34,6 +37,8 @@ MOVIE_DPI = 100
 LONG = 60.0
 """Seconds that are told of beforehand."""
 LONGEST_PRESS = 60
+LEGEND_LINE = 0.05
+"""Of a window's height."""
 ROOM_FOR_WORDS = 1.35
 """Times what is seen in a window, for its title and colour bar."""
 
@@ -186,6 +191,20 @@ def show(stage: Stage, what: str) -> None:
         shown = panel.shown
         told = "\n".join(filter(None, (shown.title, shown.moment, shown.note)))
         plotter.add_text(told.replace("Ω", "ohm"), font_size=9, color="black")
+        _add_legend(plotter, panel.scenery.marks.foils)
         panel.camera.aim(plotter)
-        plotter.camera.parallel_scale *= ROOM_FOR_WORDS
+        width, height = plotter.window_size
+        narrow = height * len(panels) / width / panel.camera.aspect
+        plotter.camera.parallel_scale *= ROOM_FOR_WORDS * max(1.0, narrow)
     plotter.show()
+
+
+def _add_legend(plotter: pv.Plotter, foils: Sequence[Foil]) -> None:
+    """What each foil is, in a corner."""
+    from .painting import foil_colours
+
+    colours = foil_colours(foils)
+    entries: Any = [[foil.label, colours[foil.name]] for foil in foils]
+    height = LEGEND_LINE * len(entries)
+    place: Any = {"bcolor": None, "face": "rectangle", "loc": "lower left", "size": (0.3, height)}
+    plotter.add_legend(entries, **place)

@@ -151,6 +151,15 @@ LIFTED = 2e-3
 BODY, ARROW, GRID = "#F2EEE8", "#FFFFFF", "#7F7F7F"
 
 
+HALO, SHADE = 0.3, 0.5
+"""Opacities of the white and the black of the lines between pixels."""
+
+
+def under_grid(colours: Real) -> Real:
+    """Colours, of shares from 0 to 1, where the lines between pixels lie over them."""
+    return (1 - SHADE) * ((1 - HALO) * colours + HALO)
+
+
 @dataclass(frozen=True)
 class Scenery:
     """Everything in the picture but the field: the marks and what the skin lies on."""
@@ -194,8 +203,8 @@ def add_all(
     for foil in marks.foils:
         plotter.add_mesh(ribbon(foil), color=colours[foil.name], lighting=False)
     for lines, colour, width, opacity, lift in (
-        (marks.pixels, "#FFFFFF", 2.5, 0.3, 1.0),
-        (marks.pixels, AT_REST, 1.0, 0.5, 1.0),
+        (marks.pixels, "#FFFFFF", 2.5, HALO, 1.0),
+        (marks.pixels, AT_REST, 1.0, SHADE, 1.0),
         (marks.rim, AT_REST, 1.5, 1.0, 1.0),
         (shown.contours, "#FFFFFF", 1.5, 0.8, 1.0),
         (marks.pressed, "#FFFFFF", 7.0, 1.0, 1.5),

@@ -19,6 +19,20 @@ with ending_soon(), whole_file(Path(sys.argv[1])) as unfinished:
     print("at work", flush=True)
     hashlib.pbkdf2_hmac("sha256", b"", b"", 10**9)
 """
+SLOW_TO_UNWIND = """
+import sys, time
+from pathlib import Path
+from rcskin.simulator.interrupt import ending_soon
+from rcskin.simulator.sweeps import whole_file
+
+with ending_soon(), whole_file(Path(sys.argv[1])) as unfinished:
+    unfinished.write_text("half")
+    print("at work", flush=True)
+    try:
+        time.sleep(1000)
+    finally:
+        time.sleep(1000)
+"""
 STUDY = ("study", "strip-1x3", "--vary", "skin.sheet_resistance=1e4:1e5:1000", "--workers", "2")
 
 
@@ -59,8 +73,9 @@ def _group_of(process):
         return None
 
 
-def test_work_in_c_is_ended_and_leaves_nothing_unfinished(start, tmp_path):
-    process = start("-c", DEAF, tmp_path / "out.csv")
+@pytest.mark.parametrize("work", [DEAF, SLOW_TO_UNWIND], ids=["deaf", "slow to unwind"])
+def test_work_that_goes_on_is_ended_and_leaves_nothing_unfinished(start, tmp_path, work):
+    process = start("-c", work, tmp_path / "out.csv")
     assert process.stdout.readline() == "at work\n"
     time.sleep(0.5)
     os.killpg(process.pid, signal.SIGINT)

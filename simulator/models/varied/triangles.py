@@ -17,6 +17,7 @@ from ...press.touch import Disc, Touch
 from ...scene.frequency import penetration_depth
 from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
+from ..outlook import cells_needed, check_within_reach
 from .coefficients import Coefficients
 from .discretised import Discretised, Solved, indicators, most
 from .elements import pressed_system, triangles
@@ -57,13 +58,18 @@ class Triangles:
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
         """The next one, for frequencies in Hz.
 
-        Raises ToleranceError where it would have more than MOST_TRIANGLES, or could not serve.
+        Raises ToleranceError where there would be more than MOST_TRIANGLES in the end, or it could
+        not serve.
         """
         ends = np.unique(frequency[[0, -1]])
         if self._before is None or self._domain is None:
             found = self._first(float(ends[-1]))
         else:
-            found = finer(self._domain, most(indicators(self._before, ends)))
+            parts = indicators(self._before, ends)
+            drives = len(ends) * len(self.circuit.drives)
+            needed = cells_needed(parts / drives, self.order, self.rtol)
+            check_within_reach(needed, MOST_TRIANGLES, self.order, "triangles")
+            found = finer(self._domain, most(parts))
         if found.t.shape[1] > MOST_TRIANGLES:
             raise ToleranceError(f"{found.t.shape[1]} triangles are too many")
         self._domain = found

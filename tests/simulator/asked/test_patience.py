@@ -1,7 +1,8 @@
 """A word before what takes minutes, by how long the first presses took."""
 
 import pytest
-from rcskin.simulator.asked.patience import duration, foretold, tell_if_long
+from rcskin.simulator.asked.patience import foretold, tell_if_long
+from rcskin.simulator.progress import duration
 
 
 def told(capsys, first, later, count):

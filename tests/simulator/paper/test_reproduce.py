@@ -21,9 +21,10 @@ def results(tmp_path_factory):
     """Two folders written by two processes."""
     folders = [tmp_path_factory.mktemp(name) / "results" for name in ("first", "second")]
     command = [sys.executable, "-W", "error", "-m", "rcskin", "reproduce", "-o"]
+    asked = [[str(folders[0]), "--charts", "svg"], [str(folders[1])]]
     runs = [
-        subprocess.Popen([*command, str(folder)], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        for folder in folders
+        subprocess.Popen([*command, *each], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        for each in asked
     ]
     for run in runs:
         out, err = run.communicate(timeout=500)
@@ -46,6 +47,11 @@ def test_every_chart_is_drawn_and_in_the_report(results):
     for name in CHARTS:
         picture = imread(results[0] / f"{name}.png")
         assert picture[..., :3].std() > 0.03, name
+
+
+def test_charts_for_papers_are_written_where_asked(results):
+    asked, usual = ({path.stem for path in folder.glob("*.svg")} for folder in results)
+    assert asked == {*CHARTS} and not usual
 
 
 def test_the_report_stands_alone_and_holds_every_claim(results):

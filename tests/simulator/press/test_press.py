@@ -129,7 +129,7 @@ def test_a_depth_has_no_factor():
         ("1,1:0mm", "depth in mm must be finite and > 0, got 0"),
         ("1,1:-1m", "depth in m must be finite and > 0, got -1"),
         ("1,1:N", "force in N must be finite and > 0, got"),
-        ("1,1:2cm", "depth in m must be finite and > 0, got 2c"),
+        ("1,1:2km", "depth in m must be finite and > 0, got 2k"),
         ("1,1:2mm+1,1:3", "a pixel is named twice"),
         ("rect(1,2,3)", "must be ROW,COLUMN"),
         ("rect(1,2,3,4,5)", "must be ROW,COLUMN"),

@@ -233,11 +233,17 @@ def test_scenes_are_frozen():
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("length = 0.120", "length = true", "`skin.length` must be number, got True"),
-        ("length = 0.120", 'length = "0.12"', "`skin.length` must be number, got '0.12'"),
-        ("rows = 3", "rows = 3.0", "`pixels.rows` must be integer, got 3.0"),
-        ("rows = 3", "rows = true", "`pixels.rows` must be integer, got True"),
-        ('high = ["top-left"]', 'high = "top-left"', "must be a list, got 'top-left'"),
+        ("length = 0.120", "length = true", "`skin.length` must be a number, got True"),
+        ("length = 0.120", 'length = "0.12"', "`skin.length` must be a number, got '0.12'"),
+        ("rows = 3", "rows = 3.0", "`pixels.rows` must be a whole number, got 3.0"),
+        ("rows = 3", "rows = true", "`pixels.rows` must be a whole number, got True"),
+        ("length = 0.120", 'length = "12 cm"', "got '12 cm'; did you mean 0.12?"),
+        (
+            'high = ["top-left"]',
+            'high = "top-left"',
+            "must be a list, got 'top-left'; did you mean ['top-left']?",
+        ),
+        ("[[interface]]", "[interface]", "did you mean [[interface]]?"),
         ('name = "sheet-3x3"', 'name = "a\\nb"', "must be printable, on one line"),
     ],
 )
@@ -245,3 +251,31 @@ def test_values_of_another_kind_are_refused(old, new, told):
     with pytest.raises(InputError) as refused:
         parse_scene(replaced(old, new), "mine.toml")
     assert told in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        (
+            "length = 0.120",
+            "length = 12cm  # of it",
+            "`length = 12cm`; numbers stand without a unit",
+        ),
+        ("length = 0.120", "length = 12cm", ": 0.12"),
+        ("length = 0.120", "length = 0,12", "with a point: 0.12"),
+        ("{start = 1e3", "{start = 1 kHz", "`start = 1 kHz`; numbers stand without a unit"),
+        ('name = "sheet-3x3"', "name = mine", "`name = mine`; text stands in quotes"),
+        ("[skin]", "[skin", "[skin"),
+    ],
+)
+def test_a_line_that_is_no_TOML_is_shown_with_what_was_likely_meant(old, new, told):
+    with pytest.raises(InputError, match=r"mine\.toml: not valid TOML: .* line") as refused:
+        parse_scene(replaced(old, new), "mine.toml")
+    assert told in str(refused.value)
+
+
+@pytest.mark.parametrize(("name", "told"), [("all.nc", "sweeps"), ("m.skops", "a model")])
+def test_what_is_no_scene_is_told_by_what_it_is(name, told, tmp_path):
+    (tmp_path / name).write_bytes(b"\x89HDF")
+    with pytest.raises(InputError, match=f"{told}, a scene is expected here"):
+        load_scene(str(tmp_path / name))

@@ -56,7 +56,7 @@ def test_scenes_without_outline_are_written_as_before():
         ("points = [[0, 0], [0.1, 0]]", "`skin.outline.points` must have at least 3 item"),
         ("circle = [0.05, 0.05, 0]", "`skin.outline.circle[3]` must be > 0"),
         ("circle = [0.05, inf, 0.01]", "`skin.outline.circle[2]` must be"),
-        ('points = [[0, 0], [0.1, 0], [0.1, "a"]]', "`skin.outline.points[3][2]` must be number"),
+        ('points = [[0, 0], [0.1, 0], [0.1, "a"]]', "`skin.outline.points[3][2]` must be a number"),
         ("points = [[0, 0], [0.1, 0], [0.1, 0.2]]", "outline must lie within y = 0..0.12 m"),
         ("circle = [0.05, 0.05, 0.06]", "outline must lie within x = 0..0.12 m, got -0.01..0.11 m"),
         (

@@ -72,8 +72,21 @@ def test_all_readers_refuse_the_same_texts_in_one_line(text):
 
 
 def test_strengths_are_in_SI_units():
-    told = [touch.strength for touch in parse_touches("1,1:2mm+1,2:0.002m+1,3:5N+1,4:2+1,5")]
-    assert told == [(0.002, "m"), (0.002, "m"), (5.0, "N"), (2.0, ""), None]
+    written = "1,1:2mm+1,2:0.2cm+2,2:0.002m+1,3:5N+1,4:2+1,5"
+    told = [touch.strength for touch in parse_touches(written)]
+    assert told == [*[(0.002, "m")] * 3, (5.0, "N"), (2.0, ""), None]
+
+
+def test_places_take_units_too():
+    assert parse_touches("rect(4cm, 30 mm, 1e-2 m, 0.01):2") == parse_touches(
+        "rect(0.04,0.03,0.01,0.01):2"
+    )
+
+
+@pytest.mark.parametrize(("text", "meant"), [("1,1:1,5", "1.5"), ("1,1:150%", "1.5")])
+def test_a_factor_that_is_none_is_told_with_what_was_likely_meant(text, meant):
+    with pytest.raises(InputError, match=f"did you mean {meant}"):
+        parse_touches(text)
 
 
 def pressed(make_sweeps, text):

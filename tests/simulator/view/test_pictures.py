@@ -223,3 +223,15 @@ def test_movies_get_pictures_of_even_sides(fields, stage):
     set_up = stage(fields(frequencies=[1e4]))
     image = rendered(rows_of_panels(set_up, "potential"), title(set_up), 61)
     assert image.shape[0] % 2 == image.shape[1] % 2 == 0
+
+
+def test_movies_keep_the_lines_between_pixels():
+    """Those are half transparent: a palette without what they make of the colours breaks them."""
+    from matplotlib import colormaps
+    from rcskin.simulator.view.movie import _palette
+    from rcskin.simulator.view.painting import under_grid
+
+    palette = _palette(["viridis"]).astype(float)
+    lines = 255 * under_grid(colormaps["viridis"](np.linspace(0, 1, 500))[:, :3])
+    off = np.linalg.norm(lines[:, None] - palette, axis=2).min(axis=1)
+    assert off.max() < 4

@@ -95,9 +95,10 @@ def test_with_a_display_a_window_is_opened(run, solved, scene_file, monkeypatch)
         "rcskin.simulator.view.painting.window",
         lambda title, count: Plotter(off_screen=True, shape=(1, count), window_size=[200, 200]),
     )
-    monkeypatch.setattr(Plotter, "show", lambda self: shown.append(len(self.renderers)))
+    monkeypatch.setattr(Plotter, "show", lambda self: shown.extend(self.renderers))
     assert run("view", scene_file, "--interactive", "--what", "all") == (0, "", "")
-    assert shown == [7]
+    assert len(shown) == 7
+    assert all(view.legend is not None for view in shown)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,43 @@
+"""Numbers as people write them, with a unit, with a prefix, or with a decimal comma."""
+
+from __future__ import annotations
+
+import re
+from decimal import Decimal, DecimalException
+
+PREFIXES = {"p": -12, "n": -9, "u": -6, "µ": -6, "m": -3, "c": -2, "k": 3, "K": 3, "M": 6, "G": 9}
+BASES = ("m", "ohm", "Ω", "F", "Hz", "H", "Pa", "N", "rad", "s", "V", "A")
+WRITTEN = re.compile(
+    r"(?P<number>[-+]?[\d._]+(?:,\d+)?(?:[eE][-+]?\d+)?)\s*(?P<unit>[^\d\s,][^,]*)?"
+)
+
+
+def in_si(text: str) -> str | None:
+    """The same number without its unit, with a point; None where it is plain or cannot be read."""
+    match = WRITTEN.fullmatch(text.strip())
+    if match is None or (match["unit"] is None and "," not in match["number"]):
+        return None
+    power = _power((match["unit"] or "").strip().split("/")[0])
+    if power is None:
+        return None
+    try:
+        number = Decimal(match["number"].replace(",", ".").replace("_", "")).scaleb(power)
+    except DecimalException:
+        return None
+    return f"{float(number):g}"
+
+
+def meant(text: str) -> str:
+    """`; did you mean` that, of a number with a unit or a comma; nothing of other text."""
+    plain = in_si(text)
+    return "" if plain is None else f"; did you mean {plain}?"
+
+
+def _power(unit: str) -> int | None:
+    """Of ten, that a unit of the SI or a prefix alone stands for."""
+    if unit == "%":
+        return -2
+    if unit in ("", *BASES):
+        return 0
+    prefix, base = unit[0], unit[1:]
+    return PREFIXES.get(prefix) if base in ("", *BASES) else None

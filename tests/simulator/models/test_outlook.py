@@ -1,0 +1,107 @@
+"""What a tolerance needs is told from the first answers, and never more than it does."""
+
+import logging
+
+import numpy as np
+import pytest
+from rcskin.simulator.models.mechanics import adaptive
+from rcskin.simulator.models.outlook import Outlook, cells_needed, check_within_reach
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied import triangles
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.sweeps import ToleranceError
+
+
+class Clock:
+    """Stands still until it is set."""
+
+    now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+def saw(clock, outlook, *answers):
+    one = outlook.of("1,1")
+    for clock.now, error in answers:
+        one(error)
+
+
+def test_equal_parts_need_as_many_cells_as_the_order_says():
+    parts = np.full(100, 1e-4)
+    assert cells_needed(parts, 3, 1e-2 / 8) == pytest.approx(200, rel=1e-2)
+    assert cells_needed(parts, 3, 1e-1) == 100
+
+
+def test_a_singular_cell_does_not_make_a_tolerance_look_out_of_reach():
+    parts = np.array([1.0, *np.full(99, 1e-12)])
+    assert cells_needed(parts, 3, 1e-9) < 300
+
+
+def test_what_is_out_of_reach_says_how_much_larger_a_tolerance_would_be_kept():
+    check_within_reach(100, 100, 3, "cells")
+    with pytest.raises(ToleranceError, match="more than 100 cells") as told:
+        check_within_reach(200, 100, 3, "cells")
+    assert told.value.times == pytest.approx(64)
+
+
+def test_a_press_that_takes_minutes_is_told_once(caplog):
+    clock = Clock()
+    outlook = Outlook(1e-8, clock)
+    with caplog.at_level(logging.INFO, "rcskin"):
+        for _ in range(2):
+            clock.now = 0.0
+            saw(clock, outlook, (5, 1e-3), (10, 1e-4), (20, 1e-5), (40, 1e-6))
+    assert caplog.messages == [
+        "press 1,1: error 1e-04 after 10 s, asked 1e-08: will take about 2 minutes more"
+    ]
+
+
+def test_a_press_that_is_done_soon_is_not_told(caplog):
+    clock = Clock()
+    with caplog.at_level(logging.INFO, "rcskin"):
+        saw(clock, Outlook(1e-4, clock), (6, 1e-3), (9, 2e-4), (70, 1e-5))
+    assert not caplog.messages
+
+
+@pytest.fixture
+def foreseen(monkeypatch):
+    """Cells that were needed at least, as they were told on the way."""
+    found = []
+
+    def noted(needed, most, order, what):
+        found.append(needed)
+
+    for each in (adaptive, triangles):
+        monkeypatch.setattr(each, "check_within_reach", noted)
+    return found
+
+
+@pytest.mark.parametrize("press", ["3,3:2mm", "disc(0.05,0.06,0.01):2mm", "1,1:1mm+4,4:2.5mm"])
+def test_presses_that_are_answered_needed_what_was_foreseen(press, foreseen, monkeypatch):
+    grown = []
+    of = adaptive._Pressing.level
+    monkeypatch.setattr(
+        adaptive._Pressing,
+        "level",
+        lambda self, ground, start=None: (
+            grown.append(ground.mesh.nelements) or of(self, ground, start)
+        ),
+    )
+    scene = load_scene("foam")
+    Solver(scene, 1e-4).solve(parse_press(press, 2.0))
+    assert max(foreseen) <= max(grown)
+
+
+def test_an_outline_needed_what_was_foreseen(foreseen):
+    answer = Solver(load_scene("l-shape"), 1e-5).solve(parse_press("none", 2.0))
+    cells = [int(word) for word in answer.models[0].split() if word.isdigit()]
+    assert max(foreseen) <= cells[0] <= 4 * min(foreseen)
+
+
+def test_a_press_out_of_reach_is_told_on_a_small_mesh(monkeypatch):
+    monkeypatch.setattr(adaptive, "MOST_TRIANGLES", 3000)
+    with pytest.raises(ToleranceError, match="more than 3000 triangles under the press") as told:
+        Solver(load_scene("foam"), 1e-7).solve(parse_press("3,3:2mm", 2.0))
+    assert 1 < told.value.times < 1e3
