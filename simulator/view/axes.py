@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .painting import HALO, SHADE
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -26,6 +28,8 @@ NUMBERS_WIDTH = 0.45
 BAR_WIDTH, BAR_ROOM = 0.13, 1.05
 """Of a colour bar, without and with its numbers and unit, inches."""
 NUMBER_COLOUR = "0.35"
+HALO_WIDTH, SHADE_WIDTH = 1.3, 0.6
+"""Of the white and the black of a line between pixels, points."""
 FACING = 0.3
 """Of a normal towards the eye: pixels that show less of themselves are not named."""
 
@@ -68,6 +72,16 @@ def rows_and_columns(axes: Axes, lines: tuple[Real, Real], panel_width: float) -
         each.tick_params(length=0, labelsize=8, labelcolor=NUMBER_COLOUR, pad=1)
         for spine in each.spines.values():
             spine.set_visible(False)
+
+
+def lines_between_pixels(axes: Axes, camera: Camera, marks: Marks) -> None:
+    """Thin and unbroken at any size, for they lie along rows of the picture's own pixels."""
+    limits = axes.axis()
+    for line in marks.pixels:
+        x, y = MILLI * camera.project(line)
+        axes.plot(x, y, color="white", alpha=HALO, lw=HALO_WIDTH, snap=True)
+        axes.plot(x, y, color="black", alpha=SHADE, lw=SHADE_WIDTH, snap=True)
+    axes.axis(limits)
 
 
 def pixel_names(axes: Axes, camera: Camera, skin: Surface, marks: Marks) -> None:

@@ -13,6 +13,7 @@ from ..charts import STYLE, chart
 from .axes import (
     NUMBERS_WIDTH,
     colour_bar,
+    lines_between_pixels,
     millimetres,
     pixel_names,
     rows_and_columns,
@@ -116,8 +117,10 @@ def compose(figure: Figure, rows: Sequence[Sequence[Panel]], title: str) -> None
 def _draw_panel(axes: Axes, panel: Panel, width: float) -> None:
     camera, shown, scenery = panel.camera, panel.shown, panel.scenery
     pixels = round(width * PIXELS_PER_INCH * max(1.0, camera.aspect))
-    painted = paint(scenery, shown, camera, pixels)
+    painted = paint(scenery.without_grid if camera.above else scenery, shown, camera, pixels)
     axes.imshow(painted, extent=camera.extent, interpolation="hanning")
+    if camera.above:
+        lines_between_pixels(axes, camera, scenery.marks)
     axes.set_title(_heading(shown), fontsize=8.5)
     axes.grid(False)
     for spine in axes.spines.values():

@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -167,6 +167,11 @@ class Scenery:
     skin: Surface
     marks: Marks
     bodies: tuple[pv.PolyData, ...] = ()
+
+    @property
+    def without_grid(self) -> Scenery:
+        """The same but for the lines between pixels."""
+        return replace(self, marks=replace(self.marks, pixels=()))
 
 
 def paint(scenery: Scenery, shown: Shown, camera: Camera, pixels: int) -> Image:
