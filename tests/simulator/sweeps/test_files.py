@@ -145,6 +145,11 @@ def test_bad_tables_are_told_with_file_and_line(csv, tmp_path, text, told):
     assert "\n" not in message
 
 
+def test_a_scene_given_for_sweeps_is_told_with_what_makes_sweeps(folder):
+    with pytest.raises(InputError, match=r"is a scene.*rcskin sweep .*my\.toml -o my\.nc"):
+        read(folder / "my.toml")
+
+
 def test_files_of_another_kind_are_told(tmp_path):
     with pytest.raises(InputError, match=r"absent\.nc: no such file"):
         read(tmp_path / "absent.nc")
