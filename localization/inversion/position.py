@@ -40,7 +40,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
 
     Attributes
     ----------
-    noise_: of a feature, shape (feature,). drift_: as of `ModelBased`. bounds_: as of `Surface`.
+    noise_: of a feature, shape (feature,). bounds_: as of `Surface`.
     theta_: of entries, (entry, 3). scale_: deviations that each stands for, (3,). slopes_: for one
     of them, (entry, feature, 3). mean_, directions_, along_, log_weight_: of the mixture. edge_:
     squared distance beyond which a sweep is novel.
@@ -67,7 +67,6 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
             raise ValueError("`builder` is needed to fit: it makes the tables of the scene")
         tables = self.builder(self.scene, POSITION, self.presses)
         self.noise_ = tables["deviation"] * np.sqrt(1 + 1 / self.rest_sweeps)
-        self.drift_ = tables["drift"]
         self.n_features_in_ = self.noise_.size
         if X is not None:
             validate_data(self, X, reset=False)

@@ -15,15 +15,15 @@ from ..learners.registry import Estimator
 from .folds import splits_of
 
 
-def trainer(estimator: Estimator, samples: Samples, *, tune: bool) -> Callable[[Samples], Pipeline]:
+def trainer(estimator: Estimator, *, tune: bool) -> Callable[[Samples], Pipeline]:
     """A function that trains the localizer on samples, its parameters tuned on these if asked.
 
-    Raises InputError where there are no two folds to tune on.
+    It raises InputError where there are no two folds to tune on.
     """
-    chosen = _best(estimator, samples.at_most(estimator.most)) if tune else {}
 
     def train(some: Samples) -> Pipeline:
         few = some.at_most(estimator.most)
+        chosen = _best(estimator, few) if tune else {}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ConvergenceWarning)  # a kernel's parameter at its bound
             return estimator.build(some.problem).set_params(**chosen).fit(few.X, few.y)
