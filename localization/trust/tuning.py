@@ -39,10 +39,16 @@ def _best(estimator: Estimator, samples: Samples) -> dict[str, object]:
         estimator.build(samples.problem),
         dict(grid),
         scoring=_score(samples.problem),
-        cv=splits_of(samples.strata, samples.sessions, folds=3),
+        cv=splits_of(_shared(samples.strata), samples.sessions, folds=3),
         refit=False,
     ).set_params(error_score="raise")
     return search.fit(samples.X, samples.y).best_params_
+
+
+def _shared(strata: np.ndarray | None) -> np.ndarray | None:
+    """The strata, if every fold can have some of each."""
+    few = strata is not None and np.unique(strata, return_counts=True)[1].min() < 2
+    return None if few else strata
 
 
 def _score(problem: Problem) -> Callable[..., float]:

@@ -48,9 +48,9 @@ def test_a_network_tells_sweeps_never_seen_and_is_the_same_from_its_file(
     samples = model.samples(unseen)
     answers = model.pipeline.predict(samples.X)
     if target == "column":
-        assert (answers == samples.y).mean() > 0.85
+        assert (answers == samples.y).mean() > 0.7
     else:
-        assert np.median(np.abs(answers - samples.y)[:, 0]) < 5
+        assert np.median(np.abs(answers - samples.y)[:, 0]) < 8
     save(tmp_path / "n.skops", model)
     np.testing.assert_array_equal(load(tmp_path / "n.skops").predict(unseen), model.predict(unseen))
 
