@@ -46,7 +46,7 @@ class _Adapted(BaseEstimator):
     def fit(self, X, y=None):
         """Take the tables of the mean skin; X, y are only checked. Raises ValueError without
         builder."""
-        self.mean_ = self._fitted(None)
+        self.mean_, self._skins = self._fitted(None), {}
         self.n_features_in_ = 2 * self.mean_.n_features_in_
         validate_data(self, X, reset=False)
         return self
@@ -72,7 +72,11 @@ class _Adapted(BaseEstimator):
         """What the estimator of each row's skin tells of it, shape (sweep, ...)."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
-        change, rest = np.split(X, 2, axis=1)
+        return self._by_curve(*np.split(X, 2, axis=1), ask)
+
+    def _by_curve(
+        self, change: NDArray, rest: NDArray, ask: Callable[[Any, NDArray], NDArray]
+    ) -> NDArray[np.float64]:
         curves, skin = np.unique(rest, axis=0, return_inverse=True)
         if not len(curves):
             return ask(self.mean_, change)

@@ -97,7 +97,8 @@ class ModelBased(ClassifierMixin, BaseEstimator):
 
     def predict(self, X):
         """The most probable of `classes_`, also of novel sweeps, shape (sweep,)."""
-        return self.classes_[self.predict_proba(X).argmax(axis=1)]
+        best = self.predict_proba(X).argmax(axis=1)
+        return self.classes_[best]
 
     def novel(self, X):
         """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""

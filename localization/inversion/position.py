@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -63,9 +64,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
 
     def fit(self, X=None, y=None):
         """Take the simulator's tables; X, y are only checked. Raises ValueError without builder."""
-        if self.builder is None:
-            raise ValueError("`builder` is needed to fit: it makes the tables of the scene")
-        tables = self.builder(self.scene, POSITION, self.presses)
+        tables = self._tables()
         self.noise_ = tables["deviation"] * np.sqrt(1 + 1 / self.rest_sweeps)
         self.n_features_in_ = self.noise_.size
         if X is not None:
@@ -104,6 +103,11 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
     def __getstate__(self):
         """Numbers and text only, once it is fitted."""
         return without_builder(super().__getstate__())
+
+    def _tables(self) -> Mapping[str, NDArray]:
+        if self.builder is None:
+            raise ValueError("`builder` is needed to fit: it makes the tables of the scene")
+        return self.builder(self.scene, POSITION, self.presses)
 
     def _scaled(self, X) -> NDArray[np.float64]:
         check_is_fitted(self)

@@ -6,10 +6,14 @@ import numpy as np
 from rcskin.localization.inversion.adapted import AdaptedClassifier, AdaptedPosition
 from rcskin.localization.inversion.classifier import ModelBased
 from rcskin.localization.inversion.position import ModelBasedPosition
+from sklearn.base import is_regressor
 from sklearn.utils.estimator_checks import parametrize_with_checks
+from sklearn.utils.validation import check_array, check_is_fitted, validate_data
 
 STRENGTHS = np.linspace(1.8, 2.2, 4)
 LABELS = "tells touches of its scene, whatever labels it is shown"
+PLACES = "tells places, and cannot be scored by one number"
+SCORED = ("check_fit_score_takes_y", "check_pipeline_consistency")
 FAILING = {
     "check_classifiers_classes": LABELS,
     "check_classifiers_train": LABELS,
@@ -18,8 +22,6 @@ FAILING = {
     "check_supervised_y_no_nan": LABELS,
     "check_supervised_y_2d": LABELS,
     "check_regressors_train": LABELS,
-    "check_requires_y_none": LABELS,
-    "check_classifiers_one_label_sample_weights": LABELS,
 }
 
 
@@ -53,10 +55,10 @@ def tables(width: int, target: str) -> dict[str, Any]:
 
 
 class _Wide:
-    """Is given the tables that fit the features it is shown; of odd ones to be split, none."""
+    """Is given the tables that fit the features it is shown."""
 
     def fit(self, X, y=None):
-        self._width = np.shape(X)[1] if np.ndim(X) == 2 else 1
+        self._width = check_array(X, allow_nd=True, ensure_all_finite=False).shape[1]
         return super().fit(X, y)  # type: ignore[misc]
 
 
@@ -70,9 +72,38 @@ class WidePosition(_Wide, ModelBasedPosition):
         return tables(self._width, "position")
 
 
+class _Doubled:
+    """Takes the features it is shown for the change and for the curve at rest."""
+
+    def fit(self, X, y=None):
+        X = validate_data(self, X)
+        self.mean_, self._skins = self._fitted(None, X), {}
+        return self
+
+    def _fitted(self, curve, X=None):
+        X = curve[None] if X is None else X
+        placed = isinstance(self, AdaptedPosition)
+        return (WidePosition() if placed else WideClassifier(target="column")).fit(X)
+
+    def _told(self, X, ask):
+        check_is_fitted(self)
+        X = validate_data(self, X, reset=False)
+        return self._by_curve(X, X, ask)
+
+
+class DoubledClassifier(_Doubled, AdaptedClassifier):
+    pass
+
+
+class DoubledPosition(_Doubled, AdaptedPosition):
+    pass
+
+
 @parametrize_with_checks(
-    [WideClassifier(target="column"), WidePosition()],
-    expected_failed_checks=lambda estimator: FAILING,
+    [WideClassifier(target="column"), WidePosition(), DoubledClassifier(), DoubledPosition()],
+    expected_failed_checks=lambda estimator: (
+        FAILING | (dict.fromkeys(SCORED, PLACES) if is_regressor(estimator) else {})
+    ),
 )
 def test_it_keeps_the_conventions_of_scikit_learn(estimator, check):
     check(estimator)
