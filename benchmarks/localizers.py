@@ -112,7 +112,9 @@ def drawn_scene(case: Case) -> Scene:
             "cells_per_pixel": 2,
         }
     )
-    session = drawn.session.model_copy(update={"sweeps_per_session": case.session, "rest_every": REST_EVERY})
+    session = drawn.session.model_copy(
+        update={"sweeps_per_session": case.session, "rest_every": REST_EVERY}
+    )
     return scene.model_copy(
         update={
             "pixels": scene.pixels.model_copy(update={"rows": case.pixels, "columns": case.pixels}),

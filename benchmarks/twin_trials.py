@@ -58,7 +58,9 @@ class Trial:
         """Presses with the skin at rest in between and at both ends, as `live` has it at first."""
         presses = self.order(self.believed, random)
         parts = [presses[k : k + BETWEEN_RESTS] for k in range(0, len(presses), BETWEEN_RESTS)]
-        return ["none"] * FIRST_RESTS + [*itertools.chain.from_iterable([*part, "none"] for part in parts)]
+        return ["none"] * FIRST_RESTS + [
+            *itertools.chain.from_iterable([*part, "none"] for part in parts)
+        ]
 
     def score(self, model: Model, sweeps: xr.Dataset) -> tuple[float, float]:
         """Of one skin: the share of right answers, or the median distance in mm; share answered.

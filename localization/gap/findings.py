@@ -71,7 +71,10 @@ def find(trial: Trial, simulation: Simulation, track: Any) -> Findings:
 def _stage(trial: Trial, name: str, track: Any) -> Stage:
     version, target = trial.versions[name], trial.question.target
     other = trial.pair.other.isel(sweep=trial.described)
-    ours = {each: _common(trial, samples_of(version.read, each, target, version.rest)) for each in trial.others}
+    ours = {
+        each: _common(trial, samples_of(version.read, each, target, version.rest))
+        for each in trial.others
+    }
     return Stage(
         pressed=distances(version.exact, other, trial.error, target, pressed=True),
         rest=distances(version.exact, other, trial.error, target, pressed=False),

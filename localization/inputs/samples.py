@@ -162,6 +162,4 @@ def _left_out(
     early = known & fitting
     early[rows] = False
     restless = session[~known & fitting]
-    return LeftOut(
-        int((~fitting).sum()), restless.size, np.unique(restless).size, int(early.sum())
-    )
+    return LeftOut(int((~fitting).sum()), restless.size, np.unique(restless).size, int(early.sum()))

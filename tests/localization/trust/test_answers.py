@@ -98,7 +98,10 @@ def test_one_bad_sweep_of_the_training_does_not_hide_novelties():
 
 def test_the_guard_looks_at_what_it_is_told_to():
     random = np.random.default_rng(4)
-    change, curve = random.standard_normal((600, 3)), np.repeat(random.normal(0, 50, (12, 3)), 50, 0)
+    change, curve = (
+        random.standard_normal((600, 3)),
+        np.repeat(random.normal(0, 50, (12, 3)), 50, 0),
+    )
     X, groups = np.hstack([change, curve]), np.repeat(np.arange(12), 50)
     guard = NoveltyGuard().fit(X, groups=groups, told=np.arange(3))
     assert (guard.predict(X[:50] + np.array([10, 0, 0, 0, 0, 0])) == -1).all()
