@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..options import Accuracy, Baud, Resource, Timeout
+from ..options import Accuracy, Baud, Resource, Settle, SwitchName, SwitchWith, Timeout
 
 if TYPE_CHECKING:
     from .answer import Localizer
@@ -28,6 +28,9 @@ def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
         interface: Annotated[
             str | None, typer.Option(help="Where the meter is connected; else the model's.")
         ] = None,
+        switch: SwitchName = None,
+        switch_with: SwitchWith = None,
+        settle: Settle = None,
         rest: Annotated[int, typer.Option(help="Sweeps at rest, where the model needs any.")] = 3,
         rest_file: Annotated[
             Path | None, typer.Option(help="Take the sweeps at rest (press none) of this file.")
@@ -55,6 +58,7 @@ def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
         from ..meter.accuracy import DERIVED, read_table
         from ..meter.hioki import open_meter
         from ..record.checks import Limits
+        from ..switch.asked import asked_switch
         from .link import Link
         from .log import Log
         from .session import Session
@@ -71,6 +75,7 @@ def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
             read_table(accuracy or DERIVED),
             Limits(drift=drift),
             patience,
+            asked_switch(switch, switch_with, settle, localizer.interfaces),
         )
         at_rest = _rest(localizer, rest, rest_file, anyway)
         kept = Log(localizer, log)
@@ -124,14 +129,9 @@ def _rest(localizer: Localizer, wanted: int, file: Path | None, anyway: bool) ->
 
 
 def _check_interface(localizer: Localizer, interface: str | None) -> None:
-    """Raises InputError where the model asks for what one meter on one interface cannot tell."""
+    """Raises InputError where the meter is said to be at an interface that is not the model's."""
     from ...simulator.sweeps import InputError
 
-    names = ", ".join(localizer.interfaces)
-    if len(localizer.interfaces) > 1:
-        raise InputError(
-            f"the model needs the interfaces {names} at once, and a meter is connected to one of "
-            "them: that takes a multiplexer, which no resource serves yet; train on one interface"
-        )
-    if interface not in (None, *localizer.interfaces):
+    if interface is not None and (interface,) != localizer.interfaces:
+        names = ", ".join(localizer.interfaces)
         raise InputError(f"the model was trained on interface {names}, got {interface!r}")

@@ -14,8 +14,8 @@ import numpy as np
 from ...simulator.sweeps import UNPRESSED, InputError, build, counted, read, write
 from ...simulator.sweeps.same_skin import check_same_skin
 from ..meter.identity import origin
-from ..record.journal import Header, now
-from ..record.sweep import Sweep, flagged
+from ..record.journal import Header
+from ..record.sweep import Sweep, Trace, flagged, now, trace_times
 from .answer import Answer, Localizer
 
 if TYPE_CHECKING:
@@ -27,17 +27,17 @@ UNKNOWN = "?"
 def as_dataset(
     sweeps: Sequence[Sweep], localizer: Localizer, press: Sequence[str] | str = UNKNOWN
 ) -> xr.Dataset:
-    """Sweeps at the localizer's interface and frequencies. press: of each, or of all."""
+    """Sweeps at the localizer's interfaces and frequencies. press: of each, or of all."""
     presses = [press] * len(sweeps) if isinstance(press, str) else list(press)
     places = [0 if each == UNPRESSED else -1 for each in presses]
     return build(
-        np.stack([sweep.Z for sweep in sweeps])[:, None, :],
+        np.stack([sweep.Z for sweep in sweeps]),
         np.array(localizer.frequencies),
         interface=list(localizer.interfaces),
         press=presses,
         row=places,
         column=places,
-        Cp=np.array([sweep.Cp for sweep in sweeps])[:, None, :],
+        Cp=np.array([sweep.Cp for sweep in sweeps]),
         attributes={"scene": localizer.scene},
     )
 
@@ -61,10 +61,16 @@ def read_rest(path: Path, localizer: Localizer, *, anyway: bool = False) -> list
     if not same or tuple(unpressed["interface"].values) != localizer.interfaces:
         raise InputError(f"{path}: has other interfaces or frequencies than the model")
     ordered = unpressed.transpose("sweep", "interface", "frequency")
-    Cp, Rs, X = (ordered[name].values[:, 0].tolist() for name in ("Cp", "Rs", "X"))
+    values = np.stack([ordered[name].values for name in ("Cp", "Rs", "X")], axis=2).tolist()
     normal = (0,) * len(frequencies)
     return [
-        Sweep(tuple(cp), tuple(rs), tuple(x), normal) for cp, rs, x in zip(Cp, Rs, X, strict=True)
+        Sweep(
+            tuple(
+                Trace(tuple(Cp), tuple(Rs), tuple(X), normal, name)
+                for name, (Cp, Rs, X) in zip(localizer.interfaces, each, strict=True)
+            )
+        )
+        for each in values
     ]
 
 
@@ -99,8 +105,9 @@ class Log:
         """Write sweeps as of the schema, whole or not at all; nothing where there are none.
 
         Attributes hold the meter and its settings, and as JSON `times` (of each sweep's end),
-        `answers` (label, probability) and `flagged` (sweep, index of frequency, status). The
-        presses are `none` for the sweeps at rest and `?` for the others.
+        `interface_times` (begun and ended at each), `answers` (label, probability) and `flagged`
+        (numbers of sweep, interface and frequency, status). The presses are `none` for the sweeps
+        at rest and `?` for the others.
         """
         if self.output is None or header is None or not self.sweeps:
             return
@@ -112,6 +119,7 @@ class Log:
             "settings": json.dumps(header.settings),
             "begun": header.begun,
             "times": json.dumps(self.times),
+            "interface_times": json.dumps([trace_times(sweep) for sweep in self.sweeps]),
             "answers": json.dumps(self.answers),
             "flagged": json.dumps(flagged(self.sweeps)),
             "software": f"rcskin {version('rcskin')}",

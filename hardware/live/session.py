@@ -11,8 +11,7 @@ from typing import Protocol
 from ...simulator.sweeps import UNPRESSED
 from ..meter.errors import MeterError
 from ..meter.reading import Reading
-from ..record.journal import now
-from ..record.sweep import Sweep, flags
+from ..record.sweep import Sweep, flags, now
 from .answer import Answer, Localizer
 from .link import Link
 from .log import Log, as_dataset

@@ -4,12 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..options import Accuracy, Baud, Interface, Resource, Timeout
+from ..options import (
+    Accuracy,
+    Baud,
+    Interfaces,
+    Resource,
+    Settle,
+    SwitchName,
+    SwitchWith,
+    Timeout,
+)
 from ..scene_data import SceneData
 
 if TYPE_CHECKING:
@@ -20,8 +30,10 @@ if TYPE_CHECKING:
     from .terminal import Screen
 
 
-def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callable[..., None]:
-    """The command. scene_data: of a name or path, and an interface (None: the first)."""
+def record_command(
+    scene_data: Callable[[str, list[str] | None], SceneData],
+) -> Callable[..., None]:
+    """The command. scene_data: of a name or path, at interfaces (None: all)."""
 
     def record(
         scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
@@ -37,7 +49,10 @@ def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callab
             str | None, typer.Option(help="Press by this command, with {press} filled in.")
         ] = None,
         retries: Annotated[int, typer.Option(help="Unattended repetitions of a sweep.")] = 3,
-        interface: Interface = None,
+        interface: Interfaces = None,
+        switch: SwitchName = None,
+        switch_with: SwitchWith = None,
+        settle: Settle = None,
         speed: Annotated[str | None, typer.Option(help="FAST, MEDIUM, SLOW or SLOW2.")] = None,
         averaging: Annotated[int | None, typer.Option(help="Readings averaged, 1-256.")] = None,
         level: Annotated[str | None, typer.Option(help="V, CV or CC.")] = None,
@@ -55,6 +70,7 @@ def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callab
         from ...simulator.sweeps import checked_output, counted, write
         from ..meter.accuracy import DERIVED, read_table
         from ..meter.hioki import open_meter
+        from ..switch.asked import asked_switch
         from .checks import Limits
         from .dataset import gather
         from .recorder import Task
@@ -62,9 +78,13 @@ def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callab
 
         checked_output(output)
         data = scene_data(scene, interface)
+        if not (interface or switch or switch_with):
+            data = replace(data, interfaces=data.interfaces[:1])
         table = read_table(accuracy or DERIVED)
         steps = _steps(order, data.rows, data.columns, repetitions)
         settings = _settings(speed, averaging, level, amplitude, range_, delay, cable)
+        several = len(data.interfaces) > 1
+        screen, operator, ask = _operator(unattended, control, press_with, retries, steps, several)
         task = Task(
             data,
             steps,
@@ -73,8 +93,8 @@ def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callab
             table,
             settings,
             Limits(repeatability=repeatability, drift=drift),
+            asked_switch(switch, switch_with, settle, data.interfaces, ask),
         )
-        screen, operator = _operator(unattended, control, press_with, retries, steps)
         with _how_to_go_on(task):
             with screen:
                 header, entries = record_task(task, operator)
@@ -120,8 +140,14 @@ def _settings(
 
 
 def _operator(
-    unattended: bool, control: str | None, press_with: str | None, retries: int, steps: list[Step]
-) -> tuple[Screen, Operator]:
+    unattended: bool,
+    control: str | None,
+    press_with: str | None,
+    retries: int,
+    steps: list[Step],
+    several: bool,
+) -> tuple[Screen, Operator, Callable[[str], None] | None]:
+    """Where it is shown, who presses, and a person who connects interfaces, where one is there."""
     from rich.console import Console
 
     from ...simulator.sweeps import InputError
@@ -132,16 +158,17 @@ def _operator(
     if control and press_with:
         raise InputError("`control` and `press-with` cannot both press the skin")
     if not (control or press_with or unattended):
-        screen = Screen(console, plain=True)
-        return screen, Person(console, screen)
+        screen = Screen(console, plain=True, several=several)
+        person = Person(console, screen)
+        return screen, person, person.connect
     if not (control or press_with) and any(step.row for step in steps):
         raise InputError("unattended, a recording is pressed by --control or --press-with")
-    screen, by = Screen(console), _untouched
+    screen, by = Screen(console, several=several), _untouched
     if control:
         by = pressing_virtually(control)
     elif press_with:
         by = pressing_by_command(press_with)
-    return screen, Machine(by, screen, retries)
+    return screen, Machine(by, screen, retries), None
 
 
 def _untouched(step: Step) -> None:

@@ -13,7 +13,7 @@ from ...simulator.sweeps import build
 from ..meter.identity import origin
 from .journal import Entry, Header
 from .order import parse_step
-from .sweep import flagged
+from .sweep import flagged, trace_times
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,18 +23,19 @@ def gather(header: Header, entries: Sequence[Entry], accuracy: str) -> xr.Datase
     """Sweeps at the scene's frequencies (the meter's own, rounded to five digits, differ by less).
 
     Attributes hold the scene, the meter and its settings; `times`, `remarks` and `flagged` (as
-    [sweep, index of frequency, status] of each reading that was not normal) are JSON.
+    [sweep, interface, frequency, status] of each reading that was not normal, by numbers) and
+    `interface_times` (begun and ended, shape (sweep, interface, 2)) are JSON.
     accuracy: the name of the table that sweeps were judged by.
     """
     steps = [parse_step(entry.press, header.rows, header.columns) for entry in entries]
     return build(
-        np.stack([entry.sweep.Z for entry in entries])[:, None, :],
+        np.stack([entry.sweep.Z for entry in entries]),
         np.array(header.frequencies),
-        interface=[header.interface],
+        interface=header.interfaces,
         press=[step.press for step in steps],
         row=[step.row for step in steps],
         column=[step.column for step in steps],
-        Cp=np.array([entry.sweep.Cp for entry in entries])[:, None, :],
+        Cp=np.array([entry.sweep.Cp for entry in entries]),
         attributes={
             "scene": header.scene,
             "model": origin(header.meter),
@@ -42,6 +43,7 @@ def gather(header: Header, entries: Sequence[Entry], accuracy: str) -> xr.Datase
             "settings": json.dumps(header.settings),
             "begun": header.begun,
             "times": json.dumps([[entry.begun, entry.ended] for entry in entries]),
+            "interface_times": json.dumps([trace_times(entry.sweep) for entry in entries]),
             "remarks": json.dumps([list(entry.remarks) for entry in entries]),
             "flagged": json.dumps(flagged([entry.sweep for entry in entries])),
             "accuracy": accuracy,

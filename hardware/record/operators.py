@@ -52,6 +52,10 @@ class Operator(Protocol):
         """
         ...
 
+    def turn(self, interface: str) -> None:
+        """An interface is about to be connected; what comes next is of it."""
+        ...
+
     def watch(self, frequency: float, reading: Reading) -> None:
         """A reading came, at a frequency in Hz."""
         ...
@@ -69,6 +73,7 @@ class Show(Protocol):
     """Where the course of a recording is shown."""
 
     def begin(self, title: str, rest: Sweep | None) -> None: ...
+    def turn(self, interface: str) -> None: ...
     def reading(self, frequency: float, reading: Reading) -> None: ...
     def end(self, remarks: Sequence[str]) -> None: ...
 
@@ -94,6 +99,10 @@ class Machine:
         self.by(step)
         self.show.begin(f"{progress.words}  press {step.press}", progress.rest)
         return True
+
+    def turn(self, interface: str) -> None:
+        """Show it."""
+        self.show.turn(interface)
 
     def watch(self, frequency: float, reading: Reading) -> None:
         """Show the reading."""

@@ -17,13 +17,14 @@ from ..meter.errors import MeterError
 from ..meter.hioki import Meter
 from ..meter.snapshot import apply, require, restore, snapshot
 from ..scene_data import SceneData
+from ..switch.switch import Switch
 from .change import unseen_press
 from .checks import Judge, Limits
-from .journal import Entry, Header, Journal, differences, now
+from .journal import Entry, Header, Journal, differences
 from .operators import Operator, Progress
 from .order import REST, Step
 from .station import Station
-from .sweep import Sweep, check_frequencies, measure_sweep
+from .sweep import Sweep, check_frequencies, measure_sweep, now
 
 LATEST = 12
 """Steps by which the time left is told."""
@@ -31,7 +32,10 @@ LATEST = 12
 
 @dataclass(frozen=True)
 class Task:
-    """What is to be recorded. connect: opens the meter. settings: to be set before it begins."""
+    """What is to be recorded. connect: opens the meter. settings: to be set before it begins.
+
+    switch: connects the meter to one of the scene's interfaces; None where there is but one.
+    """
 
     scene: SceneData
     order: Sequence[Step]
@@ -40,6 +44,7 @@ class Task:
     table: AccuracyTable
     settings: Mapping[str, Any]
     limits: Limits = Limits()
+    switch: Switch | None = None
 
 
 def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
@@ -68,6 +73,8 @@ def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
             entries[missing.popleft()] = entry
     finally:
         station.close()
+        if task.switch:
+            task.switch.close()
     return header, [entries[number] for number in range(len(task.order))]
 
 
@@ -111,11 +118,18 @@ class Course:
                 return replace(entry, remarks=tuple(remarks))
 
     def _attempt(self, step: Step, progress: Progress) -> Entry | None:
-        meter = self.station.ready()
+        meter, task = self.station.ready(), self.task
         if not self.operator.press(step, progress):
             return None
         begun = now()
-        sweep = measure_sweep(meter, self.task.scene.frequencies, self.operator.watch)
+        sweep = measure_sweep(
+            meter,
+            task.scene.frequencies,
+            task.scene.interfaces,
+            task.switch,
+            self.operator.watch,
+            self.operator.turn,
+        )
         assert self.station.header is not None
         require(meter, self.station.header.settings)
         return Entry(step.press, sweep, begun, now())
@@ -158,7 +172,7 @@ def _asked(task: Task) -> dict[str, Any]:
     return {
         "scene": task.scene.text,
         "name": task.scene.name,
-        "interface": task.scene.interface,
+        "interfaces": tuple(task.scene.interfaces),
         "frequencies": tuple(task.scene.frequencies),
         "rows": task.scene.rows,
         "columns": task.scene.columns,

@@ -64,7 +64,7 @@ def by_column(column, probabilities):
 def load(path):
     """The localizer, whatever the path; `two.skops` is one that needs two interfaces."""
     two = Path(path).name == "two.skops"
-    return Columns(interfaces=("left", "right")) if two else Columns()
+    return Columns(interfaces=("left", "bottom")) if two else Columns()
 
 
 command = live_command(load)

@@ -213,7 +213,7 @@ def test_a_rest_of_other_frequencies_is_refused(live, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["--model", "two.skops"], "needs the interfaces left, right at once"),
+        (["--model", "two.skops"], "the interfaces left, bottom are measured in turn, which"),
         (["--interface", "up"], "the model was trained on interface left, got 'up'"),
         (["--rest", "0"], "`rest` must be in 1..1000, got 0"),
         (["--sweeps", "0"], "`sweeps` must be at least 1, got 0"),
