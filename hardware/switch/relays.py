@@ -32,14 +32,14 @@ class SerialLine:
 
     def __init__(self, port: str, baud: int, timeout: float) -> None:
         """timeout: s that an answer may take. Raises NoSwitchError."""
-        from serial import SerialException, serial_for_url
+        from serial import serial_for_url
 
         self.port, self._timeout = port, timeout
         try:
             self._opened: Serial = serial_for_url(
                 port, baud, timeout=timeout, write_timeout=timeout
             )
-        except (SerialException, ValueError, OSError) as error:
+        except Exception as error:
             raise NoSwitchError(
                 f"{port}: cannot be opened ({error}); check the port, the cable, and that no other "
                 "program has it"
@@ -81,11 +81,9 @@ class SerialLine:
 
     @contextmanager
     def _safely(self) -> Iterator[None]:
-        from serial import SerialException
-
         try:
             yield
-        except (SerialException, OSError) as error:
+        except Exception as error:  # of pyserial, of the system, and termios.error
             raise NoSwitchError(
                 f"{self.port}: the line is lost ({error}); check the cable and the board's power"
             ) from error

@@ -128,7 +128,7 @@ def read_switch(path: Path, settle: float | None = None) -> Turning[Closed]:
         raise InputError(f"{path}: cannot be read as a table of a switch: {error}") from error
     except ValidationError as error:
         first = error.errors()[0]
-        key = ".".join(map(str, first["loc"][1:])) or "kind"
+        key = ".".join(map(str, first["loc"][1:] or first["loc"])) or "kind"
         raise InputError(f"{path}: `{key}`: {first['msg']}, got {first['input']}") from error
     waiting = table.settle if settle is None else settle
     return Turning(table.opened, table.positions, waiting, table.timeout)
