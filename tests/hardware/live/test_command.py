@@ -202,6 +202,14 @@ def test_the_rest_of_a_log_serves_again(live, tmp_path, instrument):
     assert "column 2" in output and "untouched" not in output
 
 
+def test_a_rest_file_of_fewer_sweeps_than_asked_for_is_enough(live, tmp_path, instrument):
+    log = tmp_path / "run.csv"
+    live("--sweeps", 1, "--rest", 2, "--log", log)
+    instrument.press = "1,2"
+    output = live("--sweeps", 1, "--rest", 3, "--rest-file", log).output
+    assert "column 2" in output and "untouched" not in output
+
+
 def test_a_rest_of_other_frequencies_is_refused(live, tmp_path):
     log, other = tmp_path / "run.csv", tmp_path / "other.csv"
     live("--sweeps", 1, "--log", log)
