@@ -246,6 +246,7 @@ EXAMPLES = {
     "plot": "rcskin plot all.nc -o all.png",
     "view": "rcskin view sheet-5x5 --press 2,3 --frequency 1e4 -o field.png",
     "import": "rcskin import eis.csv --press none -o eis.nc",
+    "join": "rcskin join monday.nc tuesday.nc -o all.nc",
     "check": "rcskin check all.nc -o report.png",
     "dataset": "rcskin dataset sheet-5x5 --sweeps 2000 -o skins.zarr",
     "export": "rcskin export skins.zarr -o skins.csv",
@@ -262,6 +263,7 @@ EXAMPLES = {
 OF_THE_METER = {
     "serve": "rcskin meter serve --scene sheet-5x5",
     "record": f"rcskin meter record sheet-5x5 --resource {VIRTUAL} -o run.nc",
+    "gather": "rcskin meter gather run.nc -o so-far.nc",
     "correct": f"rcskin meter correct open --resource {VIRTUAL}",
     "press": "rcskin meter press 2,3",
     "misbehave": "rcskin meter misbehave late --times 2",

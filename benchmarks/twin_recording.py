@@ -61,4 +61,4 @@ def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
             {},
         )
         header, entries = record(task, Machine(hand, Screen(Console(quiet=True)), retries=0))
-    return gather(header, entries, "derived")
+    return gather(header, entries)

@@ -9,6 +9,7 @@ import typer
 
 from .options import Accuracy, Baud, ControlAddress, Interfaces, Resource, Timeout
 from .record.command import record_command
+from .record.output import gather_command
 from .virtual.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ def meter_app(simulation: Simulation) -> typer.Typer:
     def serve(
         scene: Annotated[str | None, typer.Option(help="A built-in scene, or a path.")] = None,
         recorded: Annotated[
-            Path | None, typer.Option(help="Play recorded sweeps instead of a scene.")
+            list[Path] | None, typer.Option(help="Play recorded sweeps instead of a scene.")
         ] = None,
         interface: Interfaces = None,
         host: Annotated[str, typer.Option(help="Address to listen at.")] = "127.0.0.1",
@@ -58,6 +59,7 @@ def meter_app(simulation: Simulation) -> typer.Typer:
         )
 
     app.command()(record_command(simulation.scene))
+    app.command("gather")(gather_command)
     _add_small_commands(app)
     return app
 
@@ -142,17 +144,17 @@ def _add_small_commands(app: typer.Typer) -> None:
 def _exhibit(
     simulation: Simulation,
     scene: str | None,
-    recorded: Path | None,
+    recorded: list[Path] | None,
     interfaces: list[str] | None,
     seed: int,
 ) -> Exhibit:
-    from ..simulator.sweeps import InputError, read
+    from ..simulator.sweeps import InputError, read_joined
     from .virtual import serving
 
-    if (scene is None) == (recorded is None):
+    if (scene is None) == (not recorded):
         raise InputError("serve needs either --scene or --recorded")
-    if recorded is not None:
-        return serving.recorded(read(recorded), interfaces)
+    if recorded:
+        return serving.recorded(read_joined(recorded), interfaces)
     assert scene is not None
     data = simulation.scene(scene, interfaces)
     return serving.simulated(data, simulation.skins(data), simulation.readout(data, seed))

@@ -12,6 +12,7 @@ Resource = Annotated[str, typer.Option(help="VISA resource, e.g. TCPIP0::127.0.0
 ControlAddress = Annotated[str, typer.Option(help="HOST:PORT of the virtual meter's side door.")]
 Timeout = Annotated[float, typer.Option(help="Seconds that an answer may take.")]
 Baud = Annotated[int, typer.Option(help="Of a serial port.")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace a file that is there.")]
 Accuracy = Annotated[
     Path | None, typer.Option(help="Table of accuracy (TOML); else the one of the 3522-50.")
 ]

@@ -132,7 +132,9 @@ class Link:
             asked={},
             meter=meter.identity.text,
             settings=settings,
-            begun=now(),
+            begun=(begun := now()),
+            session=begun,
+            accuracy=self._table.name,
         )
         self.judge = Judge(np.array(localizer.frequencies), self._table, settings, self._limits)
 

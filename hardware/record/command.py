@@ -14,6 +14,7 @@ from ..options import (
     Accuracy,
     Baud,
     Interfaces,
+    Overwrite,
     Resource,
     Settle,
     SwitchName,
@@ -21,6 +22,7 @@ from ..options import (
     Timeout,
 )
 from ..scene_data import SceneData
+from .output import check_free, finish
 
 if TYPE_CHECKING:
     from .journal import Entry
@@ -62,21 +64,29 @@ def record_command(
         cable: Annotated[int | None, typer.Option(help="Length of the cable, 0 or 1 m.")] = None,
         repeatability: Annotated[float, typer.Option(help="Allowed between sweeps.")] = 0.05,
         drift: Annotated[float, typer.Option(help="Allowed of the skin at rest.")] = 0.05,
+        session: Annotated[
+            str, typer.Option(help="Name of this mounting; else the time of its begin.")
+        ] = "",
+        same_mounting: Annotated[
+            bool, typer.Option("--same-mounting", help="Go on days later without being asked.")
+        ] = False,
+        overwrite: Overwrite = False,
         timeout: Timeout = 5.0,
         baud: Baud = 9600,
         accuracy: Accuracy = None,
     ) -> None:
         """Record sweeps of a scene's presses; run again, it goes on where it was ended."""
-        from ...simulator.sweeps import checked_output, counted, write
+        from ...simulator.sweeps import checked_output, counted
         from ..meter.accuracy import DERIVED, read_table
         from ..meter.hioki import open_meter
         from ..switch.asked import asked_switch
         from .checks import Limits
-        from .dataset import gather
+        from .journal import Journal
         from .recorder import Task
         from .recorder import record as record_task
 
         checked_output(output)
+        check_free(output, overwrite)
         data = scene_data(scene, interface)
         if not (interface or switch or switch_with):
             data = replace(data, interfaces=data.interfaces[:1])
@@ -93,13 +103,16 @@ def record_command(
             table,
             settings,
             Limits(repeatability=repeatability, drift=drift),
+            session,
+            same_mounting,
             asked_switch(switch, switch_with, settle, data.interfaces, ask),
         )
-        with _how_to_go_on(task):
+        journal = Journal(output)
+        with journal.lock(), _how_to_go_on(task):
+            check_free(output, overwrite)
             with screen:
                 header, entries = record_task(task, operator)
-            sweeps = gather(header, entries, table.name)
-            write(sweeps, output)
+            sweeps = finish(journal, header, dict(enumerate(entries)))
         typer.echo("; ".join([f"{counted(sweeps.sizes)} -> {output}", *_remarkable(entries)]))
 
     return record
@@ -188,7 +201,7 @@ def _how_to_go_on(task: Task) -> Iterator[None]:
         header = journal.header()
         if header is not None:
             typer.echo(
-                f"rcskin: {len(journal.entries(header.order))} of {len(header.order)} sweeps are "
+                f"rcskin: {len(journal.entries(header))} of {len(header.order)} sweeps are "
                 f"kept in {journal.folder}; the same command goes on after them",
                 err=True,
             )

@@ -44,6 +44,10 @@ class Progress:
 class Operator(Protocol):
     """Leads through a recording."""
 
+    def same_mounting(self, ago: str) -> bool:
+        """Whether the skin is mounted as it was when the last sweep was taken, so long ago."""
+        ...
+
     def press(self, step: Step, progress: Progress) -> bool:
         """True when the skin is pressed and held, False where the step before is to be done again.
 
@@ -91,6 +95,10 @@ class Machine:
     pause: float = 1.0
     spent: int = field(default=0, init=False)
     current: int = field(default=-1, init=False)
+
+    def same_mounting(self, ago: str) -> bool:
+        """A machine does not know."""
+        return False
 
     def press(self, step: Step, progress: Progress) -> bool:
         """Have the machine press. Raises PressError where it fails."""

@@ -151,6 +151,13 @@ class Person:
     console: Console
     show: Show
 
+    def same_mounting(self, ago: str) -> bool:
+        """What the person says."""
+        question = f"The last sweep was taken {ago}. Was the skin mounted anew? (y, n, q: quit) "
+        while not (answer := self._choice(question, "yn")):
+            pass
+        return answer == "n"
+
     def press(self, step: Step, progress: Progress) -> bool:
         """Tell what to press, and wait for Enter; False where the step before is to come again."""
         place = f"row {step.row}, column {step.column}" if step.row > 0 else step.press

@@ -7,8 +7,6 @@ import re
 import runpy
 import select
 import signal
-import subprocess
-import sys
 import termios
 import time
 from datetime import datetime
@@ -16,46 +14,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import typer
 from rcskin.hardware.meter.errors import NoConnectionError
 from rcskin.hardware.steer import ask
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import UNPRESSED, read
-from typer.testing import CliRunner
 
 SOON = 5
 """Seconds that the end may take on a busy machine; alone it takes half a second."""
 RIG = Path(__file__).with_name("live_rig.py")
 _rig = runpy.run_path(str(RIG))
 CONTROL_CODE, SHOWN_CURSOR = "\x1b", "\x1b[?25h"
-
-
-@pytest.fixture
-def instrument(make_instrument, cushion):
-    return make_instrument(cushion)
-
-
-@pytest.fixture
-def cushion():
-    return _rig["Cushion"]()
-
-
-@pytest.fixture
-def start(ports):
-    """A function that starts the command at the virtual meter, killed at the end if need be."""
-    started = []
-
-    def start(*arguments, resource=ports.resource, **pipes):
-        words = [sys.executable, RIG, "live", "--model", "m.skops", "--resource", resource]
-        pipes = pipes or {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-        words = [*map(str, [*words, *arguments])]
-        started.append(subprocess.Popen(words, text=True, **pipes))
-        return started[-1]
-
-    yield start
-    for process in started:
-        process.kill()
-        process.wait()
 
 
 @pytest.fixture
@@ -161,19 +129,6 @@ def test_plain_on_a_terminal_has_no_control_codes(start, terminal):
     shown = until(ours, "\tnothing pressed\t")
     assert process.wait(10) == 0
     assert CONTROL_CODE not in shown
-
-
-@pytest.fixture
-def live(ports):
-    """A function that runs the command in this process; gives the typer result."""
-    app = typer.Typer()
-    app.command("live")(_rig["command"])
-
-    def live(*arguments):
-        words = ["--resource", ports.resource, "--model", "m.skops"]
-        return CliRunner().invoke(app, [*words, *map(str, arguments)])
-
-    return live
 
 
 def test_an_absent_meter_is_given_up_in_one_line(live):

@@ -70,7 +70,7 @@ def session(ports):
         link = Link(localizer, connect, read_table(), Limits(), patience, switch)
         links.append(link)
         told = then or {n: press(where) for n, where in enumerate(PRESSES, start=1)}
-        return Session(localizer, link, Rest(2), Witness(told), Log(localizer))
+        return Session(localizer, link, Rest(2), Witness(told), Log())
 
     yield session
     for link in links:

@@ -58,7 +58,7 @@ def task(ports, scene, tmp_path):
 
 
 def test_a_recording_is_every_press_in_its_order(task, operator, pillow):
-    sweeps = gather(*record(task, operator), "table")
+    sweeps = gather(*record(task, operator))
     assert list(sweeps["press"].values) == [step.press for step in task.order]
     assert list(sweeps["frequency"].values) == list(task.scene.frequencies)
     exact = [
@@ -69,7 +69,7 @@ def test_a_recording_is_every_press_in_its_order(task, operator, pillow):
 
 def test_its_file_tells_scene_meter_settings_and_times(task, operator):
     task = dataclasses.replace(task, settings={"speed": "SLOW", "range": 8, "auto_range": False})
-    write(gather(*record(task, operator), "table"), task.output)
+    write(gather(*record(task, operator)), task.output)
     told = read(task.output).attrs
     assert told["scene"] == task.scene.text
     assert "IM3523" in told["meter"]
@@ -86,7 +86,7 @@ def test_readings_that_are_not_normal_are_flagged(task, operator):
     task = dataclasses.replace(
         task, order=[REST, Step("1,1", 1, 1)], settings={"range": 10, "auto_range": False}
     )
-    flagged = json.loads(gather(*record(task, operator), "table").attrs["flagged"])
+    flagged = json.loads(gather(*record(task, operator)).attrs["flagged"])
     assert flagged == [[sweep, 0, index, 2] for sweep in (0, 1) for index in (0, 1, 2)]
 
 
@@ -159,7 +159,7 @@ def test_a_meter_that_keeps_failing_ends_it_with_what_is_done_on_disk(task, oper
     with pytest.raises(MeterError, match="status 7"):
         record(task, operator)
     header = Journal(task.output).header()
-    assert sorted(Journal(task.output).entries(header.order)) == [0, 1]
+    assert sorted(Journal(task.output).entries(header)) == [0, 1]
 
 
 def test_settings_that_change_under_way_are_noticed_and_restored(task, operator, instrument, show):
@@ -208,7 +208,7 @@ def test_an_unsound_sweep_is_repeated_then_kept_with_its_remark(task, operator, 
     assert pressed == ["none", "2,2", "2,2", "2,2"]
     assert entries[0].remarks == ()
     assert any("broken" in remark for remark in entries[1].remarks)
-    assert json.loads(gather(header, entries, "t").attrs["remarks"])[1] == list(entries[1].remarks)
+    assert json.loads(gather(header, entries).attrs["remarks"])[1] == list(entries[1].remarks)
 
 
 @pytest.mark.parametrize(
