@@ -62,6 +62,7 @@ def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callab
         """Record sweeps of a scene's presses; run again, it goes on where it was ended."""
         from ...simulator.sweeps import checked_output, counted
         from ..meter.accuracy import DERIVED, read_table
+        from ..meter.ending import ending_in_order
         from ..meter.hioki import open_meter
         from .checks import Limits
         from .journal import Journal
@@ -84,10 +85,11 @@ def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callab
             Limits(repeatability=repeatability, drift=drift),
             session,
             same_mounting,
+            tell=lambda text: typer.echo(f"rcskin: {text}", err=True),
         )
         screen, operator = _operator(unattended, control, press_with, retries, steps)
         journal = Journal(output)
-        with journal.lock(), _how_to_go_on(task):
+        with ending_in_order(), journal.lock(), _how_to_go_on(task):
             check_free(output, overwrite)
             with screen:
                 header, entries = record_task(task, operator)
@@ -168,7 +170,7 @@ def _how_to_go_on(task: Task) -> Iterator[None]:
 
     try:
         yield
-    except (KeyboardInterrupt, MeterError):
+    except (KeyboardInterrupt, SystemExit, MeterError):
         journal = Journal(task.output)
         header = journal.header()
         if header is not None:

@@ -36,7 +36,7 @@ class Task:
     """What is to be recorded. connect: opens the meter. settings: to be set before it begins.
 
     session: name of the mounting; empty: the time of its begin. same_mounting: that it still is the
-    same, however long ago it was begun.
+    same, however long ago it was begun. tell: told of settings that could not be put back.
     """
 
     scene: SceneData
@@ -48,6 +48,7 @@ class Task:
     limits: Limits = Limits()
     session: str = ""
     same_mounting: bool = False
+    tell: Callable[[str], None] = lambda text: None
 
 
 def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
@@ -62,7 +63,7 @@ def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
     entries = journal.entries(header) if header else {}
     if entries and len(entries) < len(task.order) and not task.same_mounting:
         _ask_for_mounting(journal, entries.values(), operator)
-    station = Station(task.connect, header)
+    station = Station(task.connect, header, task.tell)
     try:
         if header is None:
             header = _begun(journal, task, station)
@@ -77,7 +78,7 @@ def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
             journal.keep(missing[0], entry)
             entries[missing.popleft()] = entry
     finally:
-        station.close()
+        station.leave()
     return header, [entries[number] for number in range(len(task.order))]
 
 

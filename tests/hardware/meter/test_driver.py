@@ -244,3 +244,12 @@ def test_siblings_speak_their_dialect(make_instrument, serve, model):
         meter.trigger_delay = 0.0
         assert meter.read().Rs == pytest.approx(10e3)
         assert meter.model == model
+
+
+def test_a_slow_reading_is_waited_for(make_instrument, serve):
+    """Thirty-two averages at SLOW2 take longer than the time-out, here at a twentieth of it."""
+    instrument = make_instrument(pace=0.05)
+    with serve(instrument) as ports, open_meter(ports.resource, 0.1) as meter:
+        meter.speed, meter.averaging = "SLOW2", 32
+        assert meter.seconds == pytest.approx(6.4)
+        assert meter.read().Rs == pytest.approx(10e3)
