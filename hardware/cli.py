@@ -49,6 +49,7 @@ def meter_app(simulation: Simulation) -> typer.Typer:
         exhibit = _exhibit(simulation, scene, recorded, interface, seed)
         pressing = serving.routines(exhibit, script, random, seed)
         meter = serving.instrument(exhibit, pace, accuracy or DERIVED)
+        meter.tell = lambda text: typer.echo(f"rcskin: {text}", err=True)
         serving.serve(
             meter,
             pressing,

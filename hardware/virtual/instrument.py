@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from ..meter.identity import VIRTUAL_SERIAL
@@ -10,7 +11,7 @@ from .correcting import Corrections
 from .faults import Faults
 from .language.parser import ExecutionError
 from .measurement import NOTHING, OVERFLOW, UNDERFLOW, Bench, Result, conditions, written
-from .state import Measuring, Registers, Settings
+from .state import Measuring, Registers, Settings, Standard
 from .worker import Worker
 
 UNPRESSED = "none"
@@ -28,7 +29,10 @@ class Pending:
 
 @dataclass
 class Instrument:
-    """One meter; clients share it. pace: how long things take, 1 as long as a meter, 0 no time."""
+    """One meter; clients share it. pace: how long things take, 1 as long as a meter, 0 no time.
+
+    tell: told why the skin has no reading, which a client learns as a failure inside the meter.
+    """
 
     bench: Bench
     model: str = "IM3523"
@@ -44,6 +48,7 @@ class Instrument:
     fresh_from: float = 0.0
     waiting: bool = False
     worker: Worker = field(default_factory=Worker)
+    tell: Callable[[str], None] = lambda text: None
 
     @property
     def identity(self) -> str:
@@ -78,9 +83,14 @@ class Instrument:
         await asyncio.sleep(max(0.0, pending.done - self.now))
         fault = self.faults.take("status")
         loop = asyncio.get_running_loop()
-        result = await loop.run_in_executor(
-            self.worker, self.bench.measure, pending.press, pending.settings
-        )
+        try:
+            result = await loop.run_in_executor(
+                self.worker, self.bench.measure, pending.press, pending.settings
+            )
+        except Exception as failure:
+            self.tell(f"press {pending.press}: no reading: {failure} ({type(failure).__name__})")
+            self.registers.note(Standard.DDE)
+            result = NOTHING
         self._keep(replace(result, status=fault.status) if fault else result)
         if self.pending is pending:
             self.pending = None
@@ -119,4 +129,4 @@ class Instrument:
 
     def _seconds(self) -> float:
         delay = self.settings.each_range[self.settings.range].delay
-        return self.pace * (delay + conditions(self.settings, self.settings.range).seconds)
+        return self.pace * (delay + conditions(self.settings, self.settings.range, 0j).seconds)
