@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -35,6 +36,7 @@ class Station:
         if self.meter is None:
             meter = self._connected()
             self.meter = meter
+            atexit.register(self.leave)  # where the process is ended by force
             try:
                 if self.header is not None:
                     restore(meter, self.header.settings)
@@ -65,6 +67,7 @@ class Station:
                 self.tell(f"the meter does not answer: {', '.join(found)} could not be put back")
         self.close()
         self._found = {}
+        atexit.unregister(self.leave)
 
     def _under_way(self) -> float:
         """Seconds that a reading may take which nobody waits for any more."""

@@ -74,6 +74,7 @@ def test_a_terminal_has_its_cursor_back_even_so(start, tmp_path):
     ours, theirs = pty.openpty()
     process = start("-c", DEAF, tmp_path / "out.csv", stderr=theirs)
     assert process.stdout.readline() == "at work\n"
+    time.sleep(0.5)
     os.killpg(process.pid, signal.SIGINT)
     process.communicate(timeout=30)
     assert os.read(ours, 1000).startswith(b"\x1b[?25h")
@@ -91,18 +92,3 @@ def test_workers_of_a_study_end_with_it(start, tmp_path):
     _, err = process.communicate(timeout=30)
     assert process.returncode == 130 and err.splitlines()[-1] == "rcskin: interrupted"
     assert not [*tmp_path.iterdir()]
-
-
-def test_a_terminal_has_its_cursor_back_even_so(start, tmp_path):
-    ours, theirs = pty.openpty()
-    process = start("-c", DEAF, tmp_path / "out.csv", stderr=theirs)
-    assert process.stdout.readline() == "at work\n"
-    os.killpg(process.pid, signal.SIGINT)
-    process.communicate(timeout=30)
-    assert os.read(ours, 1000).startswith(b"\x1b[?25h")
-    os.close(ours)
-    os.close(theirs)
-    for _ in range(200):
-        if not members(process.pid):
-            break
-        time.sleep(0.05)
