@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .options import Accuracy, Baud, ControlAddress, Interface, Resource, Timeout
+from .options import Accuracy, Baud, ControlAddress, Interfaces, Resource, Timeout
 from .record.command import record_command
 from .record.output import gather_command
 from .virtual.simulation import Simulation
@@ -28,7 +28,7 @@ def meter_app(simulation: Simulation) -> typer.Typer:
         recorded: Annotated[
             list[Path] | None, typer.Option(help="Play recorded sweeps instead of a scene.")
         ] = None,
-        interface: Interface = None,
+        interface: Interfaces = None,
         host: Annotated[str, typer.Option(help="Address to listen at.")] = "127.0.0.1",
         port: Annotated[int, typer.Option(help="TCP port; 0 takes any free one.")] = 3500,
         control_port: Annotated[int, typer.Option(help="Port of the side door.")] = 3501,
@@ -115,10 +115,22 @@ def _add_small_commands(app: typer.Typer) -> None:
         typer.echo(ask(control, "press", press=press))
 
     @app.command()
+    def select(
+        interface: Annotated[str, typer.Argument(help="Of the skin that is being served.")],
+        control: ControlAddress = CONTROL,
+    ) -> None:
+        """Connect a virtual meter to another interface of its skin."""
+        from .steer import ask
+
+        typer.echo(ask(control, "select", interface=interface))
+
+    @app.command()
     def misbehave(
         kind: Annotated[
             str,
-            typer.Argument(help="drop, late, silent, garbage, half, status, correction, forget."),
+            typer.Argument(
+                help="drop, late, silent, garbage, half, status, correction, forget, slow, stuck."
+            ),
         ],
         times: Annotated[int, typer.Option(help="How often.")] = 1,
         seconds: Annotated[float, typer.Option(help="How late.")] = 2.0,
@@ -135,7 +147,7 @@ def _exhibit(
     simulation: Simulation,
     scene: str | None,
     recorded: list[Path] | None,
-    interface: str | None,
+    interfaces: list[str] | None,
     seed: int,
 ) -> Exhibit:
     from ..simulator.sweeps import InputError, read_joined
@@ -144,7 +156,7 @@ def _exhibit(
     if (scene is None) == (not recorded):
         raise InputError("serve needs either --scene or --recorded")
     if recorded:
-        return serving.recorded(read_joined(recorded), interface)
+        return serving.recorded(read_joined(recorded), interfaces)
     assert scene is not None
-    data = simulation.scene(scene, interface)
-    return serving.simulated(data, simulation.skin(data), simulation.readout(data, seed))
+    data = simulation.scene(scene, interfaces)
+    return serving.simulated(data, simulation.skins(data), simulation.readout(data, seed))

@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..options import Accuracy, Baud, Overwrite, Resource, Timeout
+from ..options import (
+    Accuracy,
+    Baud,
+    Overwrite,
+    Resource,
+    Settle,
+    SwitchName,
+    SwitchWith,
+    Timeout,
+)
 from ..record.output import check_free
 
 if TYPE_CHECKING:
@@ -30,6 +39,9 @@ def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
         interface: Annotated[
             str | None, typer.Option(help="Where the meter is connected; else the model's.")
         ] = None,
+        switch: SwitchName = None,
+        switch_with: SwitchWith = None,
+        settle: Settle = None,
         rest: Annotated[int, typer.Option(help="Sweeps at rest, where the model needs any.")] = 3,
         rest_file: Annotated[
             list[Path] | None, typer.Option(help="Take the sweeps at rest (press none) of files.")
@@ -59,6 +71,7 @@ def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
         from ..meter.ending import ending_in_order
         from ..meter.hioki import open_meter
         from ..record.checks import Limits
+        from ..switch.asked import asked_switch
         from .link import Link
         from .log import Log
         from .session import Session
@@ -74,6 +87,7 @@ def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
             read_table(accuracy or DERIVED),
             Limits(drift=drift),
             patience,
+            asked_switch(switch, switch_with, settle, localizer.interfaces),
             lambda text: typer.echo(f"rcskin: {text}", err=True),
         )
         at_rest = _rest(localizer, rest, rest_file, anyway)
@@ -144,14 +158,9 @@ def _rest(localizer: Localizer, wanted: int, files: list[Path] | None, anyway: b
 
 
 def _check_interface(localizer: Localizer, interface: str | None) -> None:
-    """Raises InputError where the model asks for what one meter on one interface cannot tell."""
+    """Raises InputError where the meter is said to be at an interface that is not the model's."""
     from ...simulator.sweeps import InputError
 
-    names = ", ".join(localizer.interfaces)
-    if len(localizer.interfaces) > 1:
-        raise InputError(
-            f"the model needs the interfaces {names} at once, and a meter is connected to one of "
-            "them: that takes a multiplexer, which no resource serves yet; train on one interface"
-        )
-    if interface not in (None, *localizer.interfaces):
+    if interface is not None and (interface,) != localizer.interfaces:
+        names = ", ".join(localizer.interfaces)
         raise InputError(f"the model was trained on interface {names}, got {interface!r}")

@@ -11,10 +11,10 @@ import numpy as np
 
 from ...simulator.sweeps import UNPRESSED, InputError, build, counted, read_joined
 from ...simulator.sweeps.same_skin import check_same_skin
-from ..record.journal import Entry, Header, Journal, now
+from ..record.journal import Entry, Header, Journal
 from ..record.order import UNKNOWN
 from ..record.output import finish
-from ..record.sweep import Sweep
+from ..record.sweep import Sweep, Trace, now
 from .answer import Answer, Localizer
 
 if TYPE_CHECKING:
@@ -24,17 +24,17 @@ if TYPE_CHECKING:
 def as_dataset(
     sweeps: Sequence[Sweep], localizer: Localizer, press: Sequence[str] | str = UNKNOWN
 ) -> xr.Dataset:
-    """Sweeps at the localizer's interface and frequencies. press: of each, or of all."""
+    """Sweeps at the localizer's interfaces and frequencies. press: of each, or of all."""
     presses = [press] * len(sweeps) if isinstance(press, str) else list(press)
     places = [0 if each == UNPRESSED else -1 for each in presses]
     return build(
-        np.stack([sweep.Z for sweep in sweeps])[:, None, :],
+        np.stack([sweep.Z for sweep in sweeps]),
         np.array(localizer.frequencies),
         interface=list(localizer.interfaces),
         press=presses,
         row=places,
         column=places,
-        Cp=np.array([sweep.Cp for sweep in sweeps])[:, None, :],
+        Cp=np.array([sweep.Cp for sweep in sweeps]),
         attributes={"scene": localizer.scene},
     )
 
@@ -58,10 +58,16 @@ def read_rest(paths: Sequence[Path], localizer: Localizer, *, anyway: bool = Fal
     if not same or tuple(unpressed["interface"].values) != localizer.interfaces:
         raise InputError(f"{path}: has other interfaces or frequencies than the model")
     ordered = unpressed.transpose("sweep", "interface", "frequency")
-    Cp, Rs, X = (ordered[name].values[:, 0].tolist() for name in ("Cp", "Rs", "X"))
+    values = np.stack([ordered[name].values for name in ("Cp", "Rs", "X")], axis=2).tolist()
     normal = (0,) * len(frequencies)
     return [
-        Sweep(tuple(cp), tuple(rs), tuple(x), normal) for cp, rs, x in zip(Cp, Rs, X, strict=True)
+        Sweep(
+            tuple(
+                Trace(tuple(Cp), tuple(Rs), tuple(X), normal, name)
+                for name, (Cp, Rs, X) in zip(localizer.interfaces, each, strict=True)
+            )
+        )
+        for each in values
     ]
 
 

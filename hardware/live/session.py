@@ -11,9 +11,8 @@ from typing import Protocol
 from ...simulator.sweeps import UNPRESSED
 from ..meter.errors import MeterError
 from ..meter.reading import Reading
-from ..record.journal import now
 from ..record.order import UNKNOWN
-from ..record.sweep import Sweep, flags
+from ..record.sweep import Sweep, flags, now
 from .answer import Answer, Localizer
 from .link import Link
 from .log import Log, as_dataset

@@ -11,7 +11,7 @@ import numpy as np
 from ...simulator.sweeps import build, parallel_capacitance, violations
 from ...simulator.sweeps.passivity import Bounds, listed
 from ..meter.accuracy import AccuracyTable, Conditions, Drive, full_scale
-from .sweep import Sweep
+from .sweep import Sweep, Trace
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -46,15 +46,23 @@ class Judge:
 
         earlier: sound sweeps of the same press, oldest first.
         """
-        found = [*self._broken_laws(sweep), *self._miscalculated(sweep)]
+        found: list[str] = []
+        for place, trace in enumerate(sweep.traces):
+            before = [one.traces[place] for one in earlier]
+            where = f"interface {trace.interface}: " if len(sweep.traces) > 1 else ""
+            found += [where + remark for remark in self._of_trace(trace, before, at_rest)]
+        return found
+
+    def _of_trace(self, trace: Trace, earlier: Sequence[Trace], at_rest: bool) -> list[str]:
+        found = [*self._broken_laws(trace), *self._miscalculated(trace)]
         if earlier and at_rest:
             found += self._departs(
-                sweep, earlier[0].Z, self.limits.drift, "the skin at rest has drifted"
+                trace, earlier[0].Z, self.limits.drift, "the skin at rest has drifted"
             )
         elif earlier:
             mean = np.mean([one.Z for one in earlier], axis=0)
             found += self._departs(
-                sweep, mean, self.limits.repeatability, "differs from earlier repetitions"
+                trace, mean, self.limits.repeatability, "differs from earlier repetitions"
             )
         return found
 
@@ -78,17 +86,17 @@ class Judge:
             settings["cable"],
         )
 
-    def _broken_laws(self, sweep: Sweep) -> list[str]:
+    def _broken_laws(self, trace: Trace) -> list[str]:
         one = build(
-            sweep.Z[None, None],
+            trace.Z[None, None],
             self.frequency,
             interface=["meter"],
             press=["?"],
             row=[-1],
             column=[-1],
         )
-        bounds = self.bounds(sweep.Z).times(self.limits.errors)
-        beyond = f"beyond the meter's error{self._guessed(sweep.Z)}"
+        bounds = self.bounds(trace.Z).times(self.limits.errors)
+        beyond = f"beyond the meter's error{self._guessed(trace.Z)}"
         return [
             f"{each.law} is broken at {listed(each.frequency)}, {beyond}"
             for each in violations(one, bounds)
@@ -105,17 +113,17 @@ class Judge:
             return ""
         return f" as far as it is known: {self.table.name} tells none of {', '.join(unknown)} ohm"
 
-    def _miscalculated(self, sweep: Sweep) -> list[str]:
-        from_Z = parallel_capacitance(sweep.Z, self.frequency)
-        wrong = np.abs(np.array(sweep.Cp) - from_Z) > CALCULATED * np.abs(from_Z)
+    def _miscalculated(self, trace: Trace) -> list[str]:
+        from_Z = parallel_capacitance(trace.Z, self.frequency)
+        wrong = np.abs(np.array(trace.Cp) - from_Z) > CALCULATED * np.abs(from_Z)
         if not wrong.any():
             return []
         return [f"Cp does not follow from Rs, X and f at {listed(self.frequency[wrong])}"]
 
     def _departs(
-        self, sweep: Sweep, usual: NDArray[np.complex128], limit: float, what: str
+        self, trace: Trace, usual: NDArray[np.complex128], limit: float, what: str
     ) -> list[str]:
-        departure = np.abs(sweep.Z / usual - 1)
+        departure = np.abs(trace.Z / usual - 1)
         worst = int(departure.argmax())
         if departure[worst] <= limit:
             return []

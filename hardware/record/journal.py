@@ -12,13 +12,13 @@ import shutil
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass, fields
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 from ...simulator.sweeps import InputError, whole_file
 from ...simulator.sweeps.locking import locked
-from .sweep import Sweep
+from .sweep import Sweep, Trace
 
 HEADER, SWEEPS = "recording.json", "[0-9]*.json"
 
@@ -34,7 +34,7 @@ class Header:
 
     scene: str
     name: str
-    interface: str
+    interfaces: tuple[str, ...]
     frequencies: tuple[float, ...]
     rows: int
     columns: int
@@ -117,11 +117,6 @@ class Journal:
         return self.folder / f"{number:06d}.json"
 
 
-def now() -> str:
-    """The time as ISO 8601 with milliseconds, UTC."""
-    return datetime.now(UTC).isoformat(timespec="milliseconds")
-
-
 def differences(header: Header, now: Mapping[str, Any]) -> list[str]:
     """Names of what is now and is not what the recording began with."""
     return [name for name, value in now.items() if getattr(header, name) != value]
@@ -146,19 +141,26 @@ def _read(path: Path) -> dict[str, Any]:
 
 def _header(content: dict[str, Any], path: Path) -> Header:
     _check_keys(content, Header, path)
-    lists = {name: tuple(content[name]) for name in ("frequencies", "order")}
+    lists = {name: tuple(content[name]) for name in ("interfaces", "frequencies", "order")}
     return Header(**{**content, **lists})
 
 
 def _entry(content: dict[str, Any], path: Path, asked: tuple[str, ...]) -> Entry:
     _check_keys(content, Entry, path)
     _check_keys(content["sweep"], Sweep, path)
+    for trace in content["sweep"]["traces"]:
+        _check_keys(trace, Trace, path)
     if asked and content["press"] != asked[0]:
         raise InputError(f"{path}: holds press {content['press']}, the order has {asked[0]} here")
-    sweep = Sweep(**{name: tuple(values) for name, values in content["sweep"].items()})
+    sweep = Sweep(tuple(_trace(each) for each in content["sweep"]["traces"]))
     answer = content["answer"] and tuple(content["answer"])
     listed = {"sweep": sweep, "remarks": tuple(content["remarks"]), "answer": answer}
     return Entry(**{**content, **listed})
+
+
+def _trace(content: dict[str, Any]) -> Trace:
+    lists = {name: tuple(value) for name, value in content.items() if isinstance(value, list)}
+    return Trace(**{**content, **lists})
 
 
 def _check_keys(content: dict[str, Any], of: type, path: Path) -> None:

@@ -55,6 +55,10 @@ class Operator(Protocol):
         """
         ...
 
+    def turn(self, interface: str) -> None:
+        """An interface is about to be connected; what comes next is of it."""
+        ...
+
     def watch(self, frequency: float, reading: Reading) -> None:
         """A reading came, at a frequency in Hz."""
         ...
@@ -72,6 +76,7 @@ class Show(Protocol):
     """Where the course of a recording is shown."""
 
     def begin(self, title: str, rest: Sweep | None) -> None: ...
+    def turn(self, interface: str) -> None: ...
     def reading(self, frequency: float, reading: Reading) -> None: ...
     def end(self, remarks: Sequence[str]) -> None: ...
 
@@ -101,6 +106,10 @@ class Machine:
         self.by(step)
         self.show.begin(f"{progress.words}  press {step.press}", progress.rest)
         return True
+
+    def turn(self, interface: str) -> None:
+        """Show it."""
+        self.show.turn(interface)
 
     def watch(self, frequency: float, reading: Reading) -> None:
         """Show the reading."""

@@ -17,13 +17,14 @@ from ..meter.errors import MeterError
 from ..meter.hioki import Meter
 from ..meter.snapshot import apply, require, restore, snapshot
 from ..scene_data import SceneData
+from ..switch.switch import Switch
 from .change import unseen_press
 from .checks import Judge, Limits
-from .journal import Entry, Header, Journal, differences, now
+from .journal import Entry, Header, Journal, differences
 from .operators import Operator, Progress
 from .order import REST, Step
 from .station import Station
-from .sweep import Sweep, check_frequencies, measure_sweep
+from .sweep import Sweep, check_frequencies, measure_sweep, now
 
 LATEST = 12
 """Steps by which the time left is told."""
@@ -36,7 +37,9 @@ class Task:
     """What is to be recorded. connect: opens the meter. settings: to be set before it begins.
 
     session: name of the mounting; empty: the time of its begin. same_mounting: that it still is the
-    same, however long ago it was begun. tell: told of settings that could not be put back.
+    same, however long ago it was begun.
+    switch: connects the meter to one of the scene's interfaces; None where there is but one.
+    tell: told of settings that could not be put back.
     """
 
     scene: SceneData
@@ -48,6 +51,7 @@ class Task:
     limits: Limits = Limits()
     session: str = ""
     same_mounting: bool = False
+    switch: Switch | None = None
     tell: Callable[[str], None] = lambda text: None
 
 
@@ -79,6 +83,8 @@ def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
             entries[missing.popleft()] = entry
     finally:
         station.leave()
+        if task.switch:
+            task.switch.close()
     return header, [entries[number] for number in range(len(task.order))]
 
 
@@ -122,11 +128,18 @@ class Course:
                 return replace(entry, remarks=tuple(remarks))
 
     def _attempt(self, step: Step, progress: Progress) -> Entry | None:
-        meter = self.station.ready()
+        meter, task = self.station.ready(), self.task
         if not self.operator.press(step, progress):
             return None
         begun = now()
-        sweep = measure_sweep(meter, self.task.scene.frequencies, self.operator.watch)
+        sweep = measure_sweep(
+            meter,
+            task.scene.frequencies,
+            task.scene.interfaces,
+            task.switch,
+            self.operator.watch,
+            self.operator.turn,
+        )
         assert self.station.header is not None
         require(meter, self.station.header.settings)
         return Entry(step.press, sweep, begun, now())
@@ -185,7 +198,7 @@ def _asked(task: Task) -> dict[str, Any]:
     return {
         "scene": task.scene.text,
         "name": task.scene.name,
-        "interface": task.scene.interface,
+        "interfaces": tuple(task.scene.interfaces),
         "frequencies": tuple(task.scene.frequencies),
         "rows": task.scene.rows,
         "columns": task.scene.columns,

@@ -16,6 +16,8 @@ KINDS = {
     "status": "report a failed reading, 7 (overflow) unless told otherwise",
     "correction": "fail an open or short correction",
     "forget": "lose all settings, as after a power cut",
+    "slow": "have the switch turn late",
+    "stuck": "have the switch stay where it is",
 }
 ON_ANSWERS = ("drop", "late", "silent", "garbage", "half")
 

@@ -47,6 +47,12 @@ class Scripted:
 
 
 @pytest.fixture
+def rig_skins():
+    """The pillow at both interfaces."""
+    return _rig["SKINS"]
+
+
+@pytest.fixture
 def pillow():
     return Pillow()
 

@@ -159,6 +159,14 @@ def test_the_rest_of_a_log_serves_again(live, tmp_path, instrument):
     assert "column 2" in output and "untouched" not in output
 
 
+def test_a_rest_file_of_fewer_sweeps_than_asked_for_is_enough(live, tmp_path, instrument):
+    log = tmp_path / "run.csv"
+    live("--sweeps", 1, "--rest", 2, "--log", log)
+    instrument.press = "1,2"
+    output = live("--sweeps", 1, "--rest", 3, "--rest-file", log).output
+    assert "column 2" in output and "untouched" not in output
+
+
 def test_a_rest_of_other_frequencies_is_refused(live, tmp_path):
     log, other = tmp_path / "run.csv", tmp_path / "other.csv"
     live("--sweeps", 1, "--log", log)
@@ -170,7 +178,7 @@ def test_a_rest_of_other_frequencies_is_refused(live, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["--model", "two.skops"], "needs the interfaces left, right at once"),
+        (["--model", "two.skops"], "the interfaces left, bottom are measured in turn, which"),
         (["--interface", "up"], "the model was trained on interface left, got 'up'"),
         (["--rest", "0"], "`rest` must be in 1..1000, got 0"),
         (["--sweeps", "0"], "`sweeps` must be at least 1, got 0"),

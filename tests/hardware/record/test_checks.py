@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.meter.accuracy import read_table
 from rcskin.hardware.record.checks import Judge, Limits
-from rcskin.hardware.record.sweep import Sweep
+from rcskin.hardware.record.sweep import Sweep, Trace
 from rcskin.hardware.virtual.measurement import conditions
 from rcskin.hardware.virtual.state import Settings
 from rcskin.simulator.sweeps import parallel_capacitance
@@ -30,7 +30,7 @@ LINE = 1e5 / np.sqrt(1j * FREQUENCY / 1e4) / np.tanh(np.sqrt(1j * FREQUENCY / 1e
 
 def sweep_of(Z):
     Cp = parallel_capacitance(Z, FREQUENCY)
-    return Sweep(tuple(Cp), tuple(Z.real), tuple(Z.imag), (0,) * len(Z))
+    return Sweep((Trace(tuple(Cp), tuple(Z.real), tuple(Z.imag), (0,) * len(Z)),))
 
 
 def test_a_line_breaks_no_law():
@@ -64,9 +64,22 @@ def test_a_range_whose_error_is_not_known_is_told():
 
 
 def test_a_frequency_that_is_another_shows_in_Cp():
-    wrong = dataclasses.replace(sweep_of(LINE), Cp=tuple(parallel_capacitance(LINE, FREQUENCY / 2)))
+    Cp = tuple(parallel_capacitance(LINE, FREQUENCY / 2))
+    wrong = Sweep((dataclasses.replace(sweep_of(LINE).traces[0], Cp=Cp),))
     (remark,) = JUDGE.remarks(wrong, [], at_rest=False)
     assert remark.startswith("Cp does not follow from Rs, X and f at 9 frequencies")
+
+
+def test_each_interface_is_judged_by_its_own_and_named():
+    def at_both(left, bottom):
+        traces = [sweep_of(Z).traces[0] for Z in (left, bottom)]
+        names = zip(traces, ("left", "bottom"), strict=True)
+        return Sweep(tuple(dataclasses.replace(each, interface=name) for each, name in names))
+
+    sound, moved = at_both(LINE, 3 * LINE), at_both(LINE, 3.3 * LINE)
+    assert JUDGE.remarks(sound, [sound], at_rest=False) == []
+    (remark,) = JUDGE.remarks(moved, [sound], at_rest=False)
+    assert remark.startswith("interface bottom: differs from earlier repetitions by 10.0 %")
 
 
 @pytest.mark.parametrize(

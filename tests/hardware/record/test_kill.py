@@ -48,7 +48,7 @@ def test_killed_again_and_again_it_goes_on_and_loses_nothing(ports, start_rig, t
     sweeps = read(output)
     assert not folder.exists()
     first = sorted(kept)
-    Rs = [json.loads(kept[name])["sweep"]["Rs"] for name in first]
+    Rs = [json.loads(kept[name])["sweep"]["traces"][0]["Rs"] for name in first]
     assert sweeps["Rs"].values[[int(name[:6]) for name in first], 0].tolist() == Rs
     order = standard_order(2, 2, REPETITIONS)
     assert list(sweeps["press"].values) == [step.press for step in order]

@@ -30,6 +30,7 @@ class Silent:
         self.remarks = []
 
     def begin(self, title, rest): ...
+    def turn(self, interface): ...
     def reading(self, frequency, reading): ...
     def end(self, remarks):
         self.remarks += remarks
@@ -87,7 +88,7 @@ def test_readings_that_are_not_normal_are_flagged(task, operator):
         task, order=[REST, Step("1,1", 1, 1)], settings={"range": 10, "auto_range": False}
     )
     flagged = json.loads(gather(*record(task, operator)).attrs["flagged"])
-    assert flagged == [[sweep, index, 2] for sweep in (0, 1) for index in (0, 1, 2)]
+    assert flagged == [[sweep, 0, index, 2] for sweep in (0, 1) for index in (0, 1, 2)]
 
 
 class Interrupts(Machine):
