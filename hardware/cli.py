@@ -49,6 +49,7 @@ def meter_app(simulation: Simulation) -> typer.Typer:
         exhibit = _exhibit(simulation, scene, recorded, interface, seed)
         pressing = serving.routines(exhibit, script, random, seed)
         meter = serving.instrument(exhibit, pace, accuracy or DERIVED)
+        meter.tell = lambda text: typer.echo(f"rcskin: {text}", err=True)
         serving.serve(
             meter,
             pressing,
@@ -95,9 +96,10 @@ def _add_small_commands(app: typer.Typer) -> None:
     ) -> None:
         """Acquire open or short correction, or end it."""
         from .meter.correction import correct as acquire
+        from .meter.ending import ending_in_order
         from .meter.hioki import open_meter
 
-        with open_meter(resource, timeout, baud) as meter:
+        with ending_in_order(), open_meter(resource, timeout, baud) as meter:
             acquire(meter, kind.lower(), extent.upper())
             state = meter.open_correction, meter.short_correction
         typer.echo(f"open correction {state[0]}, short correction {state[1]}")

@@ -68,6 +68,7 @@ def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
         """Localize presses as they come: time, answer, probability and latency in ms in a pipe."""
         from ...simulator.sweeps import InputError
         from ..meter.accuracy import DERIVED, read_table
+        from ..meter.ending import ending_in_order
         from ..meter.hioki import open_meter
         from ..record.checks import Limits
         from ..switch.asked import asked_switch
@@ -87,11 +88,12 @@ def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
             Limits(drift=drift),
             patience,
             asked_switch(switch, switch_with, settle, localizer.interfaces),
+            lambda text: typer.echo(f"rcskin: {text}", err=True),
         )
         at_rest = _rest(localizer, rest, rest_file, anyway)
         kept = Log(journal)
         try:
-            with journal.lock() if journal else nullcontext():
+            with ending_in_order(), journal.lock() if journal else nullcontext():
                 with _showing(localizer, plain) as (show, key):
                     _run(Session(localizer, link, at_rest, show, kept, key), sweeps)
         finally:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from contextlib import suppress
-from threading import Thread
 
 import numpy as np
 
@@ -23,8 +21,6 @@ from ..switch.switch import Switch
 from .answer import Localizer
 
 FIRST_WAIT, LONGEST_WAIT = 0.25, 4.0
-PARTING = 0.5
-"""Seconds that a meter has to take back its settings."""
 
 
 class Link:
@@ -42,13 +38,16 @@ class Link:
         limits: Limits,
         patience: float,
         switch: Switch | None = None,
+        tell: Callable[[str], None] = lambda text: None,
     ) -> None:
+        """tell: told of settings that could not be put back in the end."""
         if not 0 < patience <= 1e6:
             raise InputError(f"`patience` must be in (0, 1e6] s, got {patience:g}")
         self._localizer, self._table, self._limits = localizer, table, limits
-        self._station, self._patience, self._switch = Station(connect), patience, switch
+        self._station, self._patience = Station(connect, tell=tell), patience
+        self._switch = switch
         self._failing_since: float | None = None
-        self._wait, self._frequency = FIRST_WAIT, 0.0
+        self._wait = FIRST_WAIT
         self.judge: Judge | None = None
 
     @property
@@ -102,23 +101,14 @@ class Link:
         return wait
 
     def leave(self) -> None:
-        """Let the meter go, at its frequency of before and measuring by itself again.
-
-        One that does not answer is left as it is.
-        """
-        meter = self._station.meter
-        if meter and self._frequency:
-            parting = Thread(target=self._give_back, args=(meter,), daemon=True)
-            parting.start()
-            parting.join(PARTING)
-        self._station.close()
+        """Let the meter go as it was found; one that does not answer is left as it is."""
+        self._station.leave()
         if self._switch:
             self._switch.close()
 
     def _begin(self, meter: Meter) -> None:
         localizer = self._localizer
         check_frequencies(meter, localizer.frequencies)
-        self._frequency = meter.frequency
         settings = snapshot(meter)
         restore(meter, settings)
         self._station.header = Header(
@@ -140,10 +130,3 @@ class Link:
 
     def _recovered(self) -> None:
         self._failing_since, self._wait = None, FIRST_WAIT
-
-    def _give_back(self, meter: Meter) -> None:
-        with suppress(MeterError):  # what it was just answering is no answer to what follows
-            meter.talk.check("the end")
-        with suppress(MeterError, InputError):
-            meter.frequency = self._frequency
-            meter.trigger = "INTERNAL"

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...simulator.sweeps import build, parallel_capacitance, violations
-from ...simulator.sweeps.passivity import listed
-from ..meter.accuracy import AccuracyTable, Conditions, full_scale
+from ...simulator.sweeps.passivity import Bounds, listed
+from ..meter.accuracy import AccuracyTable, Conditions, Drive, full_scale
 from .sweep import Sweep, Trace
 
 if TYPE_CHECKING:
@@ -66,31 +66,23 @@ class Judge:
             )
         return found
 
-    def tolerance(self, Z: NDArray[np.complex128]) -> float:
-        """The largest bound over a sweep of the relative error of Rs, Cp or Cs.
-
-        With bounds dz of |Z| and dt of the phase t: Rs is off by dz + |tan t| dt, Cp and Cs by
-        dz + |cot t| dt.
-        """
-        errors = []
-        for f, z in zip(self.frequency, Z, strict=True):
-            dz, dt = self.table.bound(z, self._conditions(float(f), complex(z)))
-            errors.append(dz + max(abs(z.imag / z.real), abs(z.real / z.imag)) * dt)
-        return float(max(errors))
+    def bounds(self, Z: NDArray[np.complex128]) -> Bounds:
+        """Of the meter's error, at each frequency by its own reading."""
+        pairs = [
+            self.table.bound(z, self._conditions(f, z))
+            for f, z in zip(self.frequency.tolist(), Z.tolist(), strict=True)
+        ]
+        return Bounds(*np.array(pairs).T)
 
     def _conditions(self, frequency: float, Z: complex) -> Conditions:
         settings = self.settings
-        level = {
-            "V": settings["voltage"],
-            "CV": settings["constant_voltage"],
-            "CC": settings["constant_current"] * abs(Z),
-        }[settings["level"]]
+        drive = Drive(**{field.name: settings[field.name] for field in fields(Drive)})
         return Conditions(
             frequency,
             settings.get("range") or self.table.fitting_range(Z),
             settings["speed"],
             settings["averaging"],
-            level,
+            drive.open_voltage(Z),
             settings["cable"],
         )
 
@@ -103,11 +95,11 @@ class Judge:
             row=[-1],
             column=[-1],
         )
-        tolerance = self.limits.errors * self.tolerance(trace.Z)
+        bounds = self.bounds(trace.Z).times(self.limits.errors)
         beyond = f"beyond the meter's error{self._guessed(trace.Z)}"
         return [
             f"{each.law} is broken at {listed(each.frequency)}, {beyond}"
-            for each in violations(one, tolerance)
+            for each in violations(one, bounds)
         ]
 
     def _guessed(self, Z: NDArray[np.complex128]) -> str:

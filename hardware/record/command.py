@@ -78,6 +78,7 @@ def record_command(
         """Record sweeps of a scene's presses; run again, it goes on where it was ended."""
         from ...simulator.sweeps import checked_output, counted
         from ..meter.accuracy import DERIVED, read_table
+        from ..meter.ending import ending_in_order
         from ..meter.hioki import open_meter
         from ..switch.asked import asked_switch
         from .checks import Limits
@@ -106,9 +107,10 @@ def record_command(
             session,
             same_mounting,
             asked_switch(switch, switch_with, settle, data.interfaces, ask),
+            lambda text: typer.echo(f"rcskin: {text}", err=True),
         )
         journal = Journal(output)
-        with journal.lock(), _how_to_go_on(task):
+        with ending_in_order(), journal.lock(), _how_to_go_on(task):
             check_free(output, overwrite)
             with screen:
                 header, entries = record_task(task, operator)
@@ -196,7 +198,7 @@ def _how_to_go_on(task: Task) -> Iterator[None]:
 
     try:
         yield
-    except (KeyboardInterrupt, MeterError):
+    except (KeyboardInterrupt, SystemExit, MeterError):
         journal = Journal(task.output)
         header = journal.header()
         if header is not None:

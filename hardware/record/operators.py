@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import shlex
 import subprocess
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from ...simulator.sweeps import InputError
 from ..meter.errors import MeterError, PressError
 from ..meter.reading import Reading
 from .order import Step
 from .sweep import Sweep
+from .template import Template
 
 Press = Callable[[Step], None]
 
@@ -140,17 +139,10 @@ def pressing_by_command(command: str) -> Press:
     Raises InputError where the command cannot be understood; the press raises PressError where it
     cannot be run or ends with another code than 0.
     """
-    try:
-        words = shlex.split(command)
-        [word.format(press="none", row=0, column=0) for word in words]
-    except (ValueError, KeyError, IndexError) as error:
-        raise InputError(
-            "`press-with` must be a command with {press}, {row} or {column} to be filled in, "
-            f"got {command!r}"
-        ) from error
+    template = Template(command, "press-with", press="none", row=0, column=0)
 
     def press(step: Step) -> None:
-        filled = [word.format(press=step.press, row=step.row, column=step.column) for word in words]
+        filled = template.filled(press=step.press, row=step.row, column=step.column)
         try:
             subprocess.run(filled, check=True, capture_output=True, timeout=600)
         except (OSError, subprocess.SubprocessError) as error:

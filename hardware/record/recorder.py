@@ -39,6 +39,7 @@ class Task:
     session: name of the mounting; empty: the time of its begin. same_mounting: that it still is the
     same, however long ago it was begun.
     switch: connects the meter to one of the scene's interfaces; None where there is but one.
+    tell: told of settings that could not be put back.
     """
 
     scene: SceneData
@@ -51,6 +52,7 @@ class Task:
     session: str = ""
     same_mounting: bool = False
     switch: Switch | None = None
+    tell: Callable[[str], None] = lambda text: None
 
 
 def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
@@ -65,7 +67,7 @@ def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
     entries = journal.entries(header) if header else {}
     if entries and len(entries) < len(task.order) and not task.same_mounting:
         _ask_for_mounting(journal, entries.values(), operator)
-    station = Station(task.connect, header)
+    station = Station(task.connect, header, task.tell)
     try:
         if header is None:
             header = _begun(journal, task, station)
@@ -80,7 +82,7 @@ def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
             journal.keep(missing[0], entry)
             entries[missing.popleft()] = entry
     finally:
-        station.close()
+        station.leave()
         if task.switch:
             task.switch.close()
     return header, [entries[number] for number in range(len(task.order))]

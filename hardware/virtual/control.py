@@ -51,7 +51,7 @@ class Control:
             return {"ok": await self._done(**request)}
         except InputError as error:
             return {"error": str(error)}
-        except (ValueError, TypeError) as error:
+        except (ValueError, TypeError, RecursionError) as error:
             return {"error": f"no request that is known: {error}"}
 
     async def _done(self, do: str, **given: Any) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ..meter.identity import VIRTUAL_SERIAL
@@ -12,7 +12,7 @@ from .faults import Faults
 from .language.parser import ExecutionError
 from .measurement import NOTHING, OVERFLOW, UNDERFLOW, Bench, Result, conditions, written
 from .skin import Skin
-from .state import Measuring, Registers, Settings
+from .state import Measuring, Registers, Settings, Standard
 from .worker import Worker
 
 UNPRESSED = "none"
@@ -34,6 +34,7 @@ class Instrument:
     """One meter; clients share it. pace: how long things take, 1 as long as a meter, 0 no time.
 
     skins: by interface, where a switch connects one of several; interface: the one it is at.
+    tell: told why the skin has no reading, which a client learns as a failure inside the meter.
     """
 
     bench: Bench
@@ -52,6 +53,7 @@ class Instrument:
     worker: Worker = field(default_factory=Worker)
     skins: Mapping[str, Skin] = field(default_factory=dict)
     interface: str = ""
+    tell: Callable[[str], None] = lambda text: None
 
     @property
     def identity(self) -> str:
@@ -86,9 +88,14 @@ class Instrument:
         await asyncio.sleep(max(0.0, pending.done - self.now))
         fault = self.faults.take("status")
         loop = asyncio.get_running_loop()
-        result = await loop.run_in_executor(
-            self.worker, pending.bench.measure, pending.press, pending.settings
-        )
+        try:
+            result = await loop.run_in_executor(
+                self.worker, pending.bench.measure, pending.press, pending.settings
+            )
+        except Exception as failure:
+            self.tell(f"press {pending.press}: no reading: {failure} ({type(failure).__name__})")
+            self.registers.note(Standard.DDE)
+            result = NOTHING
         self._keep(replace(result, status=fault.status) if fault else result)
         if self.pending is pending:
             self.pending = None
@@ -133,4 +140,4 @@ class Instrument:
 
     def _seconds(self) -> float:
         delay = self.settings.each_range[self.settings.range].delay
-        return self.pace * (delay + conditions(self.settings, self.settings.range).seconds)
+        return self.pace * (delay + conditions(self.settings, self.settings.range, 0j).seconds)

@@ -163,8 +163,8 @@ def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
 def side_by_side(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     """The same presses at several interfaces, each recorded by itself, as one data set.
 
-    Attributes and time of the first. Raises InputError where presses, sessions or frequencies differ, or an
-    interface is named twice.
+    Attributes and time of the first. Raises InputError where presses, sessions or frequencies
+    differ, or an interface is named twice.
     """
     import xarray as xr
 

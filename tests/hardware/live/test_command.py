@@ -1,5 +1,6 @@
 """`rcskin live` as its user meets it: a process of its own, in a pipe or on a terminal."""
 
+import copy
 import json
 import os
 import pty
@@ -17,6 +18,7 @@ import pytest
 from rcskin.hardware.meter.errors import NoConnectionError
 from rcskin.hardware.steer import ask
 from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.state import PerRange
 from rcskin.simulator.sweeps import UNPRESSED, read
 
 SOON = 5
@@ -198,3 +200,18 @@ def test_sweeps_are_those_of_the_skin(live, cushion, tmp_path):
     live("--sweeps", 2, "--log", log)
     truth = [cushion.impedance("none", f).imag for f in (1e3, 4e3, 16e3)]
     assert np.allclose(read(log)["X"].values, truth, rtol=1e-5)
+
+
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
+def test_it_leaves_the_meter_as_found_and_the_log_whole(start, instrument, tmp_path, end):
+    settings = instrument.settings
+    settings.header, settings.items, settings.each_range[3] = True, (1, 1), PerRange("FAST", 7)
+    before, log = copy.deepcopy(settings), tmp_path / "run.nc"
+    process = start("--log", log)
+    process.stdout.readline()
+    assert instrument.settings != before
+    process.send_signal(end)
+    process.communicate(timeout=30)
+    assert process.returncode == 128 + end
+    assert instrument.settings == before
+    assert read(log).sizes["sweep"] >= 4

@@ -1,6 +1,7 @@
 """The driver against the virtual meter, over TCP: every setting, readings, corrections."""
 
 import math
+import re
 
 import pytest
 from rcskin.hardware.meter.correction import correct
@@ -118,14 +119,28 @@ def test_automatic_range_finds_the_range_of_the_skin(meter):
     assert meter.auto_range
 
 
-def test_a_skin_that_has_no_answer_is_a_sampling_error(make_instrument, serve, pillow):
+@pytest.mark.parametrize(
+    ("answer", "told"),
+    [
+        (lambda: 1 / 0, "division by zero"),
+        (lambda: complex("nan"), "impedance is .*nan.* at 1000 Hz"),
+    ],
+)
+def test_a_skin_that_has_no_answer_fails_inside_the_meter(
+    make_instrument, serve, pillow, answer, told
+):
+    """Nothing that the mains or a lower speed could mend; the server tells why."""
+
     class Broken(type(pillow)):
         def impedance(self, press, frequency):
-            raise ZeroDivisionError
+            return answer()
 
-    with serve(make_instrument(Broken())) as ports, open_meter(ports.resource, 1) as meter:
-        with pytest.raises(ReadingError, match="status 9"):
-            meter.read()
+    heard = []
+    with serve(make_instrument(Broken(), tell=heard.append)) as ports:
+        with open_meter(ports.resource, 1) as meter:
+            with pytest.raises(RefusedError, match="failed inside the meter"):
+                meter.read()
+    assert re.search(f"press none: no reading: .*{told}", heard[0])
 
 
 def test_measuring_takes_its_time_by_speed_averaging_and_delay(make_instrument):
@@ -245,3 +260,12 @@ def test_siblings_speak_their_dialect(make_instrument, serve, model):
         meter.trigger_delay = 0.0
         assert meter.read().Rs == pytest.approx(10e3)
         assert meter.model == model
+
+
+def test_a_slow_reading_is_waited_for(make_instrument, serve):
+    """Thirty-two averages at SLOW2 take longer than the time-out, here at a twentieth of it."""
+    instrument = make_instrument(pace=0.05)
+    with serve(instrument) as ports, open_meter(ports.resource, 0.1) as meter:
+        meter.speed, meter.averaging = "SLOW2", 32
+        assert meter.seconds == pytest.approx(6.4)
+        assert meter.read().Rs == pytest.approx(10e3)

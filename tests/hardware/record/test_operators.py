@@ -88,7 +88,14 @@ def test_a_pressing_command_that_fails_is_told():
         pressing_by_command("false {press}")(Step("1,1", 1, 1))
 
 
-@pytest.mark.parametrize("command", ["push {pixel}", "push {", "push '"])
+@pytest.mark.parametrize(
+    "command",
+    [
+        *("push {pixel}", "push {", "push '", "push {0}", "push {}"),
+        *("push {press.x}", "push {row[0]}", "push {press[0]}", "push {row!x}", "push {row:q}"),
+        *(" ", ""),
+    ],
+)
 def test_a_pressing_command_that_cannot_be_filled_in_is_refused(command):
     with pytest.raises(InputError, match="`press-with` must be a command"):
         pressing_by_command(command)

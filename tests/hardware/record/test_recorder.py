@@ -1,5 +1,6 @@
 """Recording: every finished sweep is on disk, an interrupted one goes on, a bad one is repeated."""
 
+import copy
 import dataclasses
 import json
 
@@ -138,12 +139,19 @@ def test_a_finished_recording_needs_no_meter(task, operator):
 )
 def test_a_fault_costs_a_repetition_and_nothing_else(task, operator, instrument, show, fault):
     task = dataclasses.replace(task, order=task.order[:3], settings={"speed": "SLOW"})
-    by = operator.by
-    operator.by = lambda step: (by(step), fault.times and instrument.faults.add(fault))
+    by, speeds, before = operator.by, set(), copy.deepcopy(instrument.settings)
+
+    def press(step):
+        by(step)
+        speeds.update(each.speed for each in instrument.settings.each_range.values())
+        if fault.times:
+            instrument.faults.add(fault)
+
+    operator.by = press
     header, entries = record(task, operator)
     assert len(show.remarks) == 1 and "check" in show.remarks[0]
     assert all(not entry.remarks for entry in entries)
-    assert set(instrument.settings.each_range[n].speed for n in range(1, 11)) == {"SLOW"}
+    assert speeds == {"SLOW"} and instrument.settings == before
     assert [entry.press for entry in entries] == [step.press for step in task.order]
 
 
