@@ -30,8 +30,8 @@ from rcskin.hardware.steer import ask
 from rcskin.simulator.scene.files import scene_text
 
 SCENE, PIXELS, FEW_PIXELS = "sheet-5x5-two-interfaces", 5, 3
-SWEEPS, FEW_SWEEPS = 4000, 400
-PRESSES, FEW_PRESSES = 20, 2
+SWEEPS, FEW_SWEEPS = 2000, 400
+PRESSES, FEW_PRESSES = 10, 2
 WHOLE = 2
 """Answers waited for under each press."""
 SETTLE, LATE = 0.02, 0.5
