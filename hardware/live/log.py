@@ -13,7 +13,7 @@ from ...simulator.sweeps import UNPRESSED, InputError, build, counted, read_join
 from ...simulator.sweeps.same_skin import check_same_skin
 from ..record.journal import Entry, Header, Journal
 from ..record.order import UNKNOWN
-from ..record.output import finish
+from ..record.output import finish, write_all
 from ..record.sweep import Sweep, Trace, now
 from .answer import Answer, Localizer
 
@@ -89,9 +89,10 @@ class Log:
             return
         if not self._kept:
             self.journal.begin(header)
-            import netCDF4  # noqa: F401  # at hand when the session ends, which must not take long
         self._latest = Entry(press, sweep, begun, now())
         self.journal.keep(self._kept, self._latest)
+        if not self._kept:  # what writing loads is then at hand when the session is told to end
+            write_all(self.journal.folder / "first.nc", header, {0: self._latest})
         self._kept += 1
 
     def answered(self, answer: Answer) -> None:

@@ -30,7 +30,7 @@ def check_free(output: Path, overwrite: bool) -> None:
 
 def finish(journal: Journal, header: Header, entries: Mapping[int, Entry]) -> xr.Dataset:
     """Write the output whole, then take the journal away; the sweeps that were written."""
-    sweeps = _written(journal.output, header, entries)
+    sweeps = write_all(journal.output, header, entries)
     journal.remove()
     return sweeps
 
@@ -56,12 +56,13 @@ def gather_command(
         raise InputError(f"{journal.folder}: holds no sweep of a recording")
     path = checked_output(output or recording)
     check_free(path, overwrite)
-    sweeps = _written(path, header, entries)
+    sweeps = write_all(path, header, entries)
     whole = f" of {len(header.order)}" if header.order else ""
     typer.echo(f"{len(entries)}{whole} sweeps: {counted(sweeps.sizes)} -> {path}")
 
 
-def _written(output: Path, header: Header, entries: Mapping[int, Entry]) -> xr.Dataset:
+def write_all(output: Path, header: Header, entries: Mapping[int, Entry]) -> xr.Dataset:
+    """Write sweeps of a journal, whole or not at all; what was written."""
     from ...simulator.sweeps import write
     from .dataset import gather
 

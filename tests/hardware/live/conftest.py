@@ -38,7 +38,7 @@ def start(ports):
     yield start
     for process in started:
         process.kill()
-        process.wait()
+        process.communicate()
 
 
 @pytest.fixture
