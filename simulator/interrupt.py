@@ -16,6 +16,8 @@ from typing import NoReturn
 PATIENCE, UNWOUND, LEAVE = 0.8, 1.4, 0.4
 """Seconds from a Ctrl-C until it must have been heard of, and what is unfinished have ended; and
 that what is left to do at exit may take."""
+SHOWN_CURSOR = "\x1b[?25h"
+"""What gives a terminal its cursor back, which a progress bar had hidden."""
 INTERRUPTED = 130
 """Exit code of what Ctrl-C ends."""
 
@@ -60,7 +62,8 @@ def _watch(signals: socket.socket, heard: threading.Event, over: threading.Event
                 continue
             last = monotonic() + UNWOUND
             if not (heard.wait(PATIENCE) and over.wait(last - monotonic())):
-                sys.stderr.write("rcskin: interrupted\n")
+                cursor = SHOWN_CURSOR if sys.stderr.isatty() else ""
+                sys.stderr.write(f"{cursor}rcskin: interrupted\n")
                 leave(INTERRUPTED)
 
 

@@ -11,8 +11,8 @@ from typing import Protocol
 from ...simulator.sweeps import UNPRESSED
 from ..meter.errors import MeterError
 from ..meter.reading import Reading
-from ..record.journal import now
-from ..record.sweep import Sweep, flags
+from ..record.order import UNKNOWN
+from ..record.sweep import Sweep, apart, flags, now
 from .answer import Answer, Localizer
 from .link import Link
 from .log import Log, as_dataset
@@ -102,7 +102,7 @@ class Session:
     def _next(self) -> None:
         try:
             self.link.ready()
-            begun = time.perf_counter()
+            at, begun = now(), time.perf_counter()
             sweep = self.link.sweep(self.show.reading)
         except MeterError as failure:
             self._fail(failure)
@@ -112,7 +112,10 @@ class Session:
         if unsound:
             self.failed += 1
             self.show.no_answer(f"the sweep is unsound: {'; '.join(unsound)}")
-        elif self.rest.complete:
+            return
+        wanted = self.rest.complete
+        self.log.keep(sweep, UNKNOWN if wanted else UNPRESSED, at, self.link.header)
+        if wanted:
             self._answer(sweep, begun, measured)
         else:
             self._take_rest(sweep)
@@ -130,7 +133,7 @@ class Session:
         before, self._begun = self._begun, begun
         self._ends.append(ended)
         self.answers += 1
-        self.log.keep(sweep, answer, self.link.header)
+        self.log.answered(answer)
         self.show.answer(
             Moment(
                 answer,
@@ -140,7 +143,7 @@ class Session:
                 before and ended - before,
                 self._rate(),
                 self.failed,
-                (*flags([sweep]), *self._drift(sweep, answer)),
+                (*flags([sweep]), *apart(sweep), *self._drift(sweep, answer)),
             )
         )
         if self.rest.follow(sweep, answer):
@@ -158,7 +161,6 @@ class Session:
             self.rest.forget()
             self.show.note(f"was the skin touched? {moved[0]}; measured anew")
         self.rest.add(sweep)
-        self.log.keep(sweep, None, self.link.header)
         if self.rest.complete:
             self._restless = 0
             self.show.no_answer("rest is known: the skin may be touched")

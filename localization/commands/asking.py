@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,9 +16,14 @@ if TYPE_CHECKING:
 
 
 def model_for(
-    sweeps: xr.Dataset, file: Path, path: Path, extra: Iterable[Estimator], *, anyway: bool
+    sweeps: xr.Dataset,
+    files: Sequence[Path],
+    path: Path,
+    extra: Iterable[Estimator],
+    *,
+    anyway: bool,
 ) -> Model:
-    """The model at a path; notes say where the sweeps of a file do not tell their skin, and where
+    """The model at a path; notes say where the sweeps of files do not tell their skin, and where
     the model was trained with other versions.
 
     extra: estimators beside those of this package. anyway: it answers sweeps of another skin too.
@@ -29,7 +34,8 @@ def model_for(
 
     model = load(path, estimators(extra))
     if model.scene and not sweeps.attrs.get("scene"):
-        typer.echo(f"rcskin: note: {file}: stores no scene, so its skin is not checked", err=True)
+        names = ", ".join(map(str, files))
+        typer.echo(f"rcskin: note: {names}: stores no scene, so its skin is not checked", err=True)
     tell_age(model, path)
     return model.insisting() if anyway else model
 
