@@ -13,6 +13,8 @@ from contextlib import contextmanager, suppress
 from time import monotonic
 from typing import NoReturn
 
+from .sweeps.ending import wait
+
 PATIENCE, UNWOUND, LEAVE = 0.8, 1.4, 0.4
 """Seconds from a Ctrl-C until it must have been heard of, and what is unfinished have ended; and
 that what is left to do at exit may take."""
@@ -27,8 +29,8 @@ def ending_soon(heard: threading.Event | None = None) -> Iterator[None]:
     """Ctrl-C raises KeyboardInterrupt; it ends the process where that takes too long.
 
     Python raises it between two of its own instructions, which a fit in C may keep waiting for
-    minutes, and threads of a fit may keep what unwinds it waiting. What is unfinished on disk is
-    removed before such an end. heard: is set by a Ctrl-C.
+    minutes, and threads of a fit may keep what unwinds it waiting. Blocks `waited_for` are. What is
+    unfinished on disk is removed before such an end. heard: is set by a Ctrl-C.
     """
     usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if not usual or threading.current_thread() is not threading.main_thread():
@@ -61,7 +63,10 @@ def _watch(signals: socket.socket, heard: threading.Event, over: threading.Event
             if number[0] != signal.SIGINT:
                 continue
             last = monotonic() + UNWOUND
-            if not (heard.wait(PATIENCE) and over.wait(last - monotonic())):
+            told = heard.wait(PATIENCE)
+            if told:
+                wait()
+            if not (told and over.wait(max(last - monotonic(), LEAVE))):
                 cursor = SHOWN_CURSOR if sys.stderr.isatty() else ""
                 sys.stderr.write(f"{cursor}rcskin: interrupted\n")
                 leave(INTERRUPTED)

@@ -8,15 +8,21 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from ...simulator.sweeps.ending import waited_for
+
 
 @contextmanager
 def ending_in_order() -> Iterator[None]:
-    """SIGTERM leaves the block by SystemExit, with the code that shells give: 128 + its number."""
+    """SIGTERM leaves the block by SystemExit, with the code that shells give: 128 + its number.
+
+    Both that and Ctrl-C leave it in its own time.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
     before = signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     try:
-        yield
+        with waited_for():
+            yield
     finally:
         signal.signal(signal.SIGTERM, before)

@@ -34,6 +34,19 @@ with ending_soon(), whole_file(Path(sys.argv[1])) as unfinished:
     finally:
         time.sleep(1000)
 """
+WAITED_FOR = """
+import sys, time
+from rcskin.simulator.interrupt import ending_soon
+from rcskin.simulator.sweeps.ending import waited_for
+
+with ending_soon(), waited_for():
+    print("at work", flush=True)
+    try:
+        time.sleep(1000)
+    finally:
+        time.sleep(3)
+        print("in order", flush=True)
+"""
 STUDY = ("study", "strip-1x3", "--vary", "skin.sheet_resistance=1e4:1e5:1000", "--workers", "2")
 
 
@@ -83,6 +96,15 @@ def test_work_that_goes_on_is_ended_and_leaves_nothing_unfinished(start, tmp_pat
     _, err = process.communicate(timeout=30)
     assert (process.returncode, err) == (130, "rcskin: interrupted\n")
     assert not [*tmp_path.iterdir()]
+
+
+def test_what_must_be_put_in_order_is_waited_for(start):
+    process = start("-c", WAITED_FOR)
+    assert process.stdout.readline() == "at work\n"
+    time.sleep(0.5)
+    os.killpg(process.pid, signal.SIGINT)
+    out, err = process.communicate(timeout=30)
+    assert out == "in order\n" and "KeyboardInterrupt" in err
 
 
 def test_a_terminal_has_its_cursor_back_even_so(start, tmp_path):

@@ -1,0 +1,30 @@
+"""What a command that is told to end still has to put in order, such as a meter: it is waited for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import Condition
+
+_left = Condition()
+_blocks = 0
+
+
+@contextmanager
+def waited_for() -> Iterator[None]:
+    """A block that Ctrl-C leaves in its own time, however long what is unfinished takes to end."""
+    global _blocks
+    with _left:
+        _blocks += 1
+    try:
+        yield
+    finally:
+        with _left:
+            _blocks -= 1
+            _left.notify_all()
+
+
+def wait() -> None:
+    """Until all such blocks are left."""
+    with _left:
+        _left.wait_for(lambda: _blocks == 0)
