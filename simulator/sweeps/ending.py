@@ -1,4 +1,4 @@
-"""What a command that is told to end still has to put in order, such as a meter: it is waited for."""
+"""What a command that is told to end still has to put in order, such as a meter."""
 
 from __future__ import annotations
 
