@@ -291,12 +291,12 @@ def test_presses_beyond_the_trained_range_fall_back_to_elements():
         assert (off <= sweeps[f"{name}_error"] + 1e-7 * exact[name]).all()
 
 
-def test_touches_anywhere_are_answered_by_the_separable_model():
+def test_touches_anywhere_are_left_to_elements():
     scene = load_scene("sheet-3x3")
     press = Press((Rectangle(0.05, 0.07, 0.03, 0.02, 2.5),))
     solver = Solver(scene, 1e-4, "reduced")
     answer, truth = solver.solve(press), Solver(scene, 1e-7).solve(press)
-    assert "separable" in answer.model
+    assert answer.rejected[0] == f"reduced: answers whole pixels, got {press}"
     off = relative_difference(answer.Z, truth.Z, 2 * np.pi * scene.frequencies)
     assert (off <= np.array(answer.relative_errors) + 1e-7).all()
     assert off.max() <= 1e-4

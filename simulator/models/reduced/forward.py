@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...fem.circuit import one_field
 from ...fem.galerkin import one_blas_thread
-from ...press.pieces import random_presses
+from ...press.at_random import random_presses
 from ...press.press import Press
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import FrequencyGrid, Leads, Sweep
