@@ -15,7 +15,7 @@ from ..charts import COLOURS, chart
 from ..measure.symmetry import Pixel
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
-from ..scene.contacts import Contact, section
+from ..scene.contacts import Contact, path
 from ..scene.scene import Scene
 from ..scene.skin import Skin, curves, on_skin
 from ..sweeps import checked_output
@@ -30,8 +30,8 @@ WIDTH = 6.4
 """Of the picture, inches."""
 TALLEST, FLATTEST = 1.5, 0.45
 """Height of the picture over its width."""
-PIECES = 65
-"""Places along a foil, and around a circle."""
+AROUND = 260
+"""Places around a circle."""
 BAND = {"top": 0.018, "bottom": 0.042}
 """Of the longer side: how far outside the edge the foils of each sheet are drawn."""
 BESIDE = {-1.0: "right", 0.0: "center", 1.0: "left"}
@@ -88,7 +88,7 @@ def _around(scene: Scene) -> list[Places]:
     found = []
     for curve in curves(scene.skin):
         corners = curve.marks
-        marks = corners if len(corners) > 2 else np.linspace(0, corners[-1], 4 * PIECES)
+        marks = corners if len(corners) > 2 else np.linspace(0, corners[-1], AROUND)
         found.append(np.array([curve.at(mark) for mark in marks]).T)
     return found
 
@@ -202,11 +202,8 @@ def _ribbon(foil: Contact, scene: Scene) -> _Ribbon:
     skin = scene.skin
     if skin.mesh is not None:
         return _meshed(foil, scene)
-    part = section(foil, skin)
-    curve = curves(skin)[part.curve]
-    marks = np.linspace(part.start, part.stop, PIECES)
-    path = np.array([curve.at(mark) for mark in marks]).T
-    return _Ribbon(path, _outwards(path, skin))
+    along = path(foil, skin)
+    return _Ribbon(along, _outwards(along, skin))
 
 
 def _meshed(foil: Contact, scene: Scene) -> _Ribbon:

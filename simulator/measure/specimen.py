@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..models.solver import Solver
-from ..press.press import Press, check_press, parse_press, strength_of
+from ..press.press import Press, press_on
 from ..scene.scene import Scene, interface_names
 from .readout import Meter
 
@@ -25,14 +25,11 @@ class Specimen:
 
     def check(self, press: str) -> str:
         """The press in its full form. Raises InputError where it does not fit the scene."""
-        return str(check_press(self._parsed(press), self.scene))
+        return str(press_on(self.scene, press))
 
     def impedance(self, press: str, frequency: float) -> complex:
-        """Z in ohm at a frequency in Hz. Raises as `Solver.solve` does."""
-        return self._impedance(self._parsed(press), frequency)
-
-    def _parsed(self, press: str) -> Press:
-        return parse_press(press, strength_of(self.scene.press))
+        """Z in ohm at a frequency in Hz. Raises as `press_on` and `Solver.solve`."""
+        return self._impedance(press_on(self.scene, press), frequency)
 
     def _new_impedance(self, press: Press, frequency: float) -> complex:
         return complex(self._solver.solve(press, frequency).Z[self._number, 0])

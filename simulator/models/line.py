@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..fem.circuit import one_field
-from ..press.capacitance import lines, pixel_lines, tile_map
+from ..press.capacitance import lines, tile_map
+from ..press.pixels import pixel_lines
 from ..press.press import Press
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene

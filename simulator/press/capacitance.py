@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..scene.planar import NO_LINES, SAME_EDGE, SAME_LINE, Lines, disc_fraction, distinct, shared
 from ..scene.scene import Scene
 from ..sweeps import InputError
+from .pixels import pixel_lines
 from .press import Press, require_plain
 from .touch import AnyTouch, Box, Disc, Rectangle, Touch
 
@@ -88,13 +89,6 @@ def lines(scene: Scene, press: Press) -> Lines:
     if not areas:
         return NO_LINES
     return _between_pixels(scene, areas, 0), _between_pixels(scene, areas, 1)
-
-
-def pixel_lines(scene: Scene, axis: int) -> NDArray[np.float64]:
-    """The lines that pixels lie between, across x (axis 0) or y (axis 1); m."""
-    skin, pixels = scene.skin, scene.pixels
-    length, count = ((skin.length, pixels.columns), (skin.width, pixels.rows))[axis]
-    return np.linspace(0, length, count + 1)
 
 
 def patch(scene: Scene, touch: AnyTouch) -> Patch:

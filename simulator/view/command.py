@@ -130,12 +130,12 @@ def _stage(
     from ..asked.scene import asked_scene
     from ..asked.telling import warn
     from ..models.fields import fields
-    from ..press.press import check_press, parse_press, strength_of
+    from ..press.press import press_on
     from ..scene.scene import checked_interface
     from .scenery import Stage
 
     scene = asked_scene(name)
-    pressed = check_press(parse_press(press, strength_of(scene.press)), scene)
+    pressed = press_on(scene, press)
     chosen = checked_interface(interface, scene)
     frequencies = _frequencies(frequency, scene, every)
     for one_terminal in scene.driven_by_touch:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..press.capacitance import pixel_lines, touched_box
+from ..press.capacitance import touched_box
+from ..press.pixels import pixel_lines
 from ..press.touch import Disc, Polygon, Touch, place_of
 from ..scene.planar import regular, sides
 from .foils import Foil, Meshed, foils

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ...mesh.domain import polygon_of, polygonal
+from ...mesh.drawing import polygon_of, polygonal
 from ...press.press import Press, check_press
 from ...press.touch import Disc
 from ...scene.foam_mechanics import Mechanics

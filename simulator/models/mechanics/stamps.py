@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import root_scalar
 
-from ...mesh.domain import shape_of
+from ...mesh.drawing import shape_of
 from ...press.capacitance import touched_box
 from ...press.press import Press, order
 from ...press.touch import Box, Depth, Place, Touch, touch_at

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from ...fem.circuit import Circuit
 from ...fem.galerkin import Galerkin
-from ...mesh.domain import Domain, sharp_touches
+from ...mesh.domain import Domain
+from ...mesh.drawing import sharp_touches
 from ...mesh.skin_mesh import domain
 from ...mesh.untangled import finer
 from ...press.press import Press

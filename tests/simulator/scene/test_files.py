@@ -3,7 +3,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.press.press import pixel_by_pixel
+from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.files import (
     BUILTIN,
     builtin_names,
@@ -50,7 +50,7 @@ def test_defaults(make_scene):
 
 
 def test_every_press_is_rest_and_each_pixel_row_by_row():
-    presses = pixel_by_pixel(load_scene("sheet-3x3"))
+    presses = every_press(load_scene("sheet-3x3"))
     assert [press.pixel for press in presses][:5] == [(0, 0), (1, 1), (1, 2), (1, 3), (2, 1)]
     assert len(presses) == 1 + 9
     assert {touch.factor for press in presses for touch in press.touches} == {2.0}
