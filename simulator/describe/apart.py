@@ -33,12 +33,13 @@ def told_apart(scene: Scene, pixels: Sequence[Pixel]) -> str:
     return f"{', '.join(told)}: {len(groups)} of {len(pixels)} pixels (not, say, {example})"
 
 
-def middle(pixel: Pixel, scene: Scene) -> NDArray[np.float64]:
-    """Where a pixel's name may stand: on its skin, (x, y) in m, as near its middle as can be."""
+def middle(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], float]:
+    """Where a pixel's name may stand: on its skin, (x, y) in m, and how wide that is there, m."""
     found, within = _places(pixel, scene)
     found = found[:, within] if within.any() else found
     off = found - found.mean(axis=1, keepdims=True)
-    return found[:, np.hypot(*off).argmin()]
+    at = found[:, np.hypot(*off).argmin()]
+    return at, float(np.ptp(found[0, found[1] == at[1]]))
 
 
 def _places(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:

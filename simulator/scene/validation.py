@@ -156,4 +156,4 @@ def _requirement(problem: Any) -> str:
 class Table(BaseModel):
     """A table of a scene file."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
+    model_config = ConfigDict(frozen=True, extra="forbid")

@@ -227,7 +227,7 @@ def test_scenes_are_frozen():
     with pytest.raises(ValueError, match="frozen"):
         scene.name = "other"
     assert isinstance(hash(scene), int)
-    assert Scene.model_validate(scene.model_dump()) == scene
+    assert Scene.model_validate(scene.model_dump(by_alias=True)) == scene
 
 
 @pytest.mark.parametrize(
@@ -239,6 +239,8 @@ def test_scenes_are_frozen():
         ("rows = 3", "rows = true", "`pixels.rows` must be integer, got True"),
         ('high = ["top-left"]', 'high = "top-left"', "must be a list, got 'top-left'"),
         ('name = "sheet-3x3"', 'name = "a\\nb"', "must be printable, on one line"),
+        ("[[contact]]", "[[contacts]]", "`contacts` is not a known key; did you mean `contact`?"),
+        ("[[interface]]", "[[interfaces]]", "did you mean `interface`?"),
     ],
 )
 def test_values_of_another_kind_are_refused(old, new, told):
