@@ -21,7 +21,7 @@ from rcskin.simulator.sweeps import (
     parallel_capacitance,
     violations,
 )
-from stability_cases import varied
+from stability_parts.cases import varied
 
 from verification_parts.formulas import (
     Rs_at_zero,

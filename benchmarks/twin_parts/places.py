@@ -28,9 +28,10 @@ from rcskin.simulator.scene.frequency import laplace_variable
 from rcskin.simulator.scene.randomisation import Normal
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import build
-from twin_scenes import built
-from twin_skin import Twin
-from twin_trials import Trial
+
+from twin_parts.scenes import built
+from twin_parts.skin import Twin
+from twin_parts.trials import Trial
 
 SEED, RTOL = 777, 1e-3
 RESTS, DRIFT = 13, 6e-4

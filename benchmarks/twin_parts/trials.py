@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from rcskin.localization.inputs.targets import labels, positions
 from rcskin.localization.model.model import Model
 from rcskin.simulator.scene.scene import Scene
-from twin_scenes import PLACED_SIZE, believed
-from twin_skin import Hand
+
+from twin_parts.scenes import PLACED_SIZE, believed
+from twin_parts.skin import Hand
 
 ONE, TWO = "sheet-5x5", "sheet-5x5-two-interfaces"
 FEW_SWEEPS = 600
