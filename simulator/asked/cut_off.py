@@ -15,6 +15,5 @@ def cut_off_frequency(scene: Scene) -> float:
     """
     even = electrical(scene)
     skin = even.skin
-    sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
     c = skin.foam.rest_capacitance_per_area
-    return float(interrogation_frequency(even.reach, sheets, c))
+    return float(interrogation_frequency(even.reach, skin.both_sheets, c))

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..scene.mesh_file import Surface, foil_lines, read_surface
 from ..scene.planar import Circle, distance, nearest
@@ -154,12 +155,8 @@ def _check_directions(skin: Skin, path: str) -> None:
 def _kept_edges(mesh: Domain) -> Numbers:
     """The edges at the boundary and between pixels, by numbers of points, shape (2, edge)."""
     edges, of_triangle = edges_of(mesh.t)
-    low, high = (np.full(edges.shape[1], start) for start in (mesh.pixel.max(), mesh.pixel.min()))
-    every = np.tile(mesh.pixel, 3)
-    np.minimum.at(low, of_triangle.ravel(), every)
-    np.maximum.at(high, of_triangle.ravel(), every)
-    kept = (low < high) | (np.bincount(of_triangle.ravel()) == 1)
-    return edges[:, kept]
+    rim = np.bincount(of_triangle.ravel()) == 1
+    return edges[:, _of_several(of_triangle, mesh.pixel) | rim]
 
 
 def _as_fine(mesh: Domain, pieces: Points) -> Domain:
@@ -176,10 +173,18 @@ def _as_fine(mesh: Domain, pieces: Points) -> Domain:
 
 def _between(t: Numbers, pixel: Numbers) -> Numbers:
     """The points at which triangles of more than one pixel meet."""
-    least, most = (np.full(int(t.max()) + 1, start) for start in (pixel.max(), pixel.min()))
-    np.minimum.at(least, t.ravel(), np.tile(pixel, 3))
-    np.maximum.at(most, t.ravel(), np.tile(pixel, 3))
-    return np.flatnonzero(least < most)
+    return np.flatnonzero(_of_several(t, pixel))
+
+
+def _of_several(parts: Numbers, pixel: Numbers) -> NDArray[np.bool_]:
+    """Whether a point or an edge is part of triangles of more than one pixel.
+
+    parts: numbers of the points or edges of each triangle, shape (3, triangle).
+    """
+    least, most = (np.full(int(parts.max()) + 1, start) for start in (pixel.max(), pixel.min()))
+    np.minimum.at(least, parts.ravel(), np.tile(pixel, 3))
+    np.maximum.at(most, parts.ravel(), np.tile(pixel, 3))
+    return least < most
 
 
 def _at(p: Points, places: Points, same: float) -> Numbers:

@@ -50,7 +50,7 @@ class Line:
         """
         c, segments = self.profile(press)
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
-        sheets = self.scene.skin.top.sheet_resistance + self.scene.skin.bottom.sheet_resistance
+        sheets = self.scene.skin.both_sheets
         Y = np.zeros(s.shape, dtype=complex)
         for R, C in zip(
             sheets * segments[::-1] / self._width, (c * segments)[::-1] * self._width, strict=True

@@ -17,6 +17,12 @@ def pixel_lines(scene: Scene, axis: int) -> NDArray[np.float64]:
     return np.linspace(0, scene.skin.sides[axis], scene.pixels.shape[1 - axis] + 1)
 
 
+def cell_centres(scene: Scene, grid: tuple[int, int]) -> NDArray[np.float64]:
+    """Centres (x, y) of even cells by rows and columns, m, shape (2, row, column)."""
+    row, column = np.indices(grid) + 0.5
+    return np.stack([column * scene.skin.length / grid[1], row * scene.skin.width / grid[0]])
+
+
 def pixels_with_skin(scene: Scene) -> list[tuple[int, int]]:
     """(row, column) from 1 of each pixel that has a part of the skin in it, row by row.
 

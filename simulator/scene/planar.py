@@ -78,6 +78,11 @@ def sides(polygon: Points) -> Points:
     return np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1)
 
 
+def ring(polygon: Points) -> Points:
+    """The corners of a polygon, the first one again at last, shape (corner + 1, 2)."""
+    return np.vstack([polygon, polygon[:1]])
+
+
 def inside(polygon: Points, x: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Whether positions x, shape (2, ...), lie within a simple polygon, shape (...)."""
     crossed = np.zeros(np.shape(x)[1:], dtype=bool)

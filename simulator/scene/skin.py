@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 
 from .foam_mechanics import Mechanics
-from .frequency import Loss
+from .frequency import Loss, penetration_depth
 from .maps import Map
 from .mesh_file import absolute, read_surface
 from .outline import Curve, Outline, check_outline
@@ -174,6 +174,19 @@ class Skin(Table):
     def sides(self) -> tuple[float, float]:
         """Length and width at rest, m."""
         return self.length, self.width
+
+    @property
+    def both_sheets(self) -> float:
+        """Resistance of both sheets in series, ohm/sq."""
+        return self.top.sheet_resistance + self.bottom.sheet_resistance
+
+    def depth(self, frequency: float, factor: float = 1.0) -> float:
+        """How far from a foil the field reaches at a frequency in Hz, m; see `penetration_depth`.
+
+        factor: of the capacitance over that at rest.
+        """
+        c = self.foam.rest_capacitance_per_area * factor
+        return penetration_depth(frequency, self.both_sheets, c, self.foam.loss)
 
     @property
     def stretched_sides(self) -> tuple[float, float]:
