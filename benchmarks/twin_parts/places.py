@@ -21,7 +21,8 @@ from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.inversion.tables import templates
 from rcskin.simulator.measure.readout import Meter
-from rcskin.simulator.models.reduced.model import Reduced, touched_cells
+from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.scene.frequency import laplace_variable

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..fem.circuit import Circuit, one_field, two_fields
 from ..fem.estimate import ROUNDING, SAFETY, checked, relative_difference
 from ..mesh.quadrilaterals import Resolution
+from ..press.capacitance import touched_cells
 from ..press.press import Press
 from ..press.press import require_plain as require_plain_press
 from ..press.touch import Touch
@@ -31,7 +32,7 @@ from .plain import electrical, electrical_press, require_plain
 from .reduced.cases import pixel_touches
 from .reduced.greedy import reduce
 from .reduced.model import KRYLOV_SHARE as REDUCED_KRYLOV
-from .reduced.model import ReducedSkin, touched_cells
+from .reduced.model import ReducedSkin
 from .resolution import Ladder
 from .sheet import Sheet
 from .varied.meshes import indented, meshes

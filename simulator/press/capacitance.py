@@ -6,6 +6,7 @@ by the part that it takes of each cell's area, and what is solved for discs has 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,6 +69,26 @@ def grid_map(scene: Scene, press: Press, rows: int, columns: int) -> NDArray[np.
         else:
             total *= patch(scene, touch).factors(x, y)
     return total
+
+
+Cells = tuple[NDArray[np.int64], NDArray[np.float64]]
+"""Of a grid, counted row by row from 0, and by how much of that at rest c rises in each."""
+
+
+def touched_cells(scene: Scene, press: Press, grid: tuple[int, int] | None = None) -> Cells:
+    """Cells of a uniform grid, by default the pixels, in which a press raises c; as `grid_map`."""
+    rises = grid_map(scene, press, *(grid or scene.pixels.shape)).ravel() - 1
+    cells = np.flatnonzero(rises)
+    return cells, rises[cells]
+
+
+def laid_on_cells(
+    scene: Scene, presses: Iterable[Press], grid: tuple[int, int]
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
+    """The same of many presses: those of press k from starts[k] to starts[k + 1]."""
+    cells, rises = zip(*(touched_cells(scene, press, grid) for press in presses), strict=True)
+    starts = np.concatenate([[0], np.cumsum([each.size for each in cells])])
+    return np.concatenate(cells), np.concatenate(rises), starts
 
 
 def tile_map(
