@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from pydantic import BaseModel
 
-from ..asked.cut_off import cut_off_frequency
+from ..models.line import cut_off_frequency
 from ..models.plain import electrical
 from ..press.pixels import pixels_with_skin
 from ..scene.contacts import Contact

@@ -17,7 +17,7 @@ from ..press.press import Press
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .plain import require_plain
+from .plain import electrical, require_plain
 
 LEVELS_OF_FRACTION = 12
 
@@ -123,6 +123,17 @@ def interrogation_frequency(
     x: m. R: ohm/m. C: F/m. constant: (ln sqrt 2)² / pi = 0.03823, which the paper rounds to 0.0382.
     """
     return constant / (R * C * np.asarray(x, dtype=float) ** 2)
+
+
+def cut_off_frequency(scene: Scene) -> float:
+    """Where the wave has fallen to half power at the place farthest from the driven foils, Hz.
+
+    f = 0.0382 / (R c x²): both sheets in series, the foam at rest, x the distance. Above it less
+    of the skin is seen. Maps, curvature and what presses do are left out. Source: paper Eq 6.
+    """
+    even = electrical(scene)
+    c = even.skin.foam.rest_capacitance_per_area
+    return float(interrogation_frequency(even.reach, even.skin.both_sheets, c))
 
 
 def open_line_amplitude(
