@@ -69,15 +69,12 @@ def sweep(
     or reduced. Raises InputError for a press that does not fit the scene, ToleranceError where
     rtol cannot be kept.
     """
-    from .simulator.measure.experiment import every_press
     from .simulator.measure.simulate import simulate
     from .simulator.models.solver import Solver, checked_model
-    from .simulator.press.press import parse_press, strength_of
+    from .simulator.press.press import every_press, press_on
 
-    if presses is None:
-        presses = every_press(scene)
-    strength = strength_of(scene.press)
-    parsed = [parse_press(each, strength) if isinstance(each, str) else each for each in presses]
+    asked = every_press(scene) if presses is None else presses
+    parsed = [press_on(scene, each) if isinstance(each, str) else each for each in asked]
     return simulate(Solver(scene, rtol, checked_model(model)), parsed)
 
 

@@ -11,14 +11,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pandas as pd
-import reduction_growth
-import reduction_rivals
-import reduction_targets
 from bench import Run, launch, machine
 from rcskin.simulator.fem.galerkin import one_blas_thread
 from rcskin.simulator.sweeps import whole_file
-from reduction_cases import RTOL
-from reduction_chart import draw
+from reduction_parts import growth, targets, ways
+from reduction_parts.cases import RTOL
+from reduction_parts.chart import draw
 
 NAME = "reduction"
 TITLES = {
@@ -28,10 +26,10 @@ TITLES = {
     "ways": "Ways to a sweep of sheet-5x5",
 }
 TABLES = {
-    "targets": reduction_targets.table,
-    "pixels": reduction_growth.by_pixels,
-    "size": reduction_growth.by_size,
-    "ways": reduction_rivals.table,
+    "targets": targets.table,
+    "pixels": growth.by_pixels,
+    "size": growth.by_size,
+    "ways": ways.table,
 }
 ERRORS = (
     "true error",

@@ -29,8 +29,8 @@ from rivals import (
     single_precision,
 )
 from rivals.scikit_fem_script import Elements
-from stability_cases import AXES, Axis, Case
-from stability_map import FAILED, REFUSED, draw
+from stability_parts.cases import AXES, Axis, Case
+from stability_parts.map import FAILED, REFUSED, draw
 
 RTOL = 1e-6
 DIGITS_OF_A_METER = 6

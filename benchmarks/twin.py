@@ -37,11 +37,11 @@ from rcskin.simulator.models.reduced.model import Reduced
 from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.scene.randomisation import Lognormal, Normal
 from rcskin.simulator.scene.scene import Scene
-from twin_chart import draw
-from twin_recording import recorded
-from twin_scenes import built
-from twin_skin import Twin
-from twin_trials import TRIALS, Trial, few_trials, quantile
+from twin_parts.chart import draw
+from twin_parts.recording import recorded
+from twin_parts.scenes import built
+from twin_parts.skin import Twin
+from twin_parts.trials import TRIALS, Trial, few_trials, quantile
 
 SKINS, SEED, PROCESSES = 20, 2026, 2
 RTOL = 1e-3

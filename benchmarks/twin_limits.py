@@ -18,8 +18,8 @@ from bench import Run, launch, publish
 from rcskin.localization.inputs.rest import RECENT
 from rcskin.simulator.limits import hand_accuracy
 from rcskin.simulator.scene.randomisation import Normal
-from twin_places import place_limits
-from twin_trials import TRIALS, Trial, few_trials
+from twin_parts.places import place_limits
+from twin_parts.trials import TRIALS, Trial, few_trials
 
 SAMPLES, FEW_SAMPLES = (1000, 4000, 12_000), (50, 100)
 """Presses of each hypothesis that are summed over: how they close in on the limit."""

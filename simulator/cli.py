@@ -131,36 +131,28 @@ def sweep(
 ) -> None:
     """Simulate sweeps, noise-free, and write them with their estimated errors."""
     from .asked.patience import foretold
-    from .asked.scene import asked_scene
-    from .asked.telling import warn, written
+    from .asked.scene import asked_scene, warn_of_model
+    from .asked.telling import written
     from .asked.tolerance import checked_rtol
-    from .measure.experiment import every_press
     from .measure.simulate import gather
-    from .models.plain import electrical
     from .models.solver import Solver, checked_model
-    from .models.validity import warnings
-    from .press.press import check_press, parse_press, strength_of
+    from .press.press import every_press, press_on
     from .progress import on_terminal
     from .sweeps import checked_output, counted, write
 
     checked_output(output)
     checked_rtol(rtol)
     loaded = asked_scene(scene)
-    strength = strength_of(loaded.press)
-    presses = [parse_press(text, strength) for text in press or []] or every_press(loaded)
-    for asked in presses:
-        check_press(asked, loaded)
+    warn_of_model(scene, loaded)
+    presses = [press_on(loaded, text) for text in press or []] or every_press(loaded)
     solver = Solver(loaded, rtol, checked_model(model))
-    wiring = loaded.driven_by_touch
-    for warning in (*wiring, *warnings(electrical(loaded))):
-        warn(f"{scene}: {warning}")
     with on_terminal() as track:
         patient = foretold(scene, track(presses, loaded.name), len(presses))
         answered = [(asked, solver.solve(asked)) for asked in patient]
     sweeps = gather(solver, answered)
     write(sweeps, output)
     if explain:
-        for one_terminal in wiring:
+        for one_terminal in loaded.driven_by_touch:
             typer.echo(f"wiring: {one_terminal}")
         for asked, answer in answered:
             typer.echo(solver.explain(asked, answer))

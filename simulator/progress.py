@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 if TYPE_CHECKING:
-    from rich.progress import ProgressColumn
+    from rich.progress import Progress, ProgressColumn
 
 Item = TypeVar("Item")
 
@@ -43,14 +43,9 @@ def duration(seconds: float) -> str:
 @contextmanager
 def told_on_terminal() -> Iterator[Tell]:
     """Shows what goes on and how long it will last, if standard error is a terminal."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import TimeElapsedColumn
 
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), *_time_left())
-    with Progress(
-        *columns, console=console, disable=not console.is_terminal, transient=True
-    ) as progress:
+    with _bar(TimeElapsedColumn(), *_time_left(), transient=True) as progress:
         task = progress.add_task("", total=None)
 
         def tell(told: str, share: float | None = None, /) -> None:
@@ -62,31 +57,53 @@ def told_on_terminal() -> Iterator[Tell]:
         yield tell
 
 
-def _time_left() -> tuple[ProgressColumn, ...]:
-    from rich.progress import TextColumn, TimeRemainingColumn
-
-    return TextColumn("left"), TimeRemainingColumn(elapsed_when_finished=True)
-
-
 @contextmanager
 def on_terminal() -> Iterator[Track]:
     """A tracker that draws a bar for each piece of work if standard error is a terminal.
 
     Beside it: how long the rest will take, and at the end how long all of it took.
     """
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+    from rich.progress import MofNCompleteColumn
 
-    console = Console(stderr=True)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        *_time_left(),
-    )
-    with Progress(*columns, console=console, disable=not console.is_terminal) as progress:
+    with _bar(MofNCompleteColumn(), *_time_left()) as progress:
 
         def track(items: Sequence[Item], description: str, /) -> Iterable[Item]:
             return progress.track(items, description=description)
 
         yield track
+
+
+@contextmanager
+def finished_on_terminal(about: str, count: int, unit: str) -> Iterator[Callable[[int], None]]:
+    """To be called with each number of things that have become finished; silent in a pipe.
+
+    Tells how many of all are finished, how fast they come and how long it still takes.
+    """
+    from rich.progress import ProgressColumn, Task, TextColumn, TimeRemainingColumn
+    from rich.text import Text
+
+    class Rate(ProgressColumn):
+        def render(self, task: Task) -> Text:
+            return Text("" if task.speed is None else f"{task.speed:,.0f} {unit}/s")
+
+    counted = TextColumn("{task.completed:,.0f}/{task.total:,.0f}")
+    with _bar(counted, Rate(), TimeRemainingColumn()) as progress:
+        task = progress.add_task(about, total=count)
+        yield lambda finished: progress.advance(task, finished)
+
+
+def _bar(*columns: ProgressColumn, transient: bool = False) -> Progress:
+    """With these beside the bar; silent in a pipe."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    console = Console(stderr=True)
+    named = TextColumn("{task.description}"), BarColumn()
+    off = not console.is_terminal
+    return Progress(*named, *columns, console=console, disable=off, transient=transient)
+
+
+def _time_left() -> tuple[ProgressColumn, ...]:
+    from rich.progress import TextColumn, TimeRemainingColumn
+
+    return TextColumn("left"), TimeRemainingColumn(elapsed_when_finished=True)

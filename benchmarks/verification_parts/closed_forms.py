@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from random_scenes import random_press, random_scene
 from rcskin.simulator.models.solver import ModelName, Solver
 from rcskin.simulator.press.capacitance import capacitance_map
-from rcskin.simulator.press.press import Press, parse_press, pixel_by_pixel
+from rcskin.simulator.press.press import Press, every_press, parse_press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
@@ -21,7 +21,7 @@ from rcskin.simulator.sweeps import (
     parallel_capacitance,
     violations,
 )
-from stability_cases import varied
+from stability_parts.cases import varied
 
 from verification_parts.formulas import (
     Rs_at_zero,
@@ -137,7 +137,7 @@ def five_pixels() -> Check:
     scene = varied("sheet-5x5", [1e-9], COLUMNS)
     R1, R2, _ = totals(scene)
     errors = []
-    for press in pixel_by_pixel(scene):
+    for press in every_press(scene):
         c = capacitance_map(scene, press)[0]
         Rs = shipped(scene, press, "sheet").real[0]
         errors.append(abs(Rs / Rs_at_zero((R1 + R2) / 5, list(c)) - 1))
@@ -171,7 +171,7 @@ def symmetries() -> Iterator[Check]:
     ):
         scene = load_scene(name)
         solver = Solver(scene, RTOL)
-        answers = {press.pixel: solver.solve(press).Z[0] for press in pixel_by_pixel(scene)[1:]}
+        answers = {press.pixel: solver.solve(press).Z[0] for press in every_press(scene)[1:]}
         errors = [worst(scene, Z, answers[image(*pixel)]) for pixel, Z in answers.items()]
         yield below(title, RTOL, *np.max(errors, axis=0))
     scene = varied("sheet-5x5-crossed", [1e-9], {})

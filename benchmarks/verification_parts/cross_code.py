@@ -19,7 +19,7 @@ from rcskin.simulator.scene.scene import Scene
 from rivals import ngspice_grid, scikit_fem_script
 from rivals.cells import Cells
 from rivals.scikit_fem_script import Elements
-from stability_cases import varied
+from stability_parts.cases import varied
 
 from verification_parts.formulas import worst
 from verification_parts.report import Check, Section, below

@@ -15,7 +15,7 @@ from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.sheet import Sheet
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.scene import Scene
-from stability_cases import varied
+from stability_parts.cases import varied
 
 from verification_parts.formulas import opposite_ends, piecewise, totals, uniform, variable, worst
 from verification_parts.report import Check, Section, slopes

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from ..models.plain import electrical
+from ..models.validity import warnings
 from ..scene.files import load_scene
 from ..scene.scene import Scene
 from .slips import slips
@@ -14,6 +16,13 @@ def asked_scene(name: str) -> Scene:
     for slip in slips(scene):
         warn(f"{name}: {slip}")
     return scene
+
+
+def warn_of_model(name: str, scene: Scene) -> None:
+    """Tells where foils join what the scene has apart, and where thin sheets are no model of it."""
+    even = electrical(scene)
+    for warning in (*scene.driven_by_touch, *warnings(even)):
+        warn(f"{name}: {warning}")
 
 
 def tell_if_noise_free(name: str, scene: Scene) -> None:

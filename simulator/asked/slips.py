@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from ..models.line import cut_off_frequency
 from ..scene.scene import Scene
-from .cut_off import cut_off_frequency
 
 
 class Span(NamedTuple):

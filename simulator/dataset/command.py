@@ -41,9 +41,9 @@ def dataset(
     from ..asked.telling import written
     from ..asked.tolerance import checked_rtol
     from ..models.plain import plain_scene
+    from ..progress import finished_on_terminal
     from ..sweeps import InputError, counted, open_zarr
     from ..sweeps.errors import InterruptedWorkError
-    from .bar import on_terminal
     from .plan import Plan, readings
     from .run import generate
 
@@ -57,7 +57,7 @@ def dataset(
     seconds = sweeps * readings(plan.scene) / (READINGS_A_SECOND * processes)
     tell_if_long(scene, 0 if scheduler else seconds, f"{sweeps} sweeps on {processes} processes")
     try:
-        with on_terminal(plan.scene.name, sweeps) as advance:
+        with finished_on_terminal(plan.scene.name, sweeps, "sweeps") as advance:
             generate(plan, output, processes=processes, scheduler=scheduler, advance=advance)
     except KeyboardInterrupt:
         raise InterruptedWorkError("the same command goes on from here") from None

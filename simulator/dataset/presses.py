@@ -8,7 +8,7 @@ from dataclasses import astuple, dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..press.capacitance import grid_map
+from ..press.capacitance import laid_on_cells
 from ..press.press import Press
 from ..press.touch import Disc, Rectangle
 from ..scene.randomisation import CUT, DrawnPress, truncated_normal
@@ -192,17 +192,6 @@ def presses_anywhere(
         y=centres[..., 1],
         factor=centres[..., 2],
     )
-
-
-def laid_on_cells(
-    scene: Scene, presses: Sequence[Press], grid: tuple[int, int]
-) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
-    """Cells, rises and starts of presses, see `SkinModel.sweeps`."""
-    maps = [grid_map(scene, press, *grid).ravel() for press in presses]
-    cells = [np.flatnonzero(each != 1) for each in maps]
-    rises = [each[where] - 1 for each, where in zip(maps, cells, strict=True)]
-    starts = np.concatenate([[0], np.cumsum([where.size for where in cells])])
-    return np.concatenate(cells), np.concatenate(rises), starts
 
 
 def _touches(

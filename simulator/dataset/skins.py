@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.parameters import WAVES, Variation, mode_values
+from ..press.pixels import cell_centres
 from ..scene.frequency import Loss
 from ..scene.meter import Leads
 from ..scene.randomisation import CUT, truncated_normal
@@ -67,13 +68,7 @@ def _foam(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> N
     pixels = scene.pixels.rows, scene.pixels.columns
     if drawn.foam_pattern == "smooth":
         slow = drawn.foam_spread * truncated_normal(random.random(len(WAVES) - 1), CUT)
-        waves = mode_values(scene, _centres(scene, grid), len(WAVES))[1:]
+        waves = mode_values(scene, cell_centres(scene, grid), len(WAVES))[1:]
         return 1 + np.einsum("k,kij", slow, waves)
     spread = drawn.foam_spread * truncated_normal(random.random(pixels), CUT)
     return np.kron(1 + spread, np.ones((rows // pixels[0], columns // pixels[1])))
-
-
-def _centres(scene: Scene, grid: tuple[int, int]) -> NDArray[np.float64]:
-    """Centres (x, y) of the cells in m, shape (2, row, column)."""
-    row, column = np.indices(grid) + 0.5
-    return np.stack([column * scene.skin.length / grid[1], row * scene.skin.width / grid[0]])

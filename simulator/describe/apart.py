@@ -33,28 +33,23 @@ def told_apart(scene: Scene, pixels: Sequence[Pixel]) -> str:
     return f"{', '.join(told)}: {len(groups)} of {len(pixels)} pixels (not, say, {example})"
 
 
-def pixels_with_skin(scene: Scene) -> list[Pixel]:
-    """The pixels that have a part of the skin in them, row by row; of a mesh all of them."""
-    pixels = [(row + 1, column + 1) for row, column in np.ndindex(*scene.pixels.shape)]
-    if scene.skin.mesh is not None:
-        return pixels
-    return [pixel for pixel in pixels if places(pixel, scene).size]
-
-
-def middle(pixel: Pixel, scene: Scene) -> NDArray[np.float64]:
-    """Where a pixel's name may stand: on its skin, (x, y) in m, as near its middle as can be."""
-    found = places(pixel, scene)
+def middle(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], float]:
+    """Where a pixel's name may stand: on its skin, (x, y) in m, and how wide that is there, m."""
+    found, within = _places(pixel, scene)
+    found = found[:, within] if within.any() else found
     off = found - found.mean(axis=1, keepdims=True)
-    return found[:, np.hypot(*off).argmin()]
+    at = found[:, np.hypot(*off).argmin()]
+    return at, float(np.ptp(found[0, found[1] == at[1]]))
 
 
-def places(pixel: Pixel, scene: Scene) -> NDArray[np.float64]:
-    """Places of the skin in a pixel, evenly spread, m, shape (2, place); of a mesh any in it."""
+def _places(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Places in a pixel, evenly spread, m, (2, place); which are on the skin: of a mesh, all."""
     (length, width), (rows, columns) = scene.skin.sides, scene.pixels.shape
     (row, column), parts = pixel, (np.arange(LOOKED_AT) + 0.5) / LOOKED_AT
     x, y = (column - 1 + parts) * length / columns, (row - 1 + parts) * width / rows
     found = np.stack(np.meshgrid(x, y)).reshape(2, -1)
-    return found if scene.skin.mesh is not None else found[:, on_skin(scene.skin, found)]
+    meshed = scene.skin.mesh is not None
+    return found, np.ones(found.shape[1], bool) if meshed else on_skin(scene.skin, found)
 
 
 def alike(scene: Scene, pixels: Sequence[Pixel]) -> list[list[Pixel]]:

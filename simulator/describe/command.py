@@ -20,20 +20,17 @@ def describe(
     frequency beside the sweep's; which rows and columns look alike to any
     meter; the meter's noise; and what the file does not say and is assumed.
     """
-    from ..asked.scene import asked_scene
-    from ..asked.telling import warn, written
-    from ..models.plain import electrical
-    from ..models.validity import warnings
+    from ..asked.scene import asked_scene, warn_of_model
+    from ..asked.telling import written
+    from ..press.pixels import pixels_with_skin
     from ..sweeps import checked_output
-    from .apart import pixels_with_skin
     from .drawing import ENDINGS, draw_scene
     from .facts import facts
 
     if output is not None:
         checked_output(output, ENDINGS)
     loaded = asked_scene(scene)
-    for warning in (*loaded.driven_by_touch, *warnings(electrical(loaded))):
-        warn(f"{scene}: {warning}")
+    warn_of_model(scene, loaded)
     told = facts(loaded)
     room = max(len(each.about) for each in told) + 2
     about = f": {loaded.description}" if loaded.description else ""

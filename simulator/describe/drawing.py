@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, NamedTuple
@@ -15,7 +15,7 @@ from ..charts import COLOURS, chart
 from ..measure.symmetry import Pixel
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
-from ..scene.contacts import Contact, section
+from ..scene.contacts import Contact, path
 from ..scene.scene import Scene
 from ..scene.skin import Skin, curves, on_skin
 from ..sweeps import checked_output
@@ -30,27 +30,30 @@ WIDTH = 6.4
 """Of the picture, inches."""
 TALLEST, FLATTEST = 1.5, 0.45
 """Height of the picture over its width."""
-PIECES = 65
-"""Places along a foil, and around a circle."""
+AROUND = 260
+"""Places around a circle."""
 BAND = {"top": 0.018, "bottom": 0.042}
 """Of the longer side: how far outside the edge the foils of each sheet are drawn."""
 BESIDE = {-1.0: "right", 0.0: "center", 1.0: "left"}
 ABOVE = {-1.0: "top", 0.0: "center", 1.0: "bottom"}
 COLOUR = {"top": COLOURS[1], "bottom": COLOURS[0]}
-NAME_AT, NUMBER_AT, MARGIN = 0.07, 0.16, 0.2
-"""Of the longer side: from the edge to a foil's name, to the numbers of rows and columns, and to
-the frame of the picture."""
+NAME_AT, NUMBERS, MARGIN = 0.07, 0.06, 0.03
+"""Of the longer side: from the edge to a foil's name, for numbers of rows and columns, and around
+all."""
 LINE = 11.0
 """From the name of one foil to that of another at the same place, points."""
 UPRIGHT, SLANTED = 0.9, 0.35
 """Parts of the way off the skin: from where on names stand upright, and beside, not above."""
 MOST_NAMED = 12
 """Pixels along a side up to which each is named; beyond, rows and columns are numbered alone."""
+LETTERS = 120.0
+"""Points of a pixel's name, for a pixel as wide as the skin."""
 TITLE = 72
 """Letters of a line of the title."""
 MM = 1e3
 
 Places = NDArray[np.float64]
+Span = tuple[float, float]
 
 
 def draw_scene(scene: Scene, pixels: list[Pixel], path: str | Path) -> Path:
@@ -60,23 +63,39 @@ def draw_scene(scene: Scene, pixels: list[Pixel], path: str | Path) -> Path:
     where a mesh file does not serve.
     """
     path = checked_output(path, ENDINGS)
-    length, width = scene.skin.sides
-    height = WIDTH * float(np.clip(width / length, FLATTEST, TALLEST)) + 1.2
-    with chart(path, WIDTH, height) as figure:
+    ribbons = [_ribbon(foil, scene) for foil in scene.contacts]
+    x, y = _frame(scene, ribbons)
+    tall = float(np.clip((y[1] - y[0]) / (x[1] - x[0]), FLATTEST, TALLEST))
+    with chart(path, WIDTH, WIDTH * tall + 0.5) as figure:
         axes = figure.add_subplot()
-        _dress(axes, scene)
-        _pixels(axes, scene, pixels, _outline(axes, scene))
-        _foils(axes, scene)
+        _dress(axes, scene, x, y)
+        _pixels(axes, scene, pixels, _outline(axes, scene), (x[1], y[1]))
+        _foils(axes, scene, ribbons)
     return path
 
 
-def _dress(axes: Axes, scene: Scene) -> None:
+def _frame(scene: Scene, ribbons: Sequence[_Ribbon]) -> tuple[Span, Span]:
+    """What is drawn from where to where, along x and y, m: the skin with names and numbers."""
     length, width = scene.skin.sides
-    margin = MARGIN * max(length, width)
+    unit = max(length, width)
+    ways = [out for ribbon in ribbons for _, out in [ribbon.named_at(0.0)]]
+
+    def beside(axis: int, sign: float) -> float:
+        beyond = sum(sign * out[axis] > SLANTED for out in ways)
+        return unit * (MARGIN + (NAME_AT + 0.02 + 0.03 * (beyond - 1) if beyond else 0.0))
+
+    numbers = NUMBERS * unit
+    return (
+        (-beside(0, -1), length + beside(0, 1) + numbers),
+        (-beside(1, -1), width + beside(1, 1) + numbers),
+    )
+
+
+def _dress(axes: Axes, scene: Scene, x: Span, y: Span) -> None:
     axes.set_aspect("equal")
     axes.grid(False)
-    axes.set_xlim(-MM * margin, MM * (length + margin))
-    axes.set_ylim(-MM * margin, MM * (width + margin))
+    axes.set_xlim(MM * x[0], MM * x[1])
+    axes.set_ylim(MM * y[0], MM * y[1])
     axes.set_xlabel("x (mm)")
     axes.set_ylabel("y (mm)")
     told = f"{scene.name}: {scene.description}" if scene.description else scene.name
@@ -88,7 +107,7 @@ def _around(scene: Scene) -> list[Places]:
     found = []
     for curve in curves(scene.skin):
         corners = curve.marks
-        marks = corners if len(corners) > 2 else np.linspace(0, corners[-1], 4 * PIECES)
+        marks = corners if len(corners) > 2 else np.linspace(0, corners[-1], AROUND)
         found.append(np.array([curve.at(mark) for mark in marks]).T)
     return found
 
@@ -107,7 +126,10 @@ def _outline(axes: Axes, scene: Scene) -> Patch | None:
     return around
 
 
-def _pixels(axes: Axes, scene: Scene, pixels: list[Pixel], within: Patch | None) -> None:
+def _pixels(
+    axes: Axes, scene: Scene, pixels: list[Pixel], within: Patch | None, far: tuple[float, float]
+) -> None:
+    """Lines and names of pixels; numbers of rows and columns stand before `far` (x, y), m."""
     (length, width), (rows, columns) = scene.skin.sides, scene.pixels.shape
     across_x = [([x] * 2, [0, width]) for x in np.linspace(0, length, columns + 1)]
     across_y = [([0, length], [y] * 2) for y in np.linspace(0, width, rows + 1)]
@@ -118,16 +140,18 @@ def _pixels(axes: Axes, scene: Scene, pixels: list[Pixel], within: Patch | None)
             line.set_clip_path(within)
     if max(rows, columns) <= MOST_NAMED:
         for row, column in pixels:
-            x, y = MM * middle((row, column), scene)
-            size = 9 if max(rows, columns) <= 6 else 6
+            (x, y), size = middle((row, column), scene)
+            points = float(np.clip(size / max(length, width) * LETTERS, 5, 9))
             centred = {"ha": "center", "va": "center", "color": "0.25", "zorder": 3.5}
-            axes.text(float(x), float(y), f"{row},{column}", size=size, **centred)
-    far = NUMBER_AT * max(length, width)
-    grey = {"ha": "center", "va": "center", "color": "0.5", "size": 8}
+            axes.text(MM * x, MM * y, f"{row},{column}", size=points, **centred)
+    before = MARGIN * max(length, width)
+    grey = {"color": "0.5", "size": 8}
     for name, number, x in _shown("column", length, columns):
-        axes.text(MM * x, MM * (width + far), f"{name}{number}", **grey)
+        at = MM * x, MM * (far[1] - before)
+        axes.text(*at, f"{name}{number}", ha="center", va="center", **grey)
     for name, number, y in _shown("row", width, rows):
-        axes.text(MM * (length + far), MM * y, f"{name}{number}", **grey)
+        at = MM * (far[0] - before), MM * y
+        axes.text(*at, f"{name}{number}", ha="center", va="center", rotation=90, **grey)
 
 
 def _shown(name: str, side: float, count: int) -> Iterator[tuple[str, int, float]]:
@@ -142,26 +166,35 @@ class _Ribbon(NamedTuple):
     path: Places
     out: Places
 
+    @property
+    def closed(self) -> bool:
+        """Whether it goes all around a curve."""
+        return np.allclose(self.path[:, 0], self.path[:, -1], rtol=0, atol=1e-9)
+
     def named_at(self, gap: float) -> tuple[Places, Places]:
         """Where its name stands, m, and the way off the skin there: that far off its middle.
 
-        In the middle of a foil that goes all around a curve.
+        Of a foil that goes all around a curve it is below the skin.
         """
-        if np.allclose(self.path[:, 0], self.path[:, -1], rtol=0, atol=1e-3 * gap):
-            return self.path.mean(axis=1), np.zeros(2)
+        if self.closed:
+            x = float(self.path[0].min() + self.path[0].max()) / 2
+            return np.array([x, -gap]), np.array([0.0, -1.0])
         half = self.path.shape[1] // 2
         return self.path[:, half] + gap * self.out[:, half], self.out[:, half]
 
 
-def _foils(axes: Axes, scene: Scene) -> None:
+def _foils(axes: Axes, scene: Scene, ribbons: Sequence[_Ribbon]) -> None:
     stacked: dict[tuple[int, int], int] = defaultdict(int)
     longest = max(scene.skin.sides)
-    for foil in scene.contacts:
-        ribbon = _ribbon(foil, scene)
+    for foil, ribbon in zip(scene.contacts, ribbons, strict=True):
         beside = MM * (ribbon.path + BAND[foil.electrode] * longest * ribbon.out)
         axes.plot(*beside, color=COLOUR[foil.electrode], linewidth=4, zorder=4)
         at, out = ribbon.named_at(NAME_AT * longest)
         place = round(MM * float(at[0])), round(MM * float(at[1]))
+        if ribbon.closed:
+            x, y = MM * at
+            ends = [y, np.nanmin(beside[1])]
+            axes.plot([x, x], ends, color=COLOUR[foil.electrode], linewidth=0.8, zorder=3.4)
         _name(axes, foil, scene, MM * at, out, stacked[place])
         stacked[place] += 1
 
@@ -202,11 +235,8 @@ def _ribbon(foil: Contact, scene: Scene) -> _Ribbon:
     skin = scene.skin
     if skin.mesh is not None:
         return _meshed(foil, scene)
-    part = section(foil, skin)
-    curve = curves(skin)[part.curve]
-    marks = np.linspace(part.start, part.stop, PIECES)
-    path = np.array([curve.at(mark) for mark in marks]).T
-    return _Ribbon(path, _outwards(path, skin))
+    along = path(foil, skin)
+    return _Ribbon(along, _outwards(along, skin))
 
 
 def _meshed(foil: Contact, scene: Scene) -> _Ribbon:

@@ -9,14 +9,15 @@ from typing import NamedTuple
 import numpy as np
 from pydantic import BaseModel
 
-from ..asked.cut_off import cut_off_frequency, farthest
+from ..models.line import cut_off_frequency
 from ..models.plain import electrical
+from ..press.pixels import pixels_with_skin
 from ..scene.contacts import Contact
 from ..scene.maps import AnyMap
 from ..scene.planar import Circle, area
 from ..scene.scene import Scene
 from ..scene.skin import Sheet, Skin
-from .apart import pixels_with_skin, told_apart
+from .apart import told_apart
 
 LINES = 64
 """Along each side of the skin, at which maps are averaged."""
@@ -196,8 +197,8 @@ def _cut_off(scene: Scene) -> str:
         seen = "no frequency lies above it: all see the whole skin"
     elif above == len(f):
         seen = "all frequencies lie above it: none sees the whole skin"
-    reach = 1e3 * farthest(electrical(scene))
-    return f"{prefixed(cut_off, 'Hz')} (Eq. 6, {reach:.4g} mm from the foils): {seen}"
+    far = 1e3 * electrical(scene).reach
+    return f"{prefixed(cut_off, 'Hz')} (Eq. 6, {far:.4g} mm from the foils): {seen}"
 
 
 def _noise(scene: Scene) -> str:

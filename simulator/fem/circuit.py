@@ -107,7 +107,7 @@ def one_field(scene: Scene) -> Circuit | None:
         return None
     skin = scene.skin
     return Circuit(
-        conductance=(1 / (skin.top.sheet_resistance + skin.bottom.sheet_resistance),),
+        conductance=(1 / skin.both_sheets,),
         coupling=np.array([[1.0]]),
         terminals=tuple(
             Terminal(0, _in_series(both.terminals[top], both.terminals[pairs[top] or 0]))

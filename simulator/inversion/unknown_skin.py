@@ -19,6 +19,7 @@ from ..measure.readout import ErrorModel, observed, observed_slope
 from ..models.parameters import VALUES, WAVES, mode_values, own_values, session_spreads
 from ..models.reduced.family import Family
 from ..models.reduced.forward import Forward
+from ..press.pixels import cell_centres
 from ..scene.scene import Scene
 
 NOWHERE = np.zeros(0, dtype=np.int64)
@@ -169,11 +170,7 @@ def _foam_terms(forward: Forward) -> NDArray[np.float64]:
         cell = np.ones((1, forward.cells_per_pixel, forward.cells_per_pixel))
         terms = np.kron(of_pixels.reshape(-1, pixels.rows, pixels.columns), cell)
         return terms.reshape(-1, cells.rows * cells.columns).astype(np.float64)
-    row, column = np.indices((cells.rows, cells.columns)) + 0.5
-    centres = np.stack(
-        [column * scene.skin.length / cells.columns, row * scene.skin.width / cells.rows]
-    )
-    waves = mode_values(scene, centres, len(WAVES))[1:]
+    waves = mode_values(scene, cell_centres(scene, cells.shape), len(WAVES))[1:]
     return (session.foam_spread * waves.reshape(len(WAVES) - 1, -1)).astype(np.float64)
 
 

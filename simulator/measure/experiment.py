@@ -1,4 +1,4 @@
-"""The presses that are measured: every one of a skin, or as its experiment plans them."""
+"""The presses that are measured, as a scene's experiment plans them."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mesh.skin_mesh import domain
 from ..models.plain import require_factor
-from ..press.press import Press, pixel_by_pixel
+from ..press.press import Press
 from ..press.touch import Touch
 from ..scene.randomisation import AnyDistribution, Fixed, Normal
 from ..scene.scene import Scene
@@ -97,12 +96,3 @@ def together(each: Sequence[Strengths]) -> Strengths:
         factor = np.vstack([repeated, np.tile(one.factor, len(weight))])
         weight = np.multiply.outer(weight, one.weight).ravel()
     return Strengths(factor, weight)
-
-
-def every_press(scene: Scene) -> list[Press]:
-    """The skin at rest, then every pixel alone that has a part of the skin in it, row by row."""
-    presses = pixel_by_pixel(scene)
-    if scene.skin.outline is None and scene.skin.mesh is None:
-        return presses
-    there = np.unique(domain(scene, Press(), max(scene.skin.sides)).pixel)
-    return [presses[0], *(presses[1 + number] for number in there if number >= 0)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,13 +51,12 @@ def read_out(
         displayed(value, readout.display_digits)
         for value in (Z.real, Z.imag, parallel_capacitance(Z, frequency))
     )
+    kept = ("interface", "press", "row", "column")
+    labels: Any = {name: list(sweeps[name].values) for name in kept}
     return build(
         Rs + 1j * X,
         frequency,
-        interface=list(sweeps["interface"].values),
-        press=list(sweeps["press"].values),
-        row=list(sweeps["row"].values),
-        column=list(sweeps["column"].values),
+        **labels,
         session=[session] * sweeps.sizes["sweep"],
         Cp=Cp,
         attributes={**sweeps.attrs, "readout": readout.model_dump_json()},

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..models.answer import Answer
 from ..models.solver import Solver
-from ..press.press import Press, check_press, parse_press, strength_of
+from ..press.press import Press, check_press, press_on
 from ..scene.files import parse_scene, scene_text
 from ..scene.meter import Sweep
 from ..sweeps import InputError, build, concatenate
@@ -69,8 +69,7 @@ def resimulated(sweeps: xr.Dataset, text: str, frequency: NDArray[np.float64]) -
     presses, which = np.unique(
         sweeps["press"].values.astype(object).astype(str), return_inverse=True
     )
-    strength = strength_of(scene.press)
-    found = simulate(Solver(scene), [parse_press(str(press), strength) for press in presses])
+    found = simulate(Solver(scene), [press_on(scene, str(press)) for press in presses])
     again = found.isel(sweep=which).sel(interface=sweeps["interface"].values)
     return again.assign_coords(session=("sweep", sweeps["session"].values))
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.solver import Solver
-from ..press.press import Press, check_press, parse_press, strength_of
+from ..press.press import Press, press_on
 from ..scene.scene import Scene, interface_names
 from .readout import Meter
 
@@ -34,14 +34,11 @@ class Specimen:
 
     def check(self, press: str) -> str:
         """The press in its full form. Raises InputError where it does not fit the scene."""
-        return str(check_press(self._parsed(press), self.scene))
+        return str(press_on(self.scene, press))
 
     def impedance(self, press: str, frequency: float) -> complex:
-        """Z in ohm at a frequency in Hz. Raises as `Solver.solve` does."""
-        return complex(self._impedances(self._parsed(press), frequency)[self._number])
-
-    def _parsed(self, press: str) -> Press:
-        return parse_press(press, strength_of(self.scene.press))
+        """Z in ohm at a frequency in Hz. Raises as `press_on` and `Solver.solve`."""
+        return complex(self._impedances(press_on(self.scene, press), frequency)[self._number])
 
     def _new_impedances(self, press: Press, frequency: float) -> NDArray[np.complex128]:
         """At every interface."""

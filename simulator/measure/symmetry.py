@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.contacts import Contact, section
+from ..scene.contacts import Contact, path
 from ..scene.maps import AnyMap
 from ..scene.scene import Scene
 from ..scene.skin import Electrode, Sheet, Skin, curves
@@ -185,9 +185,7 @@ class _Foil:
     @cached_property
     def places(self) -> NDArray[np.float64]:
         """On it, m, shape (2, MARKS)."""
-        part = section(self.contact, self.skin)
-        curve = curves(self.skin)[part.curve]
-        return np.array([curve.at(m) for m in np.linspace(part.start, part.stop, MARKS)]).T
+        return path(self.contact, self.skin, MARKS - 1)
 
     def becomes(self, other: _Foil, mapping: Mapping) -> bool:
         """Whether a mapping lays it on another."""

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..press.capacitance import pixel_lines, touched_box
-from ..press.press import Press
-from ..press.touch import Disc, Place, Polygon, Rectangle, Touch
-from ..scene.planar import Circle, inside, regular, sides
-from ..scene.scene import Scene
+from ..scene.planar import Circle, inside
 from .arcs import NO_ARCS, Arcs, beside_chords, mapped
+from .drawing import Drawing
 from .triangles import edges_of
 
 Points = NDArray[np.float64]
 Numbers = NDArray[np.int64]
-Angular = Touch | Rectangle | Polygon
 NO_EDGES = np.zeros((2, 0), dtype=np.int64)
 
 
@@ -28,7 +23,7 @@ class Domain:
 
     p: points in m, shape (2 or 3, point). t: numbers of points, ascending in each column, shape
     (3, triangle). pixel: row * columns + column, both from 0, -1 where there is none, shape
-    (triangle,). covered: whether each of `sharp_touches` covers a triangle, shape (touch,
+    (triangle,). covered: whether each of a drawing's touches covers a triangle, shape (touch,
     triangle). foils: for each contact the numbers of points of its facets, ascending in each
     column, shape (2, facet). seams: likewise of the edges that were asked for, across which
     something may jump. arcs: the edges that are not straight; none in space. out_of_round: what
@@ -81,62 +76,15 @@ def areas(p: Points, t: Numbers) -> NDArray[np.float64]:
     return np.sqrt(np.maximum(squared, 0.0)) / 2
 
 
-def sharp_touches(press: Press) -> list[Rectangle | Disc | Polygon]:
-    """The touches of a press that have a factor and are no pixels, in order."""
-    return [each for each in press.touches if isinstance(each, Rectangle | Disc | Polygon)]
-
-
-def shape_of(scene: Scene, place: Place) -> Circle | Points:
-    """The circle that a place is, or the corners of its polygon, shape (corner, 2)."""
-    if isinstance(place, Disc):
-        return Circle(place.x, place.y, place.radius)
-    return polygon_of(scene, place)
-
-
-def polygon_of(scene: Scene, place: Angular) -> Points:
-    """The corners of a place that is no disc, shape (corner, 2)."""
-    if isinstance(place, Polygon):
-        return np.array(place.points, dtype=float)
-    left, right, bottom, top = touched_box(scene, place)
-    return np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
-
-
-def polygonal(place: Place, sides: int) -> Angular:
-    """The same place; a disc as the regular polygon of so many sides and the same area."""
-    if not isinstance(place, Disc):
-        return place
-    corners = regular(place.x, place.y, place.radius, sides)
-    return Polygon(tuple((x, y) for x, y in corners.tolist()), place.factor)
-
-
-def closed(shape: Circle | Points) -> Circle | Points:
-    """A circle as it is; of corners (corner, 2) the sides between them, (segment, 2, 2)."""
-    return shape if isinstance(shape, Circle) else sides(shape)
-
-
-def edges_of_touches(
-    scene: Scene, press: Press, creases: Sequence[Circle | Points]
-) -> list[Circle | Points]:
-    """Circles, and segments (segment, 2, 2), of touches with a factor and of creases; m."""
-    return [
-        *(closed(shape_of(scene, touch)) for touch in sharp_touches(press)),
-        *(
-            crease if isinstance(crease, Circle) else np.stack([crease[:-1], crease[1:]], axis=1)
-            for crease in creases
-        ),
-    ]
-
-
-def labelled(scene: Scene, press: Press, mesh: Domain) -> Domain:
+def labelled(drawing: Drawing, mesh: Domain) -> Domain:
     """Triangles that conform to pixels and touches, labelled by their middles."""
     middle = mesh.middles
-    shapes = [shape_of(scene, touch) for touch in sharp_touches(press)]
     of_touches = [
         shape.holds(middle) if isinstance(shape, Circle) else inside(shape, middle)
-        for shape in shapes
+        for shape in drawing.touches
     ]
     covered = np.array(of_touches, dtype=bool).reshape(-1, mesh.t.shape[1])
-    return replace(mesh, pixel=pixels(scene, middle), covered=covered)
+    return replace(mesh, pixel=drawing.pixel_at(middle), covered=covered)
 
 
 def unlabelled(
@@ -151,13 +99,3 @@ def unlabelled(
     pixel, covered = np.full(t.shape[1], -1), np.zeros((0, t.shape[1]), dtype=bool)
     foils = {name: np.sort(facets, axis=0) for name, facets in foils.items()}
     return Domain(p, t, pixel, covered, foils, seams, arcs)
-
-
-def pixels(scene: Scene, x: Points) -> Numbers:
-    """The pixel at positions x in m, shape (2, point) to (point,); -1 beyond the grid."""
-    column, row = (
-        np.searchsorted(pixel_lines(scene, axis), x[axis], side="right") - 1 for axis in (0, 1)
-    )
-    rows, columns = scene.pixels.shape
-    within = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
-    return np.where(within, row * columns + column, -1)

@@ -7,16 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..press.capacitance import pixel_lines
-from ..press.press import Press
 from ..scene.contacts import Contact, section
 from ..scene.outline import Curve
 from ..scene.planar import Circle
-from ..scene.scene import Scene
 from ..scene.skin import curves
 from .arcs import Arcs, arc_length, on_arcs
 from .arrangement import Arrangement, Chords, arranged, chords
-from .domain import Domain, Numbers, Points, closed, edges_of_touches, labelled, unlabelled
+from .domain import Domain, Numbers, Points, labelled, unlabelled
+from .drawing import Drawing, closed
 from .mesher import Meshed, meshed
 from .untangled import untangled
 
@@ -24,38 +22,36 @@ SAME = 1e-8
 """What is nearer than this times the skin's longer side is at one place."""
 
 
-def drawn(scene: Scene, press: Press, size: float, creases: Sequence[Circle | Points]) -> Domain:
-    """See `skin_mesh.domain`."""
-    skin = scene.skin
+def drawn(drawing: Drawing, size: float) -> Domain:
+    """Triangles of a drawing without mesh; see `skin_mesh.domain`."""
+    skin = drawing.skin
     around = curves(skin)
-    marks = np.array([end for contact in scene.contacts for end in contact.ends(skin)])
-    same = SAME * max(skin.length, skin.width)
-    found = chords(
-        [*(closed(curve.shape) for curve in around), *_inner(scene, press, creases)], marks, same
-    )
+    marks = np.array([end for foil in drawing.foils for end in foil.ends(skin)])
+    same = SAME * max(skin.sides)
+    shapes = [*(closed(curve.shape) for curve in around), *_grid(drawing), *drawing.edges]
+    found = chords(shapes, marks, same)
     segments, curvature = (np.concatenate(part) for part in zip(*found, strict=True))
-    drawing = _clipped(arranged(segments, same, marks), curvature, around, found)
-    bends = curvature[drawing.segment]
-    curve, middle = _on_boundary(drawing, bends, around, found)
-    mesh = meshed(drawing.points, drawing.pieces, bends, curve, size)
+    pieces = _clipped(arranged(segments, same, marks), curvature, around, found)
+    bends = curvature[pieces.segment]
+    curve, middle = _on_boundary(pieces, bends, around, found)
+    mesh = meshed(pieces.points, pieces.pieces, bends, curve, size)
 
-    def under(contact: Contact) -> Numbers:
-        along = section(contact, skin)
+    def under(foil: Contact) -> Numbers:
+        along = section(foil, skin)
         there = (curve == along.curve) & (along.start < middle) & (middle < along.stop)
         return mesh.lines[:, there[mesh.piece]]
 
-    foils = {contact.name: under(contact) for contact in scene.contacts}
-    bare = unlabelled(mesh.p, mesh.t, foils, mesh.lines, _arcs(mesh, drawing, bends))
-    return labelled(scene, press, untangled(bare))
+    foils = {foil.name: under(foil) for foil in drawing.foils}
+    bare = unlabelled(mesh.p, mesh.t, foils, mesh.lines, _arcs(mesh, pieces, bends))
+    return labelled(drawing, untangled(bare))
 
 
-def _inner(scene: Scene, press: Press, creases: Sequence[Circle | Points]) -> list[Circle | Points]:
-    """Circles, and segments (segment, 2, 2), of lines between pixels, touches and creases; m."""
-    x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
+def _grid(drawing: Drawing) -> list[Points]:
+    """Segments (segment, 2, 2) between pixels; m."""
+    x, y = drawing.lines
     return [
         np.array([[(line, y[0]), (line, y[-1])] for line in x[1:-1]]).reshape(-1, 2, 2),
         np.array([[(x[0], line), (x[-1], line)] for line in y[1:-1]]).reshape(-1, 2, 2),
-        *edges_of_touches(scene, press, creases),
     ]
 
 

@@ -7,18 +7,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..press.capacitance import pixel_lines
-from ..press.press import Press
-from ..press.touch import place_of
 from ..scene.mesh_file import Surface, foil_lines, read_surface
 from ..scene.planar import Circle, distance, nearest
-from ..scene.scene import Scene
+from ..scene.skin import Skin
 from ..sweeps import InputError, ToleranceError
 from .arcs import Arcs, on_arcs
 from .arrangement import WIDEST, Arrangement, arranged, chords
 from .cutting import cut, snapped
-from .domain import Domain, Numbers, Points, edges_of_touches, labelled, polygonal, unlabelled
+from .domain import Domain, Numbers, Points, labelled, unlabelled
+from .drawing import Drawing
 from .mending import collapsed, compressed, edges_along, flipped
 from .refinement import refined
 from .sound import check
@@ -67,23 +66,24 @@ COARSEST = 2.0
 """Longest edges of triangles over the length of what they are cut along."""
 
 
-def imported(scene: Scene, press: Press, creases: Sequence[Circle | Points]) -> Domain:
-    """See `skin_mesh.domain`."""
-    path = scene.skin.mesh
+def imported(drawing: Drawing) -> Domain:
+    """Triangles of the mesh file of a drawing; see `skin_mesh.domain`."""
+    path = drawing.skin.mesh
     assert path is not None
     surface = read_surface(path)
     _check(path, surface)
     in_space = len(surface.p) == 3
     if in_space:
-        _check_directions(scene, path)
-        press = _angular(press)
-    foils = {contact.name: foil_lines(surface, contact.edge, path) for contact in scene.contacts}
-    pixel = _grouped(path, surface, scene)
+        _check_directions(drawing.skin, path)
+        drawing = drawing.angular(SIDES_IN_SPACE)
+    foils = {foil.name: foil_lines(surface, foil.edge, path) for foil in drawing.foils}
+    groups = drawing.pixels.groups
+    pixel = _grouped(path, surface, groups or ())
     whole = replace(unlabelled(surface.p, surface.t, foils), pixel=pixel)
-    shapes = [*_grid(scene), *edges_of_touches(scene, press, creases)]
+    shapes = drawing.edges if groups else [_grid(drawing), *drawing.edges]
     mesh = (_cut_as_seen if in_space else _conforming)(whole, shapes)
-    labels = labelled(scene, press, mesh)
-    if scene.pixels.groups is not None:
+    labels = labelled(drawing, mesh)
+    if groups is not None:
         labels = replace(labels, pixel=mesh.pixel)
     return replace(labels, out_of_round=OUT_OF_ROUND) if in_space else labels
 
@@ -138,15 +138,8 @@ def _cut_as_seen(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
     return cut(_as_fine(mesh, pieces), pieces, same)
 
 
-def _angular(press: Press) -> Press:
-    """With polygons for discs, in their places."""
-    touches = press.sharp.touches
-    return Press(tuple(polygonal(place_of(touch), SIDES_IN_SPACE) for touch in touches))
-
-
-def _check_directions(scene: Scene, path: str) -> None:
+def _check_directions(skin: Skin, path: str) -> None:
     """Raises InputError for what has a direction, of which a mesh in space tells none."""
-    skin = scene.skin
     ratios = skin.stretch.ratios if skin.stretch else (1.0, 1.0)
     directed = {
         "skin.top.anisotropy": skin.top.anisotropy,
@@ -156,18 +149,14 @@ def _check_directions(scene: Scene, path: str) -> None:
     }
     for key, there in directed.items():
         if there:
-            raise InputError(f"{scene.name}: skin.mesh {path} must lie in a plane for `{key}`")
+            raise InputError(f"skin.mesh {path} must lie in a plane for `{key}`")
 
 
 def _kept_edges(mesh: Domain) -> Numbers:
     """The edges at the boundary and between pixels, by numbers of points, shape (2, edge)."""
     edges, of_triangle = edges_of(mesh.t)
-    low, high = (np.full(edges.shape[1], start) for start in (mesh.pixel.max(), mesh.pixel.min()))
-    every = np.tile(mesh.pixel, 3)
-    np.minimum.at(low, of_triangle.ravel(), every)
-    np.maximum.at(high, of_triangle.ravel(), every)
-    kept = (low < high) | (np.bincount(of_triangle.ravel()) == 1)
-    return edges[:, kept]
+    rim = np.bincount(of_triangle.ravel()) == 1
+    return edges[:, _of_several(of_triangle, mesh.pixel) | rim]
 
 
 def _as_fine(mesh: Domain, pieces: Points) -> Domain:
@@ -184,10 +173,18 @@ def _as_fine(mesh: Domain, pieces: Points) -> Domain:
 
 def _between(t: Numbers, pixel: Numbers) -> Numbers:
     """The points at which triangles of more than one pixel meet."""
-    least, most = (np.full(int(t.max()) + 1, start) for start in (pixel.max(), pixel.min()))
-    np.minimum.at(least, t.ravel(), np.tile(pixel, 3))
-    np.maximum.at(most, t.ravel(), np.tile(pixel, 3))
-    return np.flatnonzero(least < most)
+    return np.flatnonzero(_of_several(t, pixel))
+
+
+def _of_several(parts: Numbers, pixel: Numbers) -> NDArray[np.bool_]:
+    """Whether a point or an edge is part of triangles of more than one pixel.
+
+    parts: numbers of the points or edges of each triangle, shape (3, triangle).
+    """
+    least, most = (np.full(int(parts.max()) + 1, start) for start in (pixel.max(), pixel.min()))
+    np.minimum.at(least, parts.ravel(), np.tile(pixel, 3))
+    np.maximum.at(most, parts.ravel(), np.tile(pixel, 3))
+    return least < most
 
 
 def _at(p: Points, places: Points, same: float) -> Numbers:
@@ -202,18 +199,17 @@ def _check(path: str, surface: Surface) -> None:
     check(path, surface.p, surface.t)
 
 
-def _grid(scene: Scene) -> list[Points]:
-    """Lines around pixels, shape (segment, 2, 2), unless those are groups."""
-    x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
+def _grid(drawing: Drawing) -> Points:
+    """Lines around pixels, shape (segment, 2, 2)."""
+    x, y = drawing.lines
     across = [np.array([(line, y[0]), (line, y[-1])]) for line in x]
-    along = [np.array([(x[0], line), (x[-1], line)]) for line in y]
-    return [] if scene.pixels.groups else [np.array([*across, *along])]
+    return np.array([*across, *(np.array([(x[0], line), (x[-1], line)]) for line in y)])
 
 
-def _grouped(path: str, surface: Surface, scene: Scene) -> Numbers:
+def _grouped(path: str, surface: Surface, groups: Sequence[Sequence[str]]) -> Numbers:
     """The pixel of each triangle by the groups of the mesh, -1 for those in none."""
     pixel = np.full(surface.t.shape[1], -1, dtype=np.int64)
-    names = [name for row in scene.pixels.groups or () for name in row]
+    names = [name for row in groups for name in row]
     for number, name in enumerate(names):
         members = surface.triangle_groups.get(name, pixel[:0])
         if not len(members):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad
 
-from ..press.capacitance import pixel_lines
+from ..press.pixels import pixel_lines
 from ..scene.contacts import Contact
 from ..scene.planar import NO_LINES, SAME_LINE, Lines, distinct
 from ..scene.scene import Scene

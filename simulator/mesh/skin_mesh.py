@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..press.press import Press
-from ..scene.planar import Circle
 from ..scene.scene import Scene
-from .domain import Domain, Points
+from .domain import Domain
+from .drawing import Shape, drawing_of
 from .drawn import drawn
 from .imported import imported
 
 
-def domain(
-    scene: Scene, press: Press, size: float, creases: Sequence[Circle | Points] = ()
-) -> Domain:
+def domain(scene: Scene, press: Press, size: float, creases: Sequence[Shape] = ()) -> Domain:
     """The skin of a scene as triangles that conform to all at which something jumps.
 
     These are its outline and holes, the lines of pixels, the ends of foils, the edges of the
@@ -26,6 +24,5 @@ def domain(
     Raises InputError where a mesh file does not serve, or the mesher is not installed;
     ToleranceError where lines or circles lie too near to each other.
     """
-    if scene.skin.mesh is not None:
-        return imported(scene, press, creases)
-    return drawn(scene, press, size, creases)
+    drawing = drawing_of(scene, press, creases)
+    return drawn(drawing, size) if scene.skin.mesh is None else imported(drawing)

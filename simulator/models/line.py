@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..fem.circuit import one_field
-from ..press.capacitance import lines, pixel_lines, tile_map
+from ..press.capacitance import lines, tile_map
+from ..press.pixels import pixel_lines
 from ..press.press import Press
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .plain import require_plain
+from .plain import electrical, require_plain
 
 LEVELS_OF_FRACTION = 12
 
@@ -49,7 +50,7 @@ class Line:
         """
         c, segments = self.profile(press)
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
-        sheets = self.scene.skin.top.sheet_resistance + self.scene.skin.bottom.sheet_resistance
+        sheets = self.scene.skin.both_sheets
         Y = np.zeros(s.shape, dtype=complex)
         for R, C in zip(
             sheets * segments[::-1] / self._width, (c * segments)[::-1] * self._width, strict=True
@@ -122,6 +123,17 @@ def interrogation_frequency(
     x: m. R: ohm/m. C: F/m. constant: (ln sqrt 2)² / pi = 0.03823, which the paper rounds to 0.0382.
     """
     return constant / (R * C * np.asarray(x, dtype=float) ** 2)
+
+
+def cut_off_frequency(scene: Scene) -> float:
+    """Where the wave has fallen to half power at the place farthest from the driven foils, Hz.
+
+    f = 0.0382 / (R c x²): both sheets in series, the foam at rest, x the distance. Above it less
+    of the skin is seen. Maps, curvature and what presses do are left out. Source: paper Eq 6.
+    """
+    even = electrical(scene)
+    c = even.skin.foam.rest_capacitance_per_area
+    return float(interrogation_frequency(even.reach, even.skin.both_sheets, c))
 
 
 def open_line_amplitude(

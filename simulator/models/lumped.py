@@ -15,7 +15,7 @@ from ..fem.circuit import Drive
 from ..fem.galerkin import Galerkin
 from ..fem.network import allowed_potentials
 from ..press.press import Press
-from ..scene.frequency import laplace_variable, penetration_depth
+from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene
 from ..sweeps import InputError, parallel_capacitance
 from .sheet import Sheet
@@ -80,10 +80,7 @@ def least_left_out(scene: Scene, frequency: float) -> float:
     Of such a line Cp = C (1 - 2 u² / 15), and of R = R_line / 3 and C in series C (1 - u² / 9).
     """
     skin = scene.skin
-    sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
-    c = skin.foam.rest_capacitance_per_area
-    depth = penetration_depth(frequency, sheets, c, skin.foam.loss)
-    u = 2 * (min(skin.length, skin.width) / 2 / depth) ** 2
+    u = 2 * (min(skin.sides) / 2 / skin.depth(frequency)) ** 2
     return min(1.0, u**2 / 45)
 
 

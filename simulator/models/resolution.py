@@ -10,7 +10,6 @@ from ..press.capacitance import lines, patch, tile_map, touched_box
 from ..press.press import Press
 from ..press.touch import AnyTouch, Touch
 from ..scene.contacts import Contact
-from ..scene.frequency import penetration_depth
 from ..scene.planar import Lines, distinct
 from ..scene.scene import Scene
 
@@ -48,7 +47,7 @@ class Ladder:
         """
         order, cells = self.levels[level]
         factor = strongest(press, self.scene)
-        depth = self.depth(frequency)
+        depth = self.scene.skin.depth(frequency)
         reached = self._reached(press, depth)
         layer = depth / math.sqrt(factor if reached.touches else 1.0) * followed(order)
         if self.halved(layer) == math.inf:
@@ -62,13 +61,6 @@ class Ladder:
             touched=all_lines(reached, self.scene),
             lines=lines(self.scene, press),
         )
-
-    def depth(self, frequency: float) -> float:
-        """How far from a foil the field reaches at a frequency in Hz, m."""
-        skin = self.scene.skin
-        sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
-        c = skin.foam.rest_capacitance_per_area
-        return penetration_depth(frequency, sheets, c, skin.foam.loss)
 
     @property
     def _widest_pixel(self) -> float:

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..fem.circuit import Circuit, one_field, two_fields
 from ..fem.estimate import ROUNDING, SAFETY, checked, relative_difference
 from ..mesh.quadrilaterals import Resolution
+from ..press.capacitance import touched_cells
 from ..press.press import Press
 from ..press.press import require_plain as require_plain_press
 from ..press.touch import Touch
@@ -32,9 +33,8 @@ from .plain import electrical, electrical_press, require_plain
 from .reduced.cases import pixel_touches
 from .reduced.greedy import reduce
 from .reduced.model import KRYLOV_SHARE as REDUCED_KRYLOV
-from .reduced.model import ReducedSkin, touched_cells
+from .reduced.model import ReducedSkin
 from .resolution import Ladder
-from .separable.model import Separable
 from .sheet import Sheet
 from .varied.meshes import indented, meshes
 
@@ -44,8 +44,6 @@ if TYPE_CHECKING:
 ModelName = Literal["auto", "lumped", "line", "sheet", "reduced"]
 DEFAULT_RTOL = 1e-4
 GAIN = 0.1
-SEPARABLE_SHARE = 0.3
-"""Of the tolerance: the certificate is several times the error."""
 SHEETS_KEPT = 16
 GRIDS_KEPT = 256
 CLOSER = 0.1
@@ -140,7 +138,7 @@ class Solver:
             require_plain(self._even, f"the model {self.model!r}")
             if self.model != "reduced" or pressed:
                 require_plain_press(press)
-            progress.reject(f"reduced: answers pixels and rect, got {press}")
+            progress.reject(f"reduced: answers whole pixels, got {press}")
         finer = meshes(self.scene, press, pressed, self.rtol)
         while not progress.done:
             try:
@@ -219,7 +217,7 @@ class Solver:
 
     def _reduced(self, press: Press, progress: Progress) -> None:
         if not all(isinstance(touch, Touch) for touch in press.touches):
-            return self._separable(press, progress)
+            raise InputError(f"answers whole pixels, got {press}")
         _check_trained(press)
         if not np.array_equal(progress.frequency, self.scene.frequencies):
             raise InputError("a reduced model answers the frequencies of its scene's sweep")
@@ -230,18 +228,9 @@ class Solver:
         told = f"reduced to {skin.reduced.size} vectors, {skin.reduced.circuit.told}"
         return progress.offer(Rung(told, skin.reduced.size, Z, at_most + skin.reduced.mesh_error))
 
-    def _separable(self, press: Press, progress: Progress) -> None:
-        model, frequency = self._separable_model, progress.frequency
-        Z, error = model.impedance(press, frequency), model.certificate(press, frequency)
-        progress.offer(Rung(model.explain(), int(model.products.counts.sum()), Z, error))
-
     @cached_property
     def _reduced_skin(self) -> ReducedSkin:
         return reduce(self._even, self.rtol, pixel_touches(self._even, TRAINED)).skin(None)
-
-    @cached_property
-    def _separable_model(self) -> Separable:
-        return Separable(self._even, SEPARABLE_SHARE * self.rtol)
 
     def _sheet(self, resolution: Resolution) -> Sheet:
         """Discretised at a resolution; the oldest are forgotten, for they are large."""

@@ -9,7 +9,6 @@ of a press it is smoothed over d.
 
 from __future__ import annotations
 
-from ..scene.frequency import penetration_depth
 from ..scene.scene import Scene
 from ..scene.skin import VACUUM_PERMITTIVITY
 
@@ -41,9 +40,7 @@ def warnings(scene: Scene) -> list[str]:
     """
     skin, pixels = scene.skin, scene.pixels
     d = least_thickness(scene)
-    sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
-    c = skin.foam.rest_capacitance_per_area * max(1.0, scene.press.capacitance_factor)
-    depth = penetration_depth(scene.frequencies[-1], sheets, c, skin.foam.loss)
+    depth = skin.depth(scene.frequencies[-1], max(1.0, scene.press.capacitance_factor))
     lateral, fringe = lateral_error(d, depth), fringe_error(d, skin.length, skin.width)
     pixel = min(skin.length / pixels.columns, skin.width / pixels.rows)
     told = []

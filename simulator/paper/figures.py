@@ -13,7 +13,7 @@ from ..charts import AT_REST, COLOURS, LINE_STYLES, chart, frequency_axis
 from ..measure.simulate import simulate
 from ..models.line import HALF_POWER, attenuation, open_line_amplitude
 from ..models.solver import Solver
-from ..press.press import pixel_by_pixel
+from ..press.press import every_press
 from ..scene.scene import Scene
 from .localizer import Confusion, Localizer
 from .reading import paper_frequencies, totals
@@ -145,7 +145,7 @@ def _curves(scene: Scene) -> xr.Dataset:
     band = scene.frequencies
     points = np.geomspace(band[0], band[-1], CURVE_POINTS).tolist()
     dense = scene.with_({"sweep": {"frequencies": points}})
-    return simulate(Solver(dense), pixel_by_pixel(dense))
+    return simulate(Solver(dense), every_press(dense))
 
 
 def _draw_quantity(axes: Axes, quantity: str, curves: xr.Dataset, measured: xr.Dataset) -> None:

@@ -32,9 +32,8 @@ class Totals:
 def totals(scene: Scene) -> Totals:
     """Both sheets in series from the left edge to the right, and the whole capacitance at rest."""
     skin = scene.skin
-    sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
-    area = skin.length * skin.width
-    return Totals(sheets * skin.length / skin.width, skin.foam.rest_capacitance_per_area * area)
+    R = skin.both_sheets * skin.length / skin.width
+    return Totals(R, skin.foam.rest_capacitance_per_area * (skin.length * skin.width))
 
 
 def with_sheet_resistance(scene: Scene, sheet_resistance: float) -> Scene:

@@ -18,11 +18,12 @@ from ..scene.meter import Readout
 from ..sweeps import InputError, whole_file, write
 from . import figures
 from .claim import Claim
-from .claims import Results, all_claims
+from .claims import all_claims
 from .localizer import Confusion, Localizer
 from .reading import open_line_frequencies, paper_frequencies
 from .rehearsal import EXPERIMENTS, SHEETS, STRIPS, Rehearsal, rehearse, with_pixels
 from .report import Picture, Section, write_report
+from .results import Results
 from .studies import (
     DRAWS,
     contact_study,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +18,7 @@ from .reading import (
     totals,
 )
 from .rehearsal import SHEETS, Rehearsal
+from .results import Results
 from .studies import LAYOUT_PIXELS, LAYOUTS, crossed_cap
 
 if TYPE_CHECKING:
@@ -27,23 +27,17 @@ if TYPE_CHECKING:
 LOW = 1.0
 
 
-def claims(
-    rehearsals: Mapping[str, Rehearsal],
-    confusions: Mapping[str, Confusion],
-    noise: xr.DataArray,
-    frequency: xr.DataArray,
-    contact: xr.DataArray,
-    finer: Confusion,
-) -> list[Claim]:
+def claims(results: Results) -> list[Claim]:
     """Statements about cut-offs in 2-D, sensitivity, and figure 4 with its confusion matrices."""
+    rehearsals, confusions, noise = results.rehearsals, results.confusions, results.noise
     return [
         _five_times_higher(rehearsals["strip-1x3"], rehearsals["sheet-3x3"]),
         _sensitivity(rehearsals["strip-1x5"], rehearsals["sheet-5x5"]),
         *(_accuracy(name, confusions[name], mean_share(noise, name)) for name in SHEETS),
-        _ten_frequencies(frequency),
+        _ten_frequencies(results.frequency),
         _errors_of_5x5(confusions["sheet-5x5"]),
-        _beyond_5x5(confusions["sheet-5x5"], finer),
-        _contacts(contact),
+        _beyond_5x5(confusions["sheet-5x5"], results.finer),
+        _contacts(results.contact),
         _rows(rehearsals["sheet-5x5"]),
     ]
 

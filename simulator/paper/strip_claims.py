@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +16,7 @@ from .reading import (
     paper_frequencies,
 )
 from .rehearsal import STRIPS, Rehearsal
+from .results import Results
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,22 +25,17 @@ REPORTED = {"strip-1x3": (24, 24), "strip-1x4": (24, 24), "strip-1x5": (29, 30)}
 LOW = 1.0
 
 
-def claims(
-    strip: Rehearsal,
-    confusions: Mapping[str, Confusion],
-    noise: xr.DataArray,
-    fewest: xr.DataArray,
-    pooled: NDArray[np.int64],
-) -> list[Claim]:
+def claims(results: Results) -> list[Claim]:
     """Statements about the curves and confusion matrices of figure 3; curves of the 1x5 strip."""
+    strip, confusions, noise = results.rehearsals["strip-1x5"], results.confusions, results.noise
     return [
         _equal_at_low_frequency(strip),
         _first_pixel(strip),
         _beyond_cutoff(strip),
         _cutoffs(strip),
-        _enough_frequencies(fewest),
+        _enough_frequencies(results.fewest),
         *(_accuracy(name, confusions[name], mean_share(noise, name)) for name in STRIPS),
-        _confused_pixels(pooled),
+        _confused_pixels(results.pooled),
     ]
 
 

@@ -6,6 +6,7 @@ by the part that it takes of each cell's area, and what is solved for discs has 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from ..scene.planar import NO_LINES, SAME_EDGE, SAME_LINE, Lines, disc_fraction, distinct, shared
 from ..scene.scene import Scene
 from ..sweeps import InputError
+from .pixels import pixel_lines
 from .press import Press, require_plain
 from .touch import AnyTouch, Box, Disc, Rectangle, Touch
 
@@ -69,6 +71,26 @@ def grid_map(scene: Scene, press: Press, rows: int, columns: int) -> NDArray[np.
     return total
 
 
+Cells = tuple[NDArray[np.int64], NDArray[np.float64]]
+"""Of a grid, counted row by row from 0, and by how much of that at rest c rises in each."""
+
+
+def touched_cells(scene: Scene, press: Press, grid: tuple[int, int] | None = None) -> Cells:
+    """Cells of a uniform grid, by default the pixels, in which a press raises c; as `grid_map`."""
+    rises = grid_map(scene, press, *(grid or scene.pixels.shape)).ravel() - 1
+    cells = np.flatnonzero(rises)
+    return cells, rises[cells]
+
+
+def laid_on_cells(
+    scene: Scene, presses: Iterable[Press], grid: tuple[int, int]
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
+    """The same of many presses: those of press k from starts[k] to starts[k + 1]."""
+    cells, rises = zip(*(touched_cells(scene, press, grid) for press in presses), strict=True)
+    starts = np.concatenate([[0], np.cumsum([each.size for each in cells])])
+    return np.concatenate(cells), np.concatenate(rises), starts
+
+
 def tile_map(
     scene: Scene, press: Press, x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> NDArray[np.float64]:
@@ -88,13 +110,6 @@ def lines(scene: Scene, press: Press) -> Lines:
     if not areas:
         return NO_LINES
     return _between_pixels(scene, areas, 0), _between_pixels(scene, areas, 1)
-
-
-def pixel_lines(scene: Scene, axis: int) -> NDArray[np.float64]:
-    """The lines that pixels lie between, across x (axis 0) or y (axis 1); m."""
-    skin, pixels = scene.skin, scene.pixels
-    length, count = ((skin.length, pixels.columns), (skin.width, pixels.rows))[axis]
-    return np.linspace(0, length, count + 1)
 
 
 def patch(scene: Scene, touch: AnyTouch) -> Patch:

@@ -11,6 +11,7 @@ from ..scene.planar import SAME_LINE
 from ..scene.scene import Pressing, Scene
 from ..sweeps import UNPRESSED, InputError
 from ..sweeps.press_text import WrittenStrength, WrittenTouch, parse_touches
+from .pixels import pixels_with_skin
 from .touch import (
     AnyTouch,
     Depth,
@@ -131,11 +132,20 @@ def strength_of(pressing: Pressing) -> Strength:
     return pressing.capacitance_factor if pressing.force is None else Force(pressing.force)
 
 
-def pixel_by_pixel(scene: Scene) -> list[Press]:
-    """The skin at rest, then every pixel alone, row by row."""
+def every_press(scene: Scene) -> list[Press]:
+    """The skin at rest, then every pixel alone that has a part of the skin in it, row by row."""
     strength = strength_of(scene.press)
-    pixels = [Touch(i + 1, j + 1, 1.0) for i, j in np.ndindex(*scene.pixels.shape)]
+    pixels = [Touch(row, column, 1.0) for row, column in pixels_with_skin(scene)]
     return [Press(), *(Press((touch_at(pixel, strength),)) for pixel in pixels)]
+
+
+def press_on(scene: Scene, text: str) -> Press:
+    """The press written as `text`, as strong as the scene has it where that does not say.
+
+    Raises InputError as `parse_press` and `check_press`.
+    """
+    press = parse_press(text, strength_of(scene.press))
+    return check_press(press, scene)
 
 
 def check_press(press: Press, scene: Scene) -> Press:

@@ -20,8 +20,22 @@ class Box(NamedTuple):
     top: float
 
 
+class Placed:
+    """A place of the skin, and its capacitance over that at rest."""
+
+    factor: float
+
+    @property
+    def where(self) -> str:
+        """The place as text."""
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        return f"{self.where}:{self.factor!r}"
+
+
 @dataclass(frozen=True, order=True)
-class Touch:
+class Touch(Placed):
     """One pressed pixel, counted from 1, and its capacitance over that at rest."""
 
     row: int
@@ -30,15 +44,11 @@ class Touch:
 
     @property
     def where(self) -> str:
-        """The place as text."""
         return f"{self.row},{self.column}"
-
-    def __str__(self) -> str:
-        return f"{self.where}:{self.factor!r}"
 
 
 @dataclass(frozen=True, order=True)
-class Rectangle:
+class Rectangle(Placed):
     """A rectangle of the skin around (x, y), width along x, all in m, and its factor."""
 
     x: float
@@ -55,15 +65,11 @@ class Rectangle:
 
     @property
     def where(self) -> str:
-        """The place as text."""
         return f"rect({self.x!r},{self.y!r},{self.width!r},{self.height!r})"
-
-    def __str__(self) -> str:
-        return f"{self.where}:{self.factor!r}"
 
 
 @dataclass(frozen=True, order=True)
-class Disc:
+class Disc(Placed):
     """A disc of the skin around (x, y), all in m, and its factor."""
 
     x: float
@@ -79,15 +85,11 @@ class Disc:
 
     @property
     def where(self) -> str:
-        """The place as text."""
         return f"disc({self.x!r},{self.y!r},{self.radius!r})"
-
-    def __str__(self) -> str:
-        return f"{self.where}:{self.factor!r}"
 
 
 @dataclass(frozen=True, order=True)
-class Polygon:
+class Polygon(Placed):
     """A polygon of the skin with corners (x, y) in m, in either sense, and its factor."""
 
     points: tuple[tuple[float, float], ...]
@@ -101,33 +103,30 @@ class Polygon:
 
     @property
     def where(self) -> str:
-        """The place as text."""
         return f"poly({','.join(repr(each) for point in self.points for each in point)})"
 
-    def __str__(self) -> str:
-        return f"{self.where}:{self.factor!r}"
-
 
 @dataclass(frozen=True, order=True)
-class Depth:
-    """How far a rigid flat applicator is pushed in, m."""
+class Pushed:
+    """How a rigid flat applicator is pushed in."""
 
     value: float
-    unit: ClassVar[str] = "m"
+    unit: ClassVar[str]
 
     def __str__(self) -> str:
         return f"{self.value!r}{self.unit}"
 
 
-@dataclass(frozen=True, order=True)
-class Force:
-    """What a rigid flat applicator is pushed with, N."""
+class Depth(Pushed):
+    """How far, m."""
 
-    value: float
-    unit: ClassVar[str] = "N"
+    unit = "m"
 
-    def __str__(self) -> str:
-        return f"{self.value!r}{self.unit}"
+
+class Force(Pushed):
+    """With what, N."""
+
+    unit = "N"
 
 
 Place = Touch | Rectangle | Disc | Polygon

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Annotated, NamedTuple, Self
 
 import numpy as np
@@ -10,10 +11,12 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 
 from .outline import Outline
-from .skin import Electrode, Name, Skin, curves
+from .skin import Electrode, Name, Skin, curves, on_skin
 from .validation import Number, Table, at_least_zero, whole_within_rounding
 
 EDGES = ("left", "right", "bottom", "top")
+LINES = 33
+"""Along each side of the skin, at whose crossings it is looked at."""
 EDGE = re.compile(r"(?P<curve>outline|hole(?P<hole>[1-9]\d*))(?:\.(?P<side>[1-9]\d*))?")
 
 
@@ -41,6 +44,31 @@ def path(contact: Contact, skin: Skin, pieces: int = 64) -> NDArray[np.float64]:
     along = section(contact, skin)
     curve = curves(skin)[along.curve]
     return np.array([curve.at(mark) for mark in np.linspace(*along[1:], pieces + 1)]).T
+
+
+def farthest(skin: Skin, contacts: Sequence[Contact], interfaces: Sequence[Interface]) -> float:
+    """The largest distance of a place of the skin from all driven foils, m.
+
+    Of a mesh that a file brings, the longer side of its grid of pixels.
+    """
+    if skin.mesh is not None:
+        return max(skin.sides)
+    driven = {name for each in interfaces for name in (*each.high, *each.low)}
+    foils = np.hstack([path(contact, skin) for contact in contacts if contact.name in driven])
+    places = _places(skin)
+    square = ((places[:, :, None] - foils[:, None]) ** 2).sum(axis=0)
+    return float(np.sqrt(square.min(axis=1).max()))
+
+
+def _places(skin: Skin) -> NDArray[np.float64]:
+    """Places of a skin, those on its outline with it, m, shape (2, place)."""
+    x, y = np.meshgrid(*(np.linspace(0, side, LINES) for side in skin.sides))
+    everywhere = np.stack([x.ravel(), y.ravel()])
+    if skin.outline is None:
+        return everywhere
+    marks = np.linspace(0, skin.outline.marks[-1], 4 * LINES)
+    around = np.array([skin.outline.at(mark) for mark in marks]).T
+    return np.hstack([everywhere[:, on_skin(skin, everywhere)], around])
 
 
 def _along_rectangle(edge: str, low: float, high: float, skin: Skin) -> Section:

@@ -24,7 +24,7 @@ from .validation import Table, Whole, one_line
 
 Count = Annotated[Whole, Field(ge=1, le=MOST_VALUES)]
 
-NAME = re.compile(r'^name = "[^"]*"', flags=re.MULTILINE)
+NAME = re.compile(r'^name = "[^"]*"\ndescription = "[^"]*"', flags=re.MULTILINE)
 AT_LINE = re.compile(r"at line (\d+)")
 WHOLE_LINE = re.compile(r"\s*(?P<key>[\w.\-]+)\s*=(?P<value>[^#]*)(#.*)?")
 PART_OF_LINE = re.compile(r"(?P<key>[\w.\-]+)\s*=(?P<value>[^#,={}\[\]]+)")
@@ -163,6 +163,8 @@ def _likely_scene(name: str) -> str:
 def write_new(path: Path, like: str) -> None:
     """Begin a scene file with that of a built-in scene, under the name of the file.
 
+    Its description says what it was begun from.
+
     Raises InputError for another ending, an absent folder, a file that is there, and another scene.
     """
     text = builtin_text(like)
@@ -170,7 +172,8 @@ def write_new(path: Path, like: str) -> None:
         raise InputError(f"{path}: is there already, and is not overwritten")
     with whole_file(path) as unfinished:
         name = json.dumps(path.stem, ensure_ascii=False)
-        unfinished.write_text(NAME.sub(lambda _: f"name = {name}", text, count=1), encoding="utf-8")
+        own = f'name = {name}\ndescription = "begun from {like}"'
+        unfinished.write_text(NAME.sub(lambda _: own, text, count=1), encoding="utf-8")
 
 
 def load_scene(name_or_path: str | Path) -> Scene:

@@ -71,21 +71,18 @@ class Elastomer:
 
 @dataclass(frozen=True)
 class Hookean:
-    """p = E e, the law of closed forms."""
+    """p = E e, the law of closed forms; stress, stiffness and energy as of an Elastomer."""
 
     modulus: float
     greatest_strain: float
 
     def stress(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
-        """p in Pa."""
         return self.modulus * strain
 
     def stiffness(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
-        """dp/de in Pa."""
         return np.full_like(strain, self.modulus)
 
     def energy(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Integral of p from rest, J per m³ of foam at rest."""
         return self.modulus * strain**2 / 2
 
 

@@ -89,6 +89,15 @@ Sides = tuple[float, float]
 class _Map(Table):
     """What all maps share; of one that has neither kinks nor a length of its own."""
 
+    @property
+    def uniform(self) -> float | None:
+        """The one factor that the map is, None where it varies."""
+        raise NotImplementedError
+
+    def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
+        """Factors at positions x in m, shape (2, ...) to (...)."""
+        raise NotImplementedError
+
     def kinks(self, sides: Sides) -> Lines:
         """Lines in m across x and y at which its slope jumps."""
         return NO_LINES
@@ -109,11 +118,9 @@ class Constant(_Map):
 
     @property
     def uniform(self) -> float | None:
-        """The one factor that the map is, None where it varies."""
         return self.value
 
     def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
-        """Factors at positions x in m, shape (2, ...) to (...)."""
         return np.full(np.shape(x)[1:], self.value)
 
 
@@ -131,16 +138,13 @@ class Gradient(_Map):
 
     @property
     def uniform(self) -> float | None:
-        """The one factor that the map is, None where it varies."""
         return None if self.x or self.y else self.middle
 
     def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
-        """Factors at positions x in m, shape (2, ...) to (...)."""
         length, width = sides
         return self.middle + self.x * (x[0] / length - 0.5) + self.y * (x[1] / width - 0.5)
 
     def shortest(self, sides: Sides) -> float:
-        """The least length over which it varies, m."""
         return np.inf if self.uniform is not None else min(sides)
 
     @model_validator(mode="after")
@@ -169,11 +173,9 @@ class Random(_Map):
 
     @property
     def uniform(self) -> float | None:
-        """The one factor that the map is, None where it varies."""
         return None if self.deviation else 1.0
 
     def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
-        """Factors at positions x in m, shape (2, ...) to (...)."""
         field = random_field(x, sides, self.correlation_length, self.seed)
         if self.distribution == "normal":
             return 1 + self.deviation * field
@@ -181,11 +183,9 @@ class Random(_Map):
         return np.exp(np.sqrt(variance) * field - variance / 2)
 
     def shortest(self, sides: Sides) -> float:
-        """The least length over which it varies, m."""
         return self.correlation_length if self.deviation else np.inf
 
     def check(self, sides: Sides) -> None:
-        """Raises ValueError where the map does not suit a skin of these sides."""
         least = SHORTEST * max(sides)
         if not self.correlation_length >= least:
             raise ValueError(
@@ -241,12 +241,11 @@ class Grid(_Map):
 
     @property
     def uniform(self) -> float | None:
-        """The one factor that the map is, None where it varies."""
         first = self.values[0][0]
         return first if all(value == first for row in self.values for value in row) else None
 
     def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
-        """Factors at positions x in m, shape (2, ...) to (...); beyond the edges as on them."""
+        """As of all maps; beyond the edges as on them."""
         values = np.array(self.values)
         (low, right), (row, up) = (
             _between(at, side, count)
@@ -259,13 +258,11 @@ class Grid(_Map):
         return (1 - up) * below + up * above
 
     def kinks(self, sides: Sides) -> Lines:
-        """Lines in m across x and y at which its slope jumps."""
         across_x = np.linspace(0, sides[0], max(len(self.values[0]), 2))
         across_y = np.linspace(0, sides[1], max(len(self.values), 2))
         return tuple(across_x[1:-1].tolist()), tuple(across_y[1:-1].tolist())
 
     def shortest(self, sides: Sides) -> float:
-        """The least length over which it varies, m."""
         counts = len(self.values[0]), len(self.values)
         steps = [side / (n - 1) for side, n in zip(sides, counts, strict=True) if n > 1]
         return min(steps, default=np.inf)

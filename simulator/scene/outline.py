@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from .planar import Circle, area, distance, gap, inside, sides
+from .planar import Circle, area, distance, gap, inside, ring, sides
 from .validation import Number, Table, Unit
 
 LEAST_APART = 1e-6
@@ -54,8 +54,7 @@ class Curve(Table):
         if isinstance(shape, Circle):
             x, y = shape.at(np.array(mark / shape.radius))
         else:
-            closed = np.vstack([shape, shape[:1]])
-            x, y = (np.interp(mark, self.marks, closed[:, axis]) for axis in (0, 1))
+            x, y = (np.interp(mark, self.marks, along) for along in ring(shape).T)
         return float(x), float(y)
 
     def holds(self, x: NDArray[np.float64]) -> NDArray[np.bool_]:

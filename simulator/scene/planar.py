@@ -40,6 +40,12 @@ class Circle(NamedTuple):
         """Whether positions x, shape (2, ...), lie within it, shape (...)."""
         return self.beyond(np.moveaxis(x, 0, -1)) < 0
 
+    def passes(self, low: Points, high: Points) -> bool:
+        """Whether it runs through the rectangle between two corners (x, y)."""
+        nearest = np.clip(self.centre, low, high)
+        farthest = np.where(2 * self.centre > low + high, low, high)
+        return bool(self.beyond(nearest) < 0 < self.beyond(farthest))
+
     def gap(self, other: Circle | Points) -> float:
         """To another circle or to a polygon's sides, m; 0 where they meet."""
         if isinstance(other, Circle):
@@ -70,6 +76,11 @@ def area(polygon: Points) -> float:
 def sides(polygon: Points) -> Points:
     """The sides of a closed polygon, in order, shape (side, end, 2)."""
     return np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1)
+
+
+def ring(polygon: Points) -> Points:
+    """The corners of a polygon, the first one again at last, shape (corner + 1, 2)."""
+    return np.vstack([polygon, polygon[:1]])
 
 
 def inside(polygon: Points, x: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -122,6 +133,21 @@ def gap(first: ArrayLike, second: ArrayLike) -> NDArray[np.float64]:
     ends_of_b = [distance(b[:, end], a).T for end in (0, 1)]
     apart = np.min([*ends_of_a, *ends_of_b], axis=0)
     return np.where(np.isnan(crossings(a, b)), apart, 0.0)
+
+
+def reach_into(parts: Points, low: Points, high: Points) -> bool:
+    """Whether any segment or convex polygon, shape (part, corner, 2), reaches into a rectangle.
+
+    low, high: its corners (x, y). What only touches it does not: some line parts the two.
+    """
+    (left, bottom), (right, top) = low, high
+    corners = np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
+    run = np.roll(parts, -1, axis=1) - parts
+    across = np.stack([-run[..., 1], run[..., 0]], axis=-1)
+    axes = np.concatenate([across, np.broadcast_to(np.eye(2), (len(parts), 2, 2))], axis=1)
+    own, other = parts @ axes.swapaxes(1, 2), corners @ axes.swapaxes(1, 2)
+    apart = (own.max(axis=1) <= other.min(axis=1)) | (other.max(axis=1) <= own.min(axis=1))
+    return bool((~apart.any(axis=1)).any())
 
 
 def shared(spans: NDArray[np.float64], cells: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -20,7 +20,15 @@ Chances = NDArray[np.float64] | np.float64 | float
 LARGEST_EXPONENT = 700.0
 
 
-class Fixed(Table):
+class _Drawn(Table):
+    """What all distributions have.
+
+    low, high: the least and the largest value that is drawn. at: the values below which a draw
+    falls with these chances (quantiles).
+    """
+
+
+class Fixed(_Drawn):
     """One value, always; a plain number means this."""
 
     distribution: Literal["fixed"] = "fixed"
@@ -28,20 +36,17 @@ class Fixed(Table):
 
     @property
     def low(self) -> float:
-        """The least value that is drawn."""
         return self.value
 
     @property
     def high(self) -> float:
-        """The largest value that is drawn."""
         return self.value
 
     def at(self, chance: Chances) -> NDArray[np.float64]:
-        """The values below which a draw falls with these chances (quantiles)."""
         return np.full(np.shape(chance), float(self.value))
 
 
-class Uniform(Table):
+class Uniform(_Drawn):
     """Any value between `low` and `high` alike."""
 
     distribution: Literal["uniform"] = "uniform"
@@ -55,11 +60,10 @@ class Uniform(Table):
         return self
 
     def at(self, chance: Chances) -> NDArray[np.float64]:
-        """The values below which a draw falls with these chances (quantiles)."""
         return self.low + (self.high - self.low) * np.asarray(chance)
 
 
-class Normal(Table):
+class Normal(_Drawn):
     """Normal about `mean` with standard `deviation`; nothing beyond `cut` deviations is drawn."""
 
     distribution: Literal["normal"] = "normal"
@@ -69,20 +73,17 @@ class Normal(Table):
 
     @property
     def low(self) -> float:
-        """The least value that is drawn."""
         return self.mean - self.cut * self.deviation
 
     @property
     def high(self) -> float:
-        """The largest value that is drawn."""
         return self.mean + self.cut * self.deviation
 
     def at(self, chance: Chances) -> NDArray[np.float64]:
-        """The values below which a draw falls with these chances (quantiles)."""
         return self.mean + self.deviation * truncated_normal(chance, self.cut)
 
 
-class Lognormal(Table):
+class Lognormal(_Drawn):
     """A value whose logarithm is normal about that of `median`.
 
     spread: standard deviation of the logarithm, for small ones the relative standard deviation;
@@ -102,16 +103,13 @@ class Lognormal(Table):
 
     @property
     def low(self) -> float:
-        """The least value that is drawn."""
         return self.median * math.exp(-self.cut * self.spread)
 
     @property
     def high(self) -> float:
-        """The largest value that is drawn."""
         return self.median * math.exp(self.cut * self.spread)
 
     def at(self, chance: Chances) -> NDArray[np.float64]:
-        """The values below which a draw falls with these chances (quantiles)."""
         return self.median * np.exp(self.spread * truncated_normal(chance, self.cut))
 
 

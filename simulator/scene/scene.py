@@ -15,7 +15,7 @@ from pydantic import (
 )
 
 from ..sweeps import InputError
-from .contacts import Contact, Interface
+from .contacts import Contact, Interface, farthest
 from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
 from .randomisation import Randomisation
 from .skin import Metre, Name, Skin
@@ -131,6 +131,11 @@ class Scene(Table):
     def plain(self) -> bool:
         """Whether uniform sheets and foam on a rectangle at rest are all there is."""
         return self.beyond_plain is None
+
+    @property
+    def reach(self) -> float:
+        """The largest distance of a place of the skin from all driven foils, m."""
+        return farthest(self.skin, self.contacts, self.interfaces)
 
     @property
     def driven_by_touch(self) -> list[DrivenByTouch]:

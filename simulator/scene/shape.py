@@ -112,7 +112,6 @@ class Sphere(Table):
 
     @property
     def developable(self) -> bool:
-        """Whether all lengths within the skin stay as they are."""
         return False
 
     def check(self, sides: Sides) -> None:
@@ -125,7 +124,6 @@ class Sphere(Table):
             )
 
     def position(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
-        """In space, m, of places x of the flat skin, shape (2, ...) to (3, ...)."""
         middle, away, angle = self._around(x, sides)
         across = away * _sine_over(angle) + middle
         return np.stack([*across, -2 * self.radius * np.sin(angle / 2) ** 2])

@@ -6,6 +6,7 @@ the corner x = y = 0.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -13,10 +14,11 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 
 from .foam_mechanics import Mechanics
-from .frequency import Loss
+from .frequency import Loss, penetration_depth
 from .maps import Map
-from .mesh_file import absolute
+from .mesh_file import absolute, read_surface
 from .outline import Curve, Outline, check_outline
+from .planar import Circle, Points, reach_into, sides
 from .shape import Shape, Stretch
 from .validation import Number, Table, Unit, above_zero, at_least_zero, single_line
 
@@ -36,6 +38,26 @@ def on_skin(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
     for hole in holes:
         found = found & ~hole.holds(x)
     return found
+
+
+def reaches_into(skin: Skin, low: Sequence[Points], high: Sequence[Points]) -> list[bool]:
+    """Whether a part of a skin lies within each rectangle between corners (x, y); m.
+
+    An edge of it does or the whole rectangle; on a mesh in space, as it is seen along z.
+    """
+    if skin.mesh is not None:
+        surface = read_surface(skin.mesh)
+        triangles = surface.p[:2, surface.t].transpose(2, 1, 0)
+        return [reach_into(triangles, *ends) for ends in zip(low, high, strict=True)]
+    shapes = [curve.shape for curve in curves(skin)]
+    circles = [shape for shape in shapes if isinstance(shape, Circle)]
+    straight = [sides(shape) for shape in shapes if not isinstance(shape, Circle)]
+    edges = np.concatenate([np.empty((0, 2, 2)), *straight])
+    covered = on_skin(skin, (np.array(low) + high).T / 2)
+    return [
+        bool(within) or reach_into(edges, *ends) or any(each.passes(*ends) for each in circles)
+        for *ends, within in zip(low, high, covered, strict=True)
+    ]
 
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
@@ -152,6 +174,19 @@ class Skin(Table):
     def sides(self) -> tuple[float, float]:
         """Length and width at rest, m."""
         return self.length, self.width
+
+    @property
+    def both_sheets(self) -> float:
+        """Resistance of both sheets in series, ohm/sq."""
+        return self.top.sheet_resistance + self.bottom.sheet_resistance
+
+    def depth(self, frequency: float, factor: float = 1.0) -> float:
+        """How far from a foil the field reaches at a frequency in Hz, m; see `penetration_depth`.
+
+        factor: of the capacitance over that at rest.
+        """
+        c = self.foam.rest_capacitance_per_area * factor
+        return penetration_depth(frequency, self.both_sheets, c, self.foam.loss)
 
     @property
     def stretched_sides(self) -> tuple[float, float]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Strict, ValidationError
+from pydantic.fields import FieldInfo
 
 from ..sweeps.units import meant
 from .keys.meant import likely
@@ -73,6 +74,23 @@ class Unit:
     """Says the unit of numbers that take any sign."""
 
     unit: str
+
+
+def said_of(field: FieldInfo) -> list[Any]:
+    """What is said of a key and of the types in it."""
+    return [*_metadata(field.annotation), *field.metadata]
+
+
+def _metadata(annotation: Any) -> list[Any]:
+    here = list(getattr(annotation, "__metadata__", ()))
+    said = [m for each in here for m in (each.metadata if isinstance(each, FieldInfo) else [each])]
+    return [m for part in get_args(annotation) for m in _metadata(part)] + said
+
+
+def unit_of(field: FieldInfo) -> str:
+    """The unit that errors name; empty where there is none."""
+    units = [getattr(each, "func", each) for each in said_of(field)]
+    return next((each.unit for each in units if isinstance(each, Least | Unit)), "")
 
 
 def single_line(text: str) -> str:
@@ -178,4 +196,4 @@ def _slip(problem: Any) -> str:
 class Table(BaseModel):
     """A table of a scene file."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
+    model_config = ConfigDict(frozen=True, extra="forbid")

@@ -12,34 +12,21 @@ from typing import Any
 from pydantic import ValidationError
 
 from ..scene.files import BUILTIN, builtin_names, load_scene
+from ..scene.keys.tables import at, keys
 from ..scene.meter import FrequencyGrid
-from ..scene.scene import Scene
-from ..scene.validation import one_line
+from ..scene.scene import BOTH, Scene
+from ..scene.validation import one_line, unit_of
 from ..sweeps import InputError
 
 Place = tuple[str | int, ...]
 """Where a number stands in nested tables and lists; lists count from 0."""
 
 BOTH_SHEETS, ALL_PIXELS = "skin.sheet_resistance", "pixels"
-SHORTHANDS: dict[str, tuple[Place, ...]] = {
-    BOTH_SHEETS: (("skin", "top", "sheet_resistance"), ("skin", "bottom", "sheet_resistance")),
-    ALL_PIXELS: (("pixels", "rows"), ("pixels", "columns")),
-}
+SHORTHANDS = {name: tuple(tuple(key.split(".")) for key in keys) for name, keys in BOTH.items()}
 OF_NO_STUDY = {"dataset"}
 """Tables that say how training data vary, not what is measured at a point."""
-UNITS = {
-    "length": "m",
-    "width": "m",
-    "thickness": "m",
-    "sheet_resistance": "ohm/sq",
-    "resistance": "ohm m",
-    "capacitance_per_area": "F/m²",
-    "frequencies": "Hz",
-    "start": "Hz",
-    "stop": "Hz",
-    "phase_accuracy": "rad",
-    "phase_noise": "rad",
-}
+NO_UNITS = ("(", "of ", "times ")
+"""How what is no unit begins, but is told as one."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +43,10 @@ class Key:
     @property
     def unit(self) -> str:
         """SI unit; empty for counts and fractions."""
-        *parents, last = self.places[0]
-        return UNITS.get(str(parents[-1] if isinstance(last, int) else last), "")
+        *parents, name = [part for part in self.places[0] if isinstance(part, str)]
+        fields = [keys(table).get(name) for table in at(Scene, tuple(parents))]
+        unit = next((unit_of(field) for field in fields if field), "")
+        return "" if unit.startswith(NO_UNITS) else unit
 
 
 def scene_table(name_or_path: str) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..measure.experiment import METER, PRESSES, planned_presses
 from ..measure.readout import read_out
 from ..measure.symmetry import Pixel
-from ..press.press import Press, pixel_by_pixel
+from ..press.press import Press, every_press
 from ..scene.scene import Scene
 from ..sweeps import InputError, build
 from .curve import Curve
@@ -66,7 +66,7 @@ class Trial:
 
     def nominal(self, scene: Scene) -> list[Press]:
         """One press of the nominal strength for each pixel, and rest where that is a class."""
-        return pixel_by_pixel(scene)[0 if scene.experiment.unpressed else 1 :]
+        return every_press(scene)[0 if scene.experiment.unpressed else 1 :]
 
     def factors(self, scene: Scene) -> dict[Pixel, set[float]]:
         """Every strength at which each pixel is pressed."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..fem.circuit import Circuit, one_field, two_fields
 from ..measure.symmetry import AT_REST, Pixel, representative
 from ..models.solver import Solver
-from ..press.press import Press, pixel_by_pixel
+from ..press.press import Press, every_press
 from ..press.touch import Touch
 from ..scene.meter import Sweep
 from ..scene.scene import Scene
@@ -173,7 +173,7 @@ def member_curves(
 ) -> Iterator[tuple[int, dict[Pixel, Curve]]]:
     """Each member's index and the curves of all its pixels at its own frequencies."""
     of, joined = representative(family.leader), _joined(family, scenes)
-    pixels = [press.pixel for press in pixel_by_pixel(family.leader)]
+    pixels = [press.pixel for press in every_press(family.leader)]
     for point, law in family.members.items():
         wanted = law.frequency * scenes[point].frequencies
         places = np.abs(joined[:, np.newaxis] - wanted).argmin(axis=0)

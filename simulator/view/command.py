@@ -71,7 +71,7 @@ def view(
     every = animate == "frequency" or (output is not None and output.suffix in ALL_FREQUENCIES)
     from dataclasses import replace
 
-    from ..asked.telling import written
+    from ..asked.telling import note, written
     from ..progress import on_terminal
     from .outputs import write_output
 
@@ -80,7 +80,7 @@ def view(
         stage = _stage(scene, press, frequency, interface, rtol, every, track)
         stage = replace(stage, wrapped=wrapped, exaggeration=exaggerate)
         if output is not None:
-            write_output(output, stage, what, animate, track, _tell)
+            write_output(output, stage, what, animate, track, note)
     if output is not None:
         shown = what if output.suffix not in ALL_FIELDS else "all fields"
         written(f"{shown} of press {stage.press} at {_told(stage)}", output)
@@ -130,12 +130,12 @@ def _stage(
     from ..asked.scene import asked_scene
     from ..asked.telling import warn
     from ..models.fields import fields
-    from ..press.press import check_press, parse_press, strength_of
+    from ..press.press import press_on
     from ..scene.scene import checked_interface
     from .scenery import Stage
 
     scene = asked_scene(name)
-    pressed = check_press(parse_press(press, strength_of(scene.press)), scene)
+    pressed = press_on(scene, press)
     chosen = checked_interface(interface, scene)
     frequencies = _frequencies(frequency, scene, every)
     for one_terminal in scene.driven_by_touch:
@@ -147,10 +147,6 @@ def _stage(
     ]
     wiring = next(each for each in scene.interfaces if each.name == chosen)
     return Stage(scene, pressed, wiring, found)
-
-
-def _tell(note: str) -> None:
-    typer.echo(f"rcskin: note: {note}", err=True)
 
 
 def _frequencies(asked: list[float] | None, scene: Scene, every: bool) -> list[float]:

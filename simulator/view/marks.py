@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..press.capacitance import pixel_lines, touched_box
-from ..press.touch import Disc, Polygon, Touch, place_of
-from ..scene.planar import regular, sides
+from ..mesh.drawing import polygon_of, polygonal
+from ..press.pixels import cell_centres, pixel_lines
+from ..press.touch import Disc, Touch, place_of
+from ..scene.planar import sides
 from .foils import Foil, Meshed, foils
 
 if TYPE_CHECKING:
@@ -99,10 +100,7 @@ def _grid_lines(scene: Scene, laid: Callable[[Real], Real]) -> tuple[Real, Real]
 
 def _middles(scene: Scene, skin: Surface) -> Real:
     """Of pixels in a grid, in space, m, (3, pixel); nan off the skin."""
-    x, y = (
-        (lines[:-1] + lines[1:]) / 2 for lines in (pixel_lines(scene, 0), pixel_lines(scene, 1))
-    )
-    flat = np.stack([each.ravel() for each in np.meshgrid(x, y)])
+    flat = cell_centres(scene, scene.pixels.shape).reshape(2, -1)
     places, _, _ = skin.carry(flat)
     return np.where(skin.covers(flat), places, np.nan)
 
@@ -127,13 +125,7 @@ def pixel_grid(scene: Scene) -> list[Real]:
 def outline(touch: AnyTouch, scene: Scene) -> Real:
     """A closed flat line (2, n) around a touch."""
     place = place_of(touch)
-    if isinstance(place, Disc):
-        corners = regular(place.x, place.y, place.radius, CIRCLE)
-    elif isinstance(place, Polygon):
-        corners = np.array(place.points)
-    else:
-        left, right, bottom, top = touched_box(scene, place)
-        corners = np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
+    corners = polygon_of(scene, polygonal(place, CIRCLE))
     steps = 1 if isinstance(place, Disc) else STEPS
     return np.hstack([_between(low, high, steps) for low, high in sides(corners)])
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.simulator.fem.estimate import relative_difference
-from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.parameters import WAVES, Variation, mode_values, nominal
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.file import load, save
@@ -14,7 +13,6 @@ from rcskin.simulator.models.reduced.kernel import swept, swept_readable
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Rectangle, Touch
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.frequency import LOSSLESS, Loss
 from rcskin.simulator.sweeps import InputError, ToleranceError, parallel_capacitance
 
@@ -273,30 +271,3 @@ def test_a_basis_that_outgrows_its_use_is_told(make_scene, monkeypatch):
     monkeypatch.setattr("rcskin.simulator.models.reduced.greedy.LARGEST", 5)
     with pytest.raises(ToleranceError, match=r"does not reduce to 1e-05: .* with \d+ vectors"):
         reduce(skin(make_scene, "one field"), RTOL)
-
-
-def test_presses_beyond_the_trained_range_fall_back_to_elements():
-    scene = load_scene("sheet-3x3")
-    solver = Solver(scene, RTOL, "reduced")
-    usual, strong = Press((Touch(2, 2, 2.0),)), Press((Touch(2, 2, 30.0),))
-    sweeps = simulate(solver, [usual, strong])
-    told = [solver.explain(press, solver.solve(press)) for press in (usual, strong)]
-    assert "reduced to" in told[0].splitlines()[1]
-    assert "2-D elements" in told[1].splitlines()[1]
-    assert "reduced: trained on factors from 0.5 to 3.0, got 2,2:30.0" in told[1]
-    exact = simulate(Solver(scene, 1e-7), [usual, strong])
-    for name in ("Rs", "Cp"):
-        np.testing.assert_allclose(sweeps[name], exact[name], rtol=RTOL)
-        off = abs(sweeps[name] - exact[name])
-        assert (off <= sweeps[f"{name}_error"] + 1e-7 * exact[name]).all()
-
-
-def test_touches_anywhere_are_answered_by_the_separable_model():
-    scene = load_scene("sheet-3x3")
-    press = Press((Rectangle(0.05, 0.07, 0.03, 0.02, 2.5),))
-    solver = Solver(scene, 1e-4, "reduced")
-    answer, truth = solver.solve(press), Solver(scene, 1e-7).solve(press)
-    assert "separable" in answer.model
-    off = relative_difference(answer.Z, truth.Z, 2 * np.pi * scene.frequencies)
-    assert (off <= np.array(answer.relative_errors) + 1e-7).all()
-    assert off.max() <= 1e-4

@@ -10,7 +10,7 @@ from rcskin.simulator.mesh.quadrilaterals import Resolution, singular_ends
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.sheet import Sheet
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.press.press import Press, parse_press, pixel_by_pixel
+from rcskin.simulator.press.press import Press, every_press, parse_press
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.frequency import penetration_depth
 from rcskin.simulator.sweeps import ToleranceError, parallel_capacitance
@@ -188,7 +188,7 @@ def test_a_mere_resistor_is_answered(make_scene):
 @pytest.mark.parametrize("name", ["strip-1x3", "strip-1x4", "strip-1x5"])
 def test_the_line_is_chosen_where_it_is_exact(name):
     scene = load_scene(name)
-    for press in pixel_by_pixel(scene):
+    for press in every_press(scene):
         answer = Solver(scene, 1e-9).solve(press)
         assert answer.model == "exact line"
         assert not answer.rejected
@@ -209,5 +209,5 @@ def test_a_tolerance_out_of_reach_is_not_answered(make_scene):
 
 def test_the_same_bits_on_a_second_run():
     scene = load_scene("sheet-3x3")
-    first, second = (simulate(Solver(scene), pixel_by_pixel(scene)) for _ in range(2))
+    first, second = (simulate(Solver(scene), every_press(scene)) for _ in range(2))
     assert first.identical(second)

@@ -54,8 +54,9 @@ def test_a_new_scene_is_that_of_an_example_under_its_own_name(run, tmp_path, lik
     path = tmp_path / "my patch.toml"
     code, out, _ = run("new", path, *(["--from", like] if like else []))
     assert code == 0 and str(path) in out
-    example = load_scene(like or "glove")
-    assert load_scene(path) == example.model_copy(update={"name": "my patch"})
+    like = like or "glove"
+    own = {"name": "my patch", "description": f"begun from {like}"}
+    assert load_scene(path) == load_scene(like).model_copy(update=own)
     assert path.read_text().count("#") >= 8
 
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 from skfem import MeshTri
 
-from ...mesh.domain import Domain, polygon_of, polygonal, shape_of
+from ...mesh.domain import Domain
+from ...mesh.drawing import polygon_of, polygonal, shape_of
 from ...mesh.refinement import refined
 from ...mesh.skin_mesh import domain
 from ...press.press import Press

@@ -12,10 +12,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ...mesh.domain import polygon_of, polygonal
+from ...mesh.drawing import polygon_of, polygonal
 from ...press.press import Press, check_press
 from ...press.touch import Disc
 from ...scene.foam_mechanics import Mechanics
+from ...scene.planar import ring
 from ...scene.scene import Scene
 from .pressed import Pressed, check_depths
 from .stamps import stamped
@@ -59,7 +60,7 @@ def _spread(
     from .ground import straight_ground
 
     places = [touch.place for touch in press.indented]
-    kinks = tuple(_closed(polygon_of(scene, polygonal(each, DISC_SIDES))) for each in places)
+    kinks = tuple(ring(polygon_of(scene, polygonal(each, DISC_SIDES))) for each in places)
     at_first = straight_ground(scene, places, DISC_SIDES)
     found = solved(press, at_first, mechanics, thickness, rtol)
     depth, force = tuple(found.rest.depth.tolist()), tuple(found.rest.force.tolist())
@@ -80,7 +81,3 @@ def _spread(
 
 def _flat(x: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.zeros(x.shape[1:])
-
-
-def _closed(polygon: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.vstack([polygon, polygon[:1]])

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import root_scalar
 
-from ...mesh.domain import shape_of
+from ...mesh.drawing import shape_of
 from ...press.capacitance import touched_box
 from ...press.press import Press, order
 from ...press.touch import Box, Depth, Place, Touch, touch_at
 from ...scene.foam_mechanics import Elastic, Mechanics
-from ...scene.planar import SAME_EDGE, Circle, area, inside
+from ...scene.planar import SAME_EDGE, Circle, area, inside, ring
 from ...scene.scene import Scene
 from ...sweeps import InputError
 from .ground import ground
@@ -47,7 +47,7 @@ def stamped(scene: Scene, press: Press, mechanics: Mechanics, thickness: float) 
     check_reached(press, depth, mechanics, thickness)
     force = tuple((mechanics.elastic.stress(strain) * area).tolist())
     sharp = _sharp(press, mechanics.factor(strain)) if apart else None
-    kinks = tuple(each if isinstance(each, Circle) else _closed(each) for each in shapes)
+    kinks = tuple(each if isinstance(each, Circle) else ring(each) for each in shapes)
     w = Stamps(shapes, depth)
     return Pressed(mechanics, thickness, w, depth, force, 0.0, kinks, sharp)
 
@@ -88,10 +88,6 @@ def meet(one: Box, other: Box) -> bool:
 
 def _box(scene: Scene, place: Place) -> Box:
     return touched_box(scene, place) if isinstance(place, Touch) else place.box
-
-
-def _closed(polygon: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.vstack([polygon, polygon[:1]])
 
 
 def _areas(scene: Scene, press: Press, shapes: Shapes, apart: bool) -> NDArray[np.float64]:

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from ...fem.circuit import one_field
 from ...fem.galerkin import one_blas_thread
-from ...press.pieces import random_presses
+from ...press.at_random import random_presses
+from ...press.capacitance import touched_cells
 from ...press.press import Press
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import FrequencyGrid, Leads, Sweep
@@ -26,7 +27,7 @@ from ..plain import require_plain
 from .cases import Case, Draw, pixel_touches
 from .family import weights_of
 from .greedy import Advance, reduce, unseen
-from .model import Reduced, ReducedSkin, touched_cells
+from .model import Reduced, ReducedSkin
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from ...fem.driven import Driven, driven_by
 from ...fem.galerkin import one_blas_thread
 from ...fem.system import PixelSystem
 from ...mesh.quadrilaterals import Resolution
-from ...press.capacitance import grid_map
+from ...press.capacitance import touched_cells
 from ...press.press import Press
 from ...press.touch import Touch
 from ...scene.frequency import laplace_variable
@@ -235,13 +235,6 @@ class ReducedSkin:
             weights_of(each, reduced.scene, reduced.circuit) for each in (self.variation, own)
         )
         return K + np.tensordot(weights - own_weights, reduced.stiffness, axes=1)
-
-
-def touched_cells(scene: Scene, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Pixels of which c rises, row * columns + column, and by how much of that at rest."""
-    rises = grid_map(scene, press, scene.pixels.rows, scene.pixels.columns).ravel() - 1
-    cells = np.flatnonzero(rises)
-    return cells, rises[cells]
 
 
 def _feed(driven: Driven) -> Feed:

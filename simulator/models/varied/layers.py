@@ -22,7 +22,7 @@ def layered(ladder: Ladder, resolution: Resolution, press: Press, frequency: flo
     current along the sheets at any frequency, and where it passes from one sheet to the other, at
     each change of what a sheet carries, the foam charges.
     """
-    scene, depth = ladder.scene, ladder.depth(frequency)
+    scene, depth = ladder.scene, ladder.scene.skin.depth(frequency)
     in_pairs = one_field(electrical(scene)) is not None
     jumps = Press(
         tuple(

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ...fem.circuit import Circuit
 from ...fem.galerkin import Galerkin
 from ...mesh.quadrilaterals import Resolution, pixel_mesh, tile_lines
-from ...press.capacitance import pixel_lines, tile_map
+from ...press.capacitance import tile_map
+from ...press.pixels import pixel_lines
 from ...press.press import Press
 from ...scene.planar import SAME_EDGE, Lines
 from ...scene.scene import Scene

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from ...fem.circuit import Circuit
 from ...fem.galerkin import Galerkin
-from ...mesh.domain import Domain, sharp_touches
+from ...mesh.domain import Domain
+from ...mesh.drawing import sharp_touches
 from ...mesh.skin_mesh import domain
 from ...mesh.untangled import finer
 from ...press.press import Press
 from ...press.touch import Disc, Touch
-from ...scene.frequency import penetration_depth
 from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
 from ..outlook import cells_needed, check_within_reach
@@ -86,19 +86,12 @@ class Triangles:
         pixel = max(side / n for side, n in zip(skin.sides, scene.pixels.shape[::-1], strict=True))
         size = min(pixel, self.order * self.materials.shortest)
         found = domain(scene, self.press, size, [*creases, *self._kinks()])
-        return _fine_at_foils(found, DEPTHS_PER_ORDER * self.order * self._depth(frequency))
-
-    def _depth(self, frequency: float) -> float:
-        """How far from a foil the field reaches at a frequency in Hz, m."""
-        skin = self.scene.skin
-        sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
-        c = skin.foam.rest_capacitance_per_area
-        return penetration_depth(frequency, sheets, c, skin.foam.loss)
+        return _fine_at_foils(found, DEPTHS_PER_ORDER * self.order * skin.depth(frequency))
 
     def _left_out(self, mesh: Domain, frequency: float) -> float:
         """Relative error of Rs and Cp by touches and foam that are not quite what was asked."""
         radii = [touch.radius for touch in self.press.touches if isinstance(touch, Disc)]
-        depths = max(radii, default=0.0) / self._depth(frequency)
+        depths = max(radii, default=0.0) / self.scene.skin.depth(frequency)
         by_foam = self.pressed.out_of_round if self.pressed else 0.0
         return by_foam + mesh.out_of_round * (1 + FALLS * depths) * bool(radii)
 

@@ -14,7 +14,7 @@ from ..files import MapFile
 from ..maps import Grid
 from ..randomisation import Fixed
 from ..scene import Scene
-from ..validation import Least, Unit
+from ..validation import Least, said_of, unit_of
 from .tables import Location, OrTable, OrText, inner, keys
 
 HEAD = """# Every key of a scene file
@@ -88,10 +88,8 @@ def _chosen(name: str, field: FieldInfo) -> bool:
 
 
 def _row(name: str, field: FieldInfo) -> tuple[str, ...]:
-    said = [*_metadata(field.annotation), *field.metadata]
-    units = [getattr(each, "func", each) for each in said]
-    unit = next((each.unit.strip("()") for each in units if isinstance(each, Least | Unit)), "")
-    return f"`{name}`", _type(field), unit, _default(field), _range(said)
+    said = said_of(field)
+    return f"`{name}`", _type(field), unit_of(field).strip("()"), _default(field), _range(said)
 
 
 def _type(field: FieldInfo) -> str:
@@ -148,13 +146,6 @@ def _toml(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     return f'"{value}"' if isinstance(value, str) else repr(value)
-
-
-def _metadata(annotation: Any) -> list[Any]:
-    """What is said of a type, and of the types in it."""
-    here = list(getattr(annotation, "__metadata__", ()))
-    said = [m for each in here for m in (each.metadata if isinstance(each, FieldInfo) else [each])]
-    return [m for part in get_args(annotation) for m in _metadata(part)] + said
 
 
 def _range(said: Sequence[Any]) -> str:

@@ -6,80 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.hardware.live.link import Link
-from rcskin.hardware.live.log import Log
-from rcskin.hardware.live.rest import RENEWED_AFTER, Rest
-from rcskin.hardware.live.session import END_KEY, REST_KEY, Session
-from rcskin.hardware.meter.accuracy import read_table
+from rcskin.hardware.live.rest import RENEWED_AFTER
+from rcskin.hardware.live.session import END_KEY, REST_KEY
 from rcskin.hardware.meter.errors import MeterError, NoConnectionError, ReadingError
-from rcskin.hardware.meter.hioki import open_meter
-from rcskin.hardware.record.checks import Limits
-from rcskin.hardware.steer import ask
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError, impedance
 
 _rig = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))
 Cushion, Columns = _rig["Cushion"], _rig["Columns"]
-
-
-class Witness:
-    """Keeps what is shown, and does `then[n]` after the n-th answer."""
-
-    def __init__(self, then=None):
-        self.moments, self.told, self.notes = [], [], []
-        self.then = then or {}
-
-    def reading(self, frequency, reading):
-        pass
-
-    def answer(self, moment):
-        self.moments.append(moment)
-        self.then.get(len(self.moments), lambda: None)()
-
-    def no_answer(self, why):
-        self.told.append(why)
-
-    def note(self, text):
-        self.notes.append(text)
-
-    @property
-    def labels(self):
-        return [moment.answer.label for moment in self.moments]
-
-
-@pytest.fixture
-def instrument(make_instrument):
-    return make_instrument(Cushion())
-
-
-@pytest.fixture
-def press(ports):
-    """A function that gives a function that presses through the side door."""
-    return lambda where: lambda: ask(f"127.0.0.1:{ports.control}", "press", press=where)
-
-
-@pytest.fixture
-def session(ports):
-    """A function that makes a session at the virtual meter, let go at the end."""
-    links = []
-
-    def session(then=None, *, localizer=None, rest=2, patience=5.0, drift=0.05, **more):
-        localizer = localizer or Columns()
-        connect = lambda: open_meter(ports.resource, 0.2)  # noqa: E731
-        link = Link(localizer, connect, read_table(), Limits(drift=drift), patience)
-        links.append(link)
-        kept = Rest(rest if localizer.needs_rest else 0)
-        return Session(localizer, link, kept, Witness(then), Log(), **more)
-
-    yield session
-    for link in links:
-        link.leave()
-
-
-@pytest.fixture(autouse=True)
-def impatient(monkeypatch):
-    """Waits between connections that a test has time for."""
-    monkeypatch.setattr("rcskin.hardware.live.link.FIRST_WAIT", 0.01)
+pytestmark = pytest.mark.usefixtures("impatient")
 
 
 def test_presses_are_answered_at_their_columns(session, press):

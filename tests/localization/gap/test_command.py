@@ -11,7 +11,7 @@ from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.parameters import scene_with
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.press.press import pixel_by_pixel
+from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.sweeps import read, write
 
@@ -73,7 +73,7 @@ def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
 ):
     monkeypatch.setattr("rcskin.localization.gap.report.pages.charts_of", lambda *given: [])
     bare = tmp_path / "bare.nc"
-    exact = simulate(Solver(load_scene("strip-1x3")), pixel_by_pixel(load_scene("strip-1x3")))
+    exact = simulate(Solver(load_scene("strip-1x3")), every_press(load_scene("strip-1x3")))
     write(exact.isel(frequency=slice(None, None, 2)).assign_attrs(scene=""), bare)
     code, out, _ = run(bare, files[1], "-o", tmp_path, "--scene", "strip-1x3", "--draws", 1)
     assert code == 0

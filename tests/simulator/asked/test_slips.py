@@ -1,8 +1,8 @@
 """Numbers that no skin has are told with what was likely meant; those of real skins never are."""
 
 import pytest
-from rcskin.simulator.asked.cut_off import cut_off_frequency, farthest
 from rcskin.simulator.asked.slips import slips
+from rcskin.simulator.models.line import cut_off_frequency
 from rcskin.simulator.scene.files import BUILTIN, builtin_names, load_scene
 
 GLOVE = load_scene("glove")
@@ -70,14 +70,14 @@ def test_commands_warn_in_one_line_and_go_on(run, tmp_path):
 
 def test_the_cut_off_is_that_of_the_paper_at_the_far_end():
     strip = load_scene("strip-1x5")
-    assert farthest(strip) == pytest.approx(strip.skin.length)
+    assert strip.reach == pytest.approx(strip.skin.length)
     assert cut_off_frequency(strip) == pytest.approx(strip.frequencies[0], rel=1e-3)
 
 
 def test_the_farthest_place_is_where_no_driven_foil_is_near():
     crossed, two = (load_scene(f"sheet-5x5{kind}") for kind in ("", "-two-interfaces"))
-    assert farthest(crossed) == pytest.approx(0.12)
+    assert crossed.reach == pytest.approx(0.12)
     everywhere = {"skin.outline": {"circle": [0.06, 0.06, 0.06]}, "contact.1.edge": "outline"}
     disc = crossed.with_({**everywhere, "contact.2.edge": "outline"})
-    assert farthest(disc) == pytest.approx(0.06, rel=1e-3)
-    assert farthest(two) < farthest(crossed) * 2**0.5
+    assert disc.reach == pytest.approx(0.06, rel=1e-3)
+    assert two.reach < crossed.reach * 2**0.5

@@ -114,7 +114,7 @@ def skins(scene, count=400, modes=4):
 def test_skins_vary_as_much_as_told():
     drawn = skins(
         with_session(sheet_resistance=1.0, foam_spread=0.05).model_validate(
-            with_session(foam_spread=0.05).model_dump()
+            with_session(foam_spread=0.05).model_dump(by_alias=True)
         )
     )
     top = np.array([skin.variation.top for skin in drawn])

@@ -129,7 +129,7 @@ def test_plans_out_of_range_are_refused(change, told):
 
 
 def test_sessions_that_do_not_fit_in_memory_are_refused(make_scene):
-    scene = make_scene(rows=2, columns=2, frequencies=range(1, 101)).model_dump()
+    scene = make_scene(rows=2, columns=2, frequencies=range(1, 101)).model_dump(by_alias=True)
     scene["dataset"]["session"]["sweeps_per_session"] = 50_000
     with pytest.raises(
         InputError, match=r"`dataset\.session\.sweeps_per_session` must be <= 41943"
@@ -140,7 +140,7 @@ def test_sessions_that_do_not_fit_in_memory_are_refused(make_scene):
 def test_presses_that_do_not_fit_the_skin_are_refused(make_scene):
     with pytest.raises(InputError, match=r"`dataset\.press\.touches` allows 2 touches at once"):
         Plan(make_scene(), 1, 1, 1e-4)
-    scene = make_scene(rows=2, columns=2, width=0.015).model_dump()
+    scene = make_scene(rows=2, columns=2, width=0.015).model_dump(by_alias=True)
     scene["dataset"]["press"]["place"] = "anywhere"
     with pytest.raises(InputError, match=r"`dataset\.press\.size` must be <= 0\.015 m"):
         Plan(type(make_scene()).model_validate(scene), 1, 1, 1e-4)

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.describe.apart import alike, pixels_with_skin, told_apart
+from rcskin.simulator.describe.apart import alike, told_apart
 from rcskin.simulator.describe.facts import assumed, facts, prefixed
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.pixels import pixels_with_skin
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.files import BUILTIN, load_scene

@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 import pytest
-from rcskin.simulator.mesh.domain import shape_of, sharp_touches
+from rcskin.simulator.mesh.drawing import shape_of, sharp_touches
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Disc, Polygon, Rectangle, Touch

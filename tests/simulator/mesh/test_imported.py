@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.mesh.refinement import refined
 from rcskin.simulator.mesh.skin_mesh import domain
+from rcskin.simulator.press.pixels import pixels_with_skin
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.files import parse_scene, scene_text
 from rcskin.simulator.scene.planar import sides
@@ -35,10 +36,12 @@ def test_foils_and_pixels_are_named_groups(file, tools):
 
 
 def test_without_groups_pixels_are_the_grid(file, tools):
-    mesh = domain(tools.on_mesh(file), REST, 1.0)
+    scene = tools.on_mesh(file)
+    mesh = domain(scene, REST, 1.0)
     assert mesh.areas.sum() == pytest.approx(tools.L_AREA, rel=1e-12)
     expected = [16e-4, 16e-4, 16e-4, 16e-4, 7e-4, 4e-4, 16e-4, 4e-4, 0]
     assert pixel_areas(mesh, 9) == pytest.approx(expected, rel=1e-7, abs=1e-15)
+    assert len(pixels_with_skin(scene)) == 8 and (3, 3) not in pixels_with_skin(scene)
     assert tools.euler(mesh) == 1
 
 

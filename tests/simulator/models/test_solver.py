@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.press.press import Press, parse_press, pixel_by_pixel
+from rcskin.simulator.press.press import Press, every_press, parse_press
 from rcskin.simulator.scene.files import load_scene, parse_scene
 from rcskin.simulator.sweeps import InputError, ToleranceError, check
 
@@ -74,7 +74,7 @@ def test_answers_are_shaped_by_interface_and_frequency(make_scene):
 
 def test_sweeps_carry_what_made_them():
     scene = load_scene("strip-1x3")
-    sweeps = check(simulate(Solver(scene, 1e-6), pixel_by_pixel(scene)))
+    sweeps = check(simulate(Solver(scene, 1e-6), every_press(scene)))
     assert sweeps["press"].values.tolist() == ["none", "1,1:2.0", "1,2:2.0", "1,3:2.0"]
     assert sweeps["column"].values.tolist() == [0, 1, 2, 3]
     assert sweeps.attrs["model"] == "exact line"

@@ -5,10 +5,10 @@ from rcskin.simulator.press.capacitance import (
     grid_map,
     lines,
     patch,
-    pixel_lines,
     tile_map,
     touched_box,
 )
+from rcskin.simulator.press.pixels import pixel_lines
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.skin import VACUUM_PERMITTIVITY, Foam
 from rcskin.simulator.sweeps import InputError

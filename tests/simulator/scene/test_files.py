@@ -3,7 +3,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.press.press import pixel_by_pixel
+from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.files import (
     BUILTIN,
     builtin_names,
@@ -50,7 +50,7 @@ def test_defaults(make_scene):
 
 
 def test_every_press_is_rest_and_each_pixel_row_by_row():
-    presses = pixel_by_pixel(load_scene("sheet-3x3"))
+    presses = every_press(load_scene("sheet-3x3"))
     assert [press.pixel for press in presses][:5] == [(0, 0), (1, 1), (1, 2), (1, 3), (2, 1)]
     assert len(presses) == 1 + 9
     assert {touch.factor for press in presses for touch in press.touches} == {2.0}
@@ -227,7 +227,7 @@ def test_scenes_are_frozen():
     with pytest.raises(ValueError, match="frozen"):
         scene.name = "other"
     assert isinstance(hash(scene), int)
-    assert Scene.model_validate(scene.model_dump()) == scene
+    assert Scene.model_validate(scene.model_dump(by_alias=True)) == scene
 
 
 @pytest.mark.parametrize(
@@ -245,6 +245,8 @@ def test_scenes_are_frozen():
         ),
         ("[[interface]]", "[interface]", "did you mean [[interface]]?"),
         ('name = "sheet-3x3"', 'name = "a\\nb"', "must be printable, on one line"),
+        ("[[contact]]", "[[contacts]]", "`contacts` is not a known key; did you mean `contact`?"),
+        ("[[interface]]", "[[interfaces]]", "did you mean `interface`?"),
     ],
 )
 def test_values_of_another_kind_are_refused(old, new, told):

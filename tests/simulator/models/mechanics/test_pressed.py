@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.models.mechanics import adaptive
 from rcskin.simulator.models.mechanics.indentation import pressed
 from rcskin.simulator.models.mechanics.membrane import Membrane
-from rcskin.simulator.press.press import Press, parse_press, pixel_by_pixel
+from rcskin.simulator.press.press import Press, every_press, parse_press
 from rcskin.simulator.sweeps import InputError
 from rcskin.simulator.sweeps.errors import ToleranceError
 
@@ -156,8 +156,8 @@ def test_depths_need_mechanics(make_scene):
 
 def test_every_press_is_as_the_scene_says(foam_scene):
     scene = foam_scene(press={"depth": 2e-3})
-    assert list(map(str, pixel_by_pixel(scene)))[:2] == ["none", "1,1:0.002m"]
-    assert pixel_by_pixel(foam_scene(press={"force": 3.0}))[3] == Press(press_of("1,3:3N").touches)
+    assert list(map(str, every_press(scene)))[:2] == ["none", "1,1:0.002m"]
+    assert every_press(foam_scene(press={"force": 3.0}))[3] == Press(press_of("1,3:3N").touches)
 
 
 def test_what_is_surely_out_of_reach_is_told_before_meshes_grow(foam_scene, monkeypatch):

@@ -22,7 +22,8 @@ from rcskin.simulator.measure.specimen import SessionErrors
 from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.sweeps import side_by_side
 from rich.console import Console
-from twin_skin import Twin
+
+from twin_parts.skin import Twin
 
 TIMEOUT = 5.0
 

@@ -21,16 +21,18 @@ from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.inversion.tables import templates
 from rcskin.simulator.measure.readout import Meter
-from rcskin.simulator.models.reduced.model import Reduced, touched_cells
+from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.scene.frequency import laplace_variable
 from rcskin.simulator.scene.randomisation import Normal
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import build
-from twin_scenes import built
-from twin_skin import Twin
-from twin_trials import Trial
+
+from twin_parts.scenes import built
+from twin_parts.skin import Twin
+from twin_parts.trials import Trial
 
 SEED, RTOL = 777, 1e-3
 DRIFT = 6e-4

@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 from bench import Run
 from rcskin.simulator.models.reduced.model import Reduced
-from reduction_cases import (
+
+from reduction_parts.cases import (
     BATCH,
     RTOL,
     Presses,

@@ -12,8 +12,8 @@ from functools import cached_property
 
 import numpy as np
 from rcskin.simulator.dataset.skins import DrawnSkin, drawn_skin
-from rcskin.simulator.models.reduced.model import Reduced, ReducedSkin, touched_cells
-from rcskin.simulator.press.capacitance import touched_box
+from rcskin.simulator.models.reduced.model import Reduced, ReducedSkin
+from rcskin.simulator.press.capacitance import touched_box, touched_cells
 from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.press.touch import AnyTouch, Rectangle
 from rcskin.simulator.scene.frequency import laplace_variable

@@ -6,7 +6,7 @@ import numpy as np
 
 from campaign_parts import draws, feeds
 from campaign_parts.draws import Rng
-from campaign_parts.kinds_touches import case_of, scene_tables, touched
+from campaign_parts.kinds.touches import case_of, scene_tables, touched
 from campaign_parts.moves import outlined, unstretched
 from campaign_parts.problem import Case, Problem, Tables
 from campaign_parts.routes import by_telling

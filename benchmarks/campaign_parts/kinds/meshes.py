@@ -10,7 +10,7 @@ from rcskin.simulator.press.press import Press
 
 from campaign_parts import draws, feeds, places
 from campaign_parts.draws import Rng
-from campaign_parts.kinds_touches import any_tables, scene_tables
+from campaign_parts.kinds.touches import any_tables, scene_tables
 from campaign_parts.mesh_files import Lattice, halved, lattice, quartered, shaken, written
 from campaign_parts.moves import outlined, turned
 from campaign_parts.problem import Case, Problem, Tables, first_valid

@@ -15,7 +15,11 @@ from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.reduced.greedy import MESH_DRAWS
 from rcskin.simulator.models.reduced.model import Reduced
 from rcskin.simulator.models.solver import Solver
-from reduction_cases import (
+from rivals import ngspice_grid, scikit_fem_script
+from rivals.cells import Cells
+from rivals.scikit_fem_script import Elements
+
+from reduction_parts.cases import (
     FACTORS,
     FREQUENCIES,
     RTOL,
@@ -28,9 +32,6 @@ from reduction_cases import (
     unreduced,
     worst,
 )
-from rivals import ngspice_grid, scikit_fem_script
-from rivals.cells import Cells
-from rivals.scikit_fem_script import Elements
 
 PRESSES, FEW_PRESSES, SPICE_PRESSES = 30, 4, 1
 TRAINED_BY, FEW_TRAINED_BY = 100, 4

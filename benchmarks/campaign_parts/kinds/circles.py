@@ -14,7 +14,7 @@ from scipy.special import ive, kve
 
 from campaign_parts import draws, feeds, places
 from campaign_parts.draws import Rng
-from campaign_parts.kinds_touches import scene_tables
+from campaign_parts.kinds.touches import scene_tables
 from campaign_parts.moves import outlined, regular, turned
 from campaign_parts.problem import Case, Problem, Tables, Truth, first_valid, solved
 from campaign_parts.routes import OTHER_SHARE, TURNS, by_polygons, by_telling

@@ -22,7 +22,7 @@ from rcskin.simulator.press.touch import (
 from campaign_parts import draws, feeds, places
 from campaign_parts.draws import Rng
 from campaign_parts.foam_laws import capacitance_factor, permittivity, stress
-from campaign_parts.kinds_touches import scene_tables
+from campaign_parts.kinds.touches import scene_tables
 from campaign_parts.moves import outlined, turned
 from campaign_parts.problem import Case, Problem, Tables, first_valid
 from campaign_parts.routes import TURNS, by, elsewhere

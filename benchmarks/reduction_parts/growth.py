@@ -10,7 +10,8 @@ from bench import Run, best_time
 from numpy.typing import NDArray
 from rcskin.simulator.models.reduced.model import Reduced
 from rcskin.simulator.models.solver import Solver
-from reduction_cases import (
+
+from reduction_parts.cases import (
     RTOL,
     Presses,
     Skin,

@@ -14,8 +14,9 @@ from rcskin.localization.model.model import Model
 from rcskin.localization.trust.answers import CANNOT_TELL
 from rcskin.simulator.dataset.presses import FIRST_RESTS
 from rcskin.simulator.scene.scene import Scene
-from twin_scenes import BETWEEN_RESTS, PLACED_SIZE, believed
-from twin_skin import Hand
+
+from twin_parts.scenes import BETWEEN_RESTS, PLACED_SIZE, believed
+from twin_parts.skin import Hand
 
 ONE, TWO = "sheet-5x5", "sheet-5x5-two-interfaces"
 FEW_SWEEPS = 600

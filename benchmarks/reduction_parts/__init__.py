@@ -1,0 +1,1 @@
+"""What `reduction.py` is made of."""

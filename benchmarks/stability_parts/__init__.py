@@ -1,0 +1,1 @@
+"""What `stability.py` is made of; its cases serve `verification.py`, too."""

@@ -1,0 +1,1 @@
+"""What `twin.py` and `twin_limits.py` are made of."""

@@ -1,0 +1,112 @@
+"""What a mesh of a skin conforms to, resolved once from the scene and the press; all in m."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..press.capacitance import touched_box
+from ..press.pixels import pixel_lines
+from ..press.press import Press
+from ..press.touch import Disc, Place, Polygon, Rectangle, Touch
+from ..scene.contacts import Contact
+from ..scene.planar import Circle, Points, regular, sides
+from ..scene.scene import Pixels, Scene
+from ..scene.skin import Skin
+
+Shape = Circle | Points
+"""A circle, or the corners of a polygon or polyline, shape (corner, 2)."""
+Angular = Touch | Rectangle | Polygon
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A skin with its foils, the grid of its pixels, and what is pressed.
+
+    lines: across x and across y, those around pixels included. touches: what touches cover that
+    have a factor and are no pixels, in order. creases: circles and polylines.
+    """
+
+    skin: Skin
+    foils: tuple[Contact, ...]
+    pixels: Pixels
+    lines: tuple[Points, Points]
+    touches: tuple[Shape, ...]
+    creases: tuple[Shape, ...]
+
+    @property
+    def edges(self) -> list[Shape]:
+        """Of touches, and the creases: circles, and segments (segment, 2, 2)."""
+        creases = [
+            crease if isinstance(crease, Circle) else np.stack([crease[:-1], crease[1:]], axis=1)
+            for crease in self.creases
+        ]
+        return [*map(closed, self.touches), *creases]
+
+    def angular(self, sides: int) -> Drawing:
+        """With regular polygons of so many sides and the same area for touches that are circles."""
+        return replace(
+            self,
+            touches=tuple(
+                regular(*touch, sides) if isinstance(touch, Circle) else touch
+                for touch in self.touches
+            ),
+        )
+
+    def pixel_at(self, x: Points) -> NDArray[np.int64]:
+        """Number of the pixel at positions x, shape (2, point) to (point,); -1 beyond the grid."""
+        column, row = (
+            np.searchsorted(lines, along, side="right") - 1
+            for lines, along in zip(self.lines, x, strict=True)
+        )
+        rows, columns = self.pixels.shape
+        within = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
+        return np.where(within, row * columns + column, -1)
+
+
+def drawing_of(scene: Scene, press: Press, creases: Sequence[Shape]) -> Drawing:
+    """The drawing of a press on a scene."""
+    return Drawing(
+        scene.skin,
+        scene.contacts,
+        scene.pixels,
+        (pixel_lines(scene, 0), pixel_lines(scene, 1)),
+        tuple(shape_of(scene, touch) for touch in sharp_touches(press)),
+        tuple(creases),
+    )
+
+
+def sharp_touches(press: Press) -> list[Rectangle | Disc | Polygon]:
+    """The touches of a press that have a factor and are no pixels, in order."""
+    return [each for each in press.touches if isinstance(each, Rectangle | Disc | Polygon)]
+
+
+def shape_of(scene: Scene, place: Place) -> Shape:
+    """What a place is."""
+    if isinstance(place, Disc):
+        return Circle(place.x, place.y, place.radius)
+    return polygon_of(scene, place)
+
+
+def polygon_of(scene: Scene, place: Angular) -> Points:
+    """The corners of a place that is no disc, shape (corner, 2)."""
+    if isinstance(place, Polygon):
+        return np.array(place.points, dtype=float)
+    left, right, bottom, top = touched_box(scene, place)
+    return np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
+
+
+def polygonal(place: Place, sides: int) -> Angular:
+    """The same place; a disc as the regular polygon of so many sides and the same area."""
+    if not isinstance(place, Disc):
+        return place
+    corners = regular(place.x, place.y, place.radius, sides)
+    return Polygon(tuple((x, y) for x, y in corners.tolist()), place.factor)
+
+
+def closed(shape: Shape) -> Shape:
+    """A circle as it is; of corners (corner, 2) the sides between them, (segment, 2, 2)."""
+    return shape if isinstance(shape, Circle) else sides(shape)

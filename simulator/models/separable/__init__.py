@@ -1,1 +1,0 @@
-"""Rectangles pressed anywhere on plain skins fed along whole edges, in products of cosines."""

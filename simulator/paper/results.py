@@ -1,0 +1,33 @@
+"""What the reproduction found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .localizer import Confusion
+from .rehearsal import Rehearsal
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Results:
+    """Experiments and their confusions by scene, and the studies.
+
+    finer: of the 5x5 sheet pressed on 6x6 pixels. fewest, pooled: of the 1x5 strip.
+    """
+
+    rehearsals: Mapping[str, Rehearsal]
+    confusions: Mapping[str, Confusion]
+    frequency: xr.DataArray
+    noise: xr.DataArray
+    contact: xr.DataArray
+    finer: Confusion
+    fewest: xr.DataArray
+    pooled: NDArray[np.int64]
