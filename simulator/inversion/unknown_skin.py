@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from ..measure.readout import ErrorModel, observed, observed_slope
 from ..models.parameters import VALUES, WAVES, mode_values, own_values, session_spreads
-from ..models.reduced.family import Family
 from ..models.reduced.forward import Forward
+from ..models.reduced.resolving import family_on
 from ..scene.scene import Scene
 
 NOWHERE = np.zeros(0, dtype=np.int64)
@@ -183,7 +183,7 @@ def _wave_terms(forward: Forward) -> NDArray[np.float64]:
     One field stands for both sheets: to first order, waves of each add by its share of resistance.
     """
     scene, reduced = forward.scene, forward.reduced
-    family = Family(reduced.scene, reduced.circuit, reduced.resolution, len(WAVES))
+    family = family_on(reduced.scene, reduced.circuit, reduced.mesh, len(WAVES))
     R = np.array([scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance])
     share = 1.0 if reduced.circuit.fields == 2 else float(np.hypot(*R) / R.sum())
     unevenness = scene.dataset.session.unevenness

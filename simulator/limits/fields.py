@@ -15,13 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from ..fem.circuit import Drive, one_field, two_fields
+from ..fem.circuit import Drive
 from ..fem.galerkin import one_blas_thread
 from ..fem.lanczos import Pencil, potentials, respond
-from ..models.plain import require_factor, require_plain
-from ..models.reduced.family import Family
-from ..models.resolution import Ladder
-from ..press.press import Press
+from ..models.plain import require_factor
+from ..models.reduced.resolving import unreduced
+from ..models.varied.meshes import circuit_of
 from ..scene.frequency import laplace_variable, slopes_of_s
 from ..scene.scene import Pixels, Scene
 from ..sweeps import InputError
@@ -51,11 +50,9 @@ class Fields:
         divided = scene.model_copy(
             update={"pixels": Pixels(rows=self.grid[0], columns=self.grid[1])}
         )
-        require_factor(require_plain(scene, "a limit"), "a limit")
-        self._circuit = one_field(divided) or two_fields(divided)
-        ladder = Ladder(divided, self._circuit)
-        resolution = ladder.resolution(ladder.first(RTOL), Press(), highest)
-        self._family = Family(divided, self._circuit, resolution, modes=1)
+        require_factor(scene, "a limit")
+        self._circuit = circuit_of(divided)
+        self._family = unreduced(divided, self._circuit, RTOL, highest)
 
     def respond(
         self, factors: NDArray[np.float64], directions: Maps, frequency: NDArray[np.float64]
@@ -78,7 +75,7 @@ class Fields:
         return self._at_meter(1 / Y, by, frequency)
 
     def _mass(self, factors: NDArray[np.float64]) -> csc_matrix:
-        return self._family.mass(factors)
+        return self._family.mass(factors.ravel())
 
     def _of_drive(
         self,

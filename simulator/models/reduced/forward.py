@@ -14,7 +14,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.circuit import one_field
 from ...fem.galerkin import one_blas_thread
 from ...press.pieces import random_presses
 from ...press.press import Press
@@ -22,7 +21,7 @@ from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import FrequencyGrid, Leads, Sweep
 from ...scene.scene import Pixels, Scene
 from ..parameters import Variation, all_values, leads_of, loss_of, own_values, variation_of
-from ..plain import require_plain
+from ..varied.meshes import single_field
 from .cases import Case, Draw, pixel_touches
 from .family import weights_of
 from .greedy import Advance, reduce, unseen
@@ -112,9 +111,8 @@ class Forward:
         """rtol: largest relative error of Rs and Cp at the skin, for factors within REACH.
 
         cells_per_pixel: along each side; touches that are no pixels are laid on cells. advance: is
-        told what share of the training is done. Raises InputError for a scene that is not plain.
+        told what share of the training is done.
         """
-        require_plain(scene, "a reduced model")
         self.scene, self.rtol, self.cells_per_pixel = scene, rtol, cells_per_pixel
         pixels = scene.pixels
         divided = Pixels(
@@ -192,7 +190,7 @@ class Forward:
 
     @cached_property
     def _two_fields(self) -> bool:
-        return one_field(self.scene) is None
+        return single_field(self.scene) is None
 
     @cached_property
     def _resistive(self) -> bool:

@@ -107,6 +107,21 @@ def strain_of(factor: ArrayLike) -> NDArray[np.float64]:
     return np.maximum(1 - 1 / np.asarray(factor, dtype=np.float64), 0.0)
 
 
+def gauged(skin: Skin) -> bool:
+    """Whether a press changes a sheet's resistance."""
+    return any(sheet.piezoresistance for sheet in (skin.top, skin.bottom))
+
+
+def gauges(skin: Skin, factors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Conductance of top and bottom over that at rest, under touches of these factors.
+
+    factors: of capacitance over that at rest, shape (...). Returns shape (2, ...).
+    """
+    mechanics = skin.foam.mechanics
+    strain = np.asarray(mechanics.strain_at(factors) if mechanics else strain_of(factors))
+    return np.stack([1 / (1 + each.piezoresistance * strain) for each in (skin.top, skin.bottom)])
+
+
 class Materials:
     """Conductances and capacitance of a scene's skin at any places x, flat and in m."""
 
