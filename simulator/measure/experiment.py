@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mesh.skin_mesh import domain
+from ..mesh.held import held
 from ..models.plain import require_factor
 from ..press.press import Press, pixel_by_pixel
 from ..press.touch import Touch
@@ -25,13 +25,13 @@ def stream(scene: Scene, purpose: int) -> np.random.Generator:
 
 
 def planned_presses(scene: Scene, random: np.random.Generator) -> list[Press]:
-    """Every repetition of every pixel, and of nothing pressed where that is a class.
+    """Every repetition of every pixel on the skin, and of nothing pressed where that is a class.
 
     How strongly is drawn from `own_presses`, anew for each; raises InputError as that does.
     """
     drawn, planned = own_presses(scene), scene.experiment
     at_rest = [Press()] * (planned.repetitions if planned.unpressed else 0)
-    pixels = np.ndindex(scene.pixels.rows, scene.pixels.columns)
+    pixels = (divmod(each, scene.pixels.columns) for each in held(scene).numbers.tolist())
     return at_rest + [
         Press((Touch(row + 1, column + 1, float(drawn.at(random.random()))),))
         for row, column in pixels
@@ -102,7 +102,4 @@ def together(each: Sequence[Strengths]) -> Strengths:
 def every_press(scene: Scene) -> list[Press]:
     """The skin at rest, then every pixel alone that has a part of the skin in it, row by row."""
     presses = pixel_by_pixel(scene)
-    if scene.skin.outline is None and scene.skin.mesh is None:
-        return presses
-    there = np.unique(domain(scene, Press(), max(scene.skin.sides)).pixel)
-    return [presses[0], *(presses[1 + number] for number in there if number >= 0)]
+    return [presses[0], *(presses[1 + number] for number in held(scene).numbers)]

@@ -154,6 +154,11 @@ class Skin(Table):
         return self.length, self.width
 
     @property
+    def rectangular(self) -> bool:
+        """Whether it has neither outline nor mesh."""
+        return self.outline is None and self.mesh is None
+
+    @property
     def stretched_sides(self) -> tuple[float, float]:
         """Length and width as it is stretched, m."""
         along, across = self.stretch.ratios if self.stretch else (1.0, 1.0)

@@ -78,7 +78,7 @@ class Reduced:
     def on_skin(self) -> NDArray[np.bool_]:
         """Whether any skin is in each pixel, shape (pixel,)."""
         rows, columns = self.grid
-        return self.factors.any(axis=(1, 2))[: rows * columns]
+        return np.asarray(self.factors.any(axis=(1, 2)))[: rows * columns]
 
     @cached_property
     def family(self) -> Family:
