@@ -226,8 +226,9 @@ def _touches(
         width = _length(scene.dataset.press.size.at(chance))
         disc = shapes[int(kind)] == "disc"
         height = width if disc else _length(scene.dataset.press.size.at(high))
-        tries = zip((x, *more[::2]), (y, *more[1::2]), strict=True)
-        place = _first_on_skin(scene, part, [_placed(scene, *at, width, height) for at in tries])
+        along = [_inside(chance, width, scene.skin.length) for chance in (x, *more[::2])]
+        across = [_inside(chance, height, scene.skin.width) for chance in (y, *more[1::2])]
+        place = _first_on_skin(scene, part, list(zip(along, across, strict=True)))
         yield (
             Disc(*place, width / 2, strength)
             if disc
@@ -236,10 +237,6 @@ def _touches(
 
 
 Place = tuple[float, float]
-
-
-def _placed(scene: Scene, x: float, y: float, width: float, height: float) -> Place:
-    return _inside(x, width, scene.skin.length), _inside(y, height, scene.skin.width)
 
 
 def _first_on_skin(scene: Scene, part: NDArray[np.float64], places: Sequence[Place]) -> Place:

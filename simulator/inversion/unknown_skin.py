@@ -188,9 +188,13 @@ def _wave_terms(forward: Forward) -> NDArray[np.float64]:
     share = 1.0 if reduced.circuit.fields == 2 else float(np.hypot(*R) / R.sum())
     unevenness = scene.dataset.session.unevenness
     W = reduced.coordinates
-    terms = [
-        unevenness * share * family.space.sheet_energy(W, term)
-        for k, term in enumerate(family.sheet_terms)
-        if k % len(WAVES) and unevenness > 0
+    terms = family.sheet_terms
+    parts = len(terms) // (reduced.circuit.fields * len(WAVES))
+    waves = [
+        unevenness
+        * share
+        * np.sum([family.space.sheet_energy(W, term) for term in terms[k : k + parts]], axis=0)
+        for k in range(0, len(terms), parts)
+        if k // parts % len(WAVES) and unevenness > 0
     ]
-    return np.reshape(terms, (-1, W.shape[1], W.shape[1]))
+    return np.reshape(waves, (-1, W.shape[1], W.shape[1]))

@@ -30,9 +30,13 @@ class Held(NamedTuple):
         return np.flatnonzero(self.part)
 
 
-@lru_cache(maxsize=16)
 def held(scene: Scene) -> Held:
     """What each pixel of a scene holds. Raises InputError where a mesh file does not serve."""
+    return _held(scene)  # pyright: ignore[reportArgumentType]
+
+
+@lru_cache(maxsize=16)
+def _held(scene: Scene) -> Held:
     count, (length, width) = scene.pixels.rows * scene.pixels.columns, scene.skin.sides
     if scene.skin.rectangular:
         row, column = np.divmod(np.arange(count), scene.pixels.columns)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from ..scene.frequency import Loss
 from ..scene.meter import Leads
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
-from ..scene.skin import Foam
+from ..scene.skin import Foam, Skin
 from ..sweeps import InputError
 
 WAVES = ((0, 0), (1, 0), (0, 1), (1, 1))
@@ -170,6 +170,7 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
         loss_tangent=values["loss_tangent"],
         phase_exponent=values["phase_exponent"],
         map=skin.foam.map,
+        **_kept_mechanics(skin),
     )
     film = math.exp(values["contact_resistance"])
     contacts = tuple(
@@ -180,6 +181,13 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
     return scene.model_copy(
         update={"skin": changed, "contacts": contacts, "leads": leads_of(values)}
     )
+
+
+def _kept_mechanics(skin: Skin) -> dict[str, Any]:
+    """What tells the strain under a factor, where sheets hang on it."""
+    if not (skin.top.piezoresistance or skin.bottom.piezoresistance):
+        return {}
+    return {"mechanics": skin.foam.mechanics, "thickness": skin.foam.thickness}
 
 
 class Spread(NamedTuple):

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.experiment import METER, PRESSES, planned_presses
+from ..measure.experiment import METER, PRESSES, every_press, planned_presses
 from ..measure.readout import read_out
 from ..measure.symmetry import Pixel
-from ..press.press import Press, pixel_by_pixel
+from ..press.press import Press
 from ..scene.scene import Scene
 from ..sweeps import InputError, build
 from .curve import Curve
@@ -65,8 +65,8 @@ class Trial:
         return planned_presses(scene, random)
 
     def nominal(self, scene: Scene) -> list[Press]:
-        """One press of the nominal strength for each pixel, and rest where that is a class."""
-        return pixel_by_pixel(scene)[0 if scene.experiment.unpressed else 1 :]
+        """One press of the nominal strength for each pixel on the skin; rest if that is a class."""
+        return every_press(scene)[0 if scene.experiment.unpressed else 1 :]
 
     def factors(self, scene: Scene) -> dict[Pixel, set[float]]:
         """Every strength at which each pixel is pressed."""

@@ -14,7 +14,8 @@ from rcskin.simulator.scene.frequency import Loss
 from rcskin.simulator.sweeps import InputError
 
 RTOL, CLOSELY = 1e-3, 1e-5
-KINDS = ("hexagon", "l with a hole", "uneven", "piezoresistive", "mesh", "draped")
+HOLED = pytest.param("l with a hole", marks=pytest.mark.slow)
+KINDS = ("hexagon", HOLED, "uneven", "piezoresistive", "mesh", "draped")
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +83,7 @@ def test_the_certificate_bounds_what_the_reduction_leaves_out(families, name):
     assert worst > 1e-6
 
 
-@pytest.mark.parametrize("name", ["l with a hole", "mesh"])
+@pytest.mark.parametrize("name", [HOLED, "mesh"])
 def test_a_model_is_the_same_from_its_file(families, tmp_path, name):
     reduced = families(name)
     save(reduced, tmp_path / "model.npz")
@@ -125,6 +126,7 @@ def test_slow_waves_of_the_sheets_are_maps_of_the_sheets(kinds):
     assert relative_difference(Z, truth, 2 * np.pi * plain.frequencies).max() <= RTOL
 
 
+@pytest.mark.slow
 def test_the_solver_takes_the_reduced_model_and_leaves_it_where_it_does_not_serve(kinds):
     solver = Solver(kinds["l with a hole"], RTOL, "reduced")
     assert "reduced to" in solver.solve(parse_press("1,1", 2.0)).model

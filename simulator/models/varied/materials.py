@@ -96,6 +96,7 @@ def between(B: NDArray[np.float64], A: NDArray[np.float64]) -> NDArray[np.float6
     )
 
 
+SLOPE_STEP = 1e-5
 ISOTROPIC = np.array([1.0, 1.0, 0.0])
 
 
@@ -120,6 +121,12 @@ def gauges(skin: Skin, factors: NDArray[np.float64]) -> NDArray[np.float64]:
     mechanics = skin.foam.mechanics
     strain = np.asarray(mechanics.strain_at(factors) if mechanics else strain_of(factors))
     return np.stack([1 / (1 + each.piezoresistance * strain) for each in (skin.top, skin.bottom)])
+
+
+def gauge_slopes(skin: Skin, factors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of `gauges` by the factors, to six digits; shape (2, ...)."""
+    step = SLOPE_STEP * factors
+    return (gauges(skin, factors + step) - gauges(skin, factors - step)) / (2 * step)
 
 
 class Materials:
