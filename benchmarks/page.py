@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from bench import Run, launch, publish
 from PIL import Image
-from rcskin.simulator.models.plain import plain_scene
+from rcskin.simulator.models.plain import folded
 from rcskin.simulator.page.document import document
 from rcskin.simulator.page.packed import packed, reduced_for_page
 from rcskin.simulator.scene.files import load_scene
@@ -66,7 +66,7 @@ class Page:
 
 def made(scene: Scene, folder: Path) -> Page:
     """The page of a scene."""
-    start, plain = time.perf_counter(), plain_scene(scene, "a page")
+    start, plain = time.perf_counter(), folded(scene, "a page")
     text = document(packed(plain, reduced_for_page(plain, RTOL, CELLS)))
     path = folder / f"{scene.name}.html"
     path.write_text(text, encoding="utf-8")

@@ -32,7 +32,7 @@ class Case:
     closed: bool
 
 
-def _scene(skin: dict[str, object], top: dict[str, object], foam: dict[str, object], edge: str):
+def scene_of(skin: dict[str, object], top: dict[str, object], foam: dict[str, object], edge: str):
     sheet = {"sheet_resistance": SHEETS / 2}
     contacts = [{"name": name, "electrode": name, "edge": edge} for name in ("top", "bottom")]
     return Scene.model_validate(
@@ -101,21 +101,21 @@ def cases(rtol: float) -> list[Case]:
     directed = {"piezoresistance": 2.0, "anisotropy": {"ratio": 3.0, "angle": 0.5}}
     at_rest, pixel = Press(), parse_press("2,2", 2.0)
     polygon = parse_press("poly(0.03,0.03,0.08,0.04,0.05,0.09)", 2.0)
-    strip = _scene({"stretch": {"x": 1.2}}, {}, {}, "left")
+    strip = scene_of({"stretch": {"x": 1.2}}, {}, {}, "left")
     closed = [
-        ("disc fed at its rim", _scene({"outline": circle}, {}, {}, "outline"), _disc),
+        ("disc fed at its rim", scene_of({"outline": circle}, {}, {}, "outline"), _disc),
         (
             "annulus fed at its hole",
-            _scene({"outline": {**circle, "holes": [hole]}}, {}, {}, "hole1"),
+            scene_of({"outline": {**circle, "holes": [hole]}}, {}, {}, "hole1"),
             _annulus,
         ),
         ("rectangle stretched by 20 %", strip, _stretched_strip),
     ]
     varied = [
-        ("L, pixel pressed", _scene({"outline": {"points": bent}}, {}, {}, "outline.6"), pixel),
-        ("random sheet and foam", _scene({}, {"map": random}, _mapped(random), "left"), pixel),
-        ("directed, piezoresistive sheet", _scene({}, directed, {}, "left"), pixel),
-        ("flat sheet, triangle pressed", _scene({}, {}, {}, "left"), polygon),
+        ("L, pixel pressed", scene_of({"outline": {"points": bent}}, {}, {}, "outline.6"), pixel),
+        ("random sheet and foam", scene_of({}, {"map": random}, mapped(random), "left"), pixel),
+        ("directed, piezoresistive sheet", scene_of({}, directed, {}, "left"), pixel),
+        ("flat sheet, triangle pressed", scene_of({}, {}, {}, "left"), polygon),
     ]
     return [
         *(Case(name, scene, at_rest, truth, True) for name, scene, truth in closed),
@@ -126,7 +126,7 @@ def cases(rtol: float) -> list[Case]:
     ]
 
 
-def _mapped(of_place: dict[str, object]) -> dict[str, object]:
+def mapped(of_place: dict[str, object]) -> dict[str, object]:
     return {"capacitance_per_area": C, "map": of_place}
 
 

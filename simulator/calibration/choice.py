@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..fem.circuit import one_field
 from ..models.parameters import PARAMETERS
+from ..models.varied.meshes import single_field
 from ..sweeps import InputError
 from .measured import Measured
 from .prior import Kind, Prior
@@ -51,7 +51,7 @@ def candidates(
     unknown = [name for name in PARAMETERS if name in free and name in priors.keys() - known]
     if not unknown:
         raise InputError("every parameter is fixed: there is nothing to fit")
-    in_series = "sheet_resistance" in unknown and one_field(measured.scene) is not None
+    in_series = "sheet_resistance" in unknown and single_field(measured.scene) is not None
     asked = fit or [name for name in unknown if not (name == "sheet_mismatch" and in_series)]
     return Candidates(
         [name for name in unknown if name in asked], [name for name in unknown if name not in asked]

@@ -10,10 +10,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fem.circuit import one_field
 from ..models.line_slopes import LineModel
 from ..models.parameters import FACTORS, scene_with
 from ..models.reduced.forward import REACH, Forward, Response
+from ..models.varied.meshes import single_field
 from ..progress import Tell, tell_nothing
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -57,7 +57,7 @@ class Around:
         """Of one press; `by_cell` is to the rises here."""
         own = self.own(values)
         response = self.model.respond(cells, rises, own)
-        by_rise = math.exp(own["capacitance"]) * response.by_cell
+        by_rise = math.exp(own["capacitance"]) * response.by_cell + response.by_gauge
         return replace(response, by_cell=by_rise)
 
     def certificate(
@@ -77,7 +77,7 @@ def around(
 
 def movable(scene: Scene) -> list[str]:
     """Factors that a model may be trained about: not such that one field would become two."""
-    single = one_field(scene) is not None
+    single = single_field(scene) is not None
     return [name for name in FACTORS if not (single and name == "sheet_mismatch")]
 
 

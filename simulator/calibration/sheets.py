@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fem.circuit import one_field
+from ..models.varied.meshes import single_field
 from ..scene.scene import Scene
 from .fit import Fit
 from .information import Information
@@ -46,7 +46,7 @@ def sheets(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
     top, bottom = before[0] * math.exp(both + half), before[1] * math.exp(both - half)
     yield Product(TOP, "ohm/sq", before[0], top, {COMMON: 1.0, MISMATCH: 0.5})
     yield Product(BOTTOM, "ohm/sq", before[1], bottom, {COMMON: 1.0, MISMATCH: -0.5})
-    if one_field(scene) is not None:
+    if single_field(scene) is not None:
         slopes = {COMMON: 1.0, MISMATCH: 0.5 * (top - bottom) / (top + bottom)}
         yield Product(SUM, "ohm/sq", sum(before), top + bottom, slopes)
     yield Product(RATIO, "", before[0] / before[1], top / bottom, {MISMATCH: 1.0})
@@ -54,7 +54,7 @@ def sheets(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
 
 def hang_on_ratio(scene: Scene, information: Information) -> bool:
     """Whether one field sees both sheets, and neither is known."""
-    return one_field(scene) is not None and {COMMON, MISMATCH} <= set(information.names)
+    return single_field(scene) is not None and {COMMON, MISMATCH} <= set(information.names)
 
 
 def of_series(

@@ -101,6 +101,8 @@ def reduced(scene: Scene, rtol: float) -> Reduced:
 def _divided(scene: Scene) -> Scene:
     """The scene with cells for pixels."""
     pixels, cells = scene.pixels, scene.dataset.press.cells
+    if cells == 1 and pixels.groups is not None and scene.dataset.press.place == "pixel":
+        return scene
     finer = Pixels(rows=cells * pixels.rows, columns=cells * pixels.columns)
     return scene.model_copy(update={"pixels": finer})
 

@@ -9,7 +9,7 @@ from functools import cached_property
 from hashlib import sha256
 from importlib.metadata import version
 
-from ..models.plain import require_plain
+from ..mesh.held import held
 from ..scene.files import parse_scene, scene_text
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -36,11 +36,7 @@ class Plan:
     block_values: int = 2**17
 
     def __post_init__(self) -> None:
-        """Raises InputError where a number is out of range or a press does not fit the scene.
-
-        Also where the scene is not plain.
-        """
-        require_plain(self.scene, "a data set")
+        """Raises InputError where a number is out of range or a press does not fit the scene."""
         if self.sweeps < 1:
             raise InputError(f"`sweeps` must be >= 1, got {self.sweeps}")
         if not 0 <= self.seed <= MOST_SEED:
@@ -140,7 +136,12 @@ def _check_size(scene: Scene) -> None:
 
 
 def _check_presses(scene: Scene) -> None:
-    press, pixels = scene.dataset.press, scene.pixels.rows * scene.pixels.columns
+    press, pixels = scene.dataset.press, len(held(scene).numbers)
+    if scene.pixels.groups is not None and press.offset > 0:
+        raise InputError(
+            "`dataset.press.offset` must be 0 where `pixels.groups` says what pixels are, "
+            f"got {press.offset:g}"
+        )
     if press.place == "pixel" and press.most_touches > pixels:
         raise InputError(
             f"`dataset.press.touches` allows {press.most_touches} touches at once, "

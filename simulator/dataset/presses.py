@@ -8,16 +8,19 @@ from dataclasses import astuple, dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..mesh.held import held
 from ..press.capacitance import laid_on_cells
 from ..press.press import Press
 from ..press.touch import Disc, Rectangle
 from ..scene.randomisation import CUT, DrawnPress, truncated_normal
-from ..scene.scene import Scene
+from ..scene.scene import Pixels, Scene
 from ..sweeps import UNPRESSED
 
 MOST_TOUCHES = 2
 FIRST_RESTS = 3
 """Sweeps at rest that a session begins with where it promises any."""
+TRIES = 64
+"""Places that are drawn for a touch until its middle is on the skin."""
 FACTOR_DECIMALS = 6
 """Factors are drawn to so many decimals, so that a press as text is the press that was solved."""
 
@@ -58,6 +61,9 @@ def drawn_presses(
     chances = random.random((4, count, MOST_TOUCHES))
     factor = np.round(drawn.factor.at(random.random((count, MOST_TOUCHES))), FACTOR_DECIMALS)
     if drawn.place == "anywhere":
+        if not scene.skin.rectangular:
+            again = random.random((2 * TRIES, count, MOST_TOUCHES))
+            chances = np.concatenate([chances, again])
         return presses_anywhere(scene, touches, chances, factor, grid)
     return _on_pixels(scene, touches, chances, factor, grid)
 
@@ -83,12 +89,14 @@ def _on_pixels(
     grid: tuple[int, int],
 ) -> Presses:
     """Touches of whole pixels, two never on one; in the order of pixels, as texts have it."""
-    rows, columns = scene.pixels.rows, scene.pixels.columns
-    pixel = _distinct_pixels(touches, chances[0], rows * columns)
+    columns, pixels = scene.pixels.columns, held(scene).numbers
+    pixel = pixels[_distinct_pixels(touches, chances[0], len(pixels))]
     there = np.arange(MOST_TOUCHES) < touches[:, None]
     factor = np.where(there, factor, 1.0)
     row, column = np.divmod(pixel, columns)
-    x, y = np.where(there, _centres(scene, row, column), 0.0)
+    whole = scene.skin.rectangular or scene.dataset.press.offset > 0
+    middle = _centres(scene, row, column) if whole else held(scene).middle[:, pixel]
+    x, y = np.where(there, middle, 0.0)
     inside = cells_of_pixels(scene, grid)
     presses = Presses(
         cells=inside[pixel[there]].ravel(),
@@ -159,7 +167,6 @@ def _text(count: int, touches: Sequence[tuple[int, int, float]]) -> str:
 
 LENGTH_DECIMALS = 6
 """Places and sizes are drawn to the micrometre, so that a press as text is the one solved."""
-
 Chances = NDArray[np.float64]
 
 
@@ -172,10 +179,12 @@ def presses_anywhere(
 ) -> Presses:
     """Presses of so many touches; factors multiply where two of them overlap.
 
-    chances: of place along x and y and of size along x and y, shape (4, press, MOST_TOUCHES).
+    chances: of place along x and y, of size along x and y, and of further places where the first
+    may be off the skin, shape (4 or more, press, MOST_TOUCHES).
     """
+    part = _part_of_cells(scene, grid)
     presses = [
-        Press(tuple(sorted(_touches(scene, count, each, strengths), key=_order)))
+        Press(tuple(sorted(_touches(scene, count, each, strengths, part), key=_order)))
         for count, each, strengths in zip(touches, chances.transpose(1, 2, 0), factor, strict=True)
     ]
     cells, rises, starts = laid_on_cells(scene, presses, grid)
@@ -194,22 +203,49 @@ def presses_anywhere(
     )
 
 
+def _part_of_cells(scene: Scene, grid: tuple[int, int]) -> NDArray[np.float64]:
+    """What part of each cell is skin, shape `grid`."""
+    cells = Pixels(rows=grid[0], columns=grid[1])
+    return held(scene.model_copy(update={"pixels": cells})).part.reshape(grid)
+
+
 def _touches(
-    scene: Scene, count: int, chances: Chances, factor: NDArray[np.float64]
+    scene: Scene,
+    count: int,
+    chances: Chances,
+    factor: NDArray[np.float64],
+    part: NDArray[np.float64],
 ) -> Iterator[Rectangle | Disc]:
-    """So many touches, chances of shape (touch, 4)."""
+    """So many touches, chances of shape (touch, 4 or more), with their middles on the skin.
+
+    part: of each cell that is skin, shape (row, column).
+    """
     shapes = scene.dataset.press.shape
-    for (x, y, wide, high), strength in zip(chances[:count], factor.tolist(), strict=False):
+    for (x, y, wide, high, *more), strength in zip(chances[:count], factor.tolist(), strict=False):
         chance, kind = np.modf(wide * len(shapes))
         width = _length(scene.dataset.press.size.at(chance))
         disc = shapes[int(kind)] == "disc"
         height = width if disc else _length(scene.dataset.press.size.at(high))
-        place = _inside(x, width, scene.skin.length), _inside(y, height, scene.skin.width)
+        along = [_inside(chance, width, scene.skin.length) for chance in (x, *more[::2])]
+        across = [_inside(chance, height, scene.skin.width) for chance in (y, *more[1::2])]
+        place = _first_on_skin(scene, part, list(zip(along, across, strict=True)))
         yield (
             Disc(*place, width / 2, strength)
             if disc
             else Rectangle(*place, width, height, strength)
         )
+
+
+Place = tuple[float, float]
+
+
+def _first_on_skin(scene: Scene, part: NDArray[np.float64], places: Sequence[Place]) -> Place:
+    """The first in a cell that is at least half skin; the last where none is."""
+    (rows, columns), (length, width) = part.shape, scene.skin.sides
+    on_skin = (
+        (x, y) for x, y in places if part[int(y / width * rows), int(x / length * columns)] >= 0.5
+    )
+    return next(on_skin, places[-1])
 
 
 def _order(touch: Rectangle | Disc) -> tuple:

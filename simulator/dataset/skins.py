@@ -37,12 +37,14 @@ def drawn_skin(
     common, top, bottom, c, loss, stray, lead = random.random(7)
     waves = random.random((2, len(WAVES) - 1))
     contacts = random.random(len(scene.contacts))
+    common_c = float(drawn.capacitance.at(c))
     variation = Variation(
         _conductance(scene, common, top, waves[0], modes),
         _conductance(scene, common, bottom, waves[1], modes),
         1 / drawn.contact_resistance.at(contacts),
-        float(drawn.capacitance.at(c)) * _foam(scene, random, grid),
+        common_c * _foam(scene, random, grid),
         Loss(foam.loss_tangent + float(drawn.loss_tangent.at(loss)), foam.phase_exponent),
+        common_c,
     )
     leads = Leads(
         resistance=scene.leads.resistance + float(drawn.lead_resistance.at(lead)),

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..measure.experiment import own_presses
 from ..measure.readout import ErrorModel, observed, observed_slope
+from ..mesh.held import held
 from ..models.reduced.forward import Forward
 from ..scene.files import parse_scene
 from ..scene.scene import Scene
@@ -120,11 +121,11 @@ def covered(quantile: Callable[[NDArray], NDArray]) -> tuple[NDArray, NDArray, f
 
 
 def pixel_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
-    """Every pixel alone at every strength."""
+    """Every pixel on the skin alone at every strength."""
     forward, pixels = unknown.forward, unknown.forward.scene.pixels
     rest = observed(forward.respond(NOWHERE, np.zeros(0), unknown.values).Z)
-    places = range(pixels.rows * pixels.columns)
-    found = [[_touch(unknown, pixel, f) for f in strengths] for pixel in places]
+    places = held(forward.scene).numbers
+    found = [[_touch(unknown, pixel, f) for f in strengths] for pixel in places.tolist()]
     single, slope, skin, shift = (
         np.array([[touch[k] for touch in touches] for touches in found]) for k in range(4)
     )
@@ -142,20 +143,20 @@ def _touch(unknown: UnknownSkin, pixel: int, strength: float) -> tuple[NDArray, 
     """What is observed of it, its slope by strength, the effect of the unknown skin and shift."""
     cells, rises = np.array([pixel]), np.array([strength - 1])
     response = unknown.forward.respond(cells, rises, unknown.values)
-    by_strength = np.exp(unknown.values["capacitance"]) * response.by_cell[..., pixel]
-    slope = observed_slope(response.Z, by_strength)
+    by_strength = np.exp(unknown.values["capacitance"]) * response.by_cell + response.by_gauge
+    slope = observed_slope(response.Z, by_strength[..., pixel])
     return observed(response.Z), slope, *unknown.of_touch(cells, rises)
 
 
 def pair_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
     """Every two pixels at every two strengths."""
-    pixels = unknown.forward.scene.pixels
-    pairs = np.stack(np.triu_indices(pixels.rows * pixels.columns, 1), axis=1)
+    places = held(unknown.forward.scene).numbers
+    pairs = np.stack(np.triu_indices(len(places), 1), axis=1)
     first, second = np.meshgrid(strengths - 1, strengths - 1, indexing="ij")
     rises = np.stack([first.ravel(), second.ravel()], axis=1)
     presses = len(pairs) * len(rises)
     Z = unknown.forward.impedances(
-        np.repeat(pairs, len(rises), axis=0).ravel(),
+        np.repeat(places[pairs], len(rises), axis=0).ravel(),
         np.tile(rises, (len(pairs), 1)).ravel(),
         2 * np.arange(presses + 1),
         unknown.values,

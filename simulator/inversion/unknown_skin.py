@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from ..measure.readout import ErrorModel, observed, observed_slope
 from ..models.parameters import VALUES, WAVES, mode_values, own_values, session_spreads
-from ..models.reduced.family import Family
 from ..models.reduced.forward import Forward
+from ..models.reduced.resolving import family_on
 from ..press.pixels import cell_centres
 from ..scene.scene import Scene
 
@@ -180,14 +180,18 @@ def _wave_terms(forward: Forward) -> NDArray[np.float64]:
     One field stands for both sheets: to first order, waves of each add by its share of resistance.
     """
     scene, reduced = forward.scene, forward.reduced
-    family = Family(reduced.scene, reduced.circuit, reduced.resolution, len(WAVES))
+    family = family_on(reduced.scene, reduced.circuit, reduced.mesh, len(WAVES))
     R = np.array([scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance])
     share = 1.0 if reduced.circuit.fields == 2 else float(np.hypot(*R) / R.sum())
     unevenness = scene.dataset.session.unevenness
     W = reduced.coordinates
-    terms = [
-        unevenness * share * family.space.sheet_energy(W, term)
-        for k, term in enumerate(family.sheet_terms)
-        if k % len(WAVES) and unevenness > 0
+    terms = family.sheet_terms
+    parts = len(terms) // (reduced.circuit.fields * len(WAVES))
+    waves = [
+        unevenness
+        * share
+        * np.sum([family.space.sheet_energy(W, term) for term in terms[k : k + parts]], axis=0)
+        for k in range(0, len(terms), parts)
+        if k // parts % len(WAVES) and unevenness > 0
     ]
-    return np.reshape(terms, (-1, W.shape[1], W.shape[1]))
+    return np.reshape(waves, (-1, W.shape[1], W.shape[1]))

@@ -71,12 +71,12 @@ def limits(
     """
     from ..asked.scene import asked_scene
     from ..charts import checked_ending
-    from ..models.plain import plain_scene
+    from ..models.plain import folded
     from ..progress import on_terminal
     from .position import chosen_touch
     from .survey import Question, with_factor, with_interfaces, with_sheets
 
-    plain = plain_scene(asked_scene(scene), "a limit")
+    plain = folded(asked_scene(scene), "a limit")
     check_numbers(draws=draws, against_rest=against_rest, seed=seed, n=n)
     side = None if size is None else 1e-3 * size
     touch = chosen_touch(plain, side, factor)

@@ -12,7 +12,7 @@ from ..progress import Track, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .criteria import Criterion, identity_criterion, position_criterion
-from .fields import Fields
+from .fields import CELLS_PER_PIXEL, Fields
 from .position import TouchSize, places_on, position_slopes
 from .sets import OPTIMAL, compared, logarithmic, within
 
@@ -173,7 +173,9 @@ def _criterion(
     against_rest: int,
     track: Track,
 ) -> Criterion:
-    fields = Fields(scene, float(candidates[-1]))
+    of_groups = name != "position" and scene.pixels.groups is not None
+    cells = 1 if of_groups else CELLS_PER_PIXEL
+    fields = Fields(scene, float(candidates[-1]), cells)
     if name != "position":
         return identity_criterion(fields, name, candidates, against_rest, track)
     places = places_on(scene, touch, fields.cells, PLACES)

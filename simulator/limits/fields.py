@@ -10,18 +10,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from ..fem.circuit import Drive, one_field, two_fields
-from ..fem.galerkin import one_blas_thread
+from ..fem.circuit import Drive
+from ..fem.galerkin import Galerkin, one_blas_thread
 from ..fem.lanczos import Pencil, potentials, respond
-from ..models.plain import require_factor, require_plain
-from ..models.reduced.family import Family
-from ..models.resolution import Ladder
-from ..press.press import Press
+from ..models.parameters import of_parts
+from ..models.plain import require_factor
+from ..models.reduced.family import Weights, weights_under
+from ..models.reduced.resolving import unreduced
+from ..models.varied.materials import gauge_slopes, gauged
+from ..models.varied.meshes import circuit_of
 from ..scene.frequency import laplace_variable, slopes_of_s
 from ..scene.scene import Pixels, Scene
 from ..sweeps import InputError
@@ -40,6 +43,19 @@ class Answer:
     by: dict[str, NDArray[np.complex128]]
 
 
+NONE: Maps = {}
+
+
+class _Pressed(NamedTuple):
+    """The space of a press, M in F, what directions add to it, and to the weights of the sheets."""
+
+    space: Galerkin
+    weights: Weights
+    mass: csc_matrix
+    masses: Mapping[str, csc_matrix]
+    gauges: Mapping[str, NDArray[np.float64] | None]
+
+
 class Fields:
     """A scene on the cells of a grid, at any frequencies up to `highest`."""
 
@@ -48,69 +64,95 @@ class Fields:
         pixels = scene.pixels
         self.scene, self.cells = scene, cells
         self.grid = cells * pixels.rows, cells * pixels.columns
-        divided = scene.model_copy(
-            update={"pixels": Pixels(rows=self.grid[0], columns=self.grid[1])}
-        )
-        require_factor(require_plain(scene, "a limit"), "a limit")
-        self._circuit = one_field(divided) or two_fields(divided)
-        ladder = Ladder(divided, self._circuit)
-        resolution = ladder.resolution(ladder.first(RTOL), Press(), highest)
-        self._family = Family(divided, self._circuit, resolution, modes=1)
+        finer = Pixels(rows=self.grid[0], columns=self.grid[1])
+        divided = scene if cells == 1 else scene.model_copy(update={"pixels": finer})
+        require_factor(scene, "a limit")
+        self._circuit = circuit_of(divided)
+        self._family = unreduced(divided, self._circuit, RTOL, highest)
 
     def respond(
-        self, factors: NDArray[np.float64], directions: Maps, frequency: NDArray[np.float64]
+        self,
+        factors: NDArray[np.float64],
+        directions: Maps,
+        frequency: NDArray[np.float64],
+        of_foam: Maps = NONE,
     ) -> Answer:
         """Of one map of c over that at rest, shape (row, column) of cells; frequency in Hz.
 
-        directions: by name, how the map changes with something, of the same shape. The answer holds
-        their derivatives and those of the skin's and leads' parameters (see `parameters`). Raises
+        directions: by name, how the map changes with something, of the same shape; of_foam: how the
+        foam changes, which tells nothing of how far it is pressed. The answer holds their
+        derivatives and those of the skin's and leads' parameters (see `parameters`). Raises
         InputError where frequencies lie too far above cut-off.
         """
-        masses = {name: self._mass(change) for name, change in directions.items()}
-        mass = self._mass(factors)
+        pressed = self._parts(factors, 1.0)
+        weights = weights_under(None, self._family.scene, self._circuit, 1, pressed)
+        on = _Pressed(
+            self._family.skin(weights),
+            weights,
+            self._family.mass(pressed),
+            {name: self._mass(change) for name, change in {**directions, **of_foam}.items()},
+            {name: self._gauged(pressed, change) for name, change in directions.items()},
+        )
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
         with one_blas_thread():
-            found = [
-                self._of_drive(drive, mass, masses, s, frequency) for drive in self._circuit.drives
-            ]
+            found = [self._of_drive(drive, on, s, frequency) for drive in self._circuit.drives]
         Y = np.stack([own for own, _ in found])
         by = {name: np.stack([each[name] for _, each in found]) for name in found[0][1]}
         return self._at_meter(1 / Y, by, frequency)
 
-    def _mass(self, factors: NDArray[np.float64]) -> csc_matrix:
-        return self._family.mass(factors)
+    def _mass(self, change: NDArray[np.float64]) -> csc_matrix:
+        return self._family.mass(self._parts(change, 0.0))
+
+    def _parts(self, map_of: NDArray[np.float64], beside: float) -> NDArray[np.float64]:
+        return of_parts(self._family.scene, map_of, beside)
+
+    def _gauged(
+        self, pressed: NDArray[np.float64], change: NDArray[np.float64]
+    ) -> NDArray[np.float64] | None:
+        """Change of the weights of K's terms of sheets; None where no press changes them."""
+        scene = self._family.scene
+        if not gauged(scene.skin):
+            return None
+        by_factor = gauge_slopes(scene.skin, pressed)[: self._circuit.fields]
+        return (by_factor * self._parts(change, 0.0)).ravel()
 
     def _of_drive(
         self,
         drive: Drive,
-        mass: csc_matrix,
-        masses: Mapping[str, csc_matrix],
+        on: _Pressed,
         s: NDArray[np.complex128],
         frequency: NDArray[np.float64],
     ) -> tuple[NDArray[np.complex128], dict[str, NDArray[np.complex128]]]:
-        space = self._family.space
-        pencil = space.pencil(mass, drive, 0.0)
+        pencil = on.space.pencil(on.mass, drive, 0.0)
         Y, _ = respond(pencil, s, KRYLOV_RTOL)
-        u = self._potentials(drive, pencil, mass, s, Y)
-        by = {name: s * self._energy(u, each) for name, each in masses.items()}
-        by_s = self._energy(u, mass)
+        u = self._potentials(drive, pencil, on, s, Y)
+        by = {name: s * self._energy(u, each) for name, each in on.masses.items()}
+        sheets = np.stack([self._energy(u, term) for term in self._family.sheet_terms])
+        by |= {
+            name: by[name] + each @ sheets for name, each in on.gauges.items() if each is not None
+        }
+        by_s = self._energy(u, on.mass)
         of_s = slopes_of_s(frequency, self.scene.skin.foam.loss)
         by |= {name: by_s * of_s[name] for name in ("capacitance", "loss_tangent")}
-        return Y, by | self._by_resistance(u)
+        if on.weights is not None:
+            sheets = sheets * on.weights[: len(sheets), None]
+        return Y, by | self._by_resistance(
+            u, sheets.reshape(self._circuit.fields, -1, len(s)).sum(1)
+        )
 
     def _potentials(
         self,
         drive: Drive,
         pencil: Pencil,
-        mass: csc_matrix,
+        on: _Pressed,
         s: NDArray[np.complex128],
         Y: NDArray[np.complex128],
     ) -> NDArray[np.complex128]:
         """u at 1 V, shape (unknown, s). Raises InputError where they do not give Y."""
-        driven, space = self._family.space.driven(drive), self._family.space
+        driven, space = on.space.driven(drive), on.space
         g, sheets = driven.potential, driven.floating[:, driven.common]
         if sheets.size:
-            charge = space.restricted(mass) @ sheets
+            charge = space.restricted(on.mass) @ sheets
             g = g - sheets @ np.linalg.solve(sheets.T @ charge, charge.T @ g)
         u = g[:, None] + potentials(pencil, s, KRYLOV_RTOL)  # pyright: ignore[reportArgumentType]
         found = pencil.admittance + s * (pencil.start @ u)
@@ -122,12 +164,14 @@ class Fields:
     def _energy(self, u: NDArray[np.complex128], mass: csc_matrix) -> NDArray[np.complex128]:
         return (u * (self._family.space.restricted(mass) @ u)).sum(axis=0)
 
-    def _by_resistance(self, u: NDArray[np.complex128]) -> dict[str, NDArray[np.complex128]]:
-        """dY by the logarithms of resistances and of top over bottom; see `parameters`."""
+    def _by_resistance(
+        self, u: NDArray[np.complex128], sheets: NDArray[np.complex128]
+    ) -> dict[str, NDArray[np.complex128]]:
+        """dY by the logarithms of resistances and of top over bottom; see `parameters`.
+
+        sheets: energy of each field's sheet, W, shape (field, s).
+        """
         family, skin = self._family, self.scene.skin
-        sheets = [
-            (u * (family.space.restricted(term) @ u)).sum(axis=0) for term in family.sheet_terms
-        ]
         if len(sheets) == 2:
             mismatch = (sheets[1] - sheets[0]) / 2
         else:

@@ -6,12 +6,15 @@ import math
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..charts import COLOURS, LINE_STYLES, chart
+from ..mesh.skin_mesh import domain
+from ..mesh.triangles import edges_of
+from ..press.press import Press
 from ..scene.scene import Scene
 from .position import Bounds
 from .survey import Variant
@@ -28,6 +31,8 @@ QUANTITIES = {
 }
 NOT_TOLD = "0.8"
 FOIL = {"top": COLOURS[1], "bottom": COLOURS[0]}
+WIDTHS = {"top": 5.0, "bottom": 2.5}
+"""Of foils on one edge of an outline, the bottom sheet's over the top's."""
 FOIL_OFF = {"top": 0.05, "bottom": 0.025}
 """From the edge, over the longer side: drawn one outside the other."""
 MARGIN = 0.08
@@ -110,9 +115,15 @@ def _draw_map(
     cells = skin.length / pixels.columns, skin.width / pixels.rows
     axes.set_facecolor("white")
     edges = _edges(x, 1e3 * cells[0]), _edges(y, 1e3 * cells[1])
-    shown = np.ma.masked_invalid(np.reshape(values, (len(y), len(x))))
-    axes.pcolormesh(*edges, np.zeros(shown.shape), cmap="Greys", vmin=-1, vmax=3)
-    axes.pcolormesh(*edges, shown, cmap="viridis_r", norm=norm)
+    shown, asked = np.full((2, len(y), len(x)), np.nan)
+    at = (
+        np.searchsorted(y, 1e3 * bounds.places[:, 1]),
+        np.searchsorted(x, 1e3 * bounds.places[:, 0]),
+    )
+    shown[at], asked[at] = values, 0.0
+    grey: Any = {"cmap": "Greys", "vmin": -1, "vmax": 3}
+    for own, looks in ((asked, grey), (shown, {"cmap": "viridis_r", "norm": norm})):
+        axes.pcolormesh(*edges, np.ma.masked_invalid(own), **looks)
     draw_sheet(axes, scene)
 
 
@@ -127,6 +138,11 @@ def draw_sheet(axes: Axes, scene: Scene) -> None:
     length, width = 1e3 * skin.length, 1e3 * skin.width
     longer = max(length, width)
     axes.grid(False)
+    axes.set_xlim(-MARGIN * longer, length + MARGIN * longer)
+    axes.set_ylim(-MARGIN * longer, width + MARGIN * longer)
+    axes.set_aspect("equal")
+    if not skin.rectangular:
+        return _draw_meshed(axes, scene)
     for x in np.linspace(0, length, pixels.columns + 1)[1:-1]:
         axes.plot([x, x], [0, width], color="0.4", linewidth=0.5)
     for y in np.linspace(0, width, pixels.rows + 1)[1:-1]:
@@ -137,9 +153,29 @@ def draw_sheet(axes: Axes, scene: Scene) -> None:
         off = np.array(outward[contact.edge]) * FOIL_OFF[contact.electrode] * longer
         ends = 1e3 * np.array(contact.ends(skin)) + off
         axes.plot(*ends.T, color=FOIL[contact.electrode], linewidth=2.5, solid_capstyle="butt")
-    axes.set_xlim(-MARGIN * longer, length + MARGIN * longer)
-    axes.set_ylim(-MARGIN * longer, width + MARGIN * longer)
-    axes.set_aspect("equal")
+    return None
+
+
+def _draw_meshed(axes: Axes, scene: Scene) -> None:
+    """The same of other outlines, by the edges of triangles; foils lie on the rim itself."""
+    from matplotlib.collections import LineCollection
+
+    mesh = domain(scene, Press(), max(scene.skin.sides))
+    edges, of_triangle = edges_of(mesh.t)
+    of_pixel, times = np.tile(mesh.pixel, 3), np.bincount(of_triangle.ravel())
+    low, high = np.full((2, edges.shape[1]), [[mesh.pixel.max()], [-1]])
+    np.minimum.at(low, of_triangle.ravel(), of_pixel)
+    np.maximum.at(high, of_triangle.ravel(), of_pixel)
+
+    def draw(lines: NDArray[np.int64], **looks: Any) -> None:
+        ends = 1e3 * mesh.p[:2, lines].transpose(2, 1, 0)
+        axes.add_collection(LineCollection(list(ends), **looks))
+
+    draw(edges[:, low < high], colors="0.4", linewidths=0.5)
+    draw(edges[:, times == 1], colors="black", linewidths=1)
+    for contact in scene.contacts:
+        colour, width = FOIL[contact.electrode], WIDTHS[contact.electrode]
+        draw(mesh.foils[contact.name], colors=colour, linewidths=width, zorder=7 - width)
 
 
 def _draw_legend(figure: Figure) -> None:

@@ -53,7 +53,7 @@ def frequencies(
     from rich.console import Console
 
     from ..asked.scene import asked_scene
-    from ..models.plain import plain_scene
+    from ..models.plain import folded
     from ..progress import on_terminal
     from .criteria import checked_criterion
     from .design import check_design, design
@@ -61,7 +61,7 @@ def frequencies(
     from .sets import chosen_band
     from .survey import with_interfaces
 
-    plain = plain_scene(asked_scene(scene), "a limit")
+    plain = folded(asked_scene(scene), "a limit")
     loaded = with_interfaces(plain, interface or [])
     check_numbers(against_rest=against_rest)
     check_design(n, grid, repeats)

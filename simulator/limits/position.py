@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.readout import ErrorModel
+from ..mesh.held import held
 from ..models.parameters import session_spreads
 from ..progress import Track, silent
 from ..scene.planar import SAME_LINE, shared
-from ..scene.scene import Scene
+from ..scene.scene import Pixels, Scene
 from ..sweeps import InputError
 from .fields import Answer, Fields
 from .information import (
@@ -84,6 +85,7 @@ def _at(lines: Array, end: float) -> Array:
 
 
 WANTED = ("x", "y", "strength")
+WHOLE = 1 - 1e-6
 
 Place = tuple[float, float]
 
@@ -182,11 +184,26 @@ def chosen_touch(scene: Scene, size: float | None = None, factor: float | None =
 
 def places_on(scene: Scene, touch: TouchSize, cells: int, most: int | None = None) -> list[Place]:
     """Middles of touches that lie on the skin whole: those of cells, or where a side leaves none,
-    the skin's own middle; at most `most` along each side."""
+    the skin's own middle; at most `most` along each side. Of other outlines as `_on_skin` says."""
     skin, pixels = scene.skin, scene.pixels
-    x = _along(skin.length, cells * pixels.columns, touch.width, most)
-    y = _along(skin.width, cells * pixels.rows, touch.height, most)
-    return [(each, other) for other in y for each in x]
+    grid = cells * pixels.rows, cells * pixels.columns
+    x = _along(skin.length, grid[1], touch.width, most)
+    y = _along(skin.width, grid[0], touch.height, most)
+    places = [(each, other) for other in y for each in x]
+    return places if skin.rectangular else _on_skin(scene, places, touch, grid)
+
+
+def _on_skin(
+    scene: Scene, places: Sequence[Place], touch: TouchSize, grid: tuple[int, int]
+) -> list[Place]:
+    """Those whose cells are skin all over; where no touch finds room, the one with most of it."""
+    divided = scene.model_copy(update={"pixels": Pixels(rows=grid[0], columns=grid[1])})
+    part = held(divided).part.reshape(grid)
+    cells = Cells.of(scene.skin.length, scene.skin.width, grid)
+    covers = [cells.raised(place, touch)["strength"] for place in places]
+    shares = np.array([(each * part).sum() / each.sum() for each in covers])
+    whole = shares >= min(WHOLE, shares.max())
+    return [place for place, kept in zip(places, whole.tolist(), strict=True) if kept]
 
 
 def position_slopes(
@@ -214,7 +231,8 @@ def position_slopes(
     for place in track(places, "places"):
         changes = grid.raised(place, touch)
         factors = 1 + touch.rise * changes["strength"]
-        answer = fields.respond(factors, changes | (skin.maps(factors) if skin else {}), frequency)
+        of_foam = skin.maps(factors) if skin else {}
+        answer = fields.respond(factors, changes, frequency, of_foam)
         own = in_noise(answer.Z, [answer.by[name] for name in WANTED], model)
         found.append(np.concatenate([own, errors, *([skin.slopes(answer)] if skin else [])], -1))
     prior = np.concatenate([np.zeros(len(WANTED)), prior, *([skin.prior] if skin else [])])
@@ -229,7 +247,7 @@ class SkinUnknowns:
         scene = fields.scene
         self._model, self._pixels = model, pixel_maps(scene, fields.cells)
         rest = np.ones(fields.grid)
-        self._rest = fields.respond(rest, self.maps(rest), frequency)
+        self._rest = fields.respond(rest, {}, frequency, self.maps(rest))
         self.deviations = {
             name: spread.deviation
             for name, spread in session_spreads(scene).items()

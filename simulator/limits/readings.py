@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.readout import observed
+from ..mesh.held import held
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced
@@ -48,7 +49,7 @@ def hypotheses(scene: Scene, target: str) -> list[Hypothesis]:
     """
     if target not in TARGETS:
         raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
-    pixels = list(itertools.product(range(scene.pixels.rows), range(scene.pixels.columns)))
+    pixels = [divmod(number, scene.pixels.columns) for number in held(scene).numbers.tolist()]
     if target in ("pair", "touches") and len(pixels) < 2:
         raise InputError(f"`target` {target} needs two pixels or more, {scene.name} has one")
     found = _pressed(scene, target, pixels)
@@ -96,6 +97,8 @@ class Readings:
     ) -> None:
         """presses: factors that are asked for. size: m, of a square touch about the middle of each
         pixel, in place of the whole pixel. Raises InputError for a meter without noise."""
+        if size is not None and scene.pixels.groups is not None:
+            raise InputError(f"{scene.name}: touches of a size need pixels without `groups`")
         self.scene, self._size = scene, size
         self.model = error_model(scene, len(scene.frequencies), against_rest)
         self._factors = (

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from ..progress import Track, silent
 from ..scene.scene import Scene
-from ..scene.skin import Sheet
 from ..sweeps import InputError
 from .criteria import position_criterion
 from .design import GRID, best_choice
@@ -86,8 +85,11 @@ def with_sheets(scene: Scene, sheet_resistance: float) -> Scene:
         raise InputError(
             f"--sheet-resistance must be finite and > 0 ohm/sq, got {sheet_resistance:g}"
         )
-    sheet = Sheet(sheet_resistance=sheet_resistance)
-    skin = scene.skin.model_copy(update={"top": sheet, "bottom": sheet})
+    of_both = {
+        name: sheet.model_copy(update={"sheet_resistance": sheet_resistance})
+        for name, sheet in (("top", scene.skin.top), ("bottom", scene.skin.bottom))
+    }
+    skin = scene.skin.model_copy(update=of_both)
     return scene.model_copy(update={"skin": skin})
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.plain import require_factor
+from ..press.pixels import pixels_with_skin
 from ..press.press import Press
 from ..press.touch import Touch
 from ..scene.randomisation import AnyDistribution, Fixed, Normal
@@ -24,16 +25,15 @@ def stream(scene: Scene, purpose: int) -> np.random.Generator:
 
 
 def planned_presses(scene: Scene, random: np.random.Generator) -> list[Press]:
-    """Every repetition of every pixel, and of nothing pressed where that is a class.
+    """Every repetition of every pixel on the skin, and of nothing pressed where that is a class.
 
     How strongly is drawn from `own_presses`, anew for each; raises InputError as that does.
     """
     drawn, planned = own_presses(scene), scene.experiment
     at_rest = [Press()] * (planned.repetitions if planned.unpressed else 0)
-    pixels = np.ndindex(scene.pixels.rows, scene.pixels.columns)
     return at_rest + [
-        Press((Touch(row + 1, column + 1, float(drawn.at(random.random()))),))
-        for row, column in pixels
+        Press((Touch(row, column, float(drawn.at(random.random()))),))
+        for row, column in pixels_with_skin(scene)
         for _ in range(planned.repetitions)
     ]
 

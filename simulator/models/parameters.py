@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from ..scene.frequency import Loss
 from ..scene.meter import Leads
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
-from ..scene.skin import Foam
+from ..scene.skin import Foam, Skin
 from ..sweeps import InputError
 
 WAVES = ((0, 0), (1, 0), (0, 1), (1, 1))
@@ -28,7 +28,7 @@ class Variation:
     top, bottom: coefficients of `mode_values` in conductance over nominal, shape (mode,), 1 and
     zeros for the scene's own. films: conductance of each contact's resistance over nominal, shape
     (contact,); nothing at ideal ones. capacitance: of the foam at rest over nominal, shape (rows,
-    columns). loss: as it is, not a factor.
+    columns). loss: as it is, not a factor. beside: as capacitance, of foam that is no pixel's.
     """
 
     top: NDArray[np.float64]
@@ -36,12 +36,27 @@ class Variation:
     films: NDArray[np.float64]
     capacitance: NDArray[np.float64]
     loss: Loss
+    beside: float = 1.0
+
+    def foam(self, scene: Scene) -> NDArray[np.float64]:
+        """Factors on the capacitance of each part, shape (part,), see `foam_parts`."""
+        return of_parts(scene, np.asarray(self.capacitance, dtype=np.float64), self.beside)
 
     @property
     def alike(self) -> bool:
         """Whether both sheets vary over the skin in the same way."""
         top, bottom = self.top / self.top[0], self.bottom / self.bottom[0]
         return bool(np.allclose(top, bottom, rtol=1e-12, atol=1e-12))
+
+
+def foam_parts(scene: Scene) -> int:
+    """Parts of the foam: pixels row by row, and on a mesh what is left beside them."""
+    return scene.pixels.rows * scene.pixels.columns + (scene.skin.mesh is not None)
+
+
+def of_parts(scene: Scene, map_of: NDArray[np.float64], beside: float) -> NDArray[np.float64]:
+    """A number for each part, shape (part,), from those of pixels, shape (row, column)."""
+    return np.append(map_of.ravel(), beside)[: foam_parts(scene)]
 
 
 def nominal(scene: Scene, modes: int = 1) -> Variation:
@@ -133,6 +148,7 @@ def variation_of(scene: Scene, values: Mapping[str, float]) -> Variation:
             (scene.pixels.rows, scene.pixels.columns), math.exp(values["capacitance"])
         ),
         loss=loss_of(values),
+        beside=math.exp(values["capacitance"]),
     )
 
 
@@ -153,6 +169,8 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
         capacitance_per_area=skin.foam.rest_capacitance_per_area * math.exp(values["capacitance"]),
         loss_tangent=values["loss_tangent"],
         phase_exponent=values["phase_exponent"],
+        map=skin.foam.map,
+        **_kept_mechanics(skin),
     )
     film = math.exp(values["contact_resistance"])
     contacts = tuple(
@@ -163,6 +181,13 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
     return scene.model_copy(
         update={"skin": changed, "contacts": contacts, "leads": leads_of(values)}
     )
+
+
+def _kept_mechanics(skin: Skin) -> dict[str, Any]:
+    """What tells the strain under a factor, where sheets hang on it."""
+    if not (skin.top.piezoresistance or skin.bottom.piezoresistance):
+        return {}
+    return {"mechanics": skin.foam.mechanics, "thickness": skin.foam.thickness}
 
 
 class Spread(NamedTuple):

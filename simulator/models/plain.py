@@ -49,13 +49,13 @@ def electrical_press(scene: Scene, press: Press) -> Press | None:
     return Press(tuple(_moved(touch, *ratios) for touch in press.touches))
 
 
-def plain_scene(scene: Scene, what: str) -> Scene:
-    """The plain scene that it is electrically, for `what` that takes no other.
+def folded(scene: Scene, what: str) -> Scene:
+    """The scene as it is electrically, for `what` that presses by factors.
 
-    Places in m are those of the skin as it is stretched. Raises InputError as `require_plain` and
-    `require_factor` do.
+    Places in m are those of the skin as it is stretched, if that leaves it plain. Raises InputError
+    as `require_factor` does.
     """
-    return require_plain(electrical(require_factor(scene, what)), what)
+    return electrical(require_factor(scene, what))
 
 
 def require_plain(scene: Scene, what: str) -> Scene:

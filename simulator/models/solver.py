@@ -134,11 +134,11 @@ class Solver:
 
         A reduced model leaves touches of other shapes to them.
         """
-        if self.model not in ("auto", "sheet"):
+        if self.model in ("line", "lumped"):
             require_plain(self._even, f"the model {self.model!r}")
-            if self.model != "reduced" or pressed:
-                require_plain_press(press)
-            progress.reject(f"reduced: answers whole pixels, got {press}")
+            require_plain_press(press)
+        if self.model == "reduced":
+            self._reduced_first(press, pressed, progress)
         finer = meshes(self.scene, press, pressed, self.rtol)
         while not progress.done:
             try:
@@ -147,6 +147,15 @@ class Solver:
                 told = ": ".join([str(end), *progress.rejected[-1:]])
                 raise ToleranceError(told, end.times) from end
             progress.offer(discretised.rung(progress.frequency, self.rtol))
+
+    def _reduced_first(self, press: Press, pressed: Pressed | None, progress: Progress) -> None:
+        """What a reduced model answers of what is not plain."""
+        if pressed or not press.plain:
+            return progress.reject(f"reduced: answers pixels and rect by a factor, got {press}")
+        try:
+            return self._reduced(press, progress)
+        except (InputError, ToleranceError) as reason:
+            return progress.reject(f"reduced: {reason}")
 
     def explain(self, press: Press, answer: Answer) -> str:
         """What answered a press at each frequency, its own estimated error, and what did not."""
@@ -223,6 +232,8 @@ class Solver:
             raise InputError("a reduced model answers the frequencies of its scene's sweep")
         skin = self._reduced_skin
         cells, rises = touched_cells(self._even, press)
+        if not skin.reduced.on_skin[cells].all():
+            raise InputError(f"press {press}: there is no skin at that place")
         Z = skin.sweeps(cells, rises, np.array([0, len(cells)]))[0]
         at_most = skin.certificate(cells, rises) + REDUCED_KRYLOV * self.rtol
         told = f"reduced to {skin.reduced.size} vectors, {skin.reduced.circuit.told}"

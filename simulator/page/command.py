@@ -30,7 +30,7 @@ def page(
     from ..asked.scene import asked_scene, tell_if_noise_free
     from ..asked.telling import written
     from ..asked.tolerance import checked_rtol
-    from ..models.plain import plain_scene
+    from ..models.plain import folded, require_plain
     from ..progress import told_on_terminal
     from ..sweeps import checked_output, whole_file
     from .document import document
@@ -38,7 +38,7 @@ def page(
 
     checked_output(output, (".html",))
     checked_rtol(rtol)
-    plain = plain_scene(asked_scene(scene), "a page")
+    plain = require_plain(folded(asked_scene(scene), "a page"), "a page")
     tell_if_noise_free(scene, plain)
     with told_on_terminal() as tell:
         reduced = reduced_for_page(plain, rtol, cells, partial(tell, "reducing"))

@@ -11,6 +11,7 @@ from skfem import CellBasis
 
 from ..fem.assembly import quadrilateral
 from ..mesh.quadrilaterals import pixel_mesh
+from ..models.reduced.even import EvenFamily
 from ..models.reduced.model import ReducedSkin
 from ..scene.scene import Scene
 
@@ -47,8 +48,9 @@ def potentials(skin: ReducedSkin, raster: Raster) -> NDArray[np.float64]:
     """
     reduced = skin.reduced
     family = reduced.family
-    mesh = pixel_mesh(family.scene, family.circuit.contacts, family.resolution).mesh
-    basis = CellBasis(mesh, quadrilateral(family.resolution.order), intorder=1)
+    assert isinstance(family, EvenFamily)
+    mesh = pixel_mesh(family.scene, family.circuit.contacts, family.mesh).mesh
+    basis = CellBasis(mesh, quadrilateral(family.mesh.order), intorder=1)
     at_points = basis.probes(raster.points).tocsr()
     whole = family.space.spread(reduced.coordinates @ skin.turn)
     held = np.vstack([whole, np.zeros((1, whole.shape[1]))])

@@ -189,6 +189,11 @@ class Skin(Table):
         return penetration_depth(frequency, self.both_sheets, c, self.foam.loss)
 
     @property
+    def rectangular(self) -> bool:
+        """Whether it has neither outline nor mesh."""
+        return self.outline is None and self.mesh is None
+
+    @property
     def stretched_sides(self) -> tuple[float, float]:
         """Length and width as it is stretched, m."""
         along, across = self.stretch.ratios if self.stretch else (1.0, 1.0)

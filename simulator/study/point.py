@@ -65,7 +65,7 @@ class Trial:
         return planned_presses(scene, random)
 
     def nominal(self, scene: Scene) -> list[Press]:
-        """One press of the nominal strength for each pixel, and rest where that is a class."""
+        """One press of the nominal strength for each pixel on the skin; rest if that is a class."""
         return every_press(scene)[0 if scene.experiment.unpressed else 1 :]
 
     def factors(self, scene: Scene) -> dict[Pixel, set[float]]:

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fem.circuit import Circuit, one_field, two_fields
+from ..fem.circuit import Circuit
 from ..measure.symmetry import AT_REST, Pixel, representative
-from ..models.solver import Solver
+from ..models.solver import ModelName, Solver
+from ..models.varied.meshes import circuit_of
 from ..press.press import Press, every_press
 from ..press.touch import Touch
 from ..scene.meter import Sweep
@@ -48,7 +49,7 @@ class Skin:
     def __init__(self, scene: Scene) -> None:
         excluded: Any = {**COUNTED_BY_THE_LAW, **dict.fromkeys(NOT_OF_THE_SKIN, True)}
         self._shape = scene.model_dump(exclude=excluded)
-        self._resistances = _resistances(one_field(scene) or two_fields(scene))
+        self._resistances = _resistances(circuit_of(scene))
         self._capacitance = scene.skin.foam.rest_capacitance_per_area
         self._exponent = scene.skin.foam.phase_exponent
         self._leads_ideal = scene.leads.ideal
@@ -135,7 +136,7 @@ def families(scenes: Sequence[Scene]) -> list[Family]:
 
 
 def tasks(family: Family, scenes: Sequence[Scene], trial: Trial, rtol: float) -> list[Task]:
-    """What is to be solved for a family, a row of pixels at a time."""
+    """What is to be solved for a family: a row of pixels at a time; all by a model to train."""
     scene = family.leader.model_copy(
         update={"sweep": Sweep(frequencies=tuple(_joined(family, scenes).tolist()))}
     )
@@ -146,13 +147,14 @@ def tasks(family: Family, scenes: Sequence[Scene], trial: Trial, rtol: float) ->
             factors[of(pixel)] |= strengths
     rows: dict[int, dict[Pixel, list[float]]] = defaultdict(dict)
     for pixel in sorted(factors):
-        rows[pixel[0]][pixel] = sorted(factors[pixel])
+        rows[pixel[0] if scene.plain else 0][pixel] = sorted(factors[pixel])
     return [Task(scene, row, rtol) for row in rows.values()]
 
 
 def solve(task: Task) -> Solution:
     """The curves of a task's pixels. Raises ToleranceError where the tolerance is not reached."""
-    solver = Solver(task.scene, SOLVER_SHARE * task.rtol)
+    model: ModelName = "auto" if task.scene.plain else "reduced"
+    solver = Solver(task.scene, SOLVER_SHARE * task.rtol, model)
     solves = 0
 
     def curve(pixel: Pixel, factors: list[float]) -> Curve:

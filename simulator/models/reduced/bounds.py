@@ -24,8 +24,8 @@ KRYLOV_RTOL = 1e-6
 def bounds(reduced: Reduced, cases: list[Case], s: NDArray[np.complex128]) -> NDArray[np.float64]:
     """Of each case, the largest bound on the relative errors of Rs and Cp. s: rad/s."""
     found = np.empty(len(cases))
-    for group in by_skin(cases):
-        skin = reduced.skin(cases[group[0]].variation)
+    for group in by_skin(cases, reduced.scene):
+        skin = reduced.skin_under(cases[group[0]])
         found[group] = _on_skin(skin, [cases[k] for k in group], s)
     return found
 

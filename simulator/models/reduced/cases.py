@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.scene import Scene
-from ..parameters import Variation
+from ..parameters import Variation, foam_parts
+from ..varied.materials import gauged
 
 TWICE = 2
 
@@ -26,11 +27,18 @@ class Case:
     rises: NDArray[np.float64]
 
     def map_on(self, scene: Scene) -> NDArray[np.float64]:
-        """c over the scene's own at rest, shape (row, column)."""
-        factors = np.ones(scene.pixels.rows * scene.pixels.columns)
-        np.add.at(factors, self.cells, self.rises)
-        rest = 1.0 if self.variation is None else self.variation.capacitance
-        return factors.reshape(scene.pixels.rows, scene.pixels.columns) * rest
+        """c over the scene's own at rest, shape (part,), see `foam_parts`."""
+        factors = touched(scene, self.cells, self.rises)
+        return factors if self.variation is None else factors * self.variation.foam(scene)
+
+
+def touched(
+    scene: Scene, cells: NDArray[np.int64], rises: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """By what touches multiply c, shape (part,), see `foam_parts`."""
+    factors = np.ones(foam_parts(scene))
+    np.add.at(factors, cells, rises)
+    return factors
 
 
 Draw = Callable[[np.random.Generator], Case]
@@ -71,8 +79,10 @@ def sharing_skins(cases: list[Case], presses: int) -> list[Case]:
     ]
 
 
-def by_skin(cases: list[Case]) -> list[list[int]]:
-    """Indices of the cases on each skin."""
+def by_skin(cases: list[Case], scene: Scene) -> list[list[int]]:
+    """Indices of the cases on each skin; each on its own where presses change the sheets."""
+    if gauged(scene.skin):
+        return [[k] for k in range(len(cases))]
     found: dict[int, list[int]] = {}
     for k, case in enumerate(cases):
         found.setdefault(id(case.variation), []).append(k)

@@ -16,16 +16,14 @@ from scipy.sparse import csc_matrix
 from ...fem.circuit import Circuit
 from ...fem.estimate import certified
 from ...fem.galerkin import Galerkin
-from ...fem.system import PixelSystem
-from ...scene.scene import Scene
+from ...fem.system import System
 from ...sweeps import InputError
-from ..parameters import Variation
-from .family import weights_of
+from .family import Weights
 
 
 def certificate(
     space: Galerkin,
-    system: PixelSystem,
+    system: System,
     mass: csc_matrix,
     solved: Iterable[tuple[NDArray[np.complex128], NDArray[np.complex128]]],
     s: NDArray[np.complex128],
@@ -48,16 +46,17 @@ def certificate(
     return np.stack(bounds, axis=1)
 
 
-def least_conductance(
-    variation: Variation | None, scene: Scene, circuit: Circuit, modes_of_sheet: int
-) -> float:
-    """A lower bound of the factor on K anywhere. Raises InputError where it is not above zero."""
-    if variation is None:
+def least_conductance(weights: Weights, circuit: Circuit, modes_of_sheet: int, parts: int) -> float:
+    """A lower bound of the factor on K anywhere. Raises InputError where it is not above zero.
+
+    parts: of each term of a sheet.
+    """
+    if weights is None:
         return 1.0
-    weights = weights_of(variation, scene, circuit)
-    count = circuit.fields * modes_of_sheet
-    modes, films = weights[:count].reshape(-1, modes_of_sheet), weights[count:]
-    least = min([*(modes[:, 0] - np.abs(modes[:, 1:]).sum(axis=1)), *films])
+    count = circuit.fields * modes_of_sheet * parts
+    modes = weights[:count].reshape(circuit.fields, modes_of_sheet, -1)
+    films = weights[count:]
+    least = min([*(modes[:, 0] - np.abs(modes[:, 1:]).sum(axis=1)).ravel(), *films])
     if not least > 0:
         raise InputError(f"conductance must stay above zero everywhere, got {least:g} of nominal")
     return float(least)

@@ -4,32 +4,39 @@ from __future__ import annotations
 
 import json
 import zipfile
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ...fem.circuit import one_field, two_fields
+from ...mesh.arcs import Arcs
+from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import Resolution
 from ...scene.files import parse_scene, scene_text
 from ...sweeps import InputError, whole_file
+from ..varied.meshes import circuit_of
+from .family import Mesh, Triangulation
 from .model import Reduced
 
+OF_DOMAIN = ("p", "t", "pixel", "covered", "seams")
 ARRAYS = ("terminal_field", "conductance", "basis", "stiffness", "factors")
 
 
 def save(reduced: Reduced, path: Path) -> None:
     """Write a model; the same model gives the same bytes of arrays."""
+    mesh, of_mesh = _told_mesh(reduced.mesh)
     told = {
         "scene": scene_text(reduced.scene),
         "fields": reduced.circuit.fields,
-        "resolution": asdict(reduced.resolution),
+        **mesh,
         "modes": reduced.modes,
         "rtol": reduced.rtol,
         "mesh_error": reduced.mesh_error,
     }
-    arrays = {name: getattr(reduced, name) for name in ARRAYS}
+    arrays = {name: getattr(reduced, name) for name in ARRAYS} | of_mesh
     with whole_file(path) as unfinished, unfinished.open("wb") as file:
         np.savez(file, allow_pickle=False, told=json.dumps(told), **arrays)
 
@@ -40,21 +47,42 @@ def load(path: Path) -> Reduced:
         with np.load(path, allow_pickle=False) as archive:
             told = json.loads(str(archive["told"]))
             arrays: dict[str, Any] = {name: archive[name] for name in ARRAYS}
+            mesh = _mesh(told, archive)
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
         raise InputError(f"{path}: not a reduced model: {error}") from error
     scene = parse_scene(told["scene"], str(path))
-    circuit = two_fields(scene) if told["fields"] == 2 else one_field(scene)
-    if circuit is None:
+    circuit = circuit_of(scene, told["fields"] == 1)
+    if circuit.fields != told["fields"]:
         raise InputError(f"{path}: one field cannot tell what its scene's interfaces drive")
     return Reduced(
         scene=scene,
         circuit=circuit,
-        resolution=_resolution(told["resolution"]),
+        mesh=mesh,
         modes=told["modes"],
         rtol=told["rtol"],
         mesh_error=told["mesh_error"],
         **arrays,
     )
+
+
+def _told_mesh(mesh: Mesh) -> tuple[dict[str, Any], dict[str, NDArray]]:
+    """What is told of a mesh in words, and its arrays."""
+    if isinstance(mesh, Resolution):
+        return {"resolution": asdict(mesh)}, {}
+    domain = mesh.domain
+    arrays = {name: getattr(domain, name) for name in OF_DOMAIN}
+    arrays |= {"mesh_arcs": domain.arcs.lines, "mesh_curvature": domain.arcs.curvature}
+    arrays |= {f"mesh_foil_{k}": foil for k, foil in enumerate(domain.foils.values())}
+    return {"order": mesh.order, "foils": list(domain.foils)}, arrays
+
+
+def _mesh(told: dict[str, Any], archive: Mapping[str, NDArray]) -> Mesh:
+    if "resolution" in told:
+        return _resolution(told["resolution"])
+    foils = {name: archive[f"mesh_foil_{k}"] for k, name in enumerate(told["foils"])}
+    p, t, pixel, covered, seams = (archive[name] for name in OF_DOMAIN)
+    arcs = Arcs(archive["mesh_arcs"], archive["mesh_curvature"])
+    return Triangulation(Domain(p, t, pixel, covered, foils, seams, arcs), told["order"])
 
 
 def _resolution(told: dict[str, Any]) -> Resolution:

@@ -14,7 +14,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.circuit import one_field
 from ...fem.galerkin import one_blas_thread
 from ...press.at_random import random_presses
 from ...press.capacitance import touched_cells
@@ -22,10 +21,18 @@ from ...press.press import Press
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import FrequencyGrid, Leads, Sweep
 from ...scene.scene import Pixels, Scene
-from ..parameters import Variation, all_values, leads_of, loss_of, own_values, variation_of
-from ..plain import require_plain
-from .cases import Case, Draw, pixel_touches
-from .family import weights_of
+from ..parameters import (
+    Variation,
+    all_values,
+    foam_parts,
+    leads_of,
+    loss_of,
+    own_values,
+    variation_of,
+)
+from ..varied.materials import gauge_slopes, gauged, gauges
+from ..varied.meshes import single_field
+from .cases import Case, Draw, pixel_touches, touched
 from .greedy import Advance, reduce, unseen
 from .model import Reduced, ReducedSkin
 
@@ -91,13 +98,15 @@ class Response:
     Z: ohm, shape (interface, frequency). by_parameter: ohm for each unit of a parameter, of the
     same shape. by_cell: ohm, to c of each cell over that at rest in the scene, shape (interface,
     frequency, cell). by_term: ohm, to the weight of each term beside K's own, shape
-    (interface, frequency, term).
+    (interface, frequency, term). by_gauge: ohm, to what a touch multiplies c of a cell by, as far
+    as that changes the sheets; of by_cell's shape, or nothing.
     """
 
     Z: NDArray[np.complex128]
     by_parameter: Mapping[str, NDArray[np.complex128]]
     by_cell: NDArray[np.complex128]
     by_term: NDArray[np.complex128]
+    by_gauge: NDArray[np.complex128] | float = 0.0
 
 
 class Forward:
@@ -113,15 +122,15 @@ class Forward:
         """rtol: largest relative error of Rs and Cp at the skin, for factors within REACH.
 
         cells_per_pixel: along each side; touches that are no pixels are laid on cells. advance: is
-        told what share of the training is done. Raises InputError for a scene that is not plain.
+        told what share of the training is done.
         """
-        require_plain(scene, "a reduced model")
         self.scene, self.rtol, self.cells_per_pixel = scene, rtol, cells_per_pixel
         pixels = scene.pixels
         divided = Pixels(
             rows=cells_per_pixel * pixels.rows, columns=cells_per_pixel * pixels.columns
         )
-        self.divided = scene.model_copy(update={"pixels": divided})
+        whole = cells_per_pixel == 1
+        self.divided = scene if whole else scene.model_copy(update={"pixels": divided})
         self._advance = advance
         self._kept: tuple[Mapping[str, float], ReducedSkin] | None = None
 
@@ -142,16 +151,22 @@ class Forward:
         Raises InputError for an unknown name, ToleranceError where the scene does not reduce.
         """
         values = all_values(self.scene, given)
-        s, skin = self._s(values), self._skin(values)
+        s, skin = self._s(values), self._skin(values).under(cells, rises)
         with one_blas_thread():
             found = sensitivity(skin, cells, rises, s, beside)
         terms = len(self.reduced.stiffness)
         of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
         by_name = {name: found.by_s * slope for name, slope in of_s.items()}
-        assert skin.variation is not None
-        by_name |= self._by_weights(found.by_weight[..., :terms], skin.variation)
+        assert skin.variation is not None and skin.weights is not None
+        weighed = found.by_weight[..., :terms] * skin.weights
+        by_name |= self._by_weights(weighed, skin.variation)
         by_term, leads = found.by_weight[..., terms:], leads_of(values)
-        return _at_meter(found, by_name, by_term, leads, self.scene.frequencies)
+        at_meter = _at_meter(found, by_name, by_term, leads, self.scene.frequencies)
+        if not gauged(self.scene.skin):
+            return at_meter
+        by_gauge = self._by_gauge(weighed, touched(self.divided, cells, rises))
+        turned = leads.slopes(1 / found.Y, self.scene.frequencies)[0] / -(found.Y**2)
+        return replace(at_meter, by_gauge=turned[..., None] * by_gauge)
 
     def impedances(
         self,
@@ -193,7 +208,7 @@ class Forward:
 
     @cached_property
     def _two_fields(self) -> bool:
-        return one_field(self.scene) is None
+        return single_field(self.scene) is None
 
     @cached_property
     def _resistive(self) -> bool:
@@ -225,17 +240,33 @@ class Forward:
         return laplace_variable(self.scene.frequencies, loss_of(values))
 
     def _by_weights(
-        self, by_weight: NDArray[np.complex128], variation: Variation
+        self, weighed: NDArray[np.complex128], variation: Variation
     ) -> dict[str, NDArray[np.complex128]]:
         """dY by the logarithms of what K's terms are weighed with."""
-        circuit = self.reduced.circuit
-        by_weight = by_weight * weights_of(variation, self.scene, circuit)
-        sheets, films = np.split(by_weight, [circuit.fields], axis=-1)
+        sheets, films = self._of_sheets(weighed)
+        sheets = sheets.sum(axis=-1)
         return {
             "sheet_resistance": -sheets.sum(axis=-1),
             "sheet_mismatch": sheets @ self._by_mismatch(variation),
             "contact_resistance": -films.sum(axis=-1),
         }
+
+    def _of_sheets(
+        self, weighed: NDArray[np.complex128]
+    ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+        """Those of each field's sheet, shape (..., field, part), and those of the films."""
+        fields = self.reduced.circuit.fields
+        parts = foam_parts(self.divided) if gauged(self.scene.skin) else 1
+        sheets, films = np.split(weighed, [fields * parts], axis=-1)
+        return sheets.reshape(*sheets.shape[:-1], fields, parts), films
+
+    def _by_gauge(
+        self, weighed: NDArray[np.complex128], pressed: NDArray[np.float64]
+    ) -> NDArray[np.complex128]:
+        """dY by the rise of each cell, as it changes the sheets, shape (interface, s, cell)."""
+        sheets, skin = self._of_sheets(weighed)[0], self.scene.skin
+        relative = gauge_slopes(skin, pressed) / gauges(skin, pressed)
+        return (sheets * relative[: self.reduced.circuit.fields]).sum(axis=-2)
 
     def _by_mismatch(self, variation: Variation) -> NDArray[np.float64]:
         """Of the logarithm of each field's conductance."""

@@ -14,24 +14,21 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.circuit import Circuit, Drive, one_field, two_fields
+from ...fem.circuit import Drive
 from ...fem.estimate import relative_difference
 from ...fem.galerkin import Galerkin, one_blas_thread
 from ...fem.lanczos import potentials
-from ...press.press import Press
-from ...press.touch import Touch
 from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
-from ..plain import require_plain
-from ..resolution import Ladder
+from ..plain import electrical
+from ..varied.meshes import circuit_of
 from .bounds import bounds
 from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins
 from .family import Family
 from .model import Reduced, ReducedSkin
+from .resolving import resolved, weights_of_case
 
-SHARE = 0.5
-"""Of the tolerance, for the mesh; the rest is for the basis."""
 IDLE_DRAWS = 50
 """In a row that touch no new cell: enough to begin with."""
 AT_ONCE, PRESSES_ON_SKIN = 64, 8
@@ -71,42 +68,16 @@ def reduce(
 
     draw: of what the model is trained on, by default one or two touched pixels. modes: of each
     sheet's conductance, see `variation.WAVES`. alike: whether both sheets vary in the same way, so
-    that one field may serve. Raises InputError for a scene that is not plain, ToleranceError where
-    mesh or basis do not get there.
+    that one field may serve. Raises ToleranceError where mesh or basis do not get there.
     """
-    require_plain(scene, "a reduced model")
+    scene = electrical(scene)
     draw = draw or pixel_touches(scene)
-    circuit = (one_field(scene) if alike else None) or two_fields(scene)
+    circuit = circuit_of(scene, alike)
     random = np.random.default_rng(seed)
     with one_blas_thread():
-        family, mesh_error = _resolved(scene, circuit, modes, rtol, draw, random)
+        cases = [draw(random) for _ in range(MESH_DRAWS)]
+        family, mesh_error = resolved(scene, circuit, modes, rtol, cases)
         return _Basis(family, rtol, mesh_error).grow(draw, random, advance)
-
-
-def _resolved(
-    scene: Scene,
-    circuit: Circuit,
-    modes: int,
-    rtol: float,
-    draw: Draw,
-    random: np.random.Generator,
-) -> tuple[Family, float]:
-    """The coarsest family whose discretisation keeps its share of the tolerance, and its error."""
-    ladder = Ladder(scene, circuit)
-    cases = [draw(random) for _ in range(MESH_DRAWS)]
-    press = _everywhere(scene, max(float(case.rises.max(initial=0)) for case in cases))
-    for level in range(ladder.first(rtol), len(ladder.levels)):
-        resolution = ladder.resolution(level, press, scene.frequencies[-1])
-        family = Family(scene, circuit, resolution, modes)
-        error = max(family.solved(case.variation, case.map_on(scene), rtol)[1] for case in cases)
-        if error <= SHARE * rtol:
-            return family, error
-    raise ToleranceError(f"the mesh of the reduced model does not reach {rtol:g}: {error:.1e}")
-
-
-def _everywhere(scene: Scene, rise: float) -> Press:
-    pixels = np.ndindex(scene.pixels.rows, scene.pixels.columns)
-    return Press(tuple(Touch(i + 1, j + 1, 1 + rise) for i, j in pixels))
 
 
 class _Basis:
@@ -165,8 +136,8 @@ class _Basis:
 
     def _snapshots(self, cases: list[Case]) -> Iterator[NDArray[np.float64]]:
         """Deviations from the lifted terminals' potentials at the shifts, each of unit energy."""
-        for group in by_skin(cases):
-            space = self.family.skin(cases[group[0]].variation)
+        for group in by_skin(cases, self.family.scene):
+            space = self.family.skin(weights_of_case(self.family, cases[group[0]]))
             for drive in self.family.circuit.drives:
                 yield self._at_shifts(space, drive, [cases[k] for k in group])
 
@@ -194,7 +165,7 @@ class _Basis:
         reduced = Reduced(
             scene=family.scene,
             circuit=family.circuit,
-            resolution=family.resolution,
+            mesh=family.mesh,
             modes=family.modes,
             rtol=self.rtol,
             mesh_error=self.mesh_error,
@@ -208,7 +179,7 @@ class _Basis:
         W = reduced.coordinates
         terms = [family.space.sheet_energy(W, term) for term in family.sheet_terms]
         terms += [family.space.film_energy(W, term) for term in family.film_terms]
-        return replace(reduced, stiffness=np.stack(terms), factors=family.pixels.factors(W))
+        return replace(reduced, stiffness=np.stack(terms), factors=family.masses.factors(W))
 
 
 def _done(error: float, begun: float, limit: float) -> float:

@@ -20,20 +20,22 @@ from numpy.typing import NDArray
 from ...fem.circuit import Circuit
 from ...fem.driven import Driven, driven_by
 from ...fem.galerkin import one_blas_thread
-from ...fem.system import PixelSystem
-from ...mesh.quadrilaterals import Resolution
+from ...fem.system import System
 from ...press.capacitance import touched_cells
 from ...press.press import Press
 from ...press.touch import Touch
 from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
-from ..parameters import Variation, nominal
-from ..resolution import Ladder
+from ..parameters import Variation, foam_parts, nominal
+from ..varied.materials import gauged
+from .cases import Case, touched
 from .certificate import certificate, least_conductance
 from .coordinates import own_coordinates
-from .family import Family, weights_of
+from .dense import solved
+from .family import Family, Mesh, weights_of, weights_under
 from .kernel import Feed, Rest, swept
+from .resolving import family_on, finer_families
 
 KRYLOV_SHARE = 0.03
 
@@ -45,12 +47,13 @@ class Reduced:
     rtol: of Rs and Cp, asked of mesh and reduction together. mesh_error: estimated, of the mesh's
     share. terminal_field: shape (N,). conductance: between terminals, S, shape (N, N). basis: V in
     the full space's inner unknowns, shape (inner, n). stiffness: of each term of K, S, shape (term,
-    N + n, N + n). factors: F of each pixel at rest, M = F'F in F, shape (pixel, rank, N + n).
+    N + n, N + n). factors: F of each part of the foam at rest, M = F'F in F, shape (part, rank,
+    N + n).
     """
 
     scene: Scene
     circuit: Circuit
-    resolution: Resolution
+    mesh: Mesh
     modes: int
     rtol: float
     mesh_error: float
@@ -72,9 +75,15 @@ class Reduced:
         return self.scene.pixels.rows, self.scene.pixels.columns
 
     @cached_property
+    def on_skin(self) -> NDArray[np.bool_]:
+        """Whether any skin is in each pixel, shape (pixel,)."""
+        rows, columns = self.grid
+        return np.asarray(self.factors.any(axis=(1, 2)))[: rows * columns]
+
+    @cached_property
     def family(self) -> Family:
         """The full model, built again where it is not at hand."""
-        return self.built or Family(self.scene, self.circuit, self.resolution, self.modes)
+        return self.built or family_on(self.scene, self.circuit, self.mesh, self.modes)
 
     @cached_property
     def coordinates(self) -> NDArray[np.float64]:
@@ -98,6 +107,10 @@ class Reduced:
         """
         return ReducedSkin(self, variation)
 
+    def skin_under(self, case: Case) -> ReducedSkin:
+        """The skin of a case, with its sheets as its touches change them."""
+        return ReducedSkin(self, case.variation, touched(self.scene, case.cells, case.rises))
+
     def __getstate__(self) -> dict[str, Any]:
         own = {name: getattr(self, name) for name in self.__dataclass_fields__}
         return own | {"built": None}
@@ -110,10 +123,19 @@ class ReducedSkin:
     those of the model, shape (N + n, N + n). rest_factors: c of each pixel over the scene's own.
     """
 
-    def __init__(self, reduced: Reduced, variation: Variation | None) -> None:
+    def __init__(
+        self,
+        reduced: Reduced,
+        variation: Variation | None,
+        pressed: NDArray[np.float64] | None = None,
+    ) -> None:
+        """pressed: by what touches multiply c, shape (part,); it tells on gauges alone."""
         self.reduced, self.variation = reduced, variation
+        factors = np.ones(foam_parts(reduced.scene)) if pressed is None else pressed
+        told = reduced.scene, reduced.circuit, reduced.modes
+        self.weights = weights_under(variation, *told, factors)
         own = nominal(reduced.scene, reduced.modes) if variation is None else variation
-        self.rest_factors = np.ascontiguousarray(own.capacitance, dtype=float).ravel()
+        self.loss, self.rest_factors = own.loss, own.foam(reduced.scene)
         self.s = laplace_variable(reduced.scene.frequencies, own.loss)
         K = self._stiffness()
         rows = (np.sqrt(self.rest_factors)[:, None, None] * reduced.factors).reshape(-1, len(K))
@@ -144,6 +166,38 @@ class ReducedSkin:
         from 0) by 1 + rises. s: rad/s, by default of the scene's frequencies.
         """
         s = self.s if s is None else s
+        if gauged(self.reduced.scene.skin):
+            return self._one_by_one(cells, rises, starts, s)
+        return self._swept(cells, rises, starts, s)
+
+    def under(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> ReducedSkin:
+        """The skin with its sheets as these touches change them; itself where they do not."""
+        if not gauged(self.reduced.scene.skin):
+            return self
+        return self.reduced.skin_under(Case(self.variation, cells, rises))
+
+    def _one_by_one(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        starts: NDArray[np.int64],
+        s: NDArray[np.complex128],
+    ) -> NDArray[np.complex128]:
+        """As `sweeps`, K another one for each press."""
+        found = np.empty((len(starts) - 1, len(self.feeds), len(s)), dtype=np.complex128)
+        with one_blas_thread():
+            for press, (start, stop) in enumerate(zip(starts[:-1], starts[1:], strict=True)):
+                own = cells[start:stop], rises[start:stop]
+                found[press] = self.under(*own)._swept(*own, np.array([0, stop - start]), s)[0]
+        return found
+
+    def _swept(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        starts: NDArray[np.int64],
+        s: NDArray[np.complex128],
+    ) -> NDArray[np.complex128]:
         weights, rtol = rises * self.rest_factors[cells], KRYLOV_SHARE * self.reduced.rtol
         Y = [swept(self.rest, feed, cells, weights, starts, s, rtol) for feed in self.feeds]
         return (1 / np.stack(Y, axis=1)).astype(np.complex128)
@@ -159,22 +213,23 @@ class ReducedSkin:
         Of shape (2, interface, s); s in rad/s, by default of the scene's frequencies.
         """
         s, family = self.s if s is None else s, self.reduced.family
-        mass = family.mass(self.map_of(cells, rises))
+        mass, skin = family.mass(self.map_of(cells, rises)), self.under(cells, rises)
         with one_blas_thread():
-            solved = ((self.reduced.coordinates @ u, Y) for u, Y in self.solved(cells, rises, s))
-            return certificate(family.space, self.system, mass, solved, s, self.least_conductance)
+            solved = ((self.reduced.coordinates @ u, Y) for u, Y in skin.solved(cells, rises, s))
+            return certificate(family.space, skin.system, mass, solved, s, skin.least_conductance)
 
     @property
-    def system(self) -> PixelSystem:
+    def system(self) -> System:
         """K of the skin in the full space."""
         family = self.reduced.family
-        return family.system if self.variation is None else family.varied(self.variation)
+        return family.system if self.weights is None else family.varied(self.weights)
 
     @property
     def least_conductance(self) -> float:
         """A lower bound of the factor on K anywhere; raises InputError unless above zero."""
         reduced = self.reduced
-        return least_conductance(self.variation, reduced.scene, reduced.circuit, reduced.modes)
+        parts = foam_parts(reduced.scene) if gauged(reduced.scene.skin) else 1
+        return least_conductance(self.weights, reduced.circuit, reduced.modes, parts)
 
     def exact(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Z in ohm of one press by the full system, shape (interface, frequency).
@@ -182,10 +237,10 @@ class ReducedSkin:
         On the mesh that was reduced where that keeps rtol for this press, on finer ones otherwise.
         Raises ToleranceError where none does.
         """
-        rtol, error = self.reduced.rtol, np.inf
+        rtol, error, weights = self.reduced.rtol, np.inf, self.under(cells, rises).weights
         with one_blas_thread():
             for family in self._families(cells, rises):
-                Z, error = family.solved(self.variation, self.map_of(cells, rises), rtol)
+                Z, error = family.solved(weights, self.loss, self.map_of(cells, rises), rtol)
                 if error <= rtol:
                     return Z
         raise ToleranceError(f"a press leaves {error:.1e} by the full system, asked {rtol:g}")
@@ -200,26 +255,24 @@ class ReducedSkin:
                 Touch(cell // columns + 1, cell % columns + 1, 1 + rise) for cell, rise in touched
             )
         )
-        ladder = Ladder(reduced.scene, reduced.circuit)
-        for level in range(ladder.first(reduced.rtol), len(ladder.levels)):
-            resolution = ladder.resolution(level, press, reduced.scene.frequencies[-1])
-            yield Family(reduced.scene, reduced.circuit, resolution, reduced.modes)
+        asked = reduced.scene, reduced.circuit, reduced.modes, reduced.rtol
+        yield from finer_families(*asked, [press])
 
     def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
-        """c of a pressed skin over the scene's own at rest, shape (row, column)."""
+        """c of a pressed skin over the scene's own at rest, shape (part,), see `foam_parts`."""
         factors = np.ones(len(self.rest_factors))
         np.add.at(factors, cells, rises)
-        return (factors * self.rest_factors).reshape(self.reduced.grid)
+        return factors * self.rest_factors
 
     def solved(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
     ) -> list[tuple[NDArray[np.complex128], NDArray[np.complex128]]]:
         """Potentials of each drive at 1 V in the model's coordinates, shape (N + n, s), and Y in S.
 
-        One small complex system for each s.
+        One small complex system for each s. Sheets are as they are here, see `under`.
         """
         weights = rises * self.rest_factors[cells]
-        found = [_solved(driven, self.rest, cells, weights, s) for driven in self._drives]
+        found = [solved(driven, self.rest, cells, weights, s) for driven in self._drives]
         return [(self.turn @ u, Y) for u, Y in found]
 
     def _stiffness(self) -> NDArray[np.float64]:
@@ -228,13 +281,14 @@ class ReducedSkin:
         terminals = len(reduced.conductance)
         K = np.eye(terminals + reduced.size)
         K[:terminals, :terminals] = reduced.conductance
-        if self.variation is None:
+        if self.weights is None:
             return K
-        own = nominal(reduced.scene, reduced.modes)
-        weights, own_weights = (
-            weights_of(each, reduced.scene, reduced.circuit) for each in (self.variation, own)
-        )
-        return K + np.tensordot(weights - own_weights, reduced.stiffness, axes=1)
+        own = weights_of(nominal(reduced.scene, reduced.modes), reduced.scene, reduced.circuit)
+        change, terms = self.weights - own, reduced.stiffness
+        if gauged(reduced.scene.skin):
+            changed = np.flatnonzero(change)
+            change, terms = change[changed], terms[changed]
+        return K + np.tensordot(change, terms, axes=1)
 
 
 def _feed(driven: Driven) -> Feed:
@@ -246,39 +300,3 @@ def _feed(driven: Driven) -> Feed:
         tied_inverse=np.linalg.inv(own).astype(np.float64),
         common=np.ascontiguousarray(driven.floating[:, driven.common].T),
     )
-
-
-def _solved(
-    driven: Driven,
-    rest: Rest,
-    cells: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    s: NDArray[np.complex128],
-) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Potentials at 1 V, shape (N + n, s), and Y in S; weights: rises of the cells' M.
-
-    K + s M is diagonal in the basis but for floating terminals f and what the cells' factors U see
-    of it, z = U v: they are solved for, and v follows.
-    """
-    N, F = len(driven.potential), driven.floating
-    U = rest.factors[cells].reshape(-1, rest.factors.shape[2])
-    C = np.repeat(weights, rest.factors.shape[1])
-    rows = rest.rows + (U[:, :N].T * C) @ U
-    charge = driven.potential @ rows
-    beside = np.vstack([F.T @ rows[:, N:], U[:, N:]])
-    floats = F.shape[1]
-    weighed = np.concatenate([np.ones(floats), C])
-    P = 1 / (1 + s[:, None] * rest.diagonal)
-    sign = np.repeat(np.stack([-(s**2), s], axis=1), [floats, len(C)], axis=1)
-    seen = (beside * P[:, None]) @ beside.T
-    own = np.zeros((len(s), len(weighed), len(weighed)), dtype=complex)
-    own[:, :floats, :floats] = driven.floating_conductance
-    own[:, :floats, :floats] += s[:, None, None] * (F.T @ rows[:, :N] @ F)
-    own[:, range(floats, len(weighed)), range(floats, len(weighed))] = 1.0
-    right = -sign * ((P * charge[N:]) @ beside.T)
-    right[:, :floats] -= s[:, None] * (F.T @ charge[:N])
-    found = np.linalg.solve(own + sign[:, :, None] * seen * weighed, right[:, :, None])[:, :, 0]
-    v = -s[:, None] * P * (charge[N:] + (found * weighed) @ beside)
-    at_terminals = driven.potential + found[:, :floats] @ F.T
-    Y = driven.conductance + s * (at_terminals @ charge[:N] + v @ charge[N:])
-    return np.hstack([at_terminals, v]).T, Y

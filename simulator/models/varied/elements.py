@@ -197,7 +197,7 @@ def pressed_system(
     return PressedSystem(
         unknowns=unknowns,
         sheets=_sheets(circuit, elements, coefficients, unknowns),
-        films=films(circuit, unknowns, _film_of(circuit, elements, coefficients, unknowns)),
+        films=films(circuit, unknowns, film_of(circuit, elements, coefficients, unknowns)),
         mass=_mass(circuit, elements, coefficients, unknowns),
     )
 
@@ -205,35 +205,78 @@ def pressed_system(
 def _sheets(
     circuit: Circuit, elements: Elements, coefficients: Coefficients, unknowns: Unknowns
 ) -> csc_matrix:
-    values, at = np.zeros(len(unknowns.pattern.indices)), elements.surface
+    values = np.zeros(len(unknowns.pattern.indices))
     for field in range(circuit.fields):
-        S = coefficients.conductance(field, at.x)
-        alone = circuit.field_alone(field)
-        for cells in elements.groups:
-            terms = stiffness_terms(elements.rule, at.some(cells), S[:, cells], alone)
-            _add(values, unknowns.slots[cells], terms)
+        S = coefficients.conductance(field, elements.surface.x)
+        add_sheet(values, circuit.field_alone(field), elements, unknowns, S)
     return unknowns.pattern.matrix(values)
+
+
+def add_sheet(
+    values: NDArray[np.float64],
+    alone: NDArray[np.float64],
+    elements: Elements,
+    unknowns: Unknowns,
+    S: NDArray[np.float64],
+    within: NDArray[np.bool_] | None = None,
+) -> None:
+    """K of one field, in the pattern. S: by its xx, yy and xy in S, shape (3, cell, point).
+
+    alone: what picks the field, shape (field, field). within: the cells that are meant.
+    """
+    for cells in _groups(elements, within):
+        terms = stiffness_terms(elements.rule, elements.surface.some(cells), S[:, cells], alone)
+        _add(values, unknowns.slots[cells], terms)
 
 
 def _mass(
     circuit: Circuit, elements: Elements, coefficients: Coefficients, unknowns: Unknowns
 ) -> csc_matrix:
-    values, at = np.zeros(len(unknowns.pattern.indices)), elements.surface
-    c = coefficients.capacitance(at.x)
-    for cells in elements.groups:
-        terms = mass_terms(elements.rule, at.some(cells), c[cells], circuit.coupling)
-        _add(values, unknowns.slots[cells], terms)
+    values = np.zeros(len(unknowns.pattern.indices))
+    c = coefficients.capacitance(elements.surface.x)
+    add_foam(values, circuit.coupling, elements, unknowns, c)
     return unknowns.pattern.matrix(values)
 
 
-def _film_of(circuit: Circuit, elements: Elements, coefficients: Coefficients, unknowns: Unknowns):
-    """The form of (V - U)² / r_c along the foils of a terminal."""
+def add_foam(
+    values: NDArray[np.float64],
+    coupling: NDArray[np.float64],
+    elements: Elements,
+    unknowns: Unknowns,
+    c: NDArray[np.float64],
+    within: NDArray[np.bool_] | None = None,
+) -> None:
+    """M in the pattern. c: F/m², shape (cell, point). within: the cells that are meant."""
+    for cells in _groups(elements, within):
+        terms = mass_terms(elements.rule, elements.surface.some(cells), c[cells], coupling)
+        _add(values, unknowns.slots[cells], terms)
+
+
+def _groups(
+    elements: Elements, within: NDArray[np.bool_] | None
+) -> Iterable[NDArray[np.int64] | slice]:
+    """Straight cells, then bent ones; those that are meant."""
+    if within is None:
+        return elements.groups
+    every = np.arange(elements.cells)
+    meant = [each[within[each]] for each in (every[group] for group in elements.groups)]
+    return [each for each in meant if len(each)]
+
+
+def film_of(
+    circuit: Circuit,
+    elements: Elements,
+    coefficients: Coefficients,
+    unknowns: Unknowns,
+    only: Contact | None = None,
+) -> Callable[[Terminal], csc_matrix]:
+    """The form of (V - U)² / r_c along the foils of a terminal; only: along this one alone."""
 
     def film(terminal: Terminal) -> csc_matrix:
         values = np.zeros(len(unknowns.pattern.indices))
         alone = circuit.field_alone(terminal.field)
         for contact in terminal.contacts:
-            if contact.ideal:
+            if contact.ideal or (only is not None and contact is not only):
                 continue
             cells, edges = elements.beside(elements.facets(contact))
             for edge in np.unique(edges):

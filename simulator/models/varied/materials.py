@@ -96,6 +96,7 @@ def between(B: NDArray[np.float64], A: NDArray[np.float64]) -> NDArray[np.float6
     )
 
 
+SLOPE_STEP = 1e-5
 ISOTROPIC = np.array([1.0, 1.0, 0.0])
 
 
@@ -105,6 +106,27 @@ def strain_of(factor: ArrayLike) -> NDArray[np.float64]:
     1 - 1 / factor; 0 where the factor is below 1.
     """
     return np.maximum(1 - 1 / np.asarray(factor, dtype=np.float64), 0.0)
+
+
+def gauged(skin: Skin) -> bool:
+    """Whether a press changes a sheet's resistance."""
+    return any(sheet.piezoresistance for sheet in (skin.top, skin.bottom))
+
+
+def gauges(skin: Skin, factors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Conductance of top and bottom over that at rest, under touches of these factors.
+
+    factors: of capacitance over that at rest, shape (...). Returns shape (2, ...).
+    """
+    mechanics = skin.foam.mechanics
+    strain = np.asarray(mechanics.strain_at(factors) if mechanics else strain_of(factors))
+    return np.stack([1 / (1 + each.piezoresistance * strain) for each in (skin.top, skin.bottom)])
+
+
+def gauge_slopes(skin: Skin, factors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of `gauges` by the factors, to six digits; shape (2, ...)."""
+    step = SLOPE_STEP * factors
+    return (gauges(skin, factors + step) - gauges(skin, factors - step)) / (2 * step)
 
 
 class Materials:

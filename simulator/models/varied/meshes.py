@@ -107,8 +107,12 @@ def meshes(scene: Scene, press: Press, pressed: Pressed | None, rtol: float) -> 
     return triangles
 
 
-def circuit_of(scene: Scene) -> Circuit:
-    """One field where both sheets and their foils vary alike."""
-    even = electrical(scene)
-    alike = one_field(even) if Materials(scene).alike else None
-    return alike or two_fields(even)
+def circuit_of(scene: Scene, alike: bool = True) -> Circuit:
+    """One field where both sheets and their foils vary alike. alike: whether they do on all skins
+    that are meant."""
+    return (single_field(scene) if alike else None) or two_fields(electrical(scene))
+
+
+def single_field(scene: Scene) -> Circuit | None:
+    """The circuit of the potential difference; None where it would not be exact."""
+    return one_field(electrical(scene)) if Materials(scene).alike else None

@@ -63,7 +63,7 @@ class Triangles:
         """
         ends = np.unique(frequency[[0, -1]])
         if self._before is None or self._domain is None:
-            found = self._first(float(ends[-1]))
+            found = self.coarsest(float(ends[-1]))
         else:
             parts = indicators(self._before, ends)
             drives = len(ends) * len(self.circuit.drives)
@@ -76,11 +76,11 @@ class Triangles:
         left_out = self._left_out(found, float(ends[-1]))
         if left_out > self.rtol:
             raise ToleranceError(f"what the press is taken for leaves out {left_out:.1e}")
-        self._before = self._discretised(found, left_out)
+        self._before = self.discretised(found, left_out)
         return self._before
 
-    def _first(self, frequency: float) -> Domain:
-        """The coarsest mesh there is, finer at foils and no coarser than maps vary."""
+    def coarsest(self, frequency: float) -> Domain:
+        """The first mesh: finer at foils and no coarser than maps vary. frequency: Hz."""
         scene, skin = self.scene, self.scene.skin
         creases = self.pressed.kinks if self.pressed else []
         pixel = max(side / n for side, n in zip(skin.sides, scene.pixels.shape[::-1], strict=True))
@@ -102,7 +102,8 @@ class Triangles:
         across = [np.array([[line, 0.0], [line, width]]) for line in x]
         return [*across, *(np.array([[0.0, line], [length, line]]) for line in y)]
 
-    def _discretised(self, mesh: Domain, left_out: float) -> Discretised:
+    def discretised(self, mesh: Domain, left_out: float = 0.0) -> Discretised:
+        """The press on a mesh that conforms to it. left_out: of what is not quite as asked."""
         factors = sharp_factors(self.press, mesh, self.scene.pixels.columns)
         coefficients = Coefficients(self.materials, factors, self.pressed, self.circuit.fields)
         coarse, fine = (self._solved(mesh, self.order + more, coefficients) for more in (0, 1))

@@ -1,7 +1,7 @@
 """What is folded into a plain scene, where presses go, and what stays as it is."""
 
 import pytest
-from rcskin.simulator.models.plain import electrical, electrical_press, plain_scene, require_plain
+from rcskin.simulator.models.plain import electrical, electrical_press, folded, require_plain
 from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.press.touch import Rectangle, Touch
 from rcskin.simulator.scene.files import builtin_names, load_scene, parse_scene, scene_text
@@ -93,7 +93,7 @@ def test_what_is_not_plain_keeps_its_stretch_and_is_refused_by_its_key(make_scen
     assert electrical_press(scene, Press((Touch(1, 1, 2.0),))) is None
     unstretched = skin_with(make_scene(), **tables)
     with pytest.raises(InputError, match=f"scene: a test cannot take `{key}`: it needs uniform"):
-        plain_scene(unstretched, "a test")
+        require_plain(unstretched, "a test")
 
 
 def test_a_mug_around_what_is_not_plain_is_folded_all_the_same(make_scene):
@@ -105,7 +105,7 @@ def test_a_stretched_scene_needs_to_be_folded_first(make_scene):
     scene = skin_with(make_scene(), stretch=STRETCH)
     with pytest.raises(InputError, match="cannot take `skin.stretch`"):
         require_plain(scene, "a test")
-    assert plain_scene(scene, "a test") == electrical(scene)
+    assert folded(scene, "a test") == electrical(scene)
 
 
 def test_presses_move_with_the_skin(make_scene):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from rcskin.simulator.models.plain import plain_scene
+from rcskin.simulator.models.plain import folded
 from rcskin.simulator.models.reduced.model import Reduced
 from rcskin.simulator.page.document import SITE
 from rcskin.simulator.page.packed import packed, reduced_for_page
@@ -73,7 +73,7 @@ class Paged:
 
 
 def paged(scene):
-    plain = plain_scene(scene, "a page")
+    plain = folded(scene, "a page")
     reduced = reduced_for_page(plain, 1e-3, 2)
     return Paged(plain, reduced, packed(plain, reduced, points=300))
 

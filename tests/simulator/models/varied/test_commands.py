@@ -1,4 +1,4 @@
-"""Keys of materials at the command line: what is wrong, and what takes plain scenes only."""
+"""Keys of materials at the command line: what is wrong, and what a study folds in."""
 
 import pytest
 from rcskin.simulator.scene.files import BUILTIN
@@ -71,36 +71,6 @@ def test_bad_materials_are_named_with_key_value_and_range(run, scene_file, tmp_p
     assert code == 2
     assert err.startswith(f"rcskin: {path}: {told}")
     assert err.count("\n") == 1
-
-
-UNEVEN = ["[skin.top.map]", 'kind = "gradient"', "x = 0.5"]
-
-
-@pytest.mark.parametrize(
-    ("command", "what"),
-    [
-        (["dataset", "SCENE", "--sweeps", "10", "-o", "OUT.zarr"], "a data set"),
-        (["limits", "SCENE", "-o", "OUT"], "a limit"),
-        (["frequencies", "SCENE", "-n", "3"], "a limit"),
-        (["study", "SCENE", "--vary", "skin.length=0.1,0.2", "-o", "OUT.csv"], "a study"),
-    ],
-)
-@pytest.mark.parametrize(
-    ("lines", "key"),
-    [(UNEVEN, "skin.top.map"), (["[skin.shape]", 'kind = "sphere"', "radius = 0.1"], "skin.shape")],
-)
-def test_what_needs_a_plain_scene_refuses_others(
-    run, scene_file, tmp_path, command, what, lines, key
-):
-    path = scene_file(*lines)
-    given = [str(path) if a == "SCENE" else a.replace("OUT", f"{tmp_path}/out") for a in command]
-    code, _, err = run(*given)
-    assert code == 2
-    assert err == (
-        f"rcskin: sheet-3x3: {what} cannot take `{key}`: it needs uniform sheets and foam on a "
-        "rectangle\n"
-    )
-    assert not list(tmp_path.glob("out*"))
 
 
 def test_a_study_may_stretch_a_skin(scene_file):

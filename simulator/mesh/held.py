@@ -1,0 +1,53 @@
+"""Which pixels hold a part of the skin, and where."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..press.press import Press
+from ..scene.scene import Scene
+from .skin_mesh import domain
+
+
+class Held(NamedTuple):
+    """Of each pixel, row by row.
+
+    part: of its area on the grid that is skin, as seen along z, shape (pixel,). middle: of that
+    skin, m, shape (2, pixel); nothing where there is none.
+    """
+
+    part: NDArray[np.float64]
+    middle: NDArray[np.float64]
+
+    @property
+    def numbers(self) -> NDArray[np.int64]:
+        """Of the pixels that hold any skin, from 0, ascending."""
+        return np.flatnonzero(self.part)
+
+
+def held(scene: Scene) -> Held:
+    """What each pixel of a scene holds. Raises InputError where a mesh file does not serve."""
+    return _held(scene)  # pyright: ignore[reportArgumentType]
+
+
+@lru_cache(maxsize=16)
+def _held(scene: Scene) -> Held:
+    count, (length, width) = scene.pixels.rows * scene.pixels.columns, scene.skin.sides
+    if scene.skin.rectangular:
+        row, column = np.divmod(np.arange(count), scene.pixels.columns)
+        x, y = (column + 0.5) / scene.pixels.columns, (row + 0.5) / scene.pixels.rows
+        return Held(np.ones(count), np.stack([x * length, y * width]))
+    mesh = domain(scene, Press(), max(scene.skin.sides))
+    flat = replace(mesh, p=mesh.p[:2])
+    pixel, here = flat.pixel[flat.pixel >= 0], flat.pixel >= 0
+    area, x, y = (
+        np.bincount(pixel, (flat.areas * each)[here], minlength=count)
+        for each in (np.ones(len(here)), *flat.middles)
+    )
+    middle = np.divide([x, y], area, out=np.zeros((2, count)), where=area > 0)
+    return Held(area * count / (length * width), middle)

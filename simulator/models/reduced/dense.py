@@ -1,0 +1,45 @@
+"""Potentials of a reduced skin under a press: one small complex system for each s."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.driven import Driven
+from .kernel import Rest
+
+
+def solved(
+    driven: Driven,
+    rest: Rest,
+    cells: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    s: NDArray[np.complex128],
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Potentials at 1 V, shape (N + n, s), and Y in S; weights: rises of the cells' M.
+
+    K + s M is diagonal in the basis but for floating terminals f and what the cells' factors U see
+    of it, z = U v: they are solved for, and v follows.
+    """
+    N, F = len(driven.potential), driven.floating
+    U = rest.factors[cells].reshape(-1, rest.factors.shape[2])
+    C = np.repeat(weights, rest.factors.shape[1])
+    rows = rest.rows + (U[:, :N].T * C) @ U
+    charge = driven.potential @ rows
+    beside = np.vstack([F.T @ rows[:, N:], U[:, N:]])
+    floats = F.shape[1]
+    weighed = np.concatenate([np.ones(floats), C])
+    P = 1 / (1 + s[:, None] * rest.diagonal)
+    sign = np.repeat(np.stack([-(s**2), s], axis=1), [floats, len(C)], axis=1)
+    seen = (beside * P[:, None]) @ beside.T
+    own = np.zeros((len(s), len(weighed), len(weighed)), dtype=complex)
+    own[:, :floats, :floats] = driven.floating_conductance
+    own[:, :floats, :floats] += s[:, None, None] * (F.T @ rows[:, :N] @ F)
+    own[:, range(floats, len(weighed)), range(floats, len(weighed))] = 1.0
+    right = -sign * ((P * charge[N:]) @ beside.T)
+    right[:, :floats] -= s[:, None] * (F.T @ charge[:N])
+    found = np.linalg.solve(own + sign[:, :, None] * seen * weighed, right[:, :, None])[:, :, 0]
+    v = -s[:, None] * P * (charge[N:] + (found * weighed) @ beside)
+    at_terminals = driven.potential + found[:, :floats] @ F.T
+    Y = driven.conductance + s * (at_terminals @ charge[:N] + v @ charge[N:])
+    return np.hstack([at_terminals, v]).T, Y

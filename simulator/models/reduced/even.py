@@ -1,0 +1,109 @@
+"""The family of a plain scene: quadrilaterals that conform to pixels, even sheets and foam."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+
+from ...fem.assembly import EXTRA_ORDER, fill, quadrilateral
+from ...fem.galerkin import Galerkin
+from ...fem.pattern import DROPPED
+from ...fem.quadrature import gauss_rule, stiffness_terms, surface
+from ...fem.system import Films, PixelSystem, build_system, conducting
+from ...mesh.quadrilaterals import Resolution, pixel_mesh
+from ...scene.contacts import Contact
+from ..parameters import mode_values
+from .family import Checking, Family, Weights, resistive
+from .masses import Masses, Part
+
+MODE_DEGREE = 6
+"""Of the polynomial that half a cosine over the skin is in one of its cells."""
+
+
+class EvenFamily(Family):
+    """On the mesh of a resolution, of which elements of one order more are part."""
+
+    mesh: Resolution
+    system: PixelSystem
+
+    def _built(self) -> tuple[PixelSystem, int]:
+        return build_system(self.scene, self.circuit, self.mesh), self.mesh.order - 1
+
+    def finer(self, weights: Weights, factors: NDArray[np.float64]) -> Checking:
+        """As of `Family`: in the same system."""
+        system = self.system if weights is None else self.varied(weights)
+        return Galerkin(system, self.circuit, self.order + 1), self.mass(factors)
+
+    @cached_property
+    def masses(self) -> Masses:
+        """As of `Family`."""
+        pixels, c = self.scene.pixels, self.scene.skin.foam.rest_capacitance_per_area
+        return Masses(self.system, self.order, _parts(self.system, c, pixels.rows * pixels.columns))
+
+    @cached_property
+    def sheet_terms(self) -> list[csc_matrix]:
+        """As of `Family`."""
+        alone = np.diag(self.circuit.conductance)
+        means = [
+            conducting(each.tolist(), self.system.pattern, self.system.slots, self.system.groups)
+            for each in alone
+        ]
+        return [
+            term
+            for field, mean in enumerate(means)
+            for term in [mean, *(self._mode_term(alone[field], k) for k in range(1, self.modes))]
+        ]
+
+    @cached_property
+    def film_terms(self) -> list[Films]:
+        """As of `Family`."""
+        halved = [self._films_with_half(contact) for contact in resistive(self.circuit)]
+        return [self.with_films(films, -np.ones(1), [self.system.films]) for films in halved]
+
+    def _mode_term(self, conductance: NDArray[np.float64], mode: int) -> csc_matrix:
+        cells = pixel_mesh(self.scene, self.circuit.contacts, self.mesh).cells
+        order = self.mesh.order
+        more = EXTRA_ORDER if cells.twist.any() else MODE_DEGREE
+        rule = gauss_rule(quadrilateral(order), 2 * order + more)
+        points = surface(cells, rule)
+        wave = mode_values(self.scene, points.x, self.modes)[mode]
+        values = np.zeros(len(self.system.pattern.indices))
+        for terms in stiffness_terms(rule, points, wave, np.diag(conductance)):
+            fill(values, self.system.slots, *terms)
+        return self.system.pattern.matrix(values)
+
+    def _films_with_half(self, contact: Contact) -> Films:
+        """The films where one contact resistance is half of what it is."""
+        half = contact.model_copy(update={"resistance": contact.resistance / 2})
+        terminals = tuple(
+            replace(
+                terminal, contacts=tuple(half if c is contact else c for c in terminal.contacts)
+            )
+            for terminal in self.circuit.terminals
+        )
+        circuit = replace(self.circuit, terminals=terminals)
+        return build_system(self.scene, circuit, self.mesh).films
+
+
+def _parts(system: PixelSystem, capacitance: float, pixels: int) -> Iterator[Part]:
+    """Of each pixel. capacitance: F/m²."""
+    cells = len(system.element_pixel)
+    group_of, weights = np.empty(cells, dtype=np.int64), np.empty(cells)
+    for number, group in enumerate(system.groups):
+        group_of[group.cells], weights[group.cells] = number, capacitance * group.mass_weights
+    of_cell = [np.kron(system.coupling, group.mass).reshape(1, -1) for group in system.groups]
+    values = np.zeros(len(system.pattern.indices))
+    for pixel in range(pixels):
+        own = np.flatnonzero(system.element_pixel == pixel)
+        for number in np.unique(group_of[own]):
+            here = own[group_of[own] == number]
+            fill(values, system.slots[here], weights[here][:, None], of_cell[number])
+        slots = np.unique(system.slots[own])
+        slots = slots[slots != DROPPED]
+        yield slots, values[slots]
+        values[slots] = 0.0

@@ -1,0 +1,145 @@
+"""The coarsest mesh of a family that keeps its share of a tolerance, and finer ones for a press."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.circuit import Circuit
+from ...mesh.domain import Domain
+from ...mesh.held import held
+from ...mesh.quadrilaterals import Resolution
+from ...mesh.untangled import finer
+from ...press.press import Press
+from ...press.touch import Touch
+from ...scene.meter import Sweep
+from ...scene.scene import Scene
+from ...sweeps import ToleranceError
+from ..resolution import Ladder
+from ..varied.discretised import indicators, most
+from ..varied.triangles import MOST_TRIANGLES, Triangles
+from .cases import Case, pixel_touches, touched
+from .even import EvenFamily
+from .family import Family, Mesh, Triangulation, Weights, weights_under
+from .uneven import UnevenFamily
+
+SHARE = 0.5
+"""Of the tolerance, for the mesh; the rest is for the basis."""
+FEW, MOST_ALONE = 3, 36
+NOWHERE = np.zeros(0, dtype=np.int64)
+
+
+def family_on(scene: Scene, circuit: Circuit, mesh: Mesh, modes: int) -> Family:
+    """The family on a mesh, of the kind that it is for."""
+    if isinstance(mesh, Resolution):
+        return EvenFamily(scene, circuit, mesh, modes)
+    return UnevenFamily(scene, circuit, mesh, modes)
+
+
+def resolved(
+    scene: Scene, circuit: Circuit, modes: int, rtol: float, cases: Sequence[Case]
+) -> tuple[Family, float]:
+    """The coarsest family whose discretisation keeps its share of the tolerance, and its error.
+
+    Raises ToleranceError where none does.
+    """
+    rise, found = max(float(case.rises.max(initial=0)) for case in cases), np.inf
+    presses = [_everywhere(scene, rise)] if scene.plain else _in_turns(scene, rise)
+    for family in finer_families(scene, circuit, modes, rtol, presses):
+        found = 0.0
+        for case in [*cases, *([] if scene.plain else _alone(scene, rise))]:
+            found = max(found, error_of(family, case, rtol))
+            if found > SHARE * rtol:
+                break
+        else:
+            return family, found
+    raise ToleranceError(f"the mesh of the reduced model does not reach {rtol:g}: {found:.1e}")
+
+
+def unreduced(scene: Scene, circuit: Circuit, rtol: float, highest: float) -> Family:
+    """A family for presses up to a frequency in Hz: the first that often serves of a plain scene,
+    of others the first that serves a few presses."""
+    if scene.plain:
+        ladder = Ladder(scene, circuit)
+        resolution = ladder.resolution(ladder.first(rtol), Press(), highest)
+        return EvenFamily(scene, circuit, resolution, modes=1)
+    asked = scene.model_copy(update={"sweep": Sweep(frequencies=(highest,))})
+    draw, random = pixel_touches(scene), np.random.default_rng(0)
+    cases = [Case(None, NOWHERE, np.zeros(0)), *(draw(random) for _ in range(FEW))]
+    return resolved(asked, circuit, 1, rtol / SHARE, cases)[0]
+
+
+def error_of(family: Family, case: Case, rtol: float) -> float:
+    """By the mesh alone, of Rs and Cp, relatively."""
+    scene, loss = family.scene, (case.variation or family.scene.skin.foam).loss
+    return family.solved(weights_of_case(family, case), loss, case.map_on(scene), rtol)[1]
+
+
+def weights_of_case(family: Family, case: Case) -> Weights:
+    """Of the terms of K."""
+    pressed = touched(family.scene, case.cells, case.rises)
+    return weights_under(case.variation, family.scene, family.circuit, family.modes, pressed)
+
+
+def finer_families(
+    scene: Scene, circuit: Circuit, modes: int, rtol: float, presses: Sequence[Press]
+) -> Iterator[Family]:
+    """Families on finer and finer meshes, for these presses of pixels."""
+    if not scene.plain:
+        for mesh in _triangulations(scene, circuit, rtol, presses):
+            yield UnevenFamily(scene, circuit, mesh, modes)
+        return
+    ladder = Ladder(scene, circuit)
+    for level in range(ladder.first(rtol), len(ladder.levels)):
+        resolution = ladder.resolution(level, presses[0], scene.frequencies[-1])
+        yield EvenFamily(scene, circuit, resolution, modes)
+
+
+def _triangulations(
+    scene: Scene, circuit: Circuit, rtol: float, presses: Sequence[Press]
+) -> Iterator[Triangulation]:
+    """Each refined where any of the presses was least certain on the one before."""
+    ends = np.unique(scene.frequencies[[0, -1]])
+    bare = Triangles(scene, circuit, Press(), rtol)
+    domain = bare.coarsest(float(ends[-1]))
+    each = [Triangles(scene, circuit, _on_skin(press, domain, scene), rtol) for press in presses]
+    while domain.t.shape[1] <= MOST_TRIANGLES:
+        yield Triangulation(domain, bare.order)
+        marked = [most(_uncertain(press, domain, ends)) for press in each]
+        domain = finer(domain, np.unique(np.concatenate(marked)))
+
+
+def _uncertain(press: Triangles, domain: Domain, ends: NDArray[np.float64]) -> NDArray[np.float64]:
+    return indicators(press.discretised(domain), ends)
+
+
+def _on_skin(press: Press, domain: Domain, scene: Scene) -> Press:
+    """Without touches of pixels that the outline leaves out."""
+    pixels, columns = set(domain.pixel.tolist()), scene.pixels.columns
+    pressed = [touch for touch in press.touches if isinstance(touch, Touch)]
+    here = [each for each in pressed if (each.row - 1) * columns + each.column - 1 in pixels]
+    return Press(tuple(here))
+
+
+def _everywhere(scene: Scene, rise: float) -> Press:
+    pixels = np.ndindex(scene.pixels.rows, scene.pixels.columns)
+    return Press(tuple(Touch(i + 1, j + 1, 1 + rise) for i, j in pixels))
+
+
+def _alone(scene: Scene, rise: float) -> list[Case]:
+    """Pixels pressed one at a time: all of them, or so many."""
+    pixels = held(scene).numbers
+    some = np.unique(np.linspace(0, len(pixels) - 1, MOST_ALONE).round().astype(np.int64))
+    return [Case(None, pixels[[k]], np.array([rise])) for k in some]
+
+
+def _in_turns(scene: Scene, rise: float) -> list[Press]:
+    """Every second pixel, then the others: between them c jumps at every edge."""
+    rows, columns = scene.pixels.shape
+    every = [*product(range(rows), range(columns))]
+    turns = [[(i, j) for i, j in every if (i + j) % 2 == turn] for turn in (0, 1)]
+    presses = [Press(tuple(Touch(i + 1, j + 1, 1 + rise) for i, j in turn)) for turn in turns]
+    return [press for press in presses if press.touches]

@@ -1,0 +1,103 @@
+"""The family of a scene that is not plain: triangles of any outline, coefficients by quadrature."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+
+from ...fem.pattern import DROPPED
+from ...fem.system import Films, System, films
+from ..parameters import foam_parts, mode_values
+from ..varied.coefficients import Coefficients
+from ..varied.discretised import LESS_GAINED
+from ..varied.elements import Elements, add_foam, add_sheet, film_of, pressed_system, triangles
+from ..varied.materials import Materials, gauged
+from .family import Checking, Family, Triangulation, Weights, resistive
+from .masses import Masses, Part
+
+
+class UnevenFamily(Family):
+    """On triangles, checked by other elements of one order more on the same."""
+
+    mesh: Triangulation
+
+    def _built(self) -> tuple[System, int]:
+        elements = self._elements
+        return pressed_system(self.circuit, elements, self._coefficients), elements.order
+
+    @cached_property
+    def _elements(self) -> Elements:
+        return triangles(self.mesh.domain, self.mesh.order)
+
+    @cached_property
+    def _coefficients(self) -> Coefficients:
+        at_rest = np.ones(self._elements.cells)
+        return Coefficients(Materials(self.scene), at_rest, None, self.circuit.fields)
+
+    def finer(self, weights: Weights, factors: NDArray[np.float64]) -> Checking:
+        """As of `Family`: on the same mesh."""
+        return self._finer.skin(weights), self._finer.mass(factors)
+
+    def told(self, difference: NDArray[np.float64]) -> NDArray[np.float64]:
+        """As of `Family`, and as `Discretised` tells it."""
+        return LESS_GAINED * np.sqrt(difference * difference.max(axis=0))
+
+    @cached_property
+    def masses(self) -> Masses:
+        """As of `Family`."""
+        return Masses(self.system, self.order, self._parts())
+
+    @cached_property
+    def sheet_terms(self) -> list[csc_matrix]:
+        """As of `Family`."""
+        x = self._elements.surface.x
+        waves = mode_values(self.scene, x, self.modes)
+        apart = self._cells_of_parts if gauged(self.scene.skin) else [None]
+        return [
+            self._sheet_term(field, self._coefficients.conductance(field, x) * wave, within)
+            for field in range(self.circuit.fields)
+            for wave in waves
+            for within in apart
+        ]
+
+    @cached_property
+    def film_terms(self) -> list[Films]:
+        """As of `Family`."""
+        unknowns, known = self.system.unknowns, (self.circuit, self._elements, self._coefficients)
+        return [
+            films(self.circuit, unknowns, film_of(*known, unknowns, only=contact))
+            for contact in resistive(self.circuit)
+        ]
+
+    @cached_property
+    def _finer(self) -> UnevenFamily:
+        finer = Triangulation(self.mesh.domain, self.mesh.order + 1)
+        return UnevenFamily(self.scene, self.circuit, finer, self.modes)
+
+    def _sheet_term(
+        self, field: int, S: NDArray[np.float64], within: NDArray[np.bool_] | None
+    ) -> csc_matrix:
+        values, alone = np.zeros(len(self.system.pattern.indices)), self.circuit.field_alone(field)
+        add_sheet(values, alone, self._elements, self.system.unknowns, S, within)
+        return self.system.pattern.matrix(values)
+
+    @property
+    def _cells_of_parts(self) -> list[NDArray[np.bool_]]:
+        pixel, (rows, columns) = self.mesh.domain.pixel, self.scene.pixels.shape
+        part_of = np.where(pixel < 0, rows * columns, pixel)
+        return [part_of == part for part in range(foam_parts(self.scene))]
+
+    def _parts(self) -> Iterator[Part]:
+        elements, unknowns = self._elements, self.system.unknowns
+        c = self._coefficients.capacitance(elements.surface.x)
+        values = np.zeros(len(self.system.pattern.indices))
+        for within in self._cells_of_parts:
+            add_foam(values, self.circuit.coupling, elements, unknowns, c, within)
+            slots = np.unique(unknowns.slots[within])
+            slots = slots[slots != DROPPED]
+            yield slots, values[slots]
+            values[slots] = 0.0

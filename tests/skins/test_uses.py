@@ -1,0 +1,149 @@
+"""What uses skins that are not plain: derivatives, limits, studies, calibration, inversion."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.calibration.run import calibrate
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.inversion.tables import templates
+from rcskin.simulator.limits import bayes_accuracy
+from rcskin.simulator.limits.fields import Fields
+from rcskin.simulator.limits.position import chosen_touch, places_on
+from rcskin.simulator.limits.readings import hypotheses
+from rcskin.simulator.measure.experiment import every_press, planned_presses
+from rcskin.simulator.measure.readout import read_out
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.parameters import scene_with
+from rcskin.simulator.models.reduced.forward import Forward
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.study.curve import Curve
+from rcskin.simulator.study.point import Trial
+from rcskin.simulator.study.sharing import families, member_curves, solve, tasks
+
+STEP = 1e-4
+UNEVEN = pytest.param("uneven", marks=pytest.mark.slow)
+PRESSED = np.array([1]), np.array([0.8])
+
+
+@pytest.fixture(scope="module")
+def forwards(kinds):
+    known = {}
+
+    def of(name):
+        if name not in known:
+            known[name] = Forward(kinds[name], rtol=1e-3)
+        return known[name]
+
+    return of
+
+
+@pytest.mark.parametrize("name", [UNEVEN, "piezoresistive", "mesh"])
+def test_slopes_of_a_reduced_model_are_those_of_its_answers(forwards, name):
+    forward, (cells, rises) = forwards(name), PRESSED
+    found = forward.respond(cells, rises)
+
+    def slope(parameter=None):
+        def at(step):
+            if parameter is None:
+                return forward.respond(cells, rises + step).Z
+            return forward.respond(cells, rises, {parameter: step}).Z
+
+        return (at(STEP) - at(-STEP)) / (2 * STEP)
+
+    by_rise = (found.by_cell + found.by_gauge)[..., cells[0]]
+    np.testing.assert_allclose(by_rise, slope(), rtol=1e-4, atol=1e-5 * np.abs(by_rise).max())
+    for parameter in ("sheet_resistance", "sheet_mismatch", "capacitance"):
+        own, scale = found.by_parameter[parameter], 1e-4 * np.abs(found.Z).max()
+        np.testing.assert_allclose(own, slope(parameter), rtol=1e-3, atol=scale)
+
+
+@pytest.mark.parametrize("name", ["piezoresistive", "mesh"])
+def test_fields_answer_and_change_as_the_full_solver(kinds, name):
+    """A whole pixel pressed, by cells of a pixel each, and its slopes by the factor."""
+    scene = kinds[name]
+    fields, pixel = Fields(scene, scene.frequencies[-1], 1), np.array([[0.0, 1.0]])
+
+    def answer(factor):
+        change = {"strength": pixel}
+        return fields.respond(1 + (factor - 1) * pixel, change, scene.frequencies)
+
+    found, truth = answer(2.0), Solver(scene, 1e-4).solve(parse_press("1,2", 2.0)).Z
+    assert relative_difference(found.Z, truth, 2 * np.pi * scene.frequencies).max() < 3e-3
+    apart = (answer(2 + STEP).Z - answer(2 - STEP).Z) / (2 * STEP)
+    np.testing.assert_allclose(found.by["strength"], apart, rtol=1e-4)
+    stiffer = scene_with(scene, {"sheet_resistance": STEP})
+    moved = Fields(stiffer, scene.frequencies[-1], 1).respond(1 + pixel, {}, scene.frequencies)
+    by = found.by["sheet_resistance"]
+    np.testing.assert_allclose((moved.Z - found.Z) / STEP, by, rtol=2e-2, atol=1e-3 * abs(by).max())
+
+
+def test_pixels_without_skin_are_no_class_and_no_press(kinds):
+    scene = kinds["l with a hole"]
+    there = [(0, 0), (0, 1), (1, 0)]
+    at_rest, *pressed = [each.pixels for each in hypotheses(scene, "pixel")]
+    assert (at_rest, pressed) == ((), [(pixel,) for pixel in there])
+    assert [str(press)[:3] for press in every_press(scene)[1:]] == ["1,1", "1,2", "2,1"]
+    planned = planned_presses(scene, np.random.default_rng(1))
+    for presses in (planned, Trial().nominal(scene)):
+        assert {press.pixel for press in presses} == {(0, 0), *((i + 1, j + 1) for i, j in there)}
+
+
+def test_the_bound_on_position_is_asked_where_a_touch_is_whole_on_the_skin(kinds):
+    scene = kinds["l with a hole"]
+    places = np.array(places_on(scene, chosen_touch(scene, 0.02), 4))
+    half = 0.01
+    assert len(places)
+    beyond = (places > 0.06 - half + 1e-9).all(axis=1)
+    assert not beyond.any()
+    assert (np.linalg.norm(places - 0.03, axis=1) > 0.012).all()
+
+
+def test_columns_of_a_mesh_are_told_as_well_as_pressed_by_the_full_solver(kinds):
+    accuracy = bayes_accuracy(kinds["mesh"], "column", draws=200)
+    assert accuracy.share > 0.99
+
+
+@pytest.mark.parametrize("name", [UNEVEN, "mesh"])
+def test_a_calibration_finds_what_a_twin_was_given(kinds, name):
+    scene, given = kinds[name], {"sheet_resistance": 0.3, "capacitance": -0.2}
+    twin = Solver(scene_with(scene, given), 1e-4)
+    presses = [parse_press(text, 2.0) for text in ("none", "none", "1,1", "1,2")]
+    read = read_out(simulate(twin, presses), scene.readout, np.random.default_rng(3))
+    fit = calibrate(scene, read)
+    assert fit.chi_squared < 3
+    for parameter, value in given.items():
+        low, high = fit.intervals[parameter]
+        assert abs(fit.values[parameter] - value) <= max(high - low, 0.01)
+    assert fit.scene.skin.foam.map == scene.skin.foam.map
+
+
+def test_a_study_over_a_scale_solves_a_skin_of_any_kind_once(kinds):
+    """Twice the resistance of both sheets is half the frequency, whatever the skin."""
+    scene = kinds["uneven"]
+    skin = scene.skin
+    double = {
+        name: sheet.model_copy(update={"sheet_resistance": 2 * sheet.sheet_resistance})
+        for name, sheet in (("top", skin.top), ("bottom", skin.bottom))
+    }
+    scenes = [scene, scene.model_copy(update={"skin": skin.model_copy(update=double)})]
+    (family,) = families(scenes)
+    assert family.members[1].frequency == pytest.approx(2)
+    trial = Trial(draws=1)
+    (task,) = tasks(family, scenes, trial, 4e-3)
+    solution = solve(task)
+    curves: dict[int, dict[tuple[int, int], Curve]] = dict(
+        member_curves(family, scenes, solution.curves)
+    )
+    truth = Solver(scenes[1], 1e-4).solve(parse_press("1,2", 2.0)).Z
+    found = curves[1][1, 2].impedance([2.0])[0]
+    assert relative_difference(found, truth, 2 * np.pi * scene.frequencies).max() < 4e-3
+
+
+@pytest.mark.slow
+def test_tables_of_the_inverting_localizer_hold_the_pixels_there_are(kinds):
+    scene = kinds["l with a hole"].with_({"dataset.press.factor": 2.0})
+    tables = templates(scene_text(scene), "pixel")
+    assert tables["pixels"].tolist() == [[1, 1], [1, 2], [2, 1]]
+    assert np.abs(tables["single"]).max(axis=(1, 2)).min() > 1e-3
+    assert np.isfinite(tables["skin"]).all()
