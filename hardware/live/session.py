@@ -12,7 +12,7 @@ from ...simulator.sweeps import UNPRESSED
 from ..meter.errors import MeterError
 from ..meter.reading import Reading
 from ..record.order import UNKNOWN
-from ..record.sweep import Sweep, flags, now
+from ..record.sweep import Sweep, apart, flags, now
 from .answer import Answer, Localizer
 from .link import Link
 from .log import Log, as_dataset
@@ -143,7 +143,7 @@ class Session:
                 before and ended - before,
                 self._rate(),
                 self.failed,
-                (*flags([sweep]), *self._drift(sweep, answer)),
+                (*flags([sweep]), *apart(sweep), *self._drift(sweep, answer)),
             )
         )
         if self.rest.follow(sweep, answer):

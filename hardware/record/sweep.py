@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ROUNDING = 6e-5
+APART = 1.0
+"""Seconds between two interfaces, beyond which a touch may well have changed."""
 Watch = Callable[[float, Reading], None]
 Turn = Callable[[str], None]
 
@@ -73,6 +76,18 @@ def now() -> str:
 def trace_times(sweep: Sweep) -> list[tuple[str, str]]:
     """When the readings at each interface began and ended."""
     return [(trace.begun, trace.ended) for trace in sweep.traces]
+
+
+def apart(sweep: Sweep) -> list[str]:
+    """In words, how long the meter did not measure between two interfaces, where it was long."""
+    spans = sorted(trace_times(sweep))
+    waits = [
+        (datetime.fromisoformat(after) - datetime.fromisoformat(before)).total_seconds()
+        for (_, before), (after, _) in pairwise(spans)
+    ]
+    if max(waits, default=0.0) <= APART:
+        return []
+    return [f"the switch took {max(waits):.1f} s: a touch may have changed between the interfaces"]
 
 
 def flagged(sweeps: Sequence[Sweep]) -> list[tuple[int, int, int, int]]:

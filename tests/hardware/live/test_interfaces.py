@@ -106,6 +106,15 @@ def test_a_late_switch_drops_nothing(session, instrument):
     live.run(6)
     assert (labels(live), live.failed) == (RIGHT, 0)
     assert not any("trying again" in why for why in live.show.told)
+    assert all(moment.remarks == () for moment in live.show.moments)
+
+
+def test_a_switch_that_takes_long_is_told_beside_the_answer(session, instrument):
+    live = session({1: lambda: instrument.faults.add(Fault("slow", seconds=1.1))})
+    live.run(3)
+    (remark,) = live.show.moments[1].remarks
+    assert "the switch took 1.1 s: a touch may have changed between the interfaces" in remark
+    assert live.show.moments[2].remarks == ()
 
 
 @pytest.mark.parametrize(
