@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from ...simulator.sweeps import InputError, whole_file
-from ...simulator.sweeps.locking import locked
+from ...simulator.sweeps.files import locked
 from .sweep import Sweep, Trace
 
 HEADER, SWEEPS = "recording.json", "[0-9]*.json"

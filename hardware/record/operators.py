@@ -10,9 +10,9 @@ from typing import Protocol
 
 from ..meter.errors import MeterError, PressError
 from ..meter.reading import Reading
+from ..template import Template
 from .order import Step
 from .sweep import Sweep
-from .template import Template
 
 Press = Callable[[Step], None]
 

@@ -48,9 +48,11 @@ def _made(
     by_name = {each: each for each in interfaces}
     waiting = SETTLE if settle is None else settle
     if command:
-        from .by_hand import Command, command_words
+        from ..template import Template
+        from .by_hand import Command
 
-        device = Command(command_words(command), COMMAND_TIMEOUT)
+        template = Template(command, "switch-with", needed=True, interface="left")
+        device = Command(template, COMMAND_TIMEOUT)
         return Turning(lambda: device, by_name, waiting)
     if name is not None and name != ASK:
         return _by_name(name, settle, waiting, by_name)

@@ -6,12 +6,9 @@ import shlex
 import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
-from string import Formatter
 
-from ...simulator.sweeps import InputError
+from ..template import Template
 from .errors import NoSwitchError, RefusedSwitchError, SilentSwitchError
-
-FIELD = "interface"
 
 
 @dataclass(frozen=True)
@@ -35,15 +32,15 @@ class Person:
 class Command:
     """A command that is run, without a shell, with the interface's name filled in.
 
-    words: of the command, `{interface}` in some of them. timeout: s that it may take.
+    template: with `{interface}`. timeout: s that it may take.
     """
 
-    words: tuple[str, ...]
+    template: Template
     timeout: float
 
     def put(self, position: str, /) -> None:
         """Run it. Raises NoSwitchError, SilentSwitchError, RefusedSwitchError."""
-        filled = [word.format(interface=position) for word in self.words]
+        filled = self.template.filled(interface=position)
         told = f"switching to {position} by {shlex.join(filled)!r}"
         try:
             done = subprocess.run(
@@ -67,23 +64,3 @@ class Command:
 
     def close(self) -> None:
         """Nothing is held."""
-
-
-def command_words(command: str) -> tuple[str, ...]:
-    """The words of a command with `{interface}` to be filled in, and nothing else in braces.
-
-    Raises InputError where it is empty, has no such place, or has any other field, format or index.
-    """
-    try:
-        words = tuple(shlex.split(command))
-        fields = [
-            part[1:] for word in words for part in Formatter().parse(word) if part[1] is not None
-        ]
-    except ValueError:
-        words, fields = (), []
-    if not words or not words[0] or not fields or set(fields) != {(FIELD, "", None)}:
-        raise InputError(
-            "`switch-with` must be a command with {interface} to be filled in and no other "
-            f"braces, got {command!r}"
-        )
-    return words

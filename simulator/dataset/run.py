@@ -13,7 +13,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 from ..sweeps import InputError, checked_output, whole_file
-from ..sweeps.locking import locked
+from ..sweeps.files import locked
 from . import store, workers
 from .block import PLAN_FILE, Workshop, audit_of
 from .model import REDUCED, Training

@@ -6,25 +6,26 @@ import shlex
 from string import Formatter
 from typing import Any
 
-from ...simulator.sweeps import InputError
+from ..simulator.sweeps import InputError
 
 
 class Template:
     """A command line with `{name}` in it, each to be filled in with a value of its own.
 
-    Raises InputError where it is empty, names another, or asks for a part of a value.
+    Raises InputError where it is empty, names another, or asks for a part of a value or a format of
+    its own.
     """
 
-    def __init__(self, command: str, option: str, **examples: Any) -> None:
-        """option: as errors call it. examples: a value of each name."""
+    def __init__(self, command: str, option: str, needed: bool = False, **examples: Any) -> None:
+        """option: as errors call it. needed: whether a name must be there. examples: of each."""
         try:
             self._words = shlex.split(command)
-            parts = [part for word in self._words for part in Formatter().parse(word)]
-            names = {name for _, name, _, _ in parts if name is not None}
-            if not self._words or not names <= examples.keys():
+            parts = [part[1:] for word in self._words for part in Formatter().parse(word)]
+            fields = {part for part in parts if part[0] is not None}
+            known = {(name, "", None) for name in examples}
+            if not "".join(self._words[:1]) or not fields <= known or (needed and not fields):
                 raise ValueError(command)
-            self.filled(**examples)
-        except (ValueError, LookupError, TypeError) as error:
+        except ValueError as error:
             *others, last = (f"{{{name}}}" for name in examples)
             listed = f"{', '.join(others)} or {last}" if others else last
             raise InputError(
