@@ -192,7 +192,7 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
                 "reached": "yes" if reached else "no",
             }
         )
-    return pd.DataFrame(rows).round(3)
+    return pd.DataFrame(rows).round(3).astype(object).fillna("-")
 
 
 def experiment(trial: Trial, skins: int, processes: int) -> pd.DataFrame:
