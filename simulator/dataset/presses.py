@@ -112,7 +112,6 @@ def _on_pixels(
     )
     if scene.dataset.press.offset == 0:
         return presses
-
     return pressed_beside(scene, presses, truncated_normal(chances[2:], CUT), grid)
 
 

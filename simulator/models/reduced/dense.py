@@ -1,4 +1,4 @@
-"""Potentials of a reduced skin under a press: one small complex system for each s."""
+"""What drives a reduced skin, and its potentials: one small complex system for each s."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.driven import Driven
-from .kernel import Rest
+from .kernel import Feed, Rest
 
 
 def solved(
@@ -43,3 +43,15 @@ def solved(
     at_terminals = driven.potential + found[:, :floats] @ F.T
     Y = driven.conductance + s * (at_terminals @ charge[:N] + v @ charge[N:])
     return np.hstack([at_terminals, v]).T, Y
+
+
+def feed_of(driven: Driven) -> Feed:
+    """A drive as the kernel takes it."""
+    own = driven.floating_conductance[np.ix_(~driven.common, ~driven.common)]
+    return Feed(
+        conductance=driven.conductance,
+        driven=np.ascontiguousarray(driven.potential),
+        tied=np.ascontiguousarray(driven.floating[:, ~driven.common].T),
+        tied_inverse=np.linalg.inv(own).astype(np.float64),
+        common=np.ascontiguousarray(driven.floating[:, driven.common].T),
+    )

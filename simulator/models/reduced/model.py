@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.circuit import Circuit
-from ...fem.driven import Driven, driven_by
+from ...fem.driven import driven_by
 from ...fem.galerkin import one_blas_thread
 from ...fem.system import System
 from ...press.capacitance import touched_cells
@@ -32,9 +32,9 @@ from ..varied.materials import gauged
 from .cases import Case, touched
 from .certificate import certificate, least_conductance
 from .coordinates import own_coordinates
-from .dense import solved
+from .dense import feed_of, solved
 from .family import Family, Mesh, weights_of, weights_under
-from .kernel import Feed, Rest, swept
+from .kernel import Rest, swept
 from .resolving import family_on, finer_families
 
 KRYLOV_SHARE = 0.03
@@ -151,7 +151,7 @@ class ReducedSkin:
             driven_by(drive, reduced.terminal_field, conductance, np.eye(terminals))
             for drive in reduced.circuit.drives
         ]
-        self.feeds = [_feed(driven) for driven in self._drives]
+        self.feeds = [feed_of(driven) for driven in self._drives]
 
     def sweeps(
         self,
@@ -289,14 +289,3 @@ class ReducedSkin:
             changed = np.flatnonzero(change)
             change, terms = change[changed], terms[changed]
         return K + np.tensordot(change, terms, axes=1)
-
-
-def _feed(driven: Driven) -> Feed:
-    own = driven.floating_conductance[np.ix_(~driven.common, ~driven.common)]
-    return Feed(
-        conductance=driven.conductance,
-        driven=np.ascontiguousarray(driven.potential),
-        tied=np.ascontiguousarray(driven.floating[:, ~driven.common].T),
-        tied_inverse=np.linalg.inv(own).astype(np.float64),
-        common=np.ascontiguousarray(driven.floating[:, driven.common].T),
-    )
