@@ -18,6 +18,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from .classifier import QUANTITIES as CHANGE
 from .classifier import Builder, ModelBased
 from .position import ModelBasedPosition
+from .region import Places
 
 QUANTITIES = (*CHANGE, "lnZ0", "phase0")
 """Features that it takes, in this order."""
@@ -130,6 +131,10 @@ class AdaptedPosition(RegressorMixin, _Adapted):
         """x [mm], y [mm] and strength, shape (sweep, 3), and their deviations, if asked."""
         both = self._told(X, _place_and_deviation)
         return (both[:, 0], both[:, 1]) if return_std else both[:, 0]
+
+    def places(self, X) -> list[Places]:
+        """The posterior of the place of each sweep."""
+        return self._told(X, lambda inner, change: np.array(inner.places(change), object)).tolist()
 
     def share_within(self, X, radius):
         """As of `ModelBasedPosition`, on whatever skin is at hand, shape (sweep,)."""

@@ -15,6 +15,8 @@ from ...simulator.sweeps.same_skin import check_same_skin
 from ..inputs.features import DEFAULT_QUANTITIES, features
 from ..inputs.samples import Problem, Samples, samples_of
 from ..inputs.targets import labels
+from ..inversion.region import Region
+from ..inversion.regions import regions_of
 from ..learners.registry import Registry, chosen
 from ..trust.answers import CANNOT_TELL, NOTHING_PRESSED, Answers
 from ..trust.fitted import Classifier, Regressor
@@ -141,6 +143,16 @@ class Model:
         if isinstance(self.learned, Classifier):
             raise InputError(f"a model of `target` {self.target} tells no positions")
         return self.learned.positions(self.features(sweeps, rest))
+
+    def regions(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> list[Region]:
+        """The smallest region of places that holds a touch with 95 %, of each sweep.
+
+        Of regressors without a posterior it is the ellipse of their deviations. Raises as
+        `positions`.
+        """
+        if isinstance(self.learned, Classifier):
+            raise InputError(f"a model of `target` {self.target} tells no regions")
+        return regions_of(self.learned, self.features(sweeps, rest), self.scene)
 
     def answers(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Answers:
         """The class or CANNOT_TELL of each sweep, and its probability.
