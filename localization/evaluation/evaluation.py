@@ -142,7 +142,7 @@ class Nested:
     @property
     def whole(self) -> Score:
         """Of all sweeps, each told by the fold that did not train on it."""
-        return _joined(self.folds)
+        return joined(self.folds)
 
     def figures(self) -> dict[str, tuple[float, float]]:
         """Mean over folds and their standard deviation."""
@@ -205,7 +205,8 @@ def cross_validate(
     return compare(y, output)
 
 
-def _joined(folds: Sequence[Score]) -> Score:
+def joined(folds: Sequence[Score]) -> Score:
+    """Of all the sweeps of several, which are of one kind."""
     first = folds[0]
     if isinstance(first, PositionScore):
         fields = ("truth", "told", "deviation", "content")
