@@ -56,12 +56,12 @@ def adapted(model: Model, samples: Samples, registry: Registry) -> Adaptation:
     simulator. Raises InputError for models of positions, models that were adapted before, labels
     that the model does not know, and fewer than FEWEST sweeps of one of its classes.
     """
-    learned = _checked(model, samples)
+    learned = checked(model, samples)
     splits = splits_of(samples.strata, samples.sessions, FOLDS)
     parts = [(samples.part(train), samples.part(test)) for train, test in splits]
-    taught = [(_taught(model, learned, train, registry), test) for train, test in parts]
+    taught = [(taught(model, learned, train, registry), test) for train, test in parts]
     unseen = [(decisions(each.pipeline, test.X), test.y) for each, test in taught]
-    whole = _taught(model, learned, samples, registry)
+    whole = taught(model, learned, samples, registry)
     index = np.concatenate([np.searchsorted(whole.classes, y) for _, y in unseen])
     decided = np.concatenate([each for each, _ in unseen])
     sharpness = _steadied(sharpness_of(decided, index), learned.sharpness, index.size)
@@ -78,7 +78,8 @@ def adapted(model: Model, samples: Samples, registry: Registry) -> Adaptation:
     return Adaptation(better, before, after, validation, notes)
 
 
-def _checked(model: Model, samples: Samples) -> Classifier:
+def checked(model: Model, samples: Samples) -> Classifier:
+    """What the model learned, if these can teach it. Raises InputError as `adapted`."""
     learned = model.learned
     if not isinstance(learned, Classifier):
         raise InputError(
@@ -111,7 +112,8 @@ def _was_adapted(pipeline: Pipeline) -> bool:
     return isinstance(pipeline[-1], Offsets) or any(each != "nothing" for each in lessons)
 
 
-def _taught(model: Model, learned: Classifier, samples: Samples, registry: Registry) -> Classifier:
+def taught(model: Model, learned: Classifier, samples: Samples, registry: Registry) -> Classifier:
+    """The same after these; probabilities are still those that it was trained to."""
     guards = learned.guards and _widened(learned.guards, samples.X)
     pipeline: Any
     if model.estimator in LESSON:

@@ -56,7 +56,7 @@ def transferred(
     for added, tested in splits:
         training, test = simulated.joined(other.chosen(added)), other.chosen(tested)
         outcomes.append(compare(test.y, answered(training, test, estimator)))
-    return _over_draws(outcomes)
+    return over_draws(outcomes)
 
 
 def cross_validated(
@@ -95,7 +95,8 @@ def _over_folds(
     return Accuracy(confusion.accuracy, 0.0, 1, confusion)
 
 
-def _over_draws(outcomes: Sequence[Confusion]) -> Accuracy:
+def over_draws(outcomes: Sequence[Confusion]) -> Accuracy:
+    """Mean and spread, and all counted together."""
     values = [outcome.accuracy for outcome in outcomes]
     return Accuracy(
         mean=float(np.mean(values)),
