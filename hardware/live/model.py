@@ -50,7 +50,9 @@ class Model(Protocol):
     def positions(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None, /
     ) -> tuple[NDArray, NDArray]: ...
-    def regions(self, sweeps: xr.Dataset, rest: xr.Dataset | None, /) -> Sequence[Region]: ...
+    def regions(
+        self, sweeps: xr.Dataset, rest: xr.Dataset | None, /
+    ) -> Sequence[Region | None]: ...
 
 
 @dataclass(frozen=True)
@@ -99,8 +101,8 @@ class ModelLocalizer:
         return Answer(CANNOT_TELL)
 
 
-def _place(found: NDArray, deviations: NDArray, region: Region) -> Answer:
+def _place(found: NDArray, deviations: NDArray, region: Region | None) -> Answer:
     x, y, strength = found[0].tolist()
     deviation = tuple(deviations[0, :2].tolist())
     words = f"x {x:.0f} mm, y {y:.0f} mm, strength {strength:.2g}"
-    return Answer(words, position=(x, y), deviation=deviation, region=region.shade)
+    return Answer(words, position=(x, y), deviation=deviation, region=region and region.shade)

@@ -59,8 +59,8 @@ def adapted(model: Model, samples: Samples, registry: Registry) -> Adaptation:
     learned = checked(model, samples)
     splits = splits_of(samples.strata, samples.sessions, FOLDS)
     parts = [(samples.part(train), samples.part(test)) for train, test in splits]
-    taught = [(taught(model, learned, train, registry), test) for train, test in parts]
-    unseen = [(decisions(each.pipeline, test.X), test.y) for each, test in taught]
+    lessons = [(taught(model, learned, train, registry), test) for train, test in parts]
+    unseen = [(decisions(each.pipeline, test.X), test.y) for each, test in lessons]
     whole = taught(model, learned, samples, registry)
     index = np.concatenate([np.searchsorted(whole.classes, y) for _, y in unseen])
     decided = np.concatenate([each for each, _ in unseen])
@@ -69,10 +69,11 @@ def adapted(model: Model, samples: Samples, registry: Registry) -> Adaptation:
     right = probability.argmax(axis=1) == index
     threshold, notes = _threshold(model, learned, probability.max(axis=1), right)
     found = {"sharpness": sharpness, "threshold": threshold}
-    after = joined([score(replace(each, **found), test) for each, test in taught])
+    after = joined([score(replace(each, **found), test) for each, test in lessons])
     before = joined([score(learned, test) for _, test in parts])
     assert isinstance(before, ClassScore) and isinstance(after, ClassScore)
-    counts = {"right": int(right.sum()), "held_out": right.size}
+    answered = int((probability.max(axis=1) >= threshold).sum())
+    counts = {"right": int(right.sum()), "answered": answered, "held_out": right.size}
     validation = f"{told(splits, samples.sessions)}, of {right.size} sweeps of the skin at hand"
     better = replace(model, learned=replace(whole, **found, **counts), validation=validation)
     return Adaptation(better, before, after, validation, notes)

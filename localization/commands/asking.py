@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 def model_for(
     sweeps: xr.Dataset, file: Path, path: Path, extra: Iterable[Estimator], *, anyway: bool
 ) -> Model:
-    """The model at a path; a note says where the sweeps of a file do not tell their skin.
+    """The model at a path; notes say where the sweeps of a file do not tell their skin, and where
+    the model was trained with other versions.
 
     extra: estimators beside those of this package. anyway: it answers sweeps of another skin too.
     Raises InputError as `load`.
@@ -29,4 +30,11 @@ def model_for(
     model = load(path, estimators(extra))
     if model.scene and not sweeps.attrs.get("scene"):
         typer.echo(f"rcskin: note: {file}: stores no scene, so its skin is not checked", err=True)
+    tell_age(model, path)
     return model.insisting() if anyway else model
+
+
+def tell_age(model: Model, path: Path) -> None:
+    """A note where the model was trained with other versions than those here."""
+    if model.aged:
+        typer.echo(f"rcskin: note: {path}: was trained with {model.aged}", err=True)

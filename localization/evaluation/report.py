@@ -32,12 +32,12 @@ POSITIONS = [
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What was found. validation: on which sweeps, as text. left_out: sweeps without a target."""
+    """What was found. validation: on which sweeps, left_out: without which, both as text."""
 
     score: Score
     figures: Figures
     validation: str
-    left_out: int
+    left_out: str
 
 
 def checked_folder(path: Path) -> Path:
@@ -49,7 +49,7 @@ def checked_folder(path: Path) -> Path:
 
 def lines_of(found: Found) -> list[str]:
     """On what, then a line for each figure, with its spread over folds where there are any."""
-    first = f"{len(found.score.truth)} sweeps, {found.left_out} without a target left out"
+    first = f"{len(found.score.truth)} sweeps, {found.left_out}"
     rates = found.score.rates()
     lines = [f"{first}; {found.validation}"]
     for name, (value, spread) in found.figures.items():
@@ -58,6 +58,8 @@ def lines_of(found: Found) -> list[str]:
             lines.append(f"{name}: {rate_told(*rates[name])}{folds}")
         else:
             lines.append(f"{name}: {value:.3g}" + ("" if spread is None else f" ± {spread:.2g}"))
+    if not rates.get("answered", (1, 0))[0]:
+        lines.append("nothing was answered: no sweep was like the training and sure enough")
     return lines
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from ...simulator.sweeps import InputError
 from ..adaptation.adaptation import checked, taught
 from ..evaluation.evaluation import ClassScore, score
@@ -57,4 +59,5 @@ class Asked:
 
 
 def _learnable(samples: Samples) -> Learnable:
-    return Learnable(samples.problem, samples.X, samples.y, samples.pixel * 0)
+    every = np.arange(len(samples.y))
+    return Learnable(samples.problem, samples.X, samples.y, np.zeros_like(every), every)

@@ -94,8 +94,9 @@ def _stage(trial: Trial, name: str, track: Any) -> Stage:
     version, target = trial.versions[name], trial.question.target
     other = trial.pair.other.isel(sweep=trial.described)
     ours = {
-        each: _common(trial, samples_of(version.read, trial.features[each], target))
-        for each in trial.others
+        each: _common(trial, samples_of(version.read, quantities, target, version.rest))
+        for each, quantities in trial.features.items()
+        if each in trial.others
     }
     return Stage(
         pressed=distances(version.exact, other, trial.error, target, pressed=True),
@@ -108,7 +109,7 @@ def _stage(trial: Trial, name: str, track: Any) -> Stage:
 
 
 def _common(trial: Trial, samples: Samples) -> Samples:
-    return samples.chosen(np.isin(samples.pixel, trial.common))
+    return samples.chosen(samples.told & np.isin(samples.pixel, trial.common))
 
 
 def _transfer(
@@ -123,7 +124,7 @@ def _transfer(
 
 
 def _own(trial: Trial, samples: Samples) -> dict[str, CrossValidated]:
-    which = np.isin(samples.pixel, trial.common)
+    which = samples.told & np.isin(samples.pixel, trial.common)
     sweeps, samples = trial.pair.other.isel(sweep=which), samples.chosen(which)
     estimator, seed = trial.estimator, trial.question.seed
     found = {

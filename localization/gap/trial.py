@@ -152,7 +152,9 @@ def _others(
     for name, quantities in sets.items():
         try:
             for version in versions.values():
-                _check_learnable(samples_of(version.read, quantities, target), estimator)
+                _check_learnable(
+                    samples_of(version.read, quantities, target, version.rest), estimator
+                )
             found[name] = samples_of(pair.other, quantities, target, rest)
         except InputError as error:
             refused[name] = error

@@ -1,12 +1,12 @@
 """Inversion for the skin at hand: what it is like is told by its own curve at rest.
 
-The simulator makes tables for each skin that is met, once; rows of which the skin at rest differs
-by no more than drift are of one skin.
+The simulator makes tables for each curve at rest that is met, once. A sweep is told by its own
+curve, whatever other sweeps are asked about with it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -22,8 +22,6 @@ from .region import Places
 
 QUANTITIES = (*CHANGE, "lnZ0", "phase0")
 """Features that it takes, in this order."""
-ALIKE = 0.015
-"""Root mean square of the change of ln Z, up to which a skin is the same."""
 SKINS_KEPT = 16
 
 
@@ -53,7 +51,7 @@ class _Adapted(BaseEstimator):
         X: shape (sweep, feature), y: labels; they teach where `inner` is to learn, and are only
         checked else.
         """
-        self.mean_ = self._fitted(None)
+        self.mean_, self._skins = self._fitted(None), {}
         self.n_features_in_ = 2 * self.mean_.n_features_in_
         X = validate_data(self, X, reset=False)
         if getattr(self.inner, "learn", "nothing") != "nothing" and y is not None:
@@ -82,22 +80,20 @@ class _Adapted(BaseEstimator):
         """What the estimator of each row's skin tells of it, shape (sweep, ...)."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
-        change, rest = np.split(X, 2, axis=1)
-        parts = list(_by_skin(rest))
-        if not parts:
-            return ask(self.mean_, change)
-        told = [self._of_one(change[rows], rest[rows], ask) for rows in parts]
-        order = np.argsort(np.concatenate(parts), kind="stable")
-        return np.concatenate(told)[order]
+        return self._by_curve(*np.split(X, 2, axis=1), ask)
 
-    def _of_one(
+    def _by_curve(
         self, change: NDArray, rest: NDArray, ask: Callable[[Any, NDArray], NDArray]
     ) -> NDArray[np.float64]:
-        """Of rows of one skin; what their curves differ by and foam and sheets cannot is noise."""
-        curve = rest.mean(axis=0)
-        skin, aside = self._of_skin(curve), rest - curve
-        explained = np.linalg.lstsq(skin.drift_, aside.T, rcond=None)[0]
-        return ask(skin, change + aside - (skin.drift_ @ explained).T)
+        curves, skin = np.unique(rest, axis=0, return_inverse=True)
+        if not len(curves):
+            return ask(self.mean_, change)
+        parts = [np.flatnonzero(skin == k) for k in range(len(curves))]
+        told = [
+            ask(self._of_skin(curve), change[rows])
+            for curve, rows in zip(curves, parts, strict=True)
+        ]
+        return np.concatenate(told)[np.argsort(np.concatenate(parts))]
 
     def _of_skin(self, curve: NDArray[np.float64]):
         skins = self.__dict__.setdefault("_skins", {})
@@ -151,13 +147,3 @@ class AdaptedPosition(RegressorMixin, _Adapted):
 def _place_and_deviation(inner: ModelBasedPosition, change: NDArray) -> NDArray[np.float64]:
     place, deviation = inner.predict(change, return_std=True)
     return np.stack([place, deviation], axis=1)
-
-
-def _by_skin(rest: NDArray[np.float64]) -> Iterator[NDArray[np.intp]]:
-    """Rows of one skin after the other: those that are like the first which is left."""
-    left = np.arange(len(rest))
-    while left.size:
-        away = np.sqrt(np.square(rest[left] - rest[left[0]]).mean(axis=1) * 2)
-        like = away < ALIKE
-        yield left[like]
-        left = left[~like]
