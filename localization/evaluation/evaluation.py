@@ -200,7 +200,8 @@ def cross_validate(
     """
     X, y = features(sweeps, quantities), labels(sweeps, target)
     splits = folds_of(sweeps, y, folds=folds, grouping=grouping, seed=seed)
-    return compare(y, cross_val_predict(pipeline(classifier, features=X.shape[1]), X, y, cv=splits))
+    untrained = pipeline(classifier, features=X.shape[1])
+    return compare(y, np.asarray(cross_val_predict(untrained, X, y, cv=splits)))
 
 
 def joined(folds: Sequence[Score]) -> Score:

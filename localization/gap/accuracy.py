@@ -93,7 +93,7 @@ def _over_folds(
 ) -> Accuracy:
     with config_context(assume_finite=True, skip_parameter_validation=True):
         untrained = estimator.build(samples.problem)
-        output = cross_val_predict(untrained, samples.X, samples.y, cv=folds)
+        output = np.asarray(cross_val_predict(untrained, samples.X, samples.y, cv=folds))
     confusion = compare(samples.y, output)
     return Accuracy(confusion.accuracy, 0.0, 1, confusion)
 

@@ -39,7 +39,7 @@ class Samples:
     @property
     def told(self) -> NDArray[np.bool_]:
         """Which sweeps have features, shape (sweep,)."""
-        return ~np.isnan(self.X).any(axis=1)
+        return np.isfinite(self.X[:, 0])
 
     def chosen(self, which: NDArray) -> Samples:
         """Those of an index or a mask."""

@@ -80,7 +80,8 @@ class _Adapted(BaseEstimator):
         """What the estimator of each row's skin tells of it, shape (sweep, ...)."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
-        return self._by_curve(*np.split(X, 2, axis=1), ask)
+        change, rest = np.split(X, 2, axis=1)
+        return self._by_curve(change, rest, ask)
 
     def _by_curve(
         self, change: NDArray, rest: NDArray, ask: Callable[[Any, NDArray], NDArray]

@@ -86,7 +86,7 @@ def threshold_of(
             return float(threshold)
         best = max(best, least)
     raise InputError(
-        f"`certain` {certain:g} is out of reach: of {right.size} held-out sweeps those answered most "
-        f"surely are right at a rate of {100 * best:.1f} %, which is all that can be said with "
+        f"`certain` {certain:g} is out of reach: of {right.size} held-out sweeps those answered "
+        f"most surely are right at a rate of {100 * best:.1f} %, and no more can be said with "
         f"{100 * CONFIDENCE:g} % confidence"
     )

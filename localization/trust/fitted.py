@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +49,8 @@ class Learned:
         """Which sweeps are unlike any that are known, shape (n,). X: shape (n, feature)."""
         if self.guards is not None:
             return self.guards.novel(X)
-        return self.pipeline[-1].novel(X)
+        last: Any = self.pipeline[-1]
+        return last.novel(X)
 
 
 @dataclass(frozen=True, eq=False)

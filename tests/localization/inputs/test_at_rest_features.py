@@ -10,7 +10,7 @@ FREQUENCY = np.array([1e3, 1e4, 1e5])
 
 
 def recorded(columns, *sessions):
-    """Sweeps of sessions with presses of these columns in order, 0 for rest, each with its noise."""
+    """Sweeps of sessions with presses of these columns in order, 0 for rest, and noise."""
     columns = np.tile(columns, len(sessions))
     random = np.random.default_rng(0)
     Z = (2e3 - 1e4j) * np.exp(0.1 * random.standard_normal((columns.size, 1, 3)))

@@ -1,4 +1,4 @@
-"""The inverting estimators keep the conventions of scikit-learn, given tables as wide as the data."""
+"""Inverting estimators keep the conventions of scikit-learn, given tables as wide as the data."""
 
 from typing import Any
 
