@@ -105,4 +105,6 @@ def _place(found: NDArray, deviations: NDArray, region: Region | None) -> Answer
     x, y, strength = found[0].tolist()
     deviation = tuple(deviations[0, :2].tolist())
     words = f"x {x:.0f} mm, y {y:.0f} mm, strength {strength:.2g}"
-    return Answer(words, position=(x, y), deviation=deviation, region=region and region.shade)
+    return Answer(
+        words, position=(x, y), deviation=deviation, region=None if region is None else region.shade
+    )

@@ -88,10 +88,10 @@ def gap_command(
                 raise InputError("--model tells target and estimator: leave these out")
             model = model_for(sides[1], measured, own, extra(), anyway=anyway)
             model.samples(sides[1])
-            sides = tuple(seen_from(each, model.interfaces) for each in sides)
+            sides = seen_from(sides[0], model.interfaces), seen_from(sides[1], model.interfaces)
             target, estimator = model.target, model.estimator
-        asked = target or "column", estimator or "ksvm-ovo"
-        question = Question(*asked, seed, draws, calibration_touches)
+        target, estimator = target or "column", estimator or "ksvm-ovo"
+        question = Question(target, estimator, seed, draws, calibration_touches)
         check_simulated(sides[0], simulated)
         text = simulation.scene(scene) if scene else ""
         if not anyway:

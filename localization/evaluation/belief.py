@@ -109,7 +109,7 @@ def draw_regions(axes: Axes, truth: NDArray[np.float64], examples: Mapping[int, 
     truth: x and y in mm first, shape (sweep, >= 2). examples: by number of the sweep.
     """
     for number, (sweep, region) in enumerate(examples.items()):
-        x, y = (np.linspace(*bounds, SHOWN) for bounds in region.places.bounds)
+        x, y = (np.linspace(low, high, SHOWN) for low, high in region.places.bounds)
         density = region.places.density(*np.meshgrid(x, y))
         colour = f"C{number}"
         if density.max() > region.level:

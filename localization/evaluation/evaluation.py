@@ -209,7 +209,8 @@ def joined(folds: Sequence[Score]) -> Score:
     first = folds[0]
     if isinstance(first, PositionScore):
         fields = ("truth", "told", "deviation", "content")
-        return PositionScore(*(_column(folds, name) for name in fields), first.examples)
+        columns = {name: _column(folds, name) for name in fields}
+        return PositionScore(**columns, examples=first.examples)
     answers = [fold.answers for fold in folds if isinstance(fold, ClassScore)]
     joined = Answers(*(_column(answers, name) for name in ("labels", "probability", "novel")))
     return ClassScore(_column(folds, "truth"), _column(folds, "told"), joined)

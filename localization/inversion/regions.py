@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,9 +22,9 @@ def places_of(learned: Regressor, X: NDArray[np.float64], scene: str) -> list[Pl
     X: shape (n, feature). scene: TOML text of the skin, whose sides bound the places where it tells
     them.
     """
-    last = learned.pipeline[-1]
+    last: Any = learned.pipeline[-1]
     if hasattr(last, "places"):
-        return last.places(learned.pipeline[:-1].transform(X) if len(learned.pipeline) > 1 else X)
+        return last.places(X)
     told, deviation = (each[:, :2] for each in learned.positions(X))
     deviation = np.maximum(deviation, LEAST)
     bounds = _bounds(scene, told, deviation)

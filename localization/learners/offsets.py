@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.optimize import minimize
 from scipy.special import log_softmax
@@ -34,7 +36,8 @@ class Offsets(ClassifierMixin, BaseEstimator):
 
     def fit(self, X, y):
         """X: shape (n, feature). y: labels, each one of the estimator's classes, shape (n,)."""
-        self.classes_ = self.estimator.classes_
+        estimator: Any = self.estimator
+        self.classes_ = estimator.classes_
         told = decisions(self.estimator, X)
         met = np.eye(self.classes_.size)[np.searchsorted(self.classes_, y)]
         scale = float(told.std()) or 1.0
