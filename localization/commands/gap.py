@@ -88,7 +88,8 @@ def gap_command(
                 raise InputError("--model tells target and estimator: leave these out")
             model = model_for(sides[1], measured, own, extra(), anyway=anyway)
             model.samples(sides[1])
-            sides = seen_from(sides[0], model.interfaces), seen_from(sides[1], model.interfaces)
+            simulation_side, other = (seen_from(each, model.interfaces) for each in sides)
+            sides = simulation_side, other
             target, estimator = model.target, model.estimator
         target, estimator = target or "column", estimator or "ksvm-ovo"
         question = Question(target, estimator, seed, draws, calibration_touches)
