@@ -262,6 +262,7 @@ EXAMPLES = {
     "calibrate": "rcskin calibrate sheet-5x5 run.nc -o found",
     "gap": "rcskin gap all.nc run.nc -o gap",
     "train": "rcskin train skins.zarr --target column -o columns.skops",
+    "adapt": "rcskin adapt columns.skops run.nc -o better.skops",
     "evaluate": "rcskin evaluate columns.skops all.nc -o found",
     "localize": "rcskin localize columns.skops all.nc",
     "live": f"rcskin live --model columns.skops --resource {VIRTUAL}",

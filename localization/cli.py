@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from .commands.adapt import adapt_command
 from .commands.evaluate import evaluate_command
 from .commands.localize import localize_command
 from .commands.options import Progress
@@ -24,11 +25,12 @@ def add_commands(
     checked_ending: Callable[[str], str],
     extra: Callable[[], Iterable[Estimator]] = tuple,
 ) -> None:
-    """Add `train`, `evaluate` and `localize`; extra tells estimators beside those of here.
+    """Add `train`, `adapt`, `evaluate` and `localize`; extra tells estimators beside those of here.
 
     progress: opens what tells how far work has come. plan: of a scene's text, the skin from above.
     checked_ending: the ending of charts by its name, such as svg; raises InputError.
     """
     app.command("train")(train_command(extra, progress))
+    app.command("adapt")(adapt_command(extra))
     app.command("evaluate")(evaluate_command(extra, progress, plan, checked_ending))
     app.command("localize")(localize_command(extra))

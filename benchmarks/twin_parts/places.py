@@ -12,7 +12,6 @@ from functools import partial
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 from joblib import Parallel, delayed
 from rcskin.localization.inputs.rest import RECENT
 from rcskin.localization.inputs.samples import samples_of
@@ -20,16 +19,12 @@ from rcskin.localization.inversion.adapted import QUANTITIES, AdaptedPosition
 from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.inversion.tables import templates
-from rcskin.simulator.measure.readout import Meter
 from rcskin.simulator.models.reduced.model import Reduced
-from rcskin.simulator.press.capacitance import touched_cells
-from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.scene.files import scene_text
-from rcskin.simulator.scene.frequency import laplace_variable
 from rcskin.simulator.scene.randomisation import Normal
 from rcskin.simulator.scene.scene import Scene
-from rcskin.simulator.sweeps import build
 
+from twin_parts.reading import read_at_once
 from twin_parts.scenes import built
 from twin_parts.skin import Twin
 from twin_parts.trials import Trial
@@ -59,7 +54,7 @@ def place_limits(trial: Trial, skins: int, processes: int = 2) -> list[dict[str,
 
 def _of_skin(trial: Trial, family: Reduced, number: int) -> pd.DataFrame:
     twin = Twin(built(trial.believed), family, SEED, number, trial.hand)
-    sweeps = _read(twin, trial.recording(np.random.default_rng([SEED, number])))
+    sweeps = read_at_once(twin, trial.recording(np.random.default_rng([SEED, number])))
     samples = samples_of(sweeps, "position", QUANTITIES)
     X, truth = samples.X, samples.y
     inner = ModelBasedPosition(scene_text(_with_the_hand_of(trial)), rest_sweeps=RECENT)
@@ -75,28 +70,3 @@ def _with_the_hand_of(trial: Trial) -> Scene:
         update={"factor": Normal(mean=2.0, deviation=trial.hand.strength)}
     )
     return trial.believed.model_copy(update={"dataset": drawn.model_copy(update={"press": press})})
-
-
-def _read(twin: Twin, presses: list[str]) -> xr.Dataset:
-    """Sweeps of a twin with the meter's errors but for its ranges."""
-    scene = twin.scene
-    factor = scene.press.capacitance_factor
-    asked = [check_press(parse_press(press, factor), scene) for press in presses]
-    Z = np.array([_impedance(twin, press, event) for event, press in enumerate(asked)])
-    meter = Meter(scene.readout, len(scene.interfaces), np.random.default_rng([SEED, twin.number]))
-    return build(
-        meter.measure(Z),
-        scene.frequencies,
-        interface=[each.name for each in scene.interfaces],
-        press=[str(press) for press in asked],
-        row=[0 if press == "none" else -1 for press in presses],
-        column=[0 if press == "none" else -1 for press in presses],
-    )
-
-
-def _impedance(twin: Twin, asked: Press, event: int) -> np.ndarray:
-    scene, drawn = twin.scene, twin.drawn
-    cells, rises = touched_cells(twin.family.scene, twin.pressed(asked, event))
-    s = laplace_variable(scene.frequencies, drawn.variation.loss)
-    Z = twin.skin(event).sweeps(cells, rises, np.array([0, len(cells)]), s)[0]
-    return drawn.leads.seen_through(Z, scene.frequencies)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -26,7 +26,8 @@ class Answer:
 
     label: in words. probability: of the label, None where it is not known. pixels: probability that
     a pixel is pressed, shape (row, column), row 1 first. position: x, y in mm. deviation: its
-    standard deviations, mm. Raises ValueError where a number is none or no probability.
+    standard deviations, mm. region: how likely places x, y in mm are, from 0 outside of the region
+    that holds 95 % to 1. Raises ValueError where a number is none or no probability.
     """
 
     label: str
@@ -34,6 +35,7 @@ class Answer:
     pixels: NDArray[np.float64] | None = None
     position: tuple[float, float] | None = None
     deviation: tuple[float, float] | None = None
+    region: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]] | None = None
 
     def __post_init__(self) -> None:
         probabilities = np.append(

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from .answer import Answer
 
@@ -54,7 +57,7 @@ class Grid:
             self._draw_pixels(text, answer.pixels[row - 1], line)
         elif answer is not None and answer.position is not None:
             down = (self.rows - row) * self.high + line
-            self._draw_position(text, down, answer.position, answer.deviation)
+            self._draw_position(text, down, answer.position, answer.region)
         else:
             text.append(" " * (self.wide * self.columns), _style(0))
 
@@ -75,20 +78,20 @@ class Grid:
         text: Text,
         down: int,
         position: tuple[float, float],
-        deviation: tuple[float, float] | None,
+        region: Callable[[NDArray, NDArray], NDArray] | None,
     ) -> None:
-        """A marker where the touch is most likely, each character as bright as it is likely."""
+        """A marker where the touch is told, the region as bright as places are likely."""
         wide, high = self.wide * self.columns, self.high * self.rows
         at_x, at_y = (
             _place(position[0] / self.size[0], wide),
             _place(1 - position[1] / self.size[1], high),
         )
-        y = (1 - (down + 0.5) / high) * self.size[1]
-        for across in range(wide):
-            x = (across + 0.5) / wide * self.size[0]
-            likely = _density((x, y), position, deviation)
+        x = (np.arange(wide) + 0.5) / wide * self.size[0]
+        y = np.full(wide, (1 - (down + 0.5) / high) * self.size[1])
+        likely = np.zeros(wide) if region is None else region(x, y)
+        for across, level in enumerate(likely.tolist()):
             marked = (across, down) == (at_x, at_y)
-            text.append(MARKER if marked else " ", _style(1.0 if marked else likely))
+            text.append(MARKER if marked else " ", _style(1.0 if marked else level))
 
 
 def fitting(rows: int, columns: int, size: tuple[float, float], room: tuple[int, int]) -> Grid:
@@ -100,16 +103,6 @@ def fitting(rows: int, columns: int, size: tuple[float, float], room: tuple[int,
 
 def _place(fraction: float, count: int) -> int:
     return min(max(math.floor(fraction * count), 0), count - 1)
-
-
-def _density(
-    at: tuple[float, float], mean: tuple[float, float], deviation: tuple[float, float] | None
-) -> float:
-    """Of a normal distribution, 1 at its mean; 0 where there is no deviation."""
-    if deviation is None:
-        return 0.0
-    squares = (((a - m) / max(d, 1e-9)) ** 2 for a, m, d in zip(at, mean, deviation, strict=True))
-    return math.exp(-0.5 * sum(squares))
 
 
 def _style(level: float) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -21,10 +22,17 @@ class Told(Protocol):
     def probability(self) -> NDArray: ...
 
 
+class Region(Protocol):
+    """Where a touch may be. shade: how likely places x, y in mm are, 0 outside, at most 1."""
+
+    def shade(self, x: NDArray, y: NDArray, /) -> NDArray: ...
+
+
 class Model(Protocol):
     """What a trained model knows of itself and can be asked; rest: sweeps of the skin at rest.
 
     positions: x and y in mm and strength, and their standard deviations, shape (sweep, 3) each.
+    regions: the smallest that hold a touch with 95 %.
     """
 
     @property
@@ -42,6 +50,9 @@ class Model(Protocol):
     def positions(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None, /
     ) -> tuple[NDArray, NDArray]: ...
+    def regions(
+        self, sweeps: xr.Dataset, rest: xr.Dataset | None, /
+    ) -> Sequence[Region | None]: ...
 
 
 @dataclass(frozen=True)
@@ -83,14 +94,17 @@ class ModelLocalizer:
             names = [str(each) for each in classes]
             return answer_of_classes(self.target, label, names, known[0], (self.rows, self.columns))
         if label == "1":
-            return _place(*self.model.positions(sweep, rest))
+            region = self.model.regions(sweep, rest)[0]
+            return _place(*self.model.positions(sweep, rest), region)
         if label == "0":
             return Answer(NOTHING_PRESSED, float(told.probability[0]))
         return Answer(CANNOT_TELL)
 
 
-def _place(found: NDArray, deviations: NDArray) -> Answer:
+def _place(found: NDArray, deviations: NDArray, region: Region | None) -> Answer:
     x, y, strength = found[0].tolist()
     deviation = tuple(deviations[0, :2].tolist())
     words = f"x {x:.0f} mm, y {y:.0f} mm, strength {strength:.2g}"
-    return Answer(words, position=(x, y), deviation=deviation)
+    return Answer(
+        words, position=(x, y), deviation=deviation, region=None if region is None else region.shade
+    )

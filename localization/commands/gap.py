@@ -41,8 +41,16 @@ def gap_command(
             str | None,
             typer.Option(help="Scene of the simulated sweeps; else the one they were made of."),
         ] = None,
-        target: Annotated[str, typer.Option(help="column, row or pixel.")] = "column",
-        estimator: Annotated[str, typer.Option(help="The localizer, by name.")] = "ksvm-ovo",
+        target: Annotated[
+            str | None, typer.Option(help="column (the default), row or pixel.")
+        ] = None,
+        estimator: Annotated[
+            str | None, typer.Option(help="The localizer, by name; ksvm-ovo without.")
+        ] = None,
+        own: Annotated[
+            Path | None,
+            typer.Option("--model", help="Ask this one, MODEL.skops, in place of training one."),
+        ] = None,
         seed: Annotated[int, typer.Option(help="Of all random numbers.")] = 0,
         draws: Annotated[int, typer.Option(help="How often added sweeps are drawn anew.")] = 5,
         calibration_touches: Annotated[
@@ -59,20 +67,34 @@ def gap_command(
 
         Distances of Rs and Cp, accuracies of a localizer trained on simulation
         and on a few touches, before and after calibration, distances of the
-        features' distributions, and the parameter that explains most.
+        features' distributions, and the parameter that explains most. With
+        --model it is your own model that is asked, as it is and adapted by a
+        few touches, and whether its probabilities can be believed.
         """
-        from ...simulator.sweeps import read, read_joined
+        from ...simulator.sweeps import InputError, read, read_joined
         from ..gap.findings import find
         from ..gap.noun import check_other, check_simulated
         from ..gap.pair import paired
         from ..gap.question import Question
         from ..gap.report.pages import HTML, made_folder, write_report
         from ..gap.trial import prepared
+        from ..inputs.features import seen_from
+        from .asking import model_for
 
         drawing = style()
         ending = None if charts is None else drawing.checked_ending(charts)
-        question = Question(target, estimator, seed, draws, calibration_touches)
         sides = read(simulated), read_joined(measured)
+        model = None
+        if own is not None:
+            if target or estimator:
+                raise InputError("--model tells target and estimator: leave these out")
+            model = model_for(sides[1], measured, own, extra(), anyway=anyway)
+            model.samples(sides[1])
+            simulation_side, other = (seen_from(each, model.interfaces) for each in sides)
+            sides = simulation_side, other
+            target, estimator = model.target, model.estimator
+        target, estimator = target or "column", estimator or "ksvm-ovo"
+        question = Question(target, estimator, seed, draws, calibration_touches)
         check_simulated(sides[0], simulated)
         text = simulation.scene(scene) if scene else ""
         if not anyway:
@@ -84,7 +106,7 @@ def gap_command(
         pair = paired(*sides, simulation, text, seed)
         made_folder(output)
         with progress() as track:
-            findings = find(prepared(pair, question, simulation, extra()), simulation, track)
+            findings = find(prepared(pair, question, simulation, extra(), model), simulation, track)
         write_report(output, findings, drawing, ending)
         _show(findings, output / HTML)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,8 @@ from sklearn.model_selection import cross_val_predict
 from ..inputs.features import DEFAULT_QUANTITIES, features
 from ..inputs.samples import Samples
 from ..inputs.targets import labels
+from ..inversion.region import Region, region_of
+from ..inversion.regions import PROBABILITY, places_of
 from ..learners.classifiers import REFERENCE, pipeline
 from ..learners.registry import Estimator
 from ..trust.answers import Answers
@@ -25,6 +27,9 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+EXAMPLES = 6
+"""Sweeps whose regions are kept."""
+WITHIN = f"touches within {100 * PROBABILITY:g} % regions"
 __all__ = ["ClassScore", "PositionScore", "cross_validate", "folds_of", "nested"]
 
 
@@ -70,19 +75,29 @@ class ClassScore:
 
 @dataclass(frozen=True, eq=False)
 class PositionScore:
-    """What a regressor told of sweeps it was not trained on: mm, mm and factor, (sweep, 3) each."""
+    """What a regressor told of sweeps it was not trained on: mm, mm and factor, (sweep, 3) each.
+
+    content: of the smallest region that reaches the touch, shape (sweep,). examples: numbers of
+    some sweeps, and their regions.
+    """
 
     truth: NDArray[np.float64]
     told: NDArray[np.float64]
     deviation: NDArray[np.float64]
+    content: NDArray[np.float64]
+    examples: Mapping[int, Region]
 
     @property
     def distance(self) -> NDArray[np.float64]:
         """Between touch and answer, mm, shape (sweep,)."""
         return np.linalg.norm((self.told - self.truth)[:, :2], axis=1)
 
+    def rates(self) -> dict[str, tuple[int, int]]:
+        """Of `figures` those that are rates: how many, and of how many sweeps."""
+        return {WITHIN: (int((self.content <= PROBABILITY).sum()), self.content.size)}
+
     def figures(self) -> dict[str, float]:
-        """Errors in mm and of the factor, and how often they lie within stated deviations."""
+        """Errors in mm and of the factor, and how often they lie within what is stated."""
         away = np.abs(self.told - self.truth)
         return {
             "median error, mm": float(np.median(self.distance)),
@@ -90,6 +105,7 @@ class PositionScore:
             "median error of factor": float(np.median(away[:, 2])),
             "within 1 deviation": float((away <= self.deviation)[:, :2].mean()),
             "within 2 deviations": float((away <= 2 * self.deviation)[:, :2].mean()),
+            WITHIN: float((self.content <= PROBABILITY).mean()),
         }
 
 
@@ -99,9 +115,18 @@ Score = ClassScore | PositionScore
 def score(learned: Classifier | Regressor, samples: Samples) -> Score:
     """What it tells of samples against what they are."""
     if isinstance(learned, Regressor):
-        return PositionScore(samples.y, *learned.positions(samples.X))
+        return _placed(learned, samples)
     answers = learned.answers(samples.X)
     return ClassScore(samples.y, learned.pipeline.predict(samples.X), answers)
+
+
+def _placed(learned: Regressor, samples: Samples) -> PositionScore:
+    places = places_of(learned, samples.X, samples.problem.scene)
+    pairs = zip(places, samples.y, strict=True)
+    content = np.array([each.content(x, y) for each, (x, y, _) in pairs])
+    some = np.unique(np.linspace(0, len(places) - 1, EXAMPLES).astype(int)).tolist()
+    examples = {k: region_of(places[k], PROBABILITY) for k in some}
+    return PositionScore(samples.y, *learned.positions(samples.X), content, examples)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +142,7 @@ class Nested:
     @property
     def whole(self) -> Score:
         """Of all sweeps, each told by the fold that did not train on it."""
-        return _joined(self.folds)
+        return joined(self.folds)
 
     def figures(self) -> dict[str, tuple[float, float | None]]:
         """Mean over the folds that have the figure and their standard deviation."""
@@ -179,11 +204,13 @@ def cross_validate(
     return compare(y, np.asarray(cross_val_predict(untrained, X, y, cv=splits)))
 
 
-def _joined(folds: Sequence[Score]) -> Score:
+def joined(folds: Sequence[Score]) -> Score:
+    """Of all the sweeps of several, which are of one kind."""
     first = folds[0]
     if isinstance(first, PositionScore):
-        fields = ("truth", "told", "deviation")
-        return PositionScore(*(_column(folds, name) for name in fields))
+        fields = ("truth", "told", "deviation", "content")
+        columns = {name: _column(folds, name) for name in fields}
+        return PositionScore(**columns, examples=first.examples)
     answers = [fold.answers for fold in folds if isinstance(fold, ClassScore)]
     joined = Answers(*(_column(answers, name) for name in ("labels", "probability", "novel")))
     return ClassScore(_column(folds, "truth"), _column(folds, "told"), joined)

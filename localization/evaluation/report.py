@@ -15,7 +15,9 @@ from .confusion import write_csv
 from .evaluation import ClassScore, PositionScore, Score
 
 if TYPE_CHECKING:
+    import numpy as np
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from .plan import Plan
 
@@ -48,7 +50,7 @@ def checked_folder(path: Path) -> Path:
 def lines_of(found: Found) -> list[str]:
     """On what, then a line for each figure, with its spread over folds where there are any."""
     first = f"{len(found.score.truth)} sweeps, {found.left_out}"
-    rates = found.score.rates() if isinstance(found.score, ClassScore) else {}
+    rates = found.score.rates()
     lines = [f"{first}; {found.validation}"]
     for name, (value, spread) in found.figures.items():
         if name in rates:
@@ -56,7 +58,7 @@ def lines_of(found: Found) -> list[str]:
             lines.append(f"{name}: {rate_told(*rates[name])}{folds}")
         else:
             lines.append(f"{name}: {value:.3g}" + ("" if spread is None else f" ± {spread:.2g}"))
-    if rates and not rates["answered"][0]:
+    if not rates.get("answered", (1, 0))[0]:
         lines.append("nothing was answered: no sweep was like the training and sure enough")
     return lines
 
@@ -64,7 +66,8 @@ def lines_of(found: Found) -> list[str]:
 def write_report(
     folder: Path, found: Found, plan: Plan | None = None, ending: str = ".png"
 ) -> None:
-    """Figures as a table; the confusion matrix, or all positions, as a table and a chart.
+    """Figures as a table; the confusion matrix, or all positions, as a table and a chart; and a
+    chart of whether the stated probabilities, or regions, can be believed.
 
     folder: made where it is not there. plan: of the skin that positions are on. ending: of the
     chart.
@@ -76,11 +79,13 @@ def write_report(
     if isinstance(score, ClassScore):
         write_csv(score.confusion, folder / "confusion.csv")
         _save(_confusion_chart(score), folder / f"confusion{ending}")
+        _save(belief_chart(score.answers.probability, score.right), folder / f"belief{ending}")
     else:
         rows = zip(score.truth, score.told, score.deviation, strict=True)
         flat = [[f"{value:.6g}" for part in row for value in part] for row in rows]
         write_table(folder / "positions.csv", POSITIONS, flat)
         _save(_position_chart(score, plan), folder / f"positions{ending}")
+        _save(_region_chart(score, plan), folder / f"regions{ending}")
 
 
 def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
@@ -92,6 +97,19 @@ def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[objec
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)
         writer.writerows(rows)
+
+
+def belief_chart(probability: NDArray[np.float64], right: NDArray[np.bool_]) -> Figure:
+    """Whether probabilities can be believed; arguments as of `draw_reliability`."""
+    from matplotlib.figure import Figure
+
+    from .belief import draw_reliability, draw_risk
+
+    figure = Figure(figsize=(9.5, 4.4), layout="constrained")
+    stated, silent = figure.subplots(1, 2)
+    draw_reliability(stated, probability, right)
+    draw_risk(silent, probability, right)
+    return figure
 
 
 def _confusion_chart(score: ClassScore) -> Figure:
@@ -118,6 +136,21 @@ def _position_chart(score: PositionScore, plan: Plan | None) -> Figure:
     if plan is not None:
         draw_plan(where, plan)
     draw_errors(how_often, score.distance)
+    return figure
+
+
+def _region_chart(score: PositionScore, plan: Plan | None) -> Figure:
+    from matplotlib.figure import Figure
+
+    from .belief import draw_coverage, draw_regions
+    from .plan import draw_plan
+
+    figure = Figure(figsize=(9.5, 4.4), layout="constrained")
+    how_often, where = figure.subplots(1, 2)
+    draw_coverage(how_often, score.content)
+    draw_regions(where, score.truth, score.examples)
+    if plan is not None:
+        draw_plan(where, plan)
     return figure
 
 

@@ -58,7 +58,7 @@ def transferred(
         training = simulated.joined(other.chosen(added))
         test = other.chosen(tested[other.told[tested]])
         outcomes.append(compare(test.y, answered(training, test, estimator)))
-    return _over_draws(outcomes)
+    return over_draws(outcomes)
 
 
 def cross_validated(
@@ -98,7 +98,8 @@ def _over_folds(
     return Accuracy(confusion.accuracy, 0.0, 1, confusion)
 
 
-def _over_draws(outcomes: Sequence[Confusion]) -> Accuracy:
+def over_draws(outcomes: Sequence[Confusion]) -> Accuracy:
+    """Mean and spread, and all counted together."""
     values = [outcome.accuracy for outcome in outcomes]
     return Accuracy(
         mean=float(np.mean(values)),

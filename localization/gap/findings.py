@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.sweeps import InputError, ToleranceError
+from ..evaluation.evaluation import ClassScore
 from .accuracy import Accuracy, CrossValidated, cross_validated, transferred
+from .asked import BY_MODEL
 from .discrepancy import Discrepancy, discrepancy
 from .distance import Distance, distances
 from .given import Cause, Simulation
@@ -40,9 +42,18 @@ class Stage:
 
 
 @dataclass(frozen=True, eq=False)
+class ByModel:
+    """accuracies: by how many sweeps of every pixel adapted it. judged: as it is, of all tested."""
+
+    accuracies: Mapping[int, Accuracy]
+    judged: ClassScore
+
+
+@dataclass(frozen=True, eq=False)
 class Findings:
     """stages: before and after. own: trained and tested on the other side, by set of features,
     `grouped` as hard as can be and of `single` sweeps. causes: the greatest share first.
+    model: what the user's own model tells, where it is asked.
     """
 
     trial: Trial
@@ -50,6 +61,7 @@ class Findings:
     own: Mapping[str, Mapping[str, CrossValidated]]
     causes: Sequence[Cause]
     notes: Sequence[str]
+    model: ByModel | None = None
 
 
 def find(trial: Trial, simulation: Simulation, track: Any) -> Findings:
@@ -60,25 +72,38 @@ def find(trial: Trial, simulation: Simulation, track: Any) -> Findings:
     stages = {name: _stage(trial, name, track) for name in trial.versions}
     own = {name: _own(trial, samples) for name, samples in trial.others.items()}
     causes, why = _causes(trial, simulation)
-    notes = [*trial.notes, *why]
+    model, unasked = _by_model(trial)
+    notes = [*trial.notes, *why, *unasked]
     if not all(own.values()):
         notes.append(
             f"A class has a single {trial.pair.noun.adjective} sweep: nothing is trained on them."
         )
-    return Findings(trial, stages, own, causes, notes)
+    return Findings(trial, stages, own, causes, notes, model)
+
+
+def _by_model(trial: Trial) -> tuple[ByModel | None, list[str]]:
+    if trial.asked is None:
+        return None, []
+    other = trial.others[BY_MODEL]
+    accuracies, notes = trial.asked.accuracies(other, trial.splits)
+    tested = np.unique(np.concatenate([split.tested for split in trial.splits[0]]))
+    return ByModel(accuracies, trial.asked.judged(other.chosen(tested))), notes
 
 
 def _stage(trial: Trial, name: str, track: Any) -> Stage:
     version, target = trial.versions[name], trial.question.target
     other = trial.pair.other.isel(sweep=trial.described)
     ours = {
-        each: _common(trial, samples_of(version.read, each, target, version.rest))
-        for each in trial.others
+        each: _common(trial, samples_of(version.read, quantities, target, version.rest))
+        for each, quantities in trial.features.items()
+        if each in trial.others
     }
     return Stage(
         pressed=distances(version.exact, other, trial.error, target, pressed=True),
         rest=distances(version.exact, other, trial.error, target, pressed=False),
-        transfer={each: _transfer(trial, ours[each], each, name, track) for each in ours},
+        transfer={}
+        if trial.asked
+        else {each: _transfer(trial, ours[each], each, name, track) for each in ours},
         discrepancies={each: _discrepancies(trial, ours[each], each) for each in ours},
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,11 @@ if TYPE_CHECKING:
 
 FEATURE_SETS = {"absolute": ("Rs", "Cp"), "relative": ("dlnZ", "dphase")}
 """The paper's, and those relative to the skin at rest in the same session."""
-TOLD = {"absolute": "Rs and Cp", "relative": "ln|Z| and phase less those at rest"}
+TOLD = {
+    "absolute": "Rs and Cp",
+    "relative": "ln|Z| and phase less those at rest",
+    "model": "the model's own features",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,13 +56,13 @@ class Samples:
 
 
 def samples_of(
-    sweeps: xr.Dataset, feature_set: str, target: str, rest: xr.Dataset | None = None
+    sweeps: xr.Dataset, quantities: Sequence[str], target: str, rest: xr.Dataset | None = None
 ) -> Samples:
     """Raises InputError as the features and the labels do.
 
     rest: sweeps of the skin at rest that others are told against, those among `sweeps` without.
     """
-    found = learnable(sweeps, target, FEATURE_SETS[feature_set], rest=rest)
+    found = learnable(sweeps, target, quantities, rest=rest)
     X = np.full((sweeps.sizes["sweep"], found.X.shape[1]), np.nan)
     X[found.rows] = found.X
     return Samples(found.problem, X, labels(sweeps, target), pixel_of(sweeps))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...simulator.sweeps import InputError
 from ..learners.registry import Estimator, chosen, estimators
+from .asked import BY_MODEL, Asked
 from .distance import MeterError, meter_error
 from .given import Estimate, ReadingError, Simulation
 from .pair import Pair, pixel_of
@@ -25,6 +26,8 @@ from .versions import Version, versions_of
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ..model.model import Model
+
 TOUCHES = (0, 1, 2, 5)
 """How many sweeps of every pixel are added to training."""
 
@@ -34,8 +37,9 @@ class Trial:
     """A pair made ready.
 
     reserved: the other side's sweeps that calibrate, shape (sweep,). versions: of the simulated
-    sweeps, by stage. others: the other side's samples by set of features. splits: by how many
-    sweeps of a pixel are added to training.
+    sweeps, by stage. features: quantities of each set of features; others: the other side's samples
+    by it. splits: by how many sweeps of a pixel are added to training. asked: the model that is
+    asked, if none is to be trained.
     """
 
     pair: Pair
@@ -45,9 +49,11 @@ class Trial:
     reserved: NDArray[np.bool_]
     versions: Mapping[str, Version]
     estimates: Sequence[Estimate]
+    features: Mapping[str, Sequence[str]]
     others: Mapping[str, Samples]
     splits: Mapping[int, Sequence[Split]]
     notes: Sequence[str]
+    asked: Asked | None
 
     @property
     def common(self) -> NDArray[np.int64]:
@@ -62,20 +68,26 @@ class Trial:
 
 
 def prepared(
-    pair: Pair, question: Question, simulation: Simulation, extra: Iterable[Estimator] = ()
+    pair: Pair,
+    question: Question,
+    simulation: Simulation,
+    extra: Iterable[Estimator] = (),
+    model: Model | None = None,
 ) -> Trial:
-    """extra: estimators that can be named beside those of `localization`.
+    """extra: estimators that can be named beside those of `localization`. model: to be asked.
 
     Raises InputError where there is no such estimator, nothing is left to test, or the classes
     cannot be told.
     """
-    estimator = chosen(question.estimator, question.target, estimators(extra))
+    registry = estimators(extra)
+    estimator = chosen(question.estimator, question.target, registry)
+    sets = FEATURE_SETS if model is None else {BY_MODEL: model.quantities}
     row, column, session = (pair.other[name].values for name in ("row", "column", "session"))
     reserved = reserved_for_calibration(row, column, question.touches, session)
     splits, left_out = _splits(pair, question, reserved)
     versions = versions_of(pair, simulation, reserved, question.seed)
     rest = pair.other.isel(sweep=reserved & (row == 0))
-    others, not_told = _others(pair, rest, versions.by_stage, question.target, estimator)
+    others, not_told = _others(pair, rest, versions.by_stage, question.target, estimator, sets)
     return Trial(
         pair,
         question,
@@ -84,9 +96,11 @@ def prepared(
         reserved,
         versions.by_stage,
         versions.estimates,
+        sets,
         others,
         splits,
         [*pair.notes, *versions.notes, *left_out, *not_told],
+        None if model is None else Asked(model, registry),
     )
 
 
@@ -128,17 +142,20 @@ def _others(
     versions: Mapping[str, Version],
     target: str,
     estimator: Estimator,
+    sets: Mapping[str, Sequence[str]],
 ) -> tuple[dict[str, Samples], list[str]]:
     """The other side's samples of each set of features that all have; why there are no others.
 
     Raises InputError where there is none at all.
     """
     found, refused = {}, {}
-    for name in FEATURE_SETS:
+    for name, quantities in sets.items():
         try:
             for version in versions.values():
-                _check_learnable(samples_of(version.read, name, target, version.rest), estimator)
-            found[name] = samples_of(pair.other, name, target, rest)
+                _check_learnable(
+                    samples_of(version.read, quantities, target, version.rest), estimator
+                )
+            found[name] = samples_of(pair.other, quantities, target, rest)
         except InputError as error:
             refused[name] = error
     if not found:

@@ -18,6 +18,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from .classifier import QUANTITIES as CHANGE
 from .classifier import Builder, ModelBased
 from .position import ModelBasedPosition
+from .region import Places
 
 QUANTITIES = (*CHANGE, "lnZ0", "phase0")
 """Features that it takes, in this order."""
@@ -34,7 +35,8 @@ class _Adapted(BaseEstimator):
 
     Attributes
     ----------
-    mean_: the inner one, fitted to the skin of the sessions' mean.
+    mean_: the inner one, fitted to the skin of the sessions' mean. taught_: changes and labels that
+    teach what the curve at rest leaves open of the skin, if any do.
     """
 
     kind: type
@@ -44,11 +46,16 @@ class _Adapted(BaseEstimator):
         self.builder = builder
 
     def fit(self, X, y=None):
-        """Take the tables of the mean skin; X, y are only checked. Raises ValueError without
-        builder."""
+        """Take the tables of the mean skin. Raises ValueError without builder.
+
+        X: shape (sweep, feature), y: labels; they teach where `inner` is to learn, and are only
+        checked else.
+        """
         self.mean_, self._skins = self._fitted(None), {}
         self.n_features_in_ = 2 * self.mean_.n_features_in_
-        validate_data(self, X, reset=False)
+        X = validate_data(self, X, reset=False)
+        if getattr(self.inner, "learn", "nothing") != "nothing" and y is not None:
+            self.taught_ = [np.split(X, 2, axis=1)[0], np.asarray(y)]
         return self
 
     def novel(self, X):
@@ -66,7 +73,8 @@ class _Adapted(BaseEstimator):
             raise ValueError("`builder` is needed: it makes the tables of each skin")
         inner: Any = self.kind() if self.inner is None else clone(self.inner)
         known = {} if curve is None else {"rest": curve, "averaged": inner.rest_sweeps}
-        return inner.set_params(builder=partial(self.builder, **known)).fit()
+        lesson = [] if curve is None else getattr(self, "taught_", [])
+        return inner.set_params(builder=partial(self.builder, **known)).fit(*lesson)
 
     def _told(self, X, ask: Callable[[Any, NDArray], NDArray]) -> NDArray[np.float64]:
         """What the estimator of each row's skin tells of it, shape (sweep, ...)."""
@@ -127,6 +135,10 @@ class AdaptedPosition(RegressorMixin, _Adapted):
         """x [mm], y [mm] and strength, shape (sweep, 3), and their deviations, if asked."""
         both = self._told(X, _place_and_deviation)
         return (both[:, 0], both[:, 1]) if return_std else both[:, 0]
+
+    def places(self, X) -> list[Places]:
+        """The posterior of the place of each sweep."""
+        return self._told(X, lambda inner, change: np.array(inner.places(change), object)).tolist()
 
     def share_within(self, X, radius):
         """As of `ModelBasedPosition`, on whatever skin is at hand, shape (sweep,)."""

@@ -88,13 +88,15 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
 
     def regions(self, X, probability=0.95) -> list[Region]:
         """The smallest region of places that holds the probability, of each sweep."""
-        posteriors = [self._posterior(each) for each in self._scaled(X)]
-        return [region_of(self._places(each), probability) for each in posteriors]
+        return [region_of(each, probability) for each in self.places(X)]
+
+    def places(self, X) -> list[Places]:
+        """The posterior of the place of each sweep."""
+        return [self._places(self._posterior(each)) for each in self._scaled(X)]
 
     def share_within(self, X, radius):
         """Chance that no answer exceeds to lie within so many mm of the touch, shape (sweep,)."""
-        posteriors = [self._posterior(each) for each in self._scaled(X)]
-        return np.array([self._places(each).share_within(radius) for each in posteriors])
+        return np.array([each.share_within(radius) for each in self.places(X)])
 
     def novel(self, X):
         """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""

@@ -10,6 +10,8 @@ from scipy.signal import fftconvolve
 
 LINES = 41
 NEGLIGIBLE = 1e-4
+FARTHEST = 4.0
+"""Deviations of an entry, beyond which nothing of it is looked for."""
 FINE = 1.0
 """mm, between places that discs are laid around."""
 STARTS, STEPS = 200, 50
@@ -63,6 +65,21 @@ class Places:
                 break
         return np.clip(place, *self.bounds.T)
 
+    def content(self, x: float, y: float) -> float:
+        """Share of the smallest region that reaches a place: 0 at the peak, up to 1 far from it."""
+        density = self.density(*np.meshgrid(*self.grid()))
+        there = self.density(np.array(x), np.array(y))
+        return float(density[density > there].sum() / density.sum())
+
+    def grid(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Middles of cells, x and y in mm, over what of the skin the posterior reaches."""
+        kept = self.weight > NEGLIGIBLE * self.weight.max()
+        reach = FARTHEST * np.sqrt(np.einsum("eii->ei", self.covariance[kept]))
+        low = np.maximum((self.mean[kept] - reach).min(axis=0), self.bounds[:, 0])
+        high = np.minimum((self.mean[kept] + reach).max(axis=0), self.bounds[:, 1])
+        sides = np.where((high > low)[:, None], np.stack([low, high], axis=1), self.bounds)
+        return _middles(*sides[0]), _middles(*sides[1])
+
     def share_within(self, radius: float) -> float:
         """The largest share of the posterior that any disc of this radius holds, in mm.
 
@@ -93,6 +110,12 @@ class Region:
         """Of the region, mm²."""
         return float(self.inside.sum() * (self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
 
+    def shade(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How likely places are, 1 at the likeliest of the grid, and 0 outside of the region."""
+        there = self.places.density(x, y)
+        peak = self.places.density(*np.meshgrid(self.x, self.y)).max()
+        return np.where(there >= self.level, np.minimum(there / peak, 1.0), 0.0)
+
     def covers(self, x: float, y: float) -> bool:
         """Whether a place lies within."""
         return bool(self.places.density(np.array(x), np.array(y)) >= self.level)
@@ -100,7 +123,7 @@ class Region:
 
 def region_of(places: Places, probability: float) -> Region:
     """The cells of highest density that hold the probability together."""
-    x, y = (_middles(*sides) for sides in places.bounds)
+    x, y = places.grid()
     density = places.density(*np.meshgrid(x, y))
     ordered = np.sort(density, axis=None)[::-1]
     held = np.cumsum(ordered) / ordered.sum()

@@ -20,6 +20,7 @@ from ..inversion.position import ModelBasedPosition
 from ..learners.components import Components
 from ..learners.ecoc import ECOCClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
+from ..learners.offsets import Offsets
 from ..trust.fitted import Classifier, Guards, Regressor
 from ..trust.kinds import KindGuard
 from ..trust.novelty import NoveltyGuard
@@ -44,6 +45,7 @@ STEPS = (
     AdaptedPosition,
     NetworkClassifier,
     NetworkRegressor,
+    Offsets,
 )
 """What the pipeline may be made of."""
 KINDS = {

@@ -17,6 +17,7 @@ from ..inversion.position import ModelBasedPosition
 from ..learners.components import Components
 from ..learners.ecoc import ECOCClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
+from ..learners.offsets import Offsets
 from ..learners.registry import Registry
 from ..trust.kinds import KindGuard
 from ..trust.novelty import NoveltyGuard
@@ -36,6 +37,7 @@ TRUSTED = [
             AdaptedPosition,
             NetworkClassifier,
             NetworkRegressor,
+            Offsets,
             KindGuard,
             NoveltyGuard,
         )

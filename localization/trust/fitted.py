@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.pipeline import Pipeline
 
+from ..learners.decisions import decisions
 from .answers import Answers, decide
-from .held_out import decisions
 from .kinds import KindGuard
 from .novelty import NoveltyGuard
 from .temperature import probabilities

@@ -10,17 +10,8 @@ from numpy.typing import NDArray
 from sklearn.pipeline import Pipeline
 
 from ..inputs.samples import Samples
+from ..learners.decisions import decisions
 from .folds import Split
-
-LEAST_PROBABILITY = 1e-12
-
-
-def decisions(pipeline: Pipeline, X: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A number for each class, the larger the likelier, in the order of `classes_`; (n, K)."""
-    if hasattr(pipeline, "decision_function"):
-        told = pipeline.decision_function(X)
-        return told if told.ndim == 2 else np.column_stack([-told, told]) / 2
-    return np.log(np.maximum(pipeline.predict_proba(X), LEAST_PROBABILITY))
 
 
 def held_out_decisions(

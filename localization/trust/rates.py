@@ -34,3 +34,11 @@ def rate_told(right: int, total: int) -> str:
     told = "100" if right == total else f"{min(rate, 99.9):.3g}"
     bound = f"at least {least:g} % with {100 * CONFIDENCE:g} % confidence"
     return f"{told} % ({right} of {total}, {bound})"
+
+
+def interval(right: int, total: int) -> tuple[float, float]:
+    """Lowest and highest rate that agree with what was seen, with CONFIDENCE; exact, two-sided."""
+    from scipy.stats import binomtest
+
+    found = binomtest(right, total).proportion_ci(CONFIDENCE, "exact")
+    return float(found.low), float(found.high)

@@ -39,6 +39,7 @@ def test_a_model_is_trained_evaluated_and_asked(run, files, tmp_path):
         "figures.csv",
         "confusion.csv",
         "confusion.png",
+        "belief.png",
     }
     code, out, err = run("localize", model, files / "unseen.nc")
     assert code == 0 and "note: 1 sweeps cannot be told: nothing at rest was measured before" in err
@@ -60,7 +61,9 @@ def test_positions_are_trained_and_written(run, files, tmp_path):
     found = ("-o", tmp_path / "found", "--charts", "pdf")
     code, out, _ = run("evaluate", model, files / "unseen.nc", *found)
     assert code == 0 and "median error, mm" in out and "within 1 deviation" in out
-    assert (tmp_path / "found" / "positions.pdf").read_bytes().startswith(b"%PDF")
+    assert "touches within 95 % regions: " in out
+    for chart in ("positions", "regions"):
+        assert (tmp_path / "found" / f"{chart}.pdf").read_bytes().startswith(b"%PDF")
 
 
 def test_without_a_model_scores_are_of_outer_folds(run, files):

@@ -10,7 +10,7 @@ from ..given import Style
 from ..samples import TOLD
 from ..versions import BEFORE
 from .bars import draw_causes, draw_distributions
-from .curves import draw_accuracies, draw_distances
+from .curves import draw_accuracies, draw_belief, draw_distances
 from .matrices import draw_confusions
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ def charts_of(findings: Findings, style: Style) -> list[Chart]:
     return [
         *_distance_charts(findings, style),
         *_accuracy_charts(findings, style),
+        *_belief_chart(findings, style),
         *_distribution_chart(findings, style),
         *_cause_chart(findings, style),
     ]
@@ -59,8 +60,9 @@ def _accuracy_charts(findings: Findings, style: Style) -> list[Chart]:
     curves = Chart(
         "accuracy",
         f"{target.capitalize()}s right on {noun.adjective} sweeps never trained on, against how "
-        f"many {noun.adjective} sweeps of each pixel were added to the simulated ones; bars are "
-        "one standard deviation over the draws.",
+        f"many {noun.adjective} sweeps of each pixel "
+        f"{'adapted the model' if findings.model else 'were added to the simulated ones'}; bars "
+        "are one standard deviation over the draws.",
         lambda path: draw_accuracies(findings, style, path),
     )
     matrices = [
@@ -72,6 +74,15 @@ def _accuracy_charts(findings: Findings, style: Style) -> list[Chart]:
         for name in findings.own
     ]
     return [curves, *matrices]
+
+
+def _belief_chart(findings: Findings, style: Style) -> list[Chart]:
+    told = (
+        "How often answers of the model as it is are right against how probable it says they are, "
+        "with 95 % intervals; and how many are wrong if only the most probable ones are told."
+    )
+    chart = Chart("belief", told, lambda path: draw_belief(findings, style, path))
+    return [chart] if findings.model else []
 
 
 def _distribution_chart(findings: Findings, style: Style) -> list[Chart]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...evaluation.belief import draw_reliability, draw_risk
 from ..distance import QUANTITIES
 from ..given import Style
 from ..samples import TOLD
@@ -90,9 +91,26 @@ def draw_accuracies(findings: Findings, style: Style, path: Path) -> None:
         _legend(figure, panels[0])
 
 
+def draw_belief(findings: Findings, style: Style, path: Path) -> None:
+    """Reliability, and risk against coverage, of the user's model as it is."""
+    assert findings.model is not None
+    answers = findings.model.judged.answers
+    with style.chart(path, 9, 3.9) as figure:
+        stated, silent = figure.subplots(1, 2)
+        draw_reliability(stated, answers.probability, findings.model.judged.right)
+        draw_risk(silent, answers.probability, findings.model.judged.right)
+
+
 def _draw_transfer(axes: Axes, findings: Findings, name: str, style: Style) -> None:
-    for index, (stage, found) in enumerate(findings.stages.items()):
-        transfer, aside = found.transfer[name], 0.06 * (index - 0.5)
+    by_stage = {
+        f"trained on simulation, {stage} calibration": (stage, found.transfer[name])
+        for stage, found in findings.stages.items()
+        if found.transfer
+    }
+    if findings.model:
+        by_stage = {"the model, adapted by these": (BEFORE, findings.model.accuracies)}
+    for index, (told, (stage, transfer)) in enumerate(by_stage.items()):
+        aside = 0.06 * (index - 0.5)
         axes.errorbar(
             np.arange(len(transfer)) + aside,
             [100 * each.mean for each in transfer.values()],
@@ -102,7 +120,7 @@ def _draw_transfer(axes: Axes, findings: Findings, name: str, style: Style) -> N
             linestyle=STAGE_STYLE[stage],
             capsize=3,
             color=style.colours[index],
-            label=f"trained on simulation, {stage} calibration",
+            label=told,
         )
         axes.set_xticks(range(len(transfer)), [str(k) for k in transfer])
 

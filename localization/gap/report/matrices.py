@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...evaluation.plot import draw_confusion
 from ..given import Style
+from .telling import model_told
 
 if TYPE_CHECKING:
     from ..accuracy import Accuracy
@@ -19,16 +20,20 @@ SIDE, EACH_CLASS = 3.6, 0.3
 def main_cases(findings: Findings, name: str) -> dict[str, Accuracy]:
     """Accuracies that are worth a matrix, by what they were trained on. name: of the features."""
     noun, stages = findings.trial.pair.noun, list(findings.stages)
+    if findings.model:
+        cases = {model_told(k).capitalize(): a for k, a in findings.model.accuracies.items()}
+        return dict([*cases.items()][:: max(1, len(cases) - 1)])
     cases = {
-        f"simulation, {stage} calibration": findings.stages[stage].transfer[name][0]
+        f"Trained on simulation, {stage} calibration": findings.stages[stage].transfer[name][0]
         for stage in stages
     }
     most, last = max(findings.trial.splits), stages[-1]
     if most:
-        told = f"simulation, {last} calibration,\nand {most} {noun.adjective} sweeps of each pixel"
+        added = f"{most} {noun.adjective} sweeps of each pixel"
+        told = f"Trained on simulation, {last} calibration,\nand {added}"
         cases[told] = findings.stages[last].transfer[name][most]
     for found in list(findings.own[name].values())[:1]:
-        told = f"{noun.adjective} sweeps, cross-validated by {found.grouping or 'sweep'}"
+        told = f"Trained on {noun.adjective} sweeps, cross-validated by {found.grouping or 'sweep'}"
         cases[told] = found.accuracy
     return cases
 
@@ -43,6 +48,6 @@ def draw_confusions(findings: Findings, name: str, style: Style, path: Path) -> 
         for axes, (told, accuracy) in zip(panels, cases.items(), strict=False):
             axes.grid(False)
             draw_confusion(axes, accuracy.confusion)
-            axes.set_title(f"Trained on {told}\n{axes.get_title()}", fontsize=9)
+            axes.set_title(f"{told}\n{axes.get_title()}", fontsize=9)
         for axes in panels[len(cases) :]:
             axes.set_axis_off()

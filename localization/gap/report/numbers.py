@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..distance import QUANTITIES, Distance
-from ..samples import FEATURE_SETS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -36,6 +35,9 @@ KEYS = {
     "accuracy.transfer": "stage -> features -> k: trained on simulation and on k sweeps of every "
     "pixel of the other side, those that calibrated first, and tested on its other sweeps; mean "
     "and spread (standard deviation over the draws) are fractions of 1; tested counts all draws",
+    "accuracy.model": "of the user's own model, null where none is asked: adapted -> k, as in "
+    "transfer, by how many sweeps of every pixel it was adapted; as it is: of all tested sweeps "
+    "accuracy, answered, accuracy of answers and calibration error, fractions of 1",
     "accuracy.own": "features -> trained and tested on the other side, cross-validated: `grouped` "
     "leaves out what `grouping` names as a whole, `single` leaves out single sweeps; in so many "
     "folds",
@@ -62,10 +64,11 @@ def numbers(findings: Findings) -> dict[str, Any]:
         "interfaces": [str(name) for name in trial.pair.other["interface"].values],
         "frequency_Hz": trial.pair.other["frequency"].values.tolist(),
         "meter_error": _meter_error(trial),
-        "features": {name: list(FEATURE_SETS[name]) for name in findings.own},
+        "features": {name: list(findings.trial.features[name]) for name in findings.own},
         "distance": {name: _distance(stage) for name, stage in findings.stages.items()},
         "accuracy": {
             "transfer": {name: _transfer(stage) for name, stage in findings.stages.items()},
+            "model": _by_model(findings),
             "own": {
                 name: {kind: _validated(each) for kind, each in found.items()}
                 for name, found in findings.own.items()
@@ -76,6 +79,13 @@ def numbers(findings: Findings) -> dict[str, Any]:
         "causes": [cause._asdict() for cause in findings.causes],
         "notes": list(findings.notes),
     }
+
+
+def _by_model(findings: Findings) -> dict[str, Any] | None:
+    if findings.model is None:
+        return None
+    found = {str(k): _accuracy(each) for k, each in findings.model.accuracies.items()}
+    return {"adapted": found, "as it is": findings.model.judged.figures()}
 
 
 def _compared(trial: Trial) -> dict[str, Any]:

@@ -90,6 +90,7 @@ def _content(findings: Findings, pictures: dict[str, Picture]) -> dict[str, Any]
         "error": trial.error,
         "estimates": [estimate_told(each) for each in trial.estimates],
         "notes": findings.notes,
+        "own_model": findings.model is not None,
         "sections": _sections(pictures),
     }
 
@@ -100,6 +101,7 @@ def _sections(pictures: dict[str, Picture]) -> Sequence[tuple[str, list[Picture]
         "How far apart the mean sweeps are": "distance",
         "How often the localizer is right": "accuracy",
         "What is taken for what": "confusion",
+        "Whether the model's probabilities can be believed": "belief",
         "How far apart the distributions of the features are": "distribution",
         "Which parameter explains most": "causes",
     }

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...trust.rates import rate_told
-from ..samples import FEATURE_SETS, TOLD
+from ..samples import TOLD
 from ..versions import AFTER, BEFORE
 
 if TYPE_CHECKING:
@@ -32,7 +32,9 @@ def rows_of(findings: Findings) -> list[Row]:
     """Every accuracy, one way to train a row."""
     adjective = findings.trial.pair.noun.adjective
     rows = []
-    for stage, found in findings.stages.items():
+    for k, accuracy in findings.model.accuracies.items() if findings.model else ():
+        rows.append(Row(model_told(k), (_percent(accuracy),)))
+    for stage, found in findings.stages.items() if not findings.model else ():
         for k in findings.trial.splits:
             cells = tuple(_percent(found.transfer[name][k]) for name in findings.own)
             rows.append(Row(f"simulated, {stage} calibration, k = {k}", cells))
@@ -47,7 +49,12 @@ def rows_of(findings: Findings) -> list[Row]:
 
 def heads(findings: Findings) -> list[str]:
     """What stands above the cells of a row."""
-    return [", ".join(FEATURE_SETS[name]) for name in findings.own]
+    return [", ".join(findings.trial.features[name]) for name in findings.own]
+
+
+def model_told(k: int) -> str:
+    """The user's model, adapted by k sweeps of every pixel."""
+    return f"the model, adapted by k = {k}" if k else "the model as it is"
 
 
 def summary(findings: Findings) -> list[str]:
@@ -57,6 +64,14 @@ def summary(findings: Findings) -> list[str]:
     told = [f"Over the pressed pixels the mean {noun.name} is {before} from the simulation."]
     if AFTER in findings.stages:
         told.append(f"After calibration it is {_largest(findings, AFTER)}.")
+    if findings.model:
+        judged = findings.model.judged
+        told.append(
+            f"Of the {noun.adjective} sweeps' {target}s the model tells "
+            f"{rate_told(*judged.rates()['accuracy'])} right, and answers "
+            f"{rate_told(*judged.rates()['answered'])}."
+        )
+        return told
     for name in findings.own:
         names = [
             f"{_percent(found.transfer[name][0])} {stage} calibration"

@@ -32,6 +32,7 @@ def localizer():
             ),
             probabilities=told((np.array(classes), np.array([probabilities]))),
             positions=told((np.array([position]), np.array([[3.0, 5.0, 0.1]]))),
+            regions=told([SimpleNamespace(shade=lambda x, y: (x > 40).astype(float))]),
         )
         return ModelLocalizer(model, 2, 3, (120.0, 80.0), True)
 
@@ -65,6 +66,7 @@ def test_a_position_is_told_in_mm_with_its_deviation(localizer):
     answer = localizer("position", "1", position=[43.2, 71.8, 2.04]).answer(SWEEP, REST)
     assert answer.words == "x 43 mm, y 72 mm, strength 2, ± 3.0 x 5.0 mm"
     assert (answer.position, answer.deviation) == ((43.2, 71.8), (3.0, 5.0))
+    np.testing.assert_array_equal(answer.region(np.array([10, 50]), np.array([5, 5])), [0, 1])
 
 
 @pytest.mark.parametrize(

@@ -106,12 +106,17 @@ def test_a_marker_lies_where_the_position_is(grid, x, y):
     assert (1 - (down + 0.5) / high) * SIZE[1] == pytest.approx(y, abs=0.51 * SIZE[1] / high)
 
 
-def test_an_uncertain_position_is_a_wider_spot(grid):
-    def bright(deviation):
-        drawn = characters(grid.draw(Answer("at", position=(60.0, 40.0), deviation=deviation)))
-        return sum(level > 100 for line in drawn for _, level in line)
+def test_the_region_of_a_position_is_drawn_with_all_its_parts(grid):
+    def region(x, y):
+        return np.where(np.abs(x - 60) > 30, 0.9, 0.0)
 
-    assert bright((5.0, 5.0)) < bright((20.0, 5.0)) < bright((20.0, 20.0))
+    drawn = characters(grid.draw(Answer("at", position=(60.0, 40.0), region=region)))
+    for line in drawn[: grid.high * grid.rows]:
+        bright = [level > 100 for character, level in line[4:] if character != MARKER]
+        sides = len(bright) // 5
+        assert (
+            all(bright[:sides]) and all(bright[-sides:]) and not any(bright[sides + 2 : -sides - 2])
+        )
     assert Answer("x 60 mm, y 40 mm", None, None, (60, 40), (3, 2)).words.endswith("± 3.0 x 2.0 mm")
 
 

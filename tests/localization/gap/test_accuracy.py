@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.localization.gap.accuracy import cross_validated, transferred
-from rcskin.localization.gap.samples import Samples, samples_of
+from rcskin.localization.gap.samples import FEATURE_SETS, Samples, samples_of
 from rcskin.localization.gap.splits import Split
 from rcskin.localization.inputs.samples import Problem
 from rcskin.localization.learners.registry import chosen
@@ -57,7 +57,7 @@ def test_the_hardest_grouping_that_can_be_is_taken(
 ):
     sweeps = make_skin_sweeps(sessions=sessions)
     sweeps = sweeps.isel(sweep=np.isin(sweeps["row"].values, rows))
-    samples = samples_of(sweeps, "absolute", target)
+    samples = samples_of(sweeps, FEATURE_SETS["absolute"], target)
     found = cross_validated(sweeps, samples, SVC, 0)
     assert found.grouping == grouping
     assert found.accuracy.confusion.total == sweeps.sizes["sweep"]
@@ -66,5 +66,5 @@ def test_the_hardest_grouping_that_can_be_is_taken(
 
 def test_a_class_of_one_sweep_cannot_be_cross_validated(make_skin_sweeps):
     sweeps = make_skin_sweeps(1)
-    samples = samples_of(sweeps, "absolute", "pixel")
+    samples = samples_of(sweeps, FEATURE_SETS["absolute"], "pixel")
     assert cross_validated(sweeps, samples, SVC, 0) is None

@@ -6,6 +6,8 @@ import sys
 import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
+from rcskin.localization.model.file import load, save
+from rcskin.localization.model.model import train
 from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
@@ -78,6 +80,32 @@ def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
     code, out, _ = run(bare, files[1], "-o", tmp_path, "--scene", "strip-1x3", "--draws", 1)
     assert code == 0
     assert "simulated anew" in out and "free of noise" in out and "after calibration" in out
+
+
+def test_the_users_own_model_is_asked_as_it_is_and_adapted(run, files, tmp_path):
+    model = tmp_path / "m.skops"
+    simulated, twin = map(read, files)
+    save(model, train(simulated, quantities=("Rs", "Cp")))
+    code, out, err = run(*files, "--model", model, "-o", tmp_path / "gap", "--draws", 2)
+    assert (code, err) == (0, "")
+    assert "the model as it is" in out and "the model, adapted by k = 2" in out
+    assert "sweeps' columns the model tells" in out and "Trained on simulation" not in out
+    found = json.loads((tmp_path / "gap" / "gap.json").read_text())
+    by_model, own = found["accuracy"]["model"]["adapted"], load(model)
+    assert found["features"] == {"model": ["Rs", "Cp"]}
+    assert by_model["2"]["mean"] >= by_model["0"]["mean"]
+    calibrating = found["compared"]["other"]["calibrating"]
+    assert by_model["0"]["tested"] == twin.sizes["sweep"] - calibrating
+    right = (own.predict(twin) == twin["column"].values).mean()
+    assert by_model["0"]["mean"] == pytest.approx(right, abs=0.15)
+    assert 'id="belief"' in (tmp_path / "gap" / "gap.html").read_text()
+
+
+def test_a_model_leaves_no_choice_of_target(run, files, tmp_path):
+    model = tmp_path / "m.skops"
+    save(model, train(read(files[0])))
+    code, _, err = run(*files, "--model", model, "--target", "row", "-o", tmp_path / "gap")
+    assert (code, err) == (2, "rcskin: --model tells target and estimator: leave these out\n")
 
 
 @pytest.mark.parametrize(

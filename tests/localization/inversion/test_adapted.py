@@ -7,7 +7,9 @@ from rcskin.localization.inputs.samples import Problem
 from rcskin.localization.inversion.adapted import SKINS_KEPT, AdaptedClassifier, AdaptedPosition
 from rcskin.localization.inversion.classifier import ModelBased
 from rcskin.localization.inversion.position import ModelBasedPosition
+from rcskin.localization.inversion.regions import regions_of
 from rcskin.localization.inversion.registered import ADAPTED, NAME, model_based
+from rcskin.localization.trust.fitted import Regressor
 from rcskin.simulator.sweeps import InputError
 from sklearn.base import clone
 from sklearn.pipeline import Pipeline
@@ -157,6 +159,25 @@ def test_places_on_a_dark_skin_are_right_and_their_deviations_told(tables):
     assert 0.6 < np.sqrt((off**2).mean()) < 1.5
     away = np.abs(inner.set_params(builder=tables).fit().predict(X[:, :NUMBERS]) - told)
     assert np.median(away[:, 0]) > 3
+    learned = Regressor(Pipeline([("invert", adapted)]), None, np.ones(3), None, 0.0)
+    pairs = zip(regions_of(learned, X, ""), 1e3 * u, 1e3 * v, strict=True)
+    assert np.mean([region.covers(x, y) for region, x, y in pairs]) >= 0.85
+
+
+def test_few_touches_of_a_skin_teach_what_its_curve_at_rest_does_not_tell(tables):
+    def doubtful(*asked, **known):
+        found = tables(*asked, **known)
+        return found | {"skin": 0.5 * found["single"][..., None]}
+
+    y = np.tile([1, 2, 3, 4], 15)
+    X = rows(y, np.full(60, 0.3), seed=4)
+    X[:, :NUMBERS] *= 1.3
+    inner = ModelBased("", "column", rest_sweeps=REST)
+    taught = clone(inner).set_params(learn="skin")
+    known = X[:30], y[:30]
+    told = [AdaptedClassifier(each, doubtful).fit(*known) for each in (inner, taught)]
+    sure = [each.predict_proba(X[30:])[np.arange(30), y[30:]].mean() for each in told]
+    assert sure[1] > sure[0]
 
 
 def test_a_model_read_back_is_given_the_tables_anew(adapted, tables, tmp_path):

@@ -1,0 +1,1 @@
+"""A trained model taught by a few touches of the skin at hand, judged by others."""

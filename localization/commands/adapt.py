@@ -1,0 +1,77 @@
+"""The command `rcskin adapt`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from . import options
+
+if TYPE_CHECKING:
+    from ..adaptation.adaptation import Adaptation
+    from ..learners.registry import Estimator
+
+
+def adapt_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., None]:
+    """The command; extra tells estimators beside those of this package."""
+
+    @options.as_typed
+    def adapt(
+        model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
+        touches: Annotated[
+            list[Path], typer.Argument(help="A few sweeps of each class. FILE.nc ...")
+        ],
+        output: Annotated[Path, typer.Option("--output", "-o", help="BETTER.skops.")],
+        rest: options.Rest = None,
+        most: options.Most = options.MOST_SWEEPS,
+        anyway: options.Anyway = False,
+    ) -> None:
+        """Teach a model the skin at hand by a few touches whose places are known.
+
+        A learned model is corrected by a number for each class; one that
+        inverts the simulator learns what its curve at rest leaves open of the
+        skin. What is told before and after is of the same sweeps, and after
+        never of sweeps that taught it: whole sessions are held out in turn
+        where there are several. The model that is written learned from all.
+        """
+        from ...simulator.sweeps import InputError, checked_output
+        from ..adaptation.adaptation import adapted
+        from ..inputs.reading import read_some
+        from ..learners.registry import estimators
+        from ..model.file import ENDING, save
+        from .asking import model_for
+
+        checked_output(output, (ENDING,))
+        known = read_some(touches, most)
+        resting = None if rest is None else read_some(rest, most)
+        asked = model_for(known, touches, model, extra(), anyway=anyway)
+        samples = asked.samples(known, resting)
+        try:
+            found = adapted(asked, samples, estimators(extra()))
+        except InputError as error:
+            files = ", ".join(map(str, touches))
+            raise InputError(f"{files} for {model}: {error}") from error
+        save(output, found.model)
+        for line in _told(found):
+            typer.echo(line)
+        typer.echo(f"model: adapted by {len(samples.X)} sweeps -> {output}")
+
+    return adapt
+
+
+def _told(found: Adaptation) -> list[str]:
+    """The figures before and after, the latter of held-out sweeps, and what to know of them."""
+    from ..trust.rates import rate_told
+
+    lines = [found.validation]
+    for name, told in (("before", found.before), ("after", found.after)):
+        rates = {each: rate_told(*counts) for each, counts in told.rates().items()}
+        error = told.figures()["calibration error"]
+        figures = "; ".join(f"{each} {rate}" for each, rate in rates.items())
+        lines.append(f"{name}: {figures}; calibration error {error:.2g}")
+    if found.after.right.sum() < found.before.right.sum():
+        lines.append("it is worse than before on touches that did not teach it: keep the old one")
+    return [*lines, *found.notes]

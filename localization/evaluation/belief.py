@@ -1,0 +1,128 @@
+"""Charts that say whether stated probabilities and regions can be believed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..inversion.region import Region
+from ..inversion.regions import PROBABILITY
+from ..trust.rates import CONFIDENCE, interval
+from ..trust.temperature import calibration_error
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+FACT, STATED = "#0072B2", "0.5"
+BINS, LEAST_IN_BIN = 10, 10
+SHOWN = 61
+"""Lines of a grid that regions are drawn on."""
+
+
+def draw_reliability(
+    axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bool_]
+) -> None:
+    """How often answers are right against how probable they were said to be, in bins of like
+    numbers; a perfect localizer is on the diagonal. Bars are 95 % intervals (Clopper, Pearson).
+
+    probability: of the best class, right: whether it was the true one; shape (sweep,). Source: A.
+    Niculescu-Mizil, R. Caruana, Proc. 22nd Int. Conf. Machine Learning (2005) 625-632.
+    """
+    order = np.argsort(probability, kind="stable")
+    bins = np.array_split(order, max(1, min(BINS, order.size // LEAST_IN_BIN)))
+    stated = np.array([probability[each].mean() for each in bins])
+    rate = np.array([right[each].mean() for each in bins])
+    low, high = np.array([interval(int(right[each].sum()), each.size) for each in bins]).T
+    bars = 100 * np.maximum([rate - low, high - rate], 0.0)
+    axes.errorbar(100 * stated, 100 * rate, bars, color=FACT, marker="o", markersize=4, capsize=3)
+    lowest = 100 * min(stated.min(), low.min())
+    _diagonal(axes, max(0.0, lowest - 3))
+    axes.set_xlabel("Stated probability (%)")
+    axes.set_ylabel("Right (%)")
+    error = 100 * calibration_error(probability, right)
+    axes.set_title(f"Reliability: off by {error:.1f} % on average")
+
+
+def draw_risk(axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bool_]) -> None:
+    """How many answers are wrong if only the most probable ones are told, against how many are.
+
+    The dashed curve is what the stated probabilities promise. Arguments as of `draw_reliability`.
+    Source: Y. Geifman, R. El-Yaniv, Advances in Neural Information Processing Systems 30 (2017).
+    """
+    told, wrong, promised = risk(probability, right)
+    axes.plot(100 * told, 100 * wrong, color=FACT, label="wrong")
+    axes.plot(100 * told, 100 * promised, "--", color=STATED, label="promised")
+    axes.set_xlim(0, 100)
+    axes.set_ylim(0, None)
+    axes.grid(color="0.88")
+    axes.set_xlabel("Answered, the most probable first (%)")
+    axes.set_ylabel("Wrong among the answered (%)")
+    axes.set_title(f"{100 * wrong[-1]:.1f} % wrong if all are answered")
+    axes.legend(frameon=False)
+
+
+def risk(
+    probability: NDArray[np.float64], right: NDArray[np.bool_]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Shares answered, wrong among them and said to be, at each probability as the threshold."""
+    order = np.argsort(-probability, kind="stable")
+    last_of_ties = np.append(np.diff(probability[order]) != 0, True)
+    count = np.arange(1, order.size + 1)
+    curves = (
+        count / order.size,
+        *(np.cumsum(each[order]) / count for each in (~right, 1 - probability)),
+    )
+    told, wrong, promised = (each[last_of_ties] for each in curves)
+    return told, wrong, promised
+
+
+def draw_coverage(axes: Axes, content: NDArray[np.float64]) -> None:
+    """How often regions hold the touch against how often they are said to, with what is within
+    chance of the diagonal (95 %, Kolmogorov's band).
+
+    content: of the smallest region that reaches the touch, shape (sweep,).
+    """
+    from scipy.stats import kstwo
+
+    held = np.arange(1, content.size + 1) / content.size
+    axes.step(100 * np.sort(content), 100 * held, where="post", color=FACT)
+    band = 100 * float(kstwo.ppf(CONFIDENCE, content.size))
+    ends = np.array([0.0, 100.0])
+    axes.fill_between(ends, ends - band, ends + band, color="0.9", zorder=0)
+    _diagonal(axes, 0.0)
+    axes.axvline(100 * PROBABILITY, color=STATED, linewidth=0.8)
+    axes.set_xlabel("Stated content of the region (%)")
+    axes.set_ylabel("Touches within (%)")
+    within = int((content <= PROBABILITY).sum())
+    axes.set_title(
+        f"{100 * PROBABILITY:g} % regions hold {100 * within / content.size:.1f} % "
+        f"({within} of {content.size})"
+    )
+
+
+def draw_regions(axes: Axes, truth: NDArray[np.float64], examples: Mapping[int, Region]) -> None:
+    """Regions of some sweeps in mm, each in a colour of its own, and where the touches were.
+
+    truth: x and y in mm first, shape (sweep, >= 2). examples: by number of the sweep.
+    """
+    for number, (sweep, region) in enumerate(examples.items()):
+        x, y = (np.linspace(low, high, SHOWN) for low, high in region.places.bounds)
+        density = region.places.density(*np.meshgrid(x, y))
+        colour = f"C{number}"
+        if density.max() > region.level:
+            axes.contour(x, y, density, [region.level], colors=colour, linewidths=1.2)
+        axes.plot(*truth[sweep, :2], "+", color=colour, markersize=10, markeredgewidth=2)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x (mm)")
+    axes.set_ylabel("y (mm)")
+    axes.set_title(f"{100 * PROBABILITY:g} % regions of {len(examples)} touches (+)")
+
+
+def _diagonal(axes: Axes, low: float) -> None:
+    axes.plot([low, 100], [low, 100], "--", color=STATED, linewidth=1)
+    axes.set_xlim(low, 100.5)
+    axes.set_ylim(low, 100.5)
+    axes.grid(color="0.88")

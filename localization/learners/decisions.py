@@ -1,0 +1,18 @@
+"""What any classifier decides by."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+LEAST_PROBABILITY = 1e-12
+
+
+def decisions(classifier: Any, X: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A number for each class, the larger the likelier, in the order of `classes_`; (n, K)."""
+    if hasattr(classifier, "decision_function"):
+        told = classifier.decision_function(X)
+        return told if told.ndim == 2 else np.column_stack([-told, told]) / 2
+    return np.log(np.maximum(classifier.predict_proba(X), LEAST_PROBABILITY))

@@ -1,0 +1,133 @@
+"""`rcskin adapt`: a few touches of the skin at hand correct a model of other skins."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rcskin.localization.adaptation.adaptation import adapted
+from rcskin.localization.learners.registry import estimators
+from rcskin.localization.model.file import load, save
+from rcskin.localization.model.model import train
+from rcskin.simulator.sweeps import concatenate, write
+
+FREQUENCY = np.geomspace(1e3, 200e3, 20)
+
+
+@pytest.fixture(scope="module")
+def model(make_sweeps):
+    """Of columns, by the curves of skins as simulated."""
+    known = concatenate([make_sweeps(1, 4, session=k, seed=k, noise=0.01) for k in range(3)])
+    return train(known, quantities=("dlnZ", "dphase"), estimator="svc")
+
+
+@pytest.fixture(scope="module")
+def other(make_sweeps):
+    """A function: sweeps of a skin on which every press changes more than on those."""
+
+    def other(sessions, repetitions=4, **asked):
+        parts = [
+            make_sweeps(1, 4, repetitions, session=k, seed=50 + k, noise=0.01, **asked)
+            for k in range(sessions)
+        ]
+        return concatenate([_pressed_elsewhere(each) for each in parts])
+
+    return other
+
+
+def _pressed_elsewhere(sweeps):
+    """Frequencies shifted, as those of a skin of twice the RC are."""
+    shifted = sweeps.assign_coords(frequency=FREQUENCY)
+    for name in ("Rs", "X", "Cp"):
+        values = sweeps[name].values
+        moved = np.array([[np.interp(2 * FREQUENCY, FREQUENCY, y) for y in z] for z in values])
+        shifted[name] = sweeps[name].dims, moved
+    return shifted
+
+
+def test_touches_of_other_sessions_are_told_better_after_than_before(model, other):
+    touches, unseen = other(2), other(4).isel(sweep=slice(40, None))
+    found = adapted(model, model.samples(touches), estimators())
+    asked = model.samples(unseen)
+    rates = [(each.pipeline.predict(asked.X) == asked.y).mean() for each in (model, found.model)]
+    assert rates[1] > rates[0] + 0.1
+    assert found.after.right.mean() > found.before.right.mean() + 0.1
+
+
+def test_before_and_after_are_of_the_same_sweeps_and_no_sweep_teaches_what_it_judges(model, other):
+    touches = other(3)
+    found = adapted(model, model.samples(touches), estimators())
+    np.testing.assert_array_equal(found.before.truth, found.after.truth)
+    first_of_sessions = 3
+    assert len(found.before.truth) == touches.sizes["sweep"] - first_of_sessions
+    assert "whole sessions held out" in found.validation
+    samples = model.samples(touches)
+    nonsense = np.random.default_rng(0).permutation(samples.y)
+    lies = adapted(model, replace(samples, y=nonsense), estimators())
+    assert lies.after.right.mean() < 0.5 < found.after.right.mean()
+
+
+def test_an_adapted_model_is_read_back_and_taught_only_once(model, other, tmp_path):
+    touches = other(2)
+    better = adapted(model, model.samples(touches), estimators()).model
+    save(tmp_path / "m.skops", better)
+    again = load(tmp_path / "m.skops")
+    told = [each.probabilities(touches)[1] for each in (better, again)]
+    np.testing.assert_array_equal(*told)
+    with pytest.raises(Exception, match="was adapted before: give all touches"):
+        adapted(again, again.samples(touches), estimators())
+
+
+def test_sweeps_unlike_the_training_are_answered_once_the_skin_is_known(make_sweeps, model, other):
+    touches = other(2)
+    found = adapted(model, model.samples(touches), estimators())
+    told = [each.answers(touches).told.mean() for each in (model, found.model)]
+    assert told[0] < told[1] and told[1] > 0.9
+
+
+@pytest.fixture(scope="module")
+def folder(model, other, make_sweeps, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("adapt")
+    save(folder / "m.skops", model)
+    touches = other(2)
+    save(folder / "a.skops", adapted(model, model.samples(touches), estimators()).model)
+    places = train(_placed(make_sweeps()), "position", quantities=("dlnZ",))
+    save(folder / "p.skops", places)
+    write(touches, folder / "touches.nc")
+    write(_placed(make_sweeps()), folder / "strip.nc")
+    write(touches.isel(sweep=touches["column"].values != 3), folder / "without.nc")
+    write(other(1, 1), folder / "few.nc")
+    write(concatenate([make_sweeps(1, 5)]), folder / "five.nc")
+    return folder
+
+
+def _placed(sweeps):
+    text = "[skin]\nlength = 0.03\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 3\n"
+    return sweeps.assign_attrs(scene=text)
+
+
+def test_figures_before_and_after_are_told(run, folder, tmp_path):
+    out = tmp_path / "better.skops"
+    code, told, err = run("adapt", folder / "m.skops", folder / "touches.nc", "-o", out)
+    assert (code, err) == (0, "")
+    first, before, after, *_, last = told.splitlines()
+    assert "of 38 sweeps of the skin at hand" in first
+    assert before.startswith("before: accuracy ") and after.startswith("after: accuracy ")
+    assert last == f"model: adapted by 38 sweeps -> {out}"
+
+
+@pytest.mark.parametrize(
+    ("file", "touches", "told"),
+    [
+        ("m.skops", "without.nc", "needs at least 2 sweeps of each column, got 0 of 3"),
+        ("m.skops", "few.nc", "needs at least 2 sweeps of each column, got 0 of 0 (and 4 more)"),
+        ("m.skops", "five.nc", "knows no column 5, which was touched"),
+        ("a.skops", "touches.nc", "was adapted before"),
+        ("p.skops", "strip.nc", "model of positions cannot be adapted"),
+        ("m.skops", "none.nc", "no such file"),
+    ],
+)
+def test_what_cannot_teach_is_refused_and_nothing_is_written(run, folder, file, touches, told):
+    out = folder / "out.skops"
+    code, _, err = run("adapt", folder / file, folder / touches, "-o", out)
+    assert code == 2 and told in err and err.count("\n") == 1
+    assert not out.exists()
