@@ -116,11 +116,13 @@ def _readout(data: SceneData, seed: int) -> Readout:
 def _live_localizer(path: Path) -> LiveLocalizer:
     from .hardware.live.model import ModelLocalizer
     from .localization.inputs.features import needs_rest
+    from .localization.inversion.registered import answer_at_once
     from .localization.learners.registry import estimators
     from .localization.model.file import load
     from .simulator.scene.files import parse_scene
 
     model = load(path, estimators(_model_based()))
+    answer_at_once(model.pipeline)
     scene = parse_scene(model.scene, str(path))
     size = 1e3 * scene.skin.length, 1e3 * scene.skin.width
     shape = scene.pixels.rows, scene.pixels.columns

@@ -6,7 +6,7 @@ by no more than drift are of one skin.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -18,12 +18,10 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from .classifier import QUANTITIES as CHANGE
 from .classifier import Builder, ModelBased
 from .position import ModelBasedPosition
+from .skins import ALIKE, Skin, Skins, away
 
 QUANTITIES = (*CHANGE, "lnZ0", "phase0")
 """Features that it takes, in this order."""
-ALIKE = 0.015
-"""Root mean square of the change of ln Z, up to which a skin is the same."""
-SKINS_KEPT = 16
 
 
 class _Adapted(BaseEstimator):
@@ -40,6 +38,8 @@ class _Adapted(BaseEstimator):
     """
 
     kind: type
+    beside = False
+    """Whether new tables are made beside the work, which goes on with those of the nearest skin."""
 
     def __init__(self, inner=None, builder: Builder | None = None):
         self.inner = inner
@@ -48,6 +48,7 @@ class _Adapted(BaseEstimator):
     def fit(self, X, y=None):
         """Take the tables of the mean skin; X, y are only checked. Raises ValueError without
         builder."""
+        self.__dict__.pop("_skins", None)
         self.mean_ = self._fitted(None)
         self.n_features_in_ = 2 * self.mean_.n_features_in_
         validate_data(self, X, reset=False)
@@ -75,30 +76,35 @@ class _Adapted(BaseEstimator):
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
         change, rest = np.split(X, 2, axis=1)
-        parts = list(_by_skin(rest))
-        if not parts:
-            return ask(self.mean_, change)
-        told = [self._of_one(change[rows], rest[rows], ask) for rows in parts]
-        order = np.argsort(np.concatenate(parts), kind="stable")
-        return np.concatenate(told)[order]
+        parts, left = [], np.arange(len(rest))
+        told = [] if left.size else [ask(self.mean_, change)]
+        while left.size:
+            rows, skin = self._of_one_skin(rest, left)
+            told.append(ask(skin.estimator, change[rows] + aside(skin, rest[rows])))
+            parts.append(rows)
+            left = np.setdiff1d(left, rows)
+        return np.concatenate(told)[np.argsort(np.concatenate(parts))] if parts else told[0]
 
-    def _of_one(
-        self, change: NDArray, rest: NDArray, ask: Callable[[Any, NDArray], NDArray]
-    ) -> NDArray[np.float64]:
-        """Of rows of one skin; what their curves differ by and foam and sheets cannot is noise."""
-        curve = rest.mean(axis=0)
-        skin, aside = self._of_skin(curve), rest - curve
-        explained = np.linalg.lstsq(skin.drift_, aside.T, rcond=None)[0]
-        return ask(skin, change + aside - (skin.drift_ @ explained).T)
+    def _of_one_skin(self, rest: NDArray, left: NDArray[np.intp]) -> tuple[NDArray[np.intp], Skin]:
+        """Rows of those left that are of the same skin as the first of them, and that skin."""
+        skins = self.__dict__.setdefault("_skins", Skins(self._fitted))
+        first = rest[left[0]]
+        if self.beside:
+            return left[:1], skins.at_once(first)
+        known = skins.of(first)
+        rows = left[away(rest[left], known.curve if known else first) < ALIKE]
+        return rows, known or skins.made(rest[rows].mean(axis=0))
 
-    def _of_skin(self, curve: NDArray[np.float64]):
-        skins = self.__dict__.setdefault("_skins", {})
-        key = curve.tobytes()
-        if key not in skins:
-            while len(skins) >= SKINS_KEPT:
-                skins.pop(next(iter(skins)))
-            skins[key] = self._fitted(curve)
-        return skins[key]
+
+def aside(skin: Skin, rest: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What changes are more by against a skin's own curve than against other curves at rest.
+
+    What these differ by and foam and sheets cannot is noise; the rest is drift, and left out.
+    Shapes (sweep, number).
+    """
+    noisy = rest - skin.curve
+    drift = skin.estimator.drift_
+    return noisy - (drift @ np.linalg.lstsq(drift, noisy.T, rcond=None)[0]).T
 
 
 class AdaptedClassifier(ClassifierMixin, _Adapted):
@@ -139,13 +145,3 @@ class AdaptedPosition(RegressorMixin, _Adapted):
 def _place_and_deviation(inner: ModelBasedPosition, change: NDArray) -> NDArray[np.float64]:
     place, deviation = inner.predict(change, return_std=True)
     return np.stack([place, deviation], axis=1)
-
-
-def _by_skin(rest: NDArray[np.float64]) -> Iterator[NDArray[np.intp]]:
-    """Rows of one skin after the other: those that are like the first which is left."""
-    left = np.arange(len(rest))
-    while left.size:
-        away = np.sqrt(np.square(rest[left] - rest[left[0]]).mean(axis=1) * 2)
-        like = away < ALIKE
-        yield left[like]
-        left = left[~like]
