@@ -1,4 +1,4 @@
-"""What a skin can be touched by, as the states of a chain: which of them lead to which, how fast."""
+"""What a skin can be touched by, as states of a chain: which of them lead to which, how fast."""
 
 from __future__ import annotations
 
@@ -56,7 +56,9 @@ def chain_of_places(
     stationary = np.full(count, touching.lasts / touching.every / count)
     flows = np.zeros((count, count))
     for axis, width in enumerate(cell):
-        here, there = (np.moveaxis(number, axis, 0)[part].ravel() for part in (slice(-1), slice(1, None)))
+        here, there = (
+            np.moveaxis(number, axis, 0)[part].ravel() for part in (slice(-1), slice(1, None))
+        )
         rate = touching.crossings(width) / 4 * stationary[0]
         flows[here, there] = flows[there, here] = rate
     if rest:
@@ -75,10 +77,8 @@ def _counted(classes: list[int], touching: Touching) -> Chain:
     return _with_other(stationary, flows + flows.T, touching, 0 in classes)
 
 
-def _with_other(
-    stationary: NDArray, flows: NDArray, touching: Touching, knows_rest: bool
-) -> Chain:
-    """Touches of another kind come beside every state; without a rest, touches follow each other."""
+def _with_other(stationary: NDArray, flows: NDArray, touching: Touching, knows_rest: bool) -> Chain:
+    """Other touches come beside every state; where no rest is known, touches follow each other."""
     if not knows_rest:
         flows = flows + stationary[:, None] * stationary / stationary.sum() / touching.lasts
     other = OTHER * touching.lasts / touching.every * stationary.sum()

@@ -12,8 +12,9 @@ from ...simulator.sweeps import InputError
 class Touching:
     """Means of what is exponentially distributed, and a speed.
 
-    lasts: s, of a touch. every: s, from a touch's end to the next one. speed: mm/s, of a touch along
-    the skin, in a direction that it keeps for a second. Raises InputError where one is not above 0.
+    lasts: s, of a touch. every: s, from a touch's end to the next one. speed: mm/s, of a touch
+    along the skin, in a direction that it keeps for a second. Raises InputError where one is not
+    above 0.
     """
 
     lasts: float = 2.0

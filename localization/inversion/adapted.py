@@ -48,7 +48,7 @@ class _Adapted(BaseEstimator):
     def fit(self, X, y=None):
         """Take the tables of the mean skin; X, y are only checked. Raises ValueError without
         builder."""
-        self.__dict__.pop("_skins", None)
+        self._skins = Skins(self._fitted)
         self.mean_ = self._fitted(None)
         self.n_features_in_ = 2 * self.mean_.n_features_in_
         validate_data(self, X, reset=False)
@@ -122,6 +122,10 @@ class AdaptedClassifier(ClassifierMixin, _Adapted):
         """Of each class, shape (sweep, class)."""
         return self._told(X, lambda inner, change: inner.predict_proba(change))
 
+    def log_densities(self, X, numbers: tuple[int, ...] | None = None):
+        """As of `ModelBased`, where numbers are those of changes, (sweep, class + 1)."""
+        return self._told(X, lambda inner, change: inner.log_densities(change, numbers))
+
     def predict(self, X):
         """The most probable class, shape (sweep,)."""
         return self.classes_[self.predict_proba(X).argmax(axis=1)]
@@ -136,6 +140,15 @@ class AdaptedPosition(RegressorMixin, _Adapted):
         """x [mm], y [mm] and strength, shape (sweep, 3), and their deviations, if asked."""
         both = self._told(X, _place_and_deviation)
         return (both[:, 0], both[:, 1]) if return_std else both[:, 0]
+
+    def cells(self, X):
+        """As of `ModelBasedPosition`, on whatever skin is at hand, shape (sweep, cell, 7)."""
+        return self._told(X, lambda inner, change: inner.cells(change))
+
+    @property
+    def bounds_(self):
+        """Lowest and highest x, y [mm] and strength, shape (3, 2)."""
+        return self.mean_.bounds_
 
     def share_within(self, X, radius):
         """As of `ModelBasedPosition`, on whatever skin is at hand, shape (sweep,)."""

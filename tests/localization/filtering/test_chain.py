@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from rcskin.localization.filtering.chain import Belief, Chain, Cut, Evidence
+from rcskin.localization.filtering.chain import Belief, Cut, Evidence
 from rcskin.localization.filtering.states import chain_of_classes, chain_of_places
 from rcskin.localization.filtering.touching import Touching
 from rcskin.localization.inputs.touches import Plan
@@ -65,7 +65,7 @@ def test_the_forward_pass_is_the_sum_over_all_paths(cuts):
     sums = np.zeros(states)
     for path in itertools.product(range(states), repeat=6):
         weight = chain.stationary[path[0]]
-        for k, (gap, during) in enumerate(spans):
+        for k, (_, during) in enumerate(spans):
             start, end = path[2 * k], path[2 * k + 1]
             weight = weight * within(chain, start, end, seen[k], during)
             if k + 1 < len(spans):
