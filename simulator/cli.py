@@ -12,6 +12,7 @@ import typer
 
 from .calibration.command import calibrate
 from .check.command import check, import_sweeps, plot
+from .check.join_command import join
 from .dataset.command import dataset, export
 from .describe.command import describe
 from .interrupt import INTERRUPTED, ending_soon
@@ -165,6 +166,7 @@ def sweep(
 
 app.command()(describe)
 app.command("import")(import_sweeps)
+app.command()(join)
 app.command()(check)
 app.command()(plot)
 app.command()(dataset)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,9 +16,14 @@ if TYPE_CHECKING:
 
 
 def model_for(
-    sweeps: xr.Dataset, file: Path, path: Path, extra: Iterable[Estimator], *, anyway: bool
+    sweeps: xr.Dataset,
+    files: Sequence[Path],
+    path: Path,
+    extra: Iterable[Estimator],
+    *,
+    anyway: bool,
 ) -> Model:
-    """The model at a path; a note says where the sweeps of a file do not tell their skin.
+    """The model at a path; a note says where the sweeps of files do not tell their skin.
 
     extra: estimators beside those of this package. anyway: it answers sweeps of another skin too.
     Raises InputError as `load`.
@@ -28,5 +33,9 @@ def model_for(
 
     model = load(path, estimators(extra))
     if model.scene and not sweeps.attrs.get("scene"):
-        typer.echo(f"rcskin: note: {file}: stores no scene, so its skin is not checked", err=True)
+        names = ", ".join(map(str, files))
+        typer.echo(
+            f"rcskin: note: {names}: stores no scene, so its skin is not checked",
+            err=True,
+        )
     return model.insisting() if anyway else model

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..model.model import Model
     from ..trust.folds import Track
 
-FILES = "A model to evaluate, MODEL.skops, if any; then sweeps: FILE.nc, FILE.zarr or FILE.csv."
+FILES = "A model to evaluate, MODEL.skops, if any; then sweeps: .nc, .zarr or .csv, joined."
 
 
 def evaluate_command(
@@ -65,18 +65,21 @@ def evaluate_command(
         from ..evaluation.report import checked_folder, lines_of, write_report
         from ..inputs.reading import read_some
         from ..inputs.samples import samples_of
+        from ..model.file import ENDING
         from .asking import model_for
 
-        if len(files) > 2:
-            raise InputError(f"takes one model and one file of sweeps, got {len(files)} files")
+        by_model = files[0].suffix == ENDING
+        recordings = files[by_model:]
+        if not recordings:
+            raise InputError("takes sweeps beside the model, got none")
         if folds < 2:
             raise InputError(f"--folds must be >= 2, got {folds}")
         ending = checked_ending(charts)
         folder = None if output is None else checked_folder(output)
-        sweeps = read_some(files[-1], most)
+        sweeps = read_some(recordings, most)
         resting = None if rest is None else read_some(rest, most)
-        if len(files) == 2:
-            model = model_for(sweeps, files[1], files[0], extra(), anyway=anyway)
+        if by_model:
+            model = model_for(sweeps, recordings, files[0], extra(), anyway=anyway)
             found = _by_model(model, sweeps, resting)
         else:
             asked = quantities.split(",")

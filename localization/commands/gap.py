@@ -31,7 +31,9 @@ def gap_command(
     @as_typed
     def gap(
         simulated: Annotated[Path, typer.Argument(help="Simulated sweeps, .nc, .zarr or .csv.")],
-        measured: Annotated[Path, typer.Argument(help="Sweeps of the skin itself, or of a twin.")],
+        measured: Annotated[
+            list[Path], typer.Argument(help="Sweeps of the skin itself, or of a twin; joined.")
+        ],
         output: Annotated[
             Path, typer.Option("--output", "-o", help="Folder for gap.html and gap.json.")
         ],
@@ -59,7 +61,7 @@ def gap_command(
         and on a few touches, before and after calibration, distances of the
         features' distributions, and the parameter that explains most.
         """
-        from ...simulator.sweeps import read
+        from ...simulator.sweeps import read, read_joined
         from ..gap.findings import find
         from ..gap.noun import check_other, check_simulated
         from ..gap.pair import paired
@@ -70,11 +72,15 @@ def gap_command(
         drawing = style()
         ending = None if charts is None else drawing.checked_ending(charts)
         question = Question(target, estimator, seed, draws, calibration_touches)
-        sides = read(simulated), read(measured)
+        sides = read(simulated), read_joined(measured)
         check_simulated(sides[0], simulated)
         text = simulation.scene(scene) if scene else ""
         if not anyway:
-            check_other(sides[1], text or str(sides[0].attrs.get("scene", "")), measured)
+            check_other(
+                sides[1],
+                text or str(sides[0].attrs.get("scene", "")),
+                ", ".join(map(str, measured)),
+            )
         pair = paired(*sides, simulation, text, seed)
         made_folder(output)
         with progress() as track:

@@ -23,7 +23,7 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
     @options.as_typed
     def localize(
         model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
-        sweeps: Annotated[Path, typer.Argument(help=options.SWEEPS)],
+        sweeps: Annotated[list[Path], typer.Argument(help=options.SWEEPS)],
         output: Annotated[
             Path | None, typer.Option("--output", "-o", help="OUT.csv, instead of the terminal.")
         ] = None,

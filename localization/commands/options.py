@@ -14,7 +14,7 @@ import typer
 
 MOST_SWEEPS = 20_000
 PAPER = "Rs,Cp"
-SWEEPS = "Sweeps: FILE.nc, FILE.zarr or FILE.csv."
+SWEEPS = "Sweeps: FILE.nc, FILE.zarr or FILE.csv; several are joined."
 MOST = "Take the first so many sweeps, of whole sessions."
 REST = "Sweeps of the skin at rest, where SWEEPS has none and the model is to be told them."
 
@@ -54,7 +54,7 @@ Certain = Annotated[
 Tune = Annotated[bool, typer.Option("--tune", help="Choose parameters by cross-validation.")]
 Most = Annotated[int, typer.Option(help=MOST)]
 Charts = Annotated[str, typer.Option(help="What charts are: png, svg or pdf.")]
-Rest = Annotated[Path | None, typer.Option(help=REST)]
+Rest = Annotated[list[Path] | None, typer.Option(help=REST)]
 Anyway = Annotated[
     bool, typer.Option("--anyway", help="Ask even if the sweeps are of another skin.")
 ]

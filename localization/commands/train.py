@@ -22,7 +22,7 @@ def train_command(
 
     @options.as_typed
     def train(
-        sweeps: Annotated[Path, typer.Argument(help=options.SWEEPS)],
+        sweeps: Annotated[list[Path], typer.Argument(help=options.SWEEPS)],
         output: Annotated[Path, typer.Option("--output", "-o", help="MODEL.skops.")],
         target: options.Target = "column",
         name: options.Name = None,

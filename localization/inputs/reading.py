@@ -2,27 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...simulator.sweeps import InputError, check, open_zarr, read
+from ...simulator.sweeps.joining import join
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def read_some(path: Path, most: int) -> xr.Dataset:
-    """The first sweeps of a file, at most so many, and of whole sessions where there are several.
+def read_some(files: Path | Sequence[Path], most: int) -> xr.Dataset:
+    """The first sweeps of a file or several, at most so many, and of whole sessions if it can be.
 
-    Of a `.zarr` no more than these are read. Raises InputError as `read`, and for `most` < 1.
+    Of a `.zarr` no more than these are read. Raises InputError as `read` and `join`, and for
+    `most` < 1.
     """
     if most < 1:
         raise InputError(f"--most must be >= 1, got {most}")
+    paths = [files] if isinstance(files, Path) else files
+    sweeps = join([_some_of(path, most) for path in paths], paths)
+    return sweeps.isel(sweep=_whole_sessions(sweeps["session"].values, most))
+
+
+def _some_of(path: Path, most: int) -> xr.Dataset:
     if path.suffix != ".zarr" or not path.exists():
-        sweeps = read(path)
-        return sweeps.isel(sweep=_whole_sessions(sweeps["session"].values, most))
+        return read(path)
     stored = open_zarr(path).drop_dims("drawn_session", errors="ignore")
     if "session" not in stored.variables:
         return check(stored)

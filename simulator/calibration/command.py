@@ -11,7 +11,9 @@ import typer
 
 def calibrate(
     scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
-    measured: Annotated[Path, typer.Argument(help="Sweeps: FILE.nc, FILE.zarr or FILE.csv.")],
+    measured: Annotated[
+        list[Path], typer.Argument(help="Sweeps: FILE.nc, FILE.zarr or FILE.csv; joined.")
+    ],
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder for calibrated.toml, tables and charts.")
     ] = Path("calibration"),
@@ -68,7 +70,7 @@ def calibrate(
     from ..progress import told_on_terminal
     from ..scene.files import scene_text
     from ..scene.frequency import parse_band
-    from ..sweeps import read
+    from ..sweeps import read_joined
     from ..sweeps.same_skin import check_same_skin
     from .choice import Options
     from .prior import checked_kind
@@ -84,17 +86,18 @@ def calibrate(
         not fixed_strength,
         checked_kind(prior),
     )
-    asked, sweeps = asked_scene(scene), read(measured)
+    asked, sweeps = asked_scene(scene), read_joined(measured)
+    names = ", ".join(each.name for each in measured)
     if not anyway:
-        check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(asked), measured.name)
+        check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(asked), names)
     start = plain_scene(asked, "a calibration")
     with told_on_terminal() as tell:
         calibration = calibrated(start, sweeps, options, tell=tell)
-    names = write_report(calibration, measured.name, folder, ending)
+    written = write_report(calibration, names, folder, ending)
     console = Console()
     console.print(table(calibration))
     if len(calibration.intervals) > 1:
         console.print(correlation_table(calibration))
     for line in explanations(calibration):
         console.print(line, soft_wrap=True, markup=False, highlight=False)
-    console.print(f"{folder}: {', '.join(names)}", soft_wrap=True, markup=False, highlight=False)
+    console.print(f"{folder}: {', '.join(written)}", soft_wrap=True, markup=False, highlight=False)

@@ -95,7 +95,9 @@ def _for_each(name: str, values: Sequence[Any] | None, files: int) -> list[Any]:
 
 
 def check(
-    file: Annotated[Path, typer.Argument(help="Sweeps: FILE.nc, FILE.zarr, or a CSV of any tool.")],
+    files: Annotated[
+        list[Path], typer.Argument(help="Sweeps: FILE.nc, FILE.zarr, or a CSV of any tool; joined.")
+    ],
     output: Annotated[
         Path | None,
         typer.Option(
@@ -123,14 +125,15 @@ def check(
 
     from ..sweeps import InputError
     from ..sweeps.examination import examine
+    from ..sweeps.joining import join
     from .report import checked_report, explanations, verdict_table, write_report
 
     report = None if output is None else checked_report(output)
-    sweeps = _read(file)
+    sweeps = join([_read(file) for file in files], files)
     try:
         judgements = examine(sweeps, noise, tolerance)
     except InputError as error:
-        raise InputError(f"{file}: {error}") from error
+        raise InputError(f"{', '.join(map(str, files))}: {error}") from error
     console = Console()
     console.print(verdict_table(judgements))
     for line in explanations(judgements):

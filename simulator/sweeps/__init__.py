@@ -3,6 +3,7 @@
 from .errors import InputError, ToleranceError
 from .files import checked_output, counted, open_zarr, read, whole_file, write
 from .impedance import branch_reactance, parallel_capacitance, series_capacitance
+from .joining import read_joined
 from .needs import check_needs
 from .passivity import Violation, violations
 from .schema import UNPRESSED, build, check, concatenate, impedance, side_by_side
@@ -23,6 +24,7 @@ __all__ = [
     "open_zarr",
     "parallel_capacitance",
     "read",
+    "read_joined",
     "series_capacitance",
     "side_by_side",
     "violations",

@@ -1,24 +1,42 @@
-"""Sweeps as CSV for people: one line per sweep, interface and frequency, named columns."""
+"""Sweeps as CSV for people: one line per sweep, interface and frequency, named columns.
+
+Attributes (scene, settings ...) stand above as TOML in lines of comment; `pandas.read_csv` leaves
+them out with `comment="#"`.
+"""
 
 from __future__ import annotations
 
+import json
+import tomllib
+from collections.abc import Mapping, Sequence
+from itertools import takewhile
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .branch import chosen, told
 from .errors import InputError
 from .impedance import branch_reactance
-from .schema import DIMENSIONS, build
+from .schema import DIMENSIONS, SESSIONS, TIME, build
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-HEADER = ["sweep", "press", "row", "column", "interface", "frequency_Hz", "Rs_ohm", "X_ohm", "Cp_F"]
-UNLABELLED = {"sweep": "0", "press": "unknown", "row": "-1", "column": "-1", "interface": "unnamed"}
 QUANTITIES = ["Rs_ohm", "X_ohm", "Cp_F"]
+SECONDS = "time_s"
+LABELS = ("press", "row", "column", "session")
+HEADER = ["sweep", *LABELS, SECONDS, "interface", "frequency_Hz", *QUANTITIES]
+UNLABELLED = {
+    "sweep": "0",
+    "press": "unknown",
+    "row": "-1",
+    "column": "-1",
+    "interface": "unnamed",
+}
+NO_SESSIONS = "the file has no column `session`: all its sweeps are taken for one session"
+"""What the attribute `session_rule` then says."""
 
 
 def write_csv(sweeps: xr.Dataset, path: Path) -> None:
@@ -27,14 +45,18 @@ def write_csv(sweeps: xr.Dataset, path: Path) -> None:
 
 
 def append_csv(sweeps: xr.Dataset, path: Path, first: int) -> None:
-    """Add sweeps in long form to a file, counted on from `first`; the header stands before 0."""
+    """Add sweeps in long form to a file, counted on from `first`.
+
+    Attributes and header stand before 0.
+    """
     import pandas as pd
 
     shape = tuple(sweeps.sizes[name] for name in DIMENSIONS)
     sweep, interface, frequency = (axis.ravel() for axis in np.indices(shape))
     table = {
         "sweep": first + sweep,
-        **{name: sweeps[name].values[sweep] for name in ("press", "row", "column")},
+        **{name: sweeps[name].values[sweep] for name in LABELS},
+        **({SECONDS: sweeps[TIME].values[sweep]} if TIME in sweeps.variables else {}),
         "interface": sweeps["interface"].values[interface],
         "frequency_Hz": sweeps["frequency"].values[frequency],
         **{
@@ -42,9 +64,11 @@ def append_csv(sweeps: xr.Dataset, path: Path, first: int) -> None:
             for column in QUANTITIES
         },
     }
-    pd.DataFrame(table, columns=HEADER).to_csv(
+    if first == 0:
+        path.write_text(_commented(sweeps.attrs), encoding="utf-8", newline="\n")
+    pd.DataFrame(table, columns=[name for name in HEADER if name in table]).to_csv(
         path,
-        mode="w" if first == 0 else "a",
+        mode="a",
         header=first == 0,
         index=False,
         lineterminator="\n",
@@ -57,25 +81,29 @@ def read_csv(path: Path) -> xr.Dataset:
     `frequency_Hz` and `Rs_ohm` are required, and at least one of `X_ohm` and `Cp_F`. Where only
     `Cp_F` is given, X is followed along the frequencies (see `branch`), and the attributes
     `branch_rule` and `branch_doubt` say so. Columns that name the sweep,
-    the press and the interface may be absent from a file of one unlabelled sweep.
+    the press and the interface may be absent from a file of one unlabelled sweep. Sessions may be
+    numbers or names; where their column is absent, the attribute `session_rule` says what follows.
 
     Raises InputError naming the file, and the line and column where there is one: an absent column,
     a cell that is not a number, a sweep with other frequencies than the first.
     """
-    table = _numbers(path, _text(path)).sort_values(
-        ["sweep", "interface", "frequency_Hz"], kind="stable"
-    )
+    comments = _comments(path)
+    text, attributes = _text(path, len(comments)), _attributes(comments)
+    if "session" not in text:
+        attributes["session_rule"] = NO_SESSIONS
+        text = text.assign(session="0")
+    text, names = _sessions(text)
+    table = _numbers(path, text).sort_values(["sweep", "interface", "frequency_Hz"], kind="stable")
     sweeps = table["sweep"].unique()
     interfaces = list(table["interface"].unique())
     shape = (len(sweeps), len(interfaces), -1)
     frequency = _common_frequencies(path, table, len(sweeps) * len(interfaces))
     columns = {name: table[name].to_numpy().reshape(shape) for name in QUANTITIES if name in table}
-    attributes = {}
     if "X_ohm" not in columns:
         X = branch_reactance(columns["Rs_ohm"], columns["Cp_F"], frequency)
         found = chosen(columns["Rs_ohm"] + 1j * X, frequency, "followed")
         columns["X_ohm"] = found.Z.imag
-        attributes = told(found, "followed", frequency, interfaces)
+        attributes |= told(found, "followed", frequency, interfaces)
     labels = table.drop_duplicates("sweep")
     return build(
         columns["Rs_ohm"] + 1j * columns["X_ohm"],
@@ -84,13 +112,56 @@ def read_csv(path: Path) -> xr.Dataset:
         press=list(labels["press"]),
         row=list(labels["row"].astype(int)),
         column=list(labels["column"].astype(int)),
+        session=list(labels["session"].astype(int)),
+        time=list(labels[SECONDS]) if SECONDS in labels else None,
         Cp=columns.get("Cp_F"),
-        attributes=attributes,
+        attributes={**attributes, **names},
     )
 
 
-def _text(path: Path) -> pd.DataFrame:
-    """All cells as text, indexed by the line of the file they stand on."""
+def _commented(attributes: Mapping[Any, Any]) -> str:
+    """Attributes as TOML in lines of comment."""
+    import tomli_w
+
+    plain = {
+        str(name): value.tolist() if isinstance(value, np.generic | np.ndarray) else value
+        for name, value in attributes.items()
+    }
+    readable = not any("\r" in str(value) for value in plain.values())
+    text = tomli_w.dumps(plain, multiline_strings=readable)
+    return "".join(f"# {line}\n" for line in text.split("\n")[:-1])
+
+
+def _comments(path: Path) -> list[str]:
+    """The lines of comment above, without their sign."""
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
+        return [line[1:].removeprefix(" ") for line in takewhile(_is_comment, file)]
+
+
+def _is_comment(line: str) -> bool:
+    return line.startswith("#")
+
+
+def _attributes(comments: Sequence[str]) -> dict[str, Any]:
+    """What `_commented` wrote; the comments as they are where they are none of that."""
+    try:
+        return tomllib.loads("".join(comments))
+    except tomllib.TOMLDecodeError:
+        return {"preamble": "".join(comments)}
+
+
+def _sessions(table: pd.DataFrame) -> tuple[pd.DataFrame, dict[str, str]]:
+    """The table with sessions by number, and the attribute of their names where these stood."""
+    texts = table["session"]
+    if texts.str.fullmatch(r"[+-]?\d{1,9}").all():
+        return table, {}
+    names = {name: number for number, name in enumerate(dict.fromkeys(texts))}
+    told = json.dumps({number: name for name, number in names.items()})
+    return table.assign(session=texts.map(names).astype(str)), {SESSIONS: told}
+
+
+def _text(path: Path, above: int) -> pd.DataFrame:
+    """All cells below so many lines as text, indexed by the line of the file they stand on."""
     import pandas as pd
 
     try:
@@ -100,11 +171,12 @@ def _text(path: Path) -> pd.DataFrame:
             dtype=str,
             keep_default_na=False,
             skip_blank_lines=False,
+            skiprows=above,
             encoding="utf-8-sig",
         ).fillna("")
     except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: not a CSV of sweeps: {' '.join(str(error).split())}") from error
-    cells.index += 1
+    cells.index += above + 1
     cells = cells[(cells != "").any(axis=1)]
     table = cells.iloc[1:].set_axis([name.strip() for name in cells.iloc[0]], axis=1)
     absent = [name for name in ("frequency_Hz", "Rs_ohm") if name not in table]

@@ -13,13 +13,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from .branch import checked_branch, chosen, told
-from .errors import InputError
 from .importing.dialect import read_table
-from .importing.grouping import SAME_FREQUENCY, Defaults, grouped, places
+from .importing.grouping import Defaults, grouped, places
 from .importing.readings import impedance_readings
+from .joining import aligned
 from .schema import build, concatenate
 
 if TYPE_CHECKING:
@@ -80,10 +78,10 @@ def import_files(
     parts = [import_file(path, each, branch) for path, each in zip(paths, defaults, strict=True)]
     if len(parts) > 1:
         parts = [_doubt_of_file(part) for part in parts]
-    aligned = [
-        _aligned(part, path, parts[0], paths[0]) for part, path in zip(parts, paths, strict=True)
+    even = [
+        aligned(part, path, parts[0], paths[0]) for part, path in zip(parts, paths, strict=True)
     ]
-    joined = concatenate(aligned)
+    joined = concatenate(even)
     texts = {name: [part.attrs.get(name, "") for part in parts] for name in _attribute_names(parts)}
     return joined.assign_attrs(
         {name: "; ".join(filter(None, dict.fromkeys(each))) for name, each in texts.items()}
@@ -100,22 +98,3 @@ def _doubt_of_file(part: xr.Dataset) -> xr.Dataset:
 
 def _attribute_names(parts: Sequence[xr.Dataset]) -> list[str]:
     return list(dict.fromkeys(str(name) for part in parts for name in part.attrs))
-
-
-def _aligned(
-    part: xr.Dataset, path: str | Path, first: xr.Dataset, other: str | Path
-) -> xr.Dataset:
-    """The same sweeps at the very frequencies of the first file."""
-    if list(part["interface"].values) != list(first["interface"].values):
-        raise InputError(
-            f"{path}: interfaces {', '.join(part['interface'].values)} are not those of {other}: "
-            f"{', '.join(first['interface'].values)}"
-        )
-    f, g = part["frequency"].values, first["frequency"].values
-    if f.size != g.size or not np.allclose(f, g, rtol=SAME_FREQUENCY, atol=0):
-        raise InputError(f"{path}: {_spanned(f)} are not the frequencies of {other}: {_spanned(g)}")
-    return part.assign_coords(frequency=first["frequency"])
-
-
-def _spanned(frequency: np.ndarray) -> str:
-    return f"{frequency.size} from {frequency[0]:.6g} to {frequency[-1]:.6g} Hz"

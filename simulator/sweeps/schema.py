@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -33,6 +34,10 @@ LABELS = {
     "column": "pressed pixel's column: 0 nothing pressed, -1 no single pixel",
     "session": "mounting or device",
 }
+TIME = "time"
+"""Coordinate of sweeps whose time is known: of their middle, s since 1970-01-01 UTC."""
+SESSIONS = "sessions"
+"""Attribute that names sessions: a JSON object of names by number."""
 
 
 def build(
@@ -44,6 +49,7 @@ def build(
     row: Sequence[int],
     column: Sequence[int],
     session: Sequence[int] | None = None,
+    time: Sequence[float] | None = None,
     Cp: ArrayLike | None = None,
     errors: Mapping[str, ArrayLike] | None = None,
     attributes: Mapping[str, str | int | float] | None = None,
@@ -51,8 +57,9 @@ def build(
     """Sweeps from complex impedance.
 
     Z: ohm, shape (sweep, interface, frequency). frequency: Hz, ascending. press, row, column,
-    session: one per sweep. Cp: F, shape of Z, where a meter displayed its own value instead of the
-    one that follows from Z. errors: `Rs_error` [ohm] and `Cp_error` [F], shape of Z.
+    session: one per sweep. time: of the middle of each, s since 1970-01-01 UTC. Cp: F, shape of Z,
+    where a meter displayed its own value instead of the one that follows from Z. errors:
+    `Rs_error` [ohm] and `Cp_error` [F], shape of Z.
     Raises InputError where the result would break the schema (see `check`).
     """
     import xarray as xr
@@ -87,6 +94,9 @@ def build(
         "frequency": ("frequency", frequency, {"long_name": "frequency", "units": "Hz"}),
         **{name: ("sweep", value, {"long_name": LABELS[name]}) for name, value in labels.items()},
     }
+    if time is not None:
+        told = {"long_name": "time since 1970-01-01 UTC", "units": "s"}
+        coordinates[TIME] = ("sweep", np.asarray(time, dtype=np.float64), told)
     return check(xr.Dataset(variables, coordinates, attrs=dict(attributes or {})))
 
 
@@ -104,6 +114,8 @@ def check(sweeps: xr.Dataset) -> xr.Dataset:
             raise InputError(f"`{name}` must have dimensions {DIMENSIONS}, got {sweeps[name].dims}")
         if not np.isfinite(sweeps[name].values).all():
             raise InputError(f"`{name}` must be finite everywhere")
+    if TIME in sweeps.variables and not np.isfinite(sweeps[TIME].values).all():
+        raise InputError(f"`{TIME}` must be finite everywhere")
     _checked_frequency(sweeps["frequency"].values)
     return sweeps
 
@@ -114,6 +126,15 @@ def _checked_frequency(frequency: NDArray[np.float64]) -> NDArray[np.float64]:
     if not (np.diff(frequency) > 0).all():
         raise InputError("`frequency` must be ascending, without repeats")
     return frequency
+
+
+def session_names(sweeps: xr.Dataset) -> dict[int, str]:
+    """Names of the sessions that have one. Raises InputError where the attribute is spoilt."""
+    try:
+        told = json.loads(str(sweeps.attrs.get(SESSIONS, "{}")))
+        return {int(number): str(name) for number, name in told.items()}
+    except (ValueError, AttributeError) as error:
+        raise InputError(f"attribute `{SESSIONS}` must be names by number: {error}") from error
 
 
 def impedance(sweeps: xr.Dataset) -> NDArray[np.complex128]:

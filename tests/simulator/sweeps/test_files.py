@@ -13,7 +13,7 @@ from rcskin.simulator.sweeps import (
 )
 
 finite = st.floats(-1e300, 1e300, allow_subnormal=False)
-HEADER = "sweep,press,row,column,interface,frequency_Hz,Rs_ohm,X_ohm,Cp_F"
+HEADER = "sweep,press,row,column,session,interface,frequency_Hz,Rs_ohm,X_ohm,Cp_F"
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +55,7 @@ def test_csv_is_long_form_with_the_agreed_header(make_sweeps, tmp_path):
     lines = (tmp_path / "all.csv").read_text().splitlines()
     assert lines[0] == HEADER
     assert len(lines) == 1 + 2 * 2 * 3
-    assert lines[7].startswith('1,"1,1:2.0",1,1,left,1000.0,')
+    assert lines[7].startswith('1,"1,1:2.0",1,1,0,left,1000.0,')
 
 
 def lines_of(*rows, header="frequency_Hz,Rs_ohm,X_ohm"):

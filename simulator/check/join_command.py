@@ -1,0 +1,34 @@
+"""The command `rcskin join`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def join(
+    files: Annotated[list[Path], typer.Argument(help="FILE.nc, FILE.zarr or FILE.csv.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="OUT.nc, .csv or .zarr.")],
+    session: Annotated[
+        str | None, typer.Option(help="Name of the one mounting that all of them are of.")
+    ] = None,
+) -> None:
+    """Join recordings of one skin into one file, each mounting its own session.
+
+    Sessions of one name (`record --session NAME`) are one session. Wherever
+    sweeps are asked for, several files may stand, too.
+    """
+    from ..asked.telling import written
+    from ..sweeps import checked_output, counted, write
+    from ..sweeps.joining import one_session, read_joined
+
+    checked_output(output)
+    sweeps = read_joined(files)
+    if session is not None:
+        sweeps = one_session(sweeps, session)
+    write(sweeps, output)
+    sessions = len(set(sweeps["session"].values.tolist()))
+    told = f"{sessions} session{'' if sessions == 1 else 's'}"
+    written(f"{counted(sweeps.sizes)}, {told}", output)

@@ -1,0 +1,124 @@
+"""Several recordings as one: every mounting its own session, attributes told together."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Hashable, Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .errors import InputError
+from .files import read
+from .importing.grouping import SAME_FREQUENCY
+from .same_skin import difference
+from .schema import SESSIONS, TIME, concatenate, session_names
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Source = str | Path
+OF_SWEEPS = ("times", "remarks", "answers")
+"""Attributes that list something for each sweep, as JSON."""
+FLAGGED = "flagged"
+"""Attribute of readings that were not normal: JSON of [sweep, index of frequency, status]."""
+
+
+def read_joined(paths: Sequence[Source]) -> xr.Dataset:
+    """The sweeps of one file, or of several joined. Raises InputError as `read` and `join`."""
+    return join([read(path) for path in paths], paths)
+
+
+def join(parts: Sequence[xr.Dataset], sources: Sequence[Source]) -> xr.Dataset:
+    """The sweeps of several recordings, as they follow in time or else as given.
+
+    One alone is unchanged. Sessions of one name are one session, all others are counted on. Of the
+    time and the estimated errors what all parts have is kept. Attributes: the first scene; what
+    differs is told of all.
+    Raises InputError naming the source that is of another skin, frequencies or interfaces.
+    """
+    if len(parts) == 1:
+        return parts[0]
+    if all(TIME in part.variables for part in parts):
+        begun = np.array([part[TIME].values.min() for part in parts])
+        order = np.argsort(begun, kind="stable")
+        parts, sources = [parts[i] for i in order], [sources[i] for i in order]
+    common = set.intersection(*(set(map(str, part.variables)) for part in parts))
+    fitting = []
+    for part, source in zip(parts, sources, strict=True):
+        _check_skin(part, source, parts[0], sources[0])
+        even = aligned(part, source, parts[0], sources[0])
+        fitting.append(even.drop_vars([name for name in part.variables if name not in common]))
+    renumbered, names = _sessions(fitting)
+    return concatenate(renumbered).assign_attrs(_attributes(parts, names))
+
+
+def aligned(part: xr.Dataset, path: Source, first: xr.Dataset, other: Source) -> xr.Dataset:
+    """The same sweeps at the very frequencies of the first, interfaces in its order.
+
+    Raises InputError where either are others.
+    """
+    ours, theirs = ([str(name) for name in each["interface"].values] for each in (part, first))
+    if sorted(ours) != sorted(theirs):
+        raise InputError(
+            f"{path}: interfaces {', '.join(ours)} are not those of {other}: {', '.join(theirs)}"
+        )
+    f, g = part["frequency"].values, first["frequency"].values
+    if f.size != g.size or not np.allclose(f, g, rtol=SAME_FREQUENCY, atol=0):
+        raise InputError(f"{path}: {_spanned(f)} are not the frequencies of {other}: {_spanned(g)}")
+    ordered = part.isel(interface=[ours.index(name) for name in theirs])
+    return ordered.assign_coords(frequency=first["frequency"])
+
+
+def _spanned(frequency: np.ndarray) -> str:
+    return f"{frequency.size} from {frequency[0]:.6g} to {frequency[-1]:.6g} Hz"
+
+
+def _check_skin(part: xr.Dataset, source: Source, first: xr.Dataset, other: Source) -> None:
+    ours, theirs = (str(each.attrs.get("scene", "")) for each in (part, first))
+    told = difference(ours, theirs)
+    if told is not None:
+        raise InputError(f"{source}: is of another skin than {other}: {told}")
+
+
+def _sessions(parts: Sequence[xr.Dataset]) -> tuple[list[xr.Dataset], dict[int, str]]:
+    """The parts with sessions numbered throughout, and the names of those that have one."""
+    numbers: dict[Hashable, int] = {}
+    renumbered = []
+    for place, part in enumerate(parts):
+        names = session_names(part)
+        keys = [names.get(int(each), (place, int(each))) for each in part["session"].values]
+        counted = [numbers.setdefault(key, len(numbers)) for key in keys]
+        session = part["session"].copy(data=np.array(counted, dtype=np.int64))
+        renumbered.append(part.assign_coords(session=session))
+    return renumbered, {number: key for key, number in numbers.items() if isinstance(key, str)}
+
+
+def _attributes(parts: Sequence[xr.Dataset], names: dict[int, str]) -> dict[str, Any]:
+    told: dict[str, Any] = {}
+    for name in dict.fromkeys(str(name) for part in parts for name in part.attrs):
+        values = [part.attrs[name] for part in parts if name in part.attrs]
+        if name in (*OF_SWEEPS, FLAGGED):
+            if len(values) == len(parts):
+                told[name] = json.dumps(_listed(name, values, parts))
+        elif name == "scene" or all(np.array_equal(value, values[0]) for value in values):
+            told[name] = values[0]
+        else:
+            told[name] = "; ".join(dict.fromkeys(map(str, values)))
+    return {**told, SESSIONS: json.dumps(names)}
+
+
+def _listed(name: str, values: Iterable[str], parts: Sequence[xr.Dataset]) -> list[Any]:
+    listed, before = [], 0
+    for value, part in zip(values, parts, strict=True):
+        each = json.loads(value)
+        listed += [[before + i, *rest] for i, *rest in each] if name == FLAGGED else each
+        before += part.sizes["sweep"]
+    return listed
+
+
+def one_session(sweeps: xr.Dataset, name: str) -> xr.Dataset:
+    """The same sweeps, all of one mounting of that name."""
+    session = sweeps["session"].copy(data=np.zeros(sweeps.sizes["sweep"], dtype=np.int64))
+    return sweeps.assign_coords(session=session).assign_attrs({SESSIONS: json.dumps({0: name})})
