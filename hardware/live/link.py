@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from threading import Thread
 
@@ -21,6 +21,7 @@ from ..record.sweep import Sweep, Watch, check_frequencies, measure_sweep
 from .answer import Localizer
 
 FIRST_WAIT, LONGEST_WAIT = 0.25, 4.0
+LOOKED_AT = 1.0
 PARTING = 0.5
 """Seconds that a meter has to take back its settings."""
 
@@ -44,7 +45,7 @@ class Link:
         self._localizer, self._table, self._limits = localizer, table, limits
         self._station, self._patience = Station(connect), patience
         self._failing_since: float | None = None
-        self._wait, self._frequency = FIRST_WAIT, 0.0
+        self._wait, self._frequency, self._looked = FIRST_WAIT, 0.0, 0.0
         self.judge: Judge | None = None
 
     @property
@@ -61,12 +62,19 @@ class Link:
         if self._station.header is None:
             self._begin(meter)
 
-    def sweep(self, watch: Watch) -> Sweep:
-        """A sweep that was measured whole with those settings, once ready. Raises MeterError."""
+    def sweep(self, watch: Watch, frequencies: Iterable[float] | None = None) -> Sweep:
+        """Readings that were all measured with those settings, once ready. Raises MeterError.
+
+        frequencies: Hz, in the order in which they are measured; the localizer's without. Of such
+        parts of a sweep the settings are looked at once in LOOKED_AT seconds.
+        """
         meter, header = self._station.meter, self._station.header
         assert meter is not None and header is not None
-        sweep = measure_sweep(meter, self._localizer.frequencies, watch)
-        require(meter, header.settings)
+        asked = self._localizer.frequencies if frequencies is None else frequencies
+        sweep = measure_sweep(meter, asked, watch)
+        if frequencies is None or time.monotonic() - self._looked > LOOKED_AT:
+            require(meter, header.settings)
+            self._looked = time.monotonic()
         self._recovered()
         return sweep
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -56,12 +56,12 @@ def flags(sweeps: Sequence[Sweep]) -> list[str]:
 
 
 def measure_sweep(
-    meter: Meter, frequencies: Sequence[float], watch: Watch = lambda frequency, reading: None
+    meter: Meter, frequencies: Iterable[float], watch: Watch = lambda frequency, reading: None
 ) -> Sweep:
-    """A reading at each frequency in Hz, none of them older than this call.
+    """A reading at each frequency in Hz in any order, none of them older than this call.
 
     The meter rounds a frequency to five digits; where it tells one that differs by more, nothing is
-    taken for a reading. watch: called with each as it comes.
+    taken for a reading. watch: called with each as it comes, before the next frequency is taken.
     Raises InputError where the meter cannot take a frequency, MeterError where a reading fails.
     """
     readings = [_at(meter, float(frequency), watch) for frequency in frequencies]

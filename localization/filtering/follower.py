@@ -33,15 +33,14 @@ class Followed:
 
     label: a class, or of positions "0" or "1" touches, or CANNOT_TELL. probability: of the most
     probable one. probabilities: of each class, of positions none. changed: that the touch changed
-    in mid-sweep. place, deviation: x and y in mm, of positions.
+    in mid-sweep. coordinates: x, y and their deviations in mm, of a touch that is placed.
     """
 
     label: str
     probability: float
     probabilities: NDArray[np.float64]
     changed: float
-    place: NDArray[np.float64] | None = None
-    deviation: NDArray[np.float64] | None = None
+    coordinates: tuple[float, ...] = ()
 
 
 class Follower:
@@ -70,32 +69,36 @@ class Follower:
         return self._chain.after(self.belief, gap).states
 
     def follow(
-        self, sweeps: xr.Dataset, rest: xr.Dataset | None, gaps: NDArray, during: NDArray
-    ) -> list[Followed]:
-        """Of each sweep. gaps: s from the end of the one before to its beginning. during: s that it
-        took. Raises InputError as `Model.predict`."""
-        X = self.model.features(sweeps, rest)
+        self, sweep: xr.Dataset, rest: xr.Dataset | None, gap: float, during: float
+    ) -> Followed:
+        """Of the next sweep. gap: s from the end of the one before to its beginning. during: s that
+        it took. Raises InputError as `Model.predict`."""
+        X = self.model.features(sweep, rest)
+        return self._through(X, np.array([gap]), np.array([during]))[0]
+
+    def through(self, sweeps: xr.Dataset, rest: xr.Dataset | None, pace: float) -> list[Followed]:
+        """Of sweeps in the order in which they were taken, each session by itself.
+
+        pace: s from sweep to sweep where no `time` of theirs is known. Raises InputError as
+        `Model.predict`.
+        """
+        X, session = self.model.features(sweeps, rest), sweeps["session"].values
+        known = sweeps["time"].values if "time" in sweeps.coords else pace * np.arange(len(X))
+        found: dict[int, Followed] = {}
+        for each in np.unique(session):
+            here = np.flatnonzero(session == each)
+            apart = np.maximum(np.diff(known[here]), 0.0)
+            usual = float(np.median(apart)) if apart.size else pace
+            during = np.minimum(np.append(usual, apart), usual)
+            self.forget()
+            told = self._through(X[here], np.append(0.0, apart - during[1:]), during)
+            found |= dict(zip(here.tolist(), told, strict=True))
+        return [found[k] for k in range(len(X))]
+
+    def _through(self, X: NDArray, gaps: NDArray, during: NDArray) -> list[Followed]:
         evidence = self._observer.observe(X)
         told = self._grid.told(X) if self._grid else [None] * len(X)
         return [self.seen(*each) for each in zip(evidence, gaps, during, told, strict=True)]
-
-    def through(
-        self, sweeps: xr.Dataset, rest: xr.Dataset | None, pace: float
-    ) -> list[Followed]:
-        """Of sweeps of one session after the other, from when they were taken where that is known.
-
-        pace: s from sweep to sweep where it is not. Raises as `follow`.
-        """
-        session = sweeps["session"].values
-        ends = sweeps["time"].values if "time" in sweeps.coords else pace * np.arange(session.size)
-        found: list[Followed | None] = [None] * session.size
-        for each in np.unique(session):
-            here = np.flatnonzero(session == each)
-            apart = np.diff(ends[here], prepend=ends[here[0]] - pace)
-            during = np.minimum(apart, np.median(apart))
-            self.forget()
-            ...
-        return found
 
     def seen(
         self, evidence: Evidence, gap: float, during: float, told: NDArray | None = None
@@ -115,8 +118,8 @@ class Follower:
         if self._grid is None or told is None or label != "1":
             return Followed(label, probability, classes, belief.changed)
         cells = belief.states[-1 - GRID[0] * GRID[1] : -1]
-        place, deviation = self._grid.place(cells, told)
-        return Followed(label, probability, classes, belief.changed, place, deviation)
+        placed = np.concatenate(self._grid.place(cells, told))
+        return Followed(label, probability, classes, belief.changed, tuple(placed.tolist()))
 
     def _summed(self, states: NDArray[np.float64]) -> tuple[list[str], NDArray[np.float64]]:
         """Names of what is told, and the chances of these and of anything else."""

@@ -58,6 +58,11 @@ class _Adapted(BaseEstimator):
         """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
         return self._told(X, lambda inner, change: inner.novel(change)).astype(bool)
 
+    def at_hand(self, curve: NDArray[np.float64]):
+        """The estimator of the skin with this curve at rest, of lnZ0 and phase0, (number,)."""
+        check_is_fitted(self)
+        return self._of_one_skin(curve[None], np.zeros(1, dtype=np.intp))[1].estimator
+
     def __getstate__(self):
         """Numbers and text only, once it is fitted."""
         state: Any = super().__getstate__()
