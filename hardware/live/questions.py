@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -20,22 +19,26 @@ USUAL = 0.02
 
 @dataclass
 class Pace:
-    """How long readings take at each frequency, as they come. show: is told of each, too."""
+    """How long readings take at each frequency, as they come, by a clock in s.
+
+    show: is told of each, too.
+    """
 
     localizer: Localizer
     show: Watch
+    clock: Callable[[], float]
     _latest: dict[float, float] = field(default_factory=dict, init=False)
     _since: float = field(default=0.0, init=False)
 
     def begin(self) -> None:
         """A sweep begins."""
-        self._since = time.perf_counter()
+        self._since = self.clock()
 
     def reading(self, frequency: float, reading: Reading) -> None:
         """A reading came, at a frequency in Hz."""
-        self._latest[frequency] = time.perf_counter() - self._since
+        self._latest[frequency] = self.clock() - self._since
         self.show(frequency, reading)
-        self._since = time.perf_counter()
+        self._since = self.clock()
 
     @property
     def seconds(self) -> NDArray[np.float64]:

@@ -99,7 +99,10 @@ class Show(Protocol):
 
 @dataclass
 class Session:
-    """A localizer at a meter. key: the last key that was pressed, empty where none was."""
+    """A localizer at a meter. key: the last key that was pressed, empty where none was.
+
+    clock: s, by which sweeps are timed.
+    """
 
     localizer: Localizer
     link: Link
@@ -107,6 +110,7 @@ class Session:
     show: Show
     log: Log
     key: Callable[[], str] = lambda: ""
+    clock: Callable[[], float] = time.perf_counter
     answers: int = field(default=0, init=False)
     failed: int = field(default=0, init=False)
     _begun: float | None = field(default=None, init=False)
@@ -116,7 +120,7 @@ class Session:
     _restless: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        self._pace = Pace(self.localizer, self.show.reading)
+        self._pace = Pace(self.localizer, self.show.reading, self.clock)
 
     def run(self, answers: int | None = None) -> None:
         """Answer so often, or until the key of the end.
@@ -134,12 +138,13 @@ class Session:
             if key == REST_KEY and self.rest.wanted:
                 self.rest.forget()
                 self._ask_for_rest()
-            self._next()
+            self.step()
 
-    def _next(self) -> None:
+    def step(self) -> None:
+        """Measure once, and answer or tell why not. Raises as `run`."""
         try:
             self.link.ready()
-            begun = time.perf_counter()
+            begun = self.clock()
             measured = self._measured(begun)
         except MeterError as failure:
             self._fail(failure)
@@ -166,7 +171,7 @@ class Session:
             frequencies, sweep = questioned(self.link, asked, self._pace)
             whole = frequencies.size == len(self.localizer.frequencies)
             part = None if whole else Part(asked, frequencies)
-        return Measured(sweep, begun, time.perf_counter(), gap, part)
+        return Measured(sweep, begun, self.clock(), gap, part)
 
     def _fail(self, failure: MeterError) -> None:
         self.failed += 1
@@ -189,7 +194,7 @@ class Session:
 
     def _answer(self, measured: Measured) -> None:
         answer, sweep, begun = self._told(measured), measured.sweep, measured.begun
-        ended = time.perf_counter()
+        ended = self.clock()
         before, self._begun, self._ended = self._begun, begun, measured.ended
         self._ends.append(ended)
         self.answers += 1

@@ -79,7 +79,7 @@ class Observer:
         else:
             known, other, gated = self._places(X)
             novel = novel & gated
-        known = known * np.where(novel, DOUBT, 1.0)[:, None]
+        known[novel] = DOUBT
         return np.log(np.column_stack([known, np.where(novel, 1.0, other)]))
 
     def _places(self, X: NDArray) -> tuple[NDArray, NDArray, NDArray[np.bool_]]:

@@ -43,33 +43,34 @@ def evidence(random, states, cuts):
     return Evidence(random.normal(0, 3, states), tuple(Cut(*each) for each in told))
 
 
-def within(chain, before, after, seen, seconds):
-    """Chance of a state after a sweep and of its readings, by the state before."""
-    stay = np.exp(rates(chain)[before, before] * seconds) * (before == after)
-    change = transitions(chain, seconds)[before, after] - stay
+def within(chain, seen, seconds):
+    """Chance of a state after a sweep and of its readings, by the state before; (before, after)."""
+    stay = np.diag(np.exp(np.diag(rates(chain)) * seconds))
+    change = transitions(chain, seconds) - stay
     whole = np.exp(seen.whole)
-    at_cuts = sum(np.exp(cut.before[before] + cut.after[after]) for cut in seen.cuts)
-    ends = (whole[before] + whole[after]) / 2
-    return stay * whole[after] + change * (ends + at_cuts) / (len(seen.cuts) + 1)
+    at_cuts = sum(np.exp(cut.before[:, None] + cut.after) for cut in seen.cuts)
+    ends = (whole[:, None] + whole) / 2
+    return stay * whole + change * (ends + at_cuts) / (len(seen.cuts) + 1)
 
 
 @pytest.mark.parametrize("cuts", [0, 1, 3])
 def test_the_forward_pass_is_the_sum_over_all_paths(cuts):
     random = np.random.default_rng(cuts)
-    chain = chain_of_classes("column", TARGETS["column"], PLAN, TOUCHING)
+    chain = chain_of_classes("column", [0, 1, 2], PLAN, TOUCHING)
     states, spans = len(chain.stationary), [(0.0, 0.4), (0.3, 0.5), (1.0, 0.2)]
     seen = [evidence(random, states, cuts) for _ in spans]
     belief = chain.start()
     for (gap, during), each in zip(spans, seen, strict=True):
         belief = chain.seen(chain.after(belief, gap), each, during)
     sums = np.zeros(states)
+    sweeps = [within(chain, each, during) for (_, during), each in zip(spans, seen, strict=True)]
+    between = [transitions(chain, gap) for gap, _ in spans]
     for path in itertools.product(range(states), repeat=6):
         weight = chain.stationary[path[0]]
-        for k, (_, during) in enumerate(spans):
-            start, end = path[2 * k], path[2 * k + 1]
-            weight = weight * within(chain, start, end, seen[k], during)
-            if k + 1 < len(spans):
-                weight = weight * transitions(chain, spans[k + 1][0])[end, path[2 * k + 2]]
+        for k in range(3):
+            weight = weight * sweeps[k][path[2 * k], path[2 * k + 1]]
+            if k < 2:
+                weight = weight * between[k + 1][path[2 * k + 1], path[2 * k + 2]]
         sums[path[5]] += weight
     np.testing.assert_allclose(belief.states, sums / sums.sum(), rtol=1e-9)
 
