@@ -5,7 +5,7 @@ meter on TCP, at the times that a meter takes, by the session of `rcskin live`. 
 recorded once, and every way to answer them is asked the same ones; sweeps by `--adaptive`, which
 choose their frequencies, are read anew. None of this is a measurement of a skin.
 
-Run: python benchmarks/filtering.py [--quick] [--skins N]
+Run: python benchmarks/filtering.py [--quick] [--skins N] [--touches N] [--rest SECONDS]
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from twin_scenes import believed, built
 from twin_skin import Twin
 from twin_trials import ONE, SINGLE
 
-PIXELS, TRAINING = 5, 6000
+PIXELS, TRAINING = 5, 2000
 SKINS, TOUCHES, REST = 4, 30, 300.0
 """Twins; touches of each; s at rest after them."""
 WAYS = (
@@ -230,7 +230,7 @@ def main(run: Run) -> None:
         name: train(sweeps, "column", name, quantities=WHOLE, registry=localizers())
         for name in names
     }
-    sizes = run.sized((TOUCHES, REST), (4, 10.0))
+    sizes = run.sized((run.asked.touches, run.asked.rest), (4, 10.0))
     skins = run.asked.skins or run.sized(SKINS, 1)
     work = (delayed(of_skin)(k, models, family, sizes) for k in range(skins))
     rows = [row for found in Parallel(n_jobs=run.asked.processes)(work) for row in found]
@@ -243,6 +243,8 @@ def options() -> argparse.ArgumentParser:
     """Of the command line."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--skins", type=int)
+    parser.add_argument("--touches", type=int, default=TOUCHES)
+    parser.add_argument("--rest", type=float, default=REST)
     parser.add_argument("--processes", type=int, default=2)
     return parser
 
