@@ -80,27 +80,29 @@ def _accuracy(sweeps: xr.Dataset, *, target: str, folds: int, seed: int) -> floa
 app.command("study")(study_command(_accuracy))
 
 
-def _scene_data(name: str, interface: str | None) -> SceneData:
+def _scene_data(name: str, interfaces: list[str] | None) -> SceneData:
     from .simulator.asked.scene import asked_scene
     from .simulator.scene.files import scene_text
-    from .simulator.scene.scene import checked_interface
+    from .simulator.scene.scene import checked_interface, interface_names
 
     scene = asked_scene(name)
+    asked = dict.fromkeys(interfaces or interface_names(scene))
     return SceneData(
         name=scene.name,
         text=scene_text(scene),
         frequencies=scene.sweep.frequencies,
         rows=scene.pixels.rows,
         columns=scene.pixels.columns,
-        interface=checked_interface(interface, scene),
+        interfaces=tuple(checked_interface(each, scene) for each in asked),
     )
 
 
-def _skin(data: SceneData) -> Skin:
+def _skins(data: SceneData) -> Mapping[str, Skin]:
     from .simulator.measure.specimen import Specimen
     from .simulator.scene.files import parse_scene
 
-    return Specimen(parse_scene(data.text, data.name), data.interface)
+    whole = Specimen(parse_scene(data.text, data.name), data.interfaces[0])
+    return {name: whole.at(name) for name in data.interfaces}
 
 
 def _readout(data: SceneData, seed: int) -> Readout:
@@ -184,7 +186,7 @@ def _plan(text: str) -> Plan | None:
 
 add_commands(app, on_terminal, _plan, _checked_ending, _model_based)
 app.command("live")(live_command(_live_localizer))
-meter = meter_app(Simulation(_scene_data, _skin, _readout))
+meter = meter_app(Simulation(_scene_data, _skins, _readout))
 app.add_typer(meter, name="meter")
 
 
@@ -255,6 +257,7 @@ EXAMPLES = {
     "plot": "rcskin plot all.nc -o all.png",
     "view": "rcskin view sheet-5x5 --press 2,3 --frequency 1e4 -o field.png",
     "import": "rcskin import eis.csv --press none -o eis.nc",
+    "join": "rcskin join monday.nc tuesday.nc -o all.nc",
     "check": "rcskin check all.nc -o report.png",
     "dataset": "rcskin dataset sheet-5x5 --sweeps 2000 -o skins.zarr",
     "export": "rcskin export skins.zarr -o skins.csv",
@@ -271,6 +274,7 @@ EXAMPLES = {
 OF_THE_METER = {
     "serve": "rcskin meter serve --scene sheet-5x5",
     "record": f"rcskin meter record sheet-5x5 --resource {VIRTUAL} -o run.nc",
+    "gather": "rcskin meter gather run.nc -o so-far.nc",
     "correct": f"rcskin meter correct open --resource {VIRTUAL}",
     "press": "rcskin meter press 2,3",
     "misbehave": "rcskin meter misbehave late --times 2",

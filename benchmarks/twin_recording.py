@@ -42,11 +42,12 @@ def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
         frequencies=scene.sweep.frequencies,
         rows=scene.pixels.rows,
         columns=scene.pixels.columns,
-        interface=interface,
+        interfaces=(interface,),
     )
     number = [each.name for each in scene.interfaces].index(interface)
     errors = SessionErrors(scene, seed=1000 * twin.number + number)
-    exhibit = simulated(data, twin.at(interface), lambda Z, at_hand: errors.read(Z, at_hand.range))
+    skins = {interface: twin.at(interface)}
+    exhibit = simulated(data, skins, lambda Z, at_hand: errors.read(Z, at_hand.range))
     meter = instrument(exhibit, pace=0.0)
     steps = [parse_step(press, data.rows, data.columns) for press in presses]
     with running(meter, Control(meter)) as ports, tempfile.TemporaryDirectory() as folder:
@@ -60,4 +61,4 @@ def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
             {},
         )
         header, entries = record(task, Machine(hand, Screen(Console(quiet=True)), retries=0))
-    return gather(header, entries, "derived")
+    return gather(header, entries)

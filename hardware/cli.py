@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .options import Accuracy, Baud, ControlAddress, Interface, Resource, Timeout
+from .options import Accuracy, Baud, ControlAddress, Interfaces, Resource, Timeout
 from .record.command import record_command
+from .record.output import gather_command
 from .virtual.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -25,9 +26,9 @@ def meter_app(simulation: Simulation) -> typer.Typer:
     def serve(
         scene: Annotated[str | None, typer.Option(help="A built-in scene, or a path.")] = None,
         recorded: Annotated[
-            Path | None, typer.Option(help="Play recorded sweeps instead of a scene.")
+            list[Path] | None, typer.Option(help="Play recorded sweeps instead of a scene.")
         ] = None,
-        interface: Interface = None,
+        interface: Interfaces = None,
         host: Annotated[str, typer.Option(help="Address to listen at.")] = "127.0.0.1",
         port: Annotated[int, typer.Option(help="TCP port; 0 takes any free one.")] = 3500,
         control_port: Annotated[int, typer.Option(help="Port of the side door.")] = 3501,
@@ -48,6 +49,7 @@ def meter_app(simulation: Simulation) -> typer.Typer:
         exhibit = _exhibit(simulation, scene, recorded, interface, seed)
         pressing = serving.routines(exhibit, script, random, seed)
         meter = serving.instrument(exhibit, pace, accuracy or DERIVED)
+        meter.tell = lambda text: typer.echo(f"rcskin: {text}", err=True)
         serving.serve(
             meter,
             pressing,
@@ -58,6 +60,7 @@ def meter_app(simulation: Simulation) -> typer.Typer:
         )
 
     app.command()(record_command(simulation.scene))
+    app.command("gather")(gather_command)
     _add_small_commands(app)
     return app
 
@@ -93,9 +96,10 @@ def _add_small_commands(app: typer.Typer) -> None:
     ) -> None:
         """Acquire open or short correction, or end it."""
         from .meter.correction import correct as acquire
+        from .meter.ending import ending_in_order
         from .meter.hioki import open_meter
 
-        with open_meter(resource, timeout, baud) as meter:
+        with ending_in_order(), open_meter(resource, timeout, baud) as meter:
             acquire(meter, kind.lower(), extent.upper())
             state = meter.open_correction, meter.short_correction
         typer.echo(f"open correction {state[0]}, short correction {state[1]}")
@@ -111,10 +115,22 @@ def _add_small_commands(app: typer.Typer) -> None:
         typer.echo(ask(control, "press", press=press))
 
     @app.command()
+    def select(
+        interface: Annotated[str, typer.Argument(help="Of the skin that is being served.")],
+        control: ControlAddress = CONTROL,
+    ) -> None:
+        """Connect a virtual meter to another interface of its skin."""
+        from .steer import ask
+
+        typer.echo(ask(control, "select", interface=interface))
+
+    @app.command()
     def misbehave(
         kind: Annotated[
             str,
-            typer.Argument(help="drop, late, silent, garbage, half, status, correction, forget."),
+            typer.Argument(
+                help="drop, late, silent, garbage, half, status, correction, forget, slow, stuck."
+            ),
         ],
         times: Annotated[int, typer.Option(help="How often.")] = 1,
         seconds: Annotated[float, typer.Option(help="How late.")] = 2.0,
@@ -130,17 +146,17 @@ def _add_small_commands(app: typer.Typer) -> None:
 def _exhibit(
     simulation: Simulation,
     scene: str | None,
-    recorded: Path | None,
-    interface: str | None,
+    recorded: list[Path] | None,
+    interfaces: list[str] | None,
     seed: int,
 ) -> Exhibit:
-    from ..simulator.sweeps import InputError, read
+    from ..simulator.sweeps import InputError, read_joined
     from .virtual import serving
 
-    if (scene is None) == (recorded is None):
+    if (scene is None) == (not recorded):
         raise InputError("serve needs either --scene or --recorded")
-    if recorded is not None:
-        return serving.recorded(read(recorded), interface)
+    if recorded:
+        return serving.recorded(read_joined(recorded), interfaces)
     assert scene is not None
-    data = simulation.scene(scene, interface)
-    return serving.simulated(data, simulation.skin(data), simulation.readout(data, seed))
+    data = simulation.scene(scene, interfaces)
+    return serving.simulated(data, simulation.skins(data), simulation.readout(data, seed))

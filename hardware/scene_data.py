@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class SceneData:
-    """A scene at one of its interfaces. text: the scene's TOML. frequencies: Hz, ascending."""
+    """A scene at some of its interfaces. text: the scene's TOML. frequencies: Hz, ascending."""
 
     name: str
     text: str
     frequencies: tuple[float, ...]
     rows: int
     columns: int
-    interface: str
+    interfaces: tuple[str, ...]

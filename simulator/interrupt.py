@@ -13,6 +13,8 @@ from contextlib import contextmanager
 
 PATIENCE, LEAVE = 0.8, 0.4
 """Seconds until a Ctrl-C must have been heard of, and that an end may take where it was not."""
+SHOWN_CURSOR = "\x1b[?25h"
+"""What gives a terminal its cursor back, which a progress bar had hidden."""
 INTERRUPTED = 130
 """Exit code of what Ctrl-C ends."""
 
@@ -60,7 +62,7 @@ def _end() -> None:
     timer = threading.Timer(LEAVE, os._exit, (INTERRUPTED,))
     timer.daemon = True
     timer.start()
-    sys.stderr.write("rcskin: interrupted\n")
+    sys.stderr.write((SHOWN_CURSOR if sys.stderr.isatty() else "") + "rcskin: interrupted\n")
     sys.stderr.flush()
     atexit._run_exitfuncs()
     os._exit(INTERRUPTED)

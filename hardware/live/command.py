@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from ..options import Accuracy, Baud, Resource, Timeout
+from ..options import (
+    Accuracy,
+    Baud,
+    Overwrite,
+    Resource,
+    Settle,
+    SwitchName,
+    SwitchWith,
+    Timeout,
+)
+from ..record.output import check_free
 
 if TYPE_CHECKING:
+    from ..record.journal import Journal
     from .answer import Localizer
     from .rest import Rest
     from .session import Session, Show
@@ -40,9 +51,12 @@ def live_command(load: Callable[[Path, Manner], Localizer]) -> Callable[..., Non
         interface: Annotated[
             str | None, typer.Option(help="Where the meter is connected; else the model's.")
         ] = None,
+        switch: SwitchName = None,
+        switch_with: SwitchWith = None,
+        settle: Settle = None,
         rest: Annotated[int, typer.Option(help="Sweeps at rest, where the model needs any.")] = 3,
         rest_file: Annotated[
-            Path | None, typer.Option(help="Take the sweeps at rest (press none) of this file.")
+            list[Path] | None, typer.Option(help="Take the sweeps at rest (press none) of files.")
         ] = None,
         sweeps: Annotated[int | None, typer.Option(help="End after so many answers.")] = None,
         plain: Annotated[
@@ -51,6 +65,7 @@ def live_command(load: Callable[[Path, Manner], Localizer]) -> Callable[..., Non
         log: Annotated[
             Path | None, typer.Option(help="Write all sweeps and answers: OUT.nc or .csv.")
         ] = None,
+        overwrite: Overwrite = False,
         drift: Annotated[float, typer.Option(help="Of |Z| at rest that is not told.")] = 0.05,
         patience: Annotated[
             float, typer.Option(help="Seconds without the meter until it is given up.")
@@ -84,22 +99,23 @@ def live_command(load: Callable[[Path, Manner], Localizer]) -> Callable[..., Non
         ] = None,
     ) -> None:
         """Localize presses as they come: time, answer, probability and latency in ms in a pipe."""
-        from ...simulator.sweeps import InputError, checked_output
+        from ...simulator.sweeps import InputError
         from ..meter.accuracy import DERIVED, read_table
+        from ..meter.ending import ending_in_order
         from ..meter.hioki import open_meter
         from ..record.checks import Limits
+        from ..switch.asked import asked_switch
         from .link import Link
         from .log import Log
         from .session import Session
 
         if sweeps is not None and sweeps < 1:
             raise InputError(f"`sweeps` must be at least 1, got {sweeps}")
-        if log:
-            checked_output(log)
         if adaptive and log:
             raise InputError("--log keeps whole sweeps, and --adaptive measures parts of them")
         if certain is not None and not (filtered or adaptive):
             raise InputError("--certain needs --filter or --adaptive; else `train` takes it")
+        journal = _journal(log, overwrite) if log else None
         touching = (touch_lasts, touch_every, touch_speed) if filtered else None
         localizer = load(model, Manner(touching, adaptive, certain))
         _check_interface(localizer, interface)
@@ -109,17 +125,35 @@ def live_command(load: Callable[[Path, Manner], Localizer]) -> Callable[..., Non
             read_table(accuracy or DERIVED),
             Limits(drift=drift),
             patience,
+            asked_switch(switch, switch_with, settle, localizer.interfaces),
+            lambda text: typer.echo(f"rcskin: {text}", err=True),
         )
         at_rest = _rest(localizer, rest, rest_file, anyway)
-        kept = Log(localizer, log)
+        kept = Log(journal)
         try:
-            with _showing(localizer, plain) as (show, key):
-                _run(Session(localizer, link, at_rest, show, kept, key), sweeps)
+            with ending_in_order(), journal.lock() if journal else nullcontext():
+                with _showing(localizer, plain) as (show, key):
+                    _run(Session(localizer, link, at_rest, show, kept, key), sweeps)
         finally:
             if kept.told:
                 typer.echo(kept.told, err=True)
 
     return live
+
+
+def _journal(log: Path, overwrite: bool) -> Journal:
+    """Of a log that may be written. Raises InputError where something is there to be lost."""
+    from ...simulator.sweeps import InputError, checked_output
+    from ..record.journal import Journal
+
+    check_free(checked_output(log), overwrite)
+    journal = Journal(log)
+    if overwrite or journal.header() is None:
+        return journal
+    raise InputError(
+        f"{journal.folder}: holds a session that was cut off; `rcskin meter gather {log} -o "
+        "OTHER.nc` writes it, --overwrite drops it"
+    )
 
 
 def _run(session: Session, answers: int | None) -> None:
@@ -148,7 +182,7 @@ def _showing(localizer: Localizer, plain: bool) -> Iterator[tuple[Show, Callable
         yield screen, key
 
 
-def _rest(localizer: Localizer, wanted: int, file: Path | None, anyway: bool) -> Rest:
+def _rest(localizer: Localizer, wanted: int, files: list[Path] | None, anyway: bool) -> Rest:
     from ...simulator.sweeps import InputError
     from .log import read_rest
     from .rest import Rest
@@ -156,20 +190,15 @@ def _rest(localizer: Localizer, wanted: int, file: Path | None, anyway: bool) ->
     if not 1 <= wanted <= MOST_REST:
         raise InputError(f"`rest` must be in 1..{MOST_REST}, got {wanted}")
     rest = Rest(wanted if localizer.needs_rest else 0)
-    if file:
-        rest.give(read_rest(file, localizer, anyway=anyway))
+    if files:
+        rest.give(read_rest(files, localizer, anyway=anyway))
     return rest
 
 
 def _check_interface(localizer: Localizer, interface: str | None) -> None:
-    """Raises InputError where the model asks for what one meter on one interface cannot tell."""
+    """Raises InputError where the meter is said to be at an interface that is not the model's."""
     from ...simulator.sweeps import InputError
 
-    names = ", ".join(localizer.interfaces)
-    if len(localizer.interfaces) > 1:
-        raise InputError(
-            f"the model needs the interfaces {names} at once, and a meter is connected to one of "
-            "them: that takes a multiplexer, which no resource serves yet; train on one interface"
-        )
-    if interface not in (None, *localizer.interfaces):
+    if interface is not None and (interface,) != localizer.interfaces:
+        names = ", ".join(localizer.interfaces)
         raise InputError(f"the model was trained on interface {names}, got {interface!r}")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import select
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 
 
 @contextmanager
@@ -27,11 +29,14 @@ def keys() -> Iterator[Callable[[], str]]:
         return
     terminal = sys.stdin.fileno()
     before = termios.tcgetattr(terminal)
+    restore = partial(termios.tcsetattr, terminal, termios.TCSADRAIN, before)
+    atexit.register(restore)  # where the block is not left, the process being ended by force
     try:
         tty.setcbreak(terminal)
         yield lambda: _last(terminal)
     finally:
-        termios.tcsetattr(terminal, termios.TCSADRAIN, before)
+        restore()
+        atexit.unregister(restore)
 
 
 def _last(terminal: int) -> str:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable
-from contextlib import suppress
-from threading import Thread
 
 import numpy as np
 
@@ -15,21 +13,22 @@ from ..meter.errors import MeterError, NoConnectionError, ReadingError
 from ..meter.hioki import Meter
 from ..meter.snapshot import require, restore, snapshot
 from ..record.checks import Judge, Limits
-from ..record.journal import Header, now
+from ..record.journal import Header
 from ..record.station import Station
-from ..record.sweep import Sweep, Watch, check_frequencies, measure_sweep
+from ..record.sweep import Sweep, Watch, check_frequencies, measure_sweep, now
+from ..switch.errors import NoSwitchError, SwitchError
+from ..switch.switch import Switch
 from .answer import Localizer
 
 FIRST_WAIT, LONGEST_WAIT = 0.25, 4.0
 LOOKED_AT = 1.0
-PARTING = 0.5
-"""Seconds that a meter has to take back its settings."""
 
 
 class Link:
     """One meter, with the settings it had at the beginning; reconnected when it fails.
 
-    patience: s without a whole sweep after which it is given up.
+    patience: s without a whole sweep after which it is given up. switch: connects it to one of the
+    localizer's interfaces, where there are several.
     """
 
     def __init__(
@@ -39,13 +38,17 @@ class Link:
         table: AccuracyTable,
         limits: Limits,
         patience: float,
+        switch: Switch | None = None,
+        tell: Callable[[str], None] = lambda text: None,
     ) -> None:
+        """tell: told of settings that could not be put back in the end."""
         if not 0 < patience <= 1e6:
             raise InputError(f"`patience` must be in (0, 1e6] s, got {patience:g}")
         self._localizer, self._table, self._limits = localizer, table, limits
-        self._station, self._patience = Station(connect), patience
+        self._station, self._patience = Station(connect, tell=tell), patience
+        self._switch = switch
         self._failing_since: float | None = None
-        self._wait, self._frequency, self._looked = FIRST_WAIT, 0.0, 0.0
+        self._wait, self._looked = FIRST_WAIT, 0.0
         self.judge: Judge | None = None
 
     @property
@@ -70,8 +73,9 @@ class Link:
         """
         meter, header = self._station.meter, self._station.header
         assert meter is not None and header is not None
-        asked = self._localizer.frequencies if frequencies is None else frequencies
-        sweep = measure_sweep(meter, asked, watch)
+        localizer = self._localizer
+        asked = localizer.frequencies if frequencies is None else frequencies
+        sweep = measure_sweep(meter, asked, localizer.interfaces, self._switch, watch)
         if frequencies is None or time.monotonic() - self._looked > LOOKED_AT:
             require(meter, header.settings)
             self._looked = time.monotonic()
@@ -81,44 +85,42 @@ class Link:
     def failed(self, failure: MeterError) -> float:
         """Seconds to wait before the next sweep, longer with each failure in a row.
 
-        Raises NoConnectionError where patience is at its end. A reading that the meter itself calls
-        failed is no reason to connect anew, or to give up.
+        Raises NoConnectionError or NoSwitchError where patience is at its end. A reading that the
+        meter itself calls failed is no reason to connect anew, or to give up; nor is a switch that
+        fails one to let the meter go.
         """
         if isinstance(failure, ReadingError):
             self._recovered()
             return 0.0
-        self._station.close()
+        gone, what = NoConnectionError, "meter"
+        if isinstance(failure, SwitchError):
+            gone, what = NoSwitchError, "switch"
+        else:
+            self._station.close()
         self._failing_since = self._failing_since or time.monotonic()
         left = self._failing_since + self._patience - time.monotonic()
         if left <= 0:
-            raise NoConnectionError(
-                f"given up after {self._patience:g} s without the meter; at last: {failure}"
+            raise gone(
+                f"given up after {self._patience:g} s without the {what}; at last: {failure}"
             ) from failure
         wait, self._wait = min(self._wait, left), min(2 * self._wait, LONGEST_WAIT)
         return wait
 
     def leave(self) -> None:
-        """Let the meter go, at its frequency of before and measuring by itself again.
-
-        One that does not answer is left as it is.
-        """
-        meter = self._station.meter
-        if meter and self._frequency:
-            parting = Thread(target=self._give_back, args=(meter,), daemon=True)
-            parting.start()
-            parting.join(PARTING)
-        self._station.close()
+        """Let the meter go as it was found; one that does not answer is left as it is."""
+        self._station.leave()
+        if self._switch:
+            self._switch.close()
 
     def _begin(self, meter: Meter) -> None:
         localizer = self._localizer
         check_frequencies(meter, localizer.frequencies)
-        self._frequency = meter.frequency
         settings = snapshot(meter)
         restore(meter, settings)
         self._station.header = Header(
             scene=localizer.scene,
             name="live",
-            interface=localizer.interfaces[0],
+            interfaces=localizer.interfaces,
             frequencies=localizer.frequencies,
             rows=localizer.rows,
             columns=localizer.columns,
@@ -126,16 +128,11 @@ class Link:
             asked={},
             meter=meter.identity.text,
             settings=settings,
-            begun=now(),
+            begun=(begun := now()),
+            session=begun,
+            accuracy=self._table.name,
         )
         self.judge = Judge(np.array(localizer.frequencies), self._table, settings, self._limits)
 
     def _recovered(self) -> None:
         self._failing_since, self._wait = None, FIRST_WAIT
-
-    def _give_back(self, meter: Meter) -> None:
-        with suppress(MeterError):  # what it was just answering is no answer to what follows
-            meter.talk.check("the end")
-        with suppress(MeterError, InputError):
-            meter.frequency = self._frequency
-            meter.trigger = "INTERNAL"

@@ -2,55 +2,52 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from importlib.metadata import version
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.sweeps import UNPRESSED, InputError, build, counted, read, write
+from ...simulator.sweeps import UNPRESSED, InputError, build, counted, read_joined
 from ...simulator.sweeps.same_skin import check_same_skin
-from ..meter.identity import origin
-from ..record.journal import Header, now
-from ..record.sweep import Sweep, flagged
+from ..record.journal import Entry, Header, Journal
+from ..record.order import UNKNOWN
+from ..record.output import finish
+from ..record.sweep import Sweep, Trace, now
 from .answer import Answer, Localizer
 
 if TYPE_CHECKING:
     import xarray as xr
 
-UNKNOWN = "?"
-
 
 def as_dataset(
     sweeps: Sequence[Sweep], localizer: Localizer, press: Sequence[str] | str = UNKNOWN
 ) -> xr.Dataset:
-    """Sweeps at the localizer's interface and frequencies. press: of each, or of all."""
+    """Sweeps at the localizer's interfaces and frequencies. press: of each, or of all."""
     presses = [press] * len(sweeps) if isinstance(press, str) else list(press)
     places = [0 if each == UNPRESSED else -1 for each in presses]
     return build(
-        np.stack([sweep.Z for sweep in sweeps])[:, None, :],
+        np.stack([sweep.Z for sweep in sweeps]),
         np.array(localizer.frequencies),
         interface=list(localizer.interfaces),
         press=presses,
         row=places,
         column=places,
-        Cp=np.array([sweep.Cp for sweep in sweeps])[:, None, :],
+        Cp=np.array([sweep.Cp for sweep in sweeps]),
         attributes={"scene": localizer.scene},
     )
 
 
-def read_rest(path: Path, localizer: Localizer, *, anyway: bool = False) -> list[Sweep]:
-    """The unpressed sweeps of a file.
+def read_rest(paths: Sequence[Path], localizer: Localizer, *, anyway: bool = False) -> list[Sweep]:
+    """The unpressed sweeps of a file or several.
 
     anyway: of another skin too. Raises InputError where there are none, or of another skin, other
     interfaces or frequencies.
     """
-    sweeps = read(path)
+    sweeps, path = read_joined(paths), ", ".join(map(str, paths))
     if not anyway:
-        check_same_skin(str(sweeps.attrs.get("scene", "")), localizer.scene, str(path))
+        check_same_skin(str(sweeps.attrs.get("scene", "")), localizer.scene, path)
     unpressed = sweeps.isel(sweep=np.flatnonzero(sweeps["press"].values == UNPRESSED))
     if not unpressed.sizes["sweep"]:
         raise InputError(f"{path}: holds no sweep of the skin at rest (press `none`)")
@@ -61,61 +58,54 @@ def read_rest(path: Path, localizer: Localizer, *, anyway: bool = False) -> list
     if not same or tuple(unpressed["interface"].values) != localizer.interfaces:
         raise InputError(f"{path}: has other interfaces or frequencies than the model")
     ordered = unpressed.transpose("sweep", "interface", "frequency")
-    Cp, Rs, X = (ordered[name].values[:, 0].tolist() for name in ("Cp", "Rs", "X"))
+    values = np.stack([ordered[name].values for name in ("Cp", "Rs", "X")], axis=2).tolist()
     normal = (0,) * len(frequencies)
     return [
-        Sweep(tuple(cp), tuple(rs), tuple(x), normal) for cp, rs, x in zip(Cp, Rs, X, strict=True)
+        Sweep(
+            tuple(
+                Trace(tuple(Cp), tuple(Rs), tuple(X), normal, name)
+                for name, (Cp, Rs, X) in zip(localizer.interfaces, each, strict=True)
+            )
+        )
+        for each in values
     ]
 
 
 @dataclass
 class Log:
-    """All that was measured and answered, for a file of sweeps; kept only where there is one.
+    """All that was measured and answered, in a recorder's journal; kept only where there is one.
 
     told: what was written, in one line, and how a session goes on with its rest.
     """
 
-    localizer: Localizer
-    output: Path | None = None
-    sweeps: list[Sweep] = field(default_factory=list, init=False)
-    times: list[str] = field(default_factory=list, init=False)
-    answers: list[tuple[str, float | None]] = field(default_factory=list, init=False)
+    journal: Journal | None = None
     told: str = field(default="", init=False)
+    _kept: int = field(default=0, init=False)
+    _latest: Entry | None = field(default=None, init=False)
 
-    def keep(self, sweep: Sweep, answer: Answer | None, header: Header | None) -> None:
-        """Keep a sweep; answer: None where the skin was left untouched by request.
-
-        The first is written at once: what writing loads is then at hand when the session ends.
-        """
-        if self.output is None:
+    def keep(self, sweep: Sweep, press: str, begun: str, header: Header | None) -> None:
+        """Put a sweep on the disk as it ends. press: `none` where the skin was left untouched."""
+        if self.journal is None or header is None:
             return
-        self.sweeps.append(sweep)
-        self.times.append(now())
-        self.answers.append((answer.label, answer.probability) if answer else (UNPRESSED, None))
-        if len(self.sweeps) == 1:
-            self.write(header)
+        if not self._kept:
+            self.journal.begin(header)
+            import netCDF4  # noqa: F401  # at hand when the session ends, which must not take long
+        self._latest = Entry(press, sweep, begun, now())
+        self.journal.keep(self._kept, self._latest)
+        self._kept += 1
+
+    def answered(self, answer: Answer) -> None:
+        """Keep what was told of the latest sweep."""
+        if self.journal is None or self._latest is None:
+            return
+        self._latest = replace(self._latest, answer=(answer.label, answer.probability))
+        self.journal.keep(self._kept - 1, self._latest)
 
     def write(self, header: Header | None) -> None:
-        """Write sweeps as of the schema, whole or not at all; nothing where there are none.
-
-        Attributes hold the meter and its settings, and as JSON `times` (of each sweep's end),
-        `answers` (label, probability) and `flagged` (sweep, index of frequency, status). The
-        presses are `none` for the sweeps at rest and `?` for the others.
-        """
-        if self.output is None or header is None or not self.sweeps:
+        """Write the sweeps, whole or not at all; nothing where there are none."""
+        if self.journal is None or header is None or not self._kept:
             return
-        presses = [UNPRESSED if label == UNPRESSED else UNKNOWN for label, _ in self.answers]
-        sweeps = as_dataset(self.sweeps, self.localizer, presses)
-        sweeps.attrs |= {
-            "model": origin(header.meter),
-            "meter": header.meter,
-            "settings": json.dumps(header.settings),
-            "begun": header.begun,
-            "times": json.dumps(self.times),
-            "answers": json.dumps(self.answers),
-            "flagged": json.dumps(flagged(self.sweeps)),
-            "software": f"rcskin {version('rcskin')}",
-        }
-        write(sweeps, self.output)
-        again = f"; --rest-file {self.output} begins with its rest" if UNPRESSED in presses else ""
-        self.told = f"{counted(sweeps.sizes)} -> {self.output}{again}"
+        sweeps = finish(self.journal, header, self.journal.entries(header))
+        output, presses = self.journal.output, sweeps["press"].values
+        again = f"; --rest-file {output} begins with its rest" if UNPRESSED in presses else ""
+        self.told = f"{counted(sweeps.sizes)} -> {output}{again}"

@@ -67,5 +67,6 @@ def questioned(link: Link, questions: Questions, pace: Pace) -> tuple[NDArray[np
     def sorted_(values: tuple) -> tuple:
         return tuple(values[k] for k in order)
 
-    parts = {name: sorted_(getattr(sweep, name)) for name in ("Cp", "Rs", "X", "status")}
-    return np.array(asked)[order], replace(sweep, **parts)
+    (trace,) = sweep.traces
+    parts = {name: sorted_(getattr(trace, name)) for name in ("Cp", "Rs", "X", "status")}
+    return np.array(asked)[order], Sweep((replace(trace, **parts),))

@@ -39,8 +39,9 @@ class Rest:
         return self._quiet >= RENEWED_AFTER - 1
 
     def give(self, sweeps: Sequence[Sweep]) -> None:
-        """Take these, measured earlier, for the skin at rest."""
+        """Take these, measured earlier, for the skin at rest, however few they are."""
         self.sweeps, self.first = deque(sweeps, maxlen=len(sweeps)), sweeps[0]
+        self.wanted = min(self.wanted, len(sweeps))
 
     def add(self, sweep: Sweep) -> None:
         """Take a sweep for one at rest."""

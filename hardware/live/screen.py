@@ -28,6 +28,7 @@ class Screen:
         from rich.live import Live
 
         self._localizer, self._console = localizer, console
+        self._readings = len(localizer.interfaces) * len(localizer.frequencies)
         self._moment: Moment | None = None
         self._why, self._done, self._frequency = "connecting", 0, 0.0
         self._notes = deque[str](maxlen=NOTES)
@@ -49,7 +50,7 @@ class Screen:
 
     def reading(self, frequency: float, reading: Reading) -> None:
         """Show how far the sweep is."""
-        self._done = self._done % len(self._localizer.frequencies) + 1
+        self._done = self._done % self._readings + 1
         self._frequency = frequency
 
     def answer(self, moment: Moment) -> None:
@@ -109,7 +110,7 @@ class Screen:
         keys = f"{END_KEY}: end" + (
             f"   {REST_KEY}: take the rest anew" if self._localizer.needs_rest else ""
         )
-        sweep = f"sweep: {self._done} of {len(self._localizer.frequencies)} readings"
+        sweep = f"sweep: {self._done} of {self._readings} readings"
         now = f", {self._frequency / 1e3:.4g} kHz" if self._done else ""
         return Text("\n".join([*self._notes, f"{sweep}{now}", keys]), "dim")
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Protocol
 from ...simulator.sweeps import UNPRESSED
 from ..meter.errors import MeterError
 from ..meter.reading import Reading
-from ..record.journal import now
-from ..record.sweep import Sweep, flags
+from ..record.order import UNKNOWN
+from ..record.sweep import Sweep, apart, flags, now
 from .answer import Answer, Localizer, Questions
 from .link import Link
 from .log import Log, as_dataset
@@ -144,7 +144,7 @@ class Session:
         """Measure once, and answer or tell why not. Raises as `run`."""
         try:
             self.link.ready()
-            begun = self.clock()
+            at, begun = now(), self.clock()
             measured = self._measured(begun)
         except MeterError as failure:
             self._fail(failure)
@@ -153,7 +153,12 @@ class Session:
         if unsound:
             self.failed += 1
             self.show.no_answer(f"the sweep is unsound: {'; '.join(unsound)}")
-        elif self.rest.complete:
+            return
+        wanted = self.rest.complete
+        if measured.part is None:
+            press = UNKNOWN if wanted else UNPRESSED
+            self.log.keep(measured.sweep, press, at, self.link.header)
+        if wanted:
             self._answer(measured)
         else:
             self._take_rest(measured.sweep)
@@ -199,7 +204,7 @@ class Session:
         self._ends.append(ended)
         self.answers += 1
         if measured.part is None:
-            self.log.keep(sweep, answer, self.link.header)
+            self.log.answered(answer)
         self.show.answer(
             Moment(
                 answer,
@@ -209,7 +214,12 @@ class Session:
                 before and ended - before,
                 self._rate(),
                 self.failed,
-                (*flags([sweep]), *self._drift(measured, answer), *filter(None, [answer.remark])),
+                (
+                    *flags([sweep]),
+                    *apart(sweep),
+                    *self._drift(measured, answer),
+                    *filter(None, [answer.remark]),
+                ),
             )
         )
         if self.rest.follow(sweep, answer):
@@ -227,7 +237,6 @@ class Session:
             self.rest.forget()
             self.show.note(f"was the skin touched? {moved[0]}; measured anew")
         self.rest.add(sweep)
-        self.log.keep(sweep, None, self.link.header)
         if self.rest.complete:
             self._restless = 0
             self._prepare()

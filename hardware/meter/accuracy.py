@@ -38,6 +38,32 @@ class Conditions:
         return once * self.averaging
 
 
+OUTPUT_RESISTANCE = 100.0
+"""Of the generator, ohm."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What the generator holds: level V its open voltage, CV the skin's voltage, CC its current.
+
+    voltage, constant_voltage: V. constant_current: A.
+    """
+
+    level: str
+    voltage: float
+    constant_voltage: float
+    constant_current: float
+
+    def open_voltage(self, Z: complex) -> float:
+        """The generator's voltage in V with the terminals open, behind its output resistance."""
+        loop = abs(OUTPUT_RESISTANCE + Z)
+        return {
+            "V": self.voltage,
+            "CV": self.constant_voltage * loop / max(abs(Z), SMALLEST),
+            "CC": self.constant_current * loop,
+        }[self.level]
+
+
 DERIVED = Path(__file__).with_name("accuracy-3522-50-derived.toml")
 PROPORTIONAL_FROM = 1e3
 SMALLEST = 1e-9

@@ -28,8 +28,11 @@ class Connection(Protocol):
         """Send one line. Raises LostConnectionError."""
         ...
 
-    def read(self) -> str:
-        """One line, without its end. Raises NoAnswerError, GarbledError, LostConnectionError."""
+    def read(self, seconds: float = 0.0) -> str:
+        """One line, without its end. seconds: how long it may take beyond the time-out.
+
+        Raises NoAnswerError, GarbledError, LostConnectionError.
+        """
         ...
 
     def close(self) -> None:
@@ -53,8 +56,8 @@ class VisaConnection:
         except (Error, OSError) as error:
             raise self._lost(error) from error
 
-    def read(self) -> str:
-        """One line, without its end.
+    def read(self, seconds: float = 0.0) -> str:
+        """One line, without its end. seconds: how long it may take beyond the time-out.
 
         Raises NoAnswerError where none comes whole within the time-out, GarbledError where it is
         no text or never ends, LostConnectionError where the line is gone.
@@ -62,12 +65,13 @@ class VisaConnection:
         from pyvisa.constants import StatusCode
         from pyvisa.errors import Error, VisaIOError
 
+        self._opened.timeout = max(1, round(1000 * (self._timeout + seconds)))
         try:
             raw = self._opened.read_bytes(LONGEST_ANSWER, break_on_termchar=True)
         except VisaIOError as error:
             if error.error_code != StatusCode.error_timeout:
                 raise self._lost(error) from error
-            raise self._silent() from error
+            raise self._silent(self._timeout + seconds) from error
         except (Error, OSError) as error:
             raise self._lost(error) from error
         return _text(raw, self.resource)
@@ -76,9 +80,9 @@ class VisaConnection:
         """Let the line go; closing twice does no harm."""
         self._opened.close()
 
-    def _silent(self) -> NoAnswerError:
+    def _silent(self, waited: float) -> NoAnswerError:
         return NoAnswerError(
-            f"{self.resource}: no whole answer within {self._timeout:g} s; check that the meter "
+            f"{self.resource}: no whole answer within {waited:.3g} s; check that the meter "
             "is on, that the cable and the port are right, that its terminator is CR+LF, and that "
             "a slow measurement has time enough"
         )

@@ -63,17 +63,20 @@ class Conversation:
         """Raises RefusedError or RestartedError where the event register holds such an event."""
         self._look("*ESR?", message)
 
-    def ask(self, message: str, parse: Callable[[str], Answer], about: str = "") -> Answer:
+    def ask(
+        self, message: str, parse: Callable[[str], Answer], about: str = "", seconds: float = 0.0
+    ) -> Answer:
         """The answer to a message, understood by `parse`, which raises ValueError at nonsense.
 
-        about: what errors name instead of the message. Raises RefusedError or RestartedError where
+        about: what errors name instead of the message. seconds: how long the answer may take beyond
+        the time-out. Raises RefusedError or RestartedError where
         the event register explains a silence (a message that is unknown has no answer), otherwise
         NoAnswerError or GarbledError, and LostConnectionError where nothing helps.
         """
         self._require_open()
         try:
             self._connection.write(message)
-            return self._understood(message, self._connection.read(), parse)
+            return self._understood(message, self._connection.read(seconds), parse)
         except (NoAnswerError, GarbledError) as failure:
             raise self._failure(self._back_in_step(), about or message) or failure from None
         except LostConnectionError:

@@ -2,19 +2,34 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Self
+from contextlib import suppress
+from typing import Any, ClassVar, Self
 
+from .accuracy import Conditions
 from .connection import Connection, connect
 from .conversation import Conversation
-from .errors import LostConnectionError, NoConnectionError, ReadingError, WrongMeterError
+from .errors import (
+    LostConnectionError,
+    MeterError,
+    NoConnectionError,
+    ReadingError,
+    RefusedError,
+    RestartedError,
+    WrongMeterError,
+)
 from .identity import MODELS, Identity, parse_identity
 from .reading import Reading, parse_reading
-from .setting import Choice, Number, Report, Setting, Switch, Whole
+from .setting import Choice, Number, Registers, Report, Setting, Switch, Whole
 
 SPEEDS = ("FAST", "MEDium", "SLOW", "SLOW2")
 CORRECTIONS = ("OFF", "ALL", "SPOT")
-CP_RS_X = "16,18"
+CP_RS_X = 16, 18
 STATUS_AND_VALUES = 18
+SEARCHES = 3
+"""Measurements that a reading may take, the range being searched for."""
+TIMING = ("frequency", "speed", "averaging", "trigger_delay")
+LAST = ("auto_range", "trigger", "header")
+"""Settings that are put back after all others, in this order."""
 
 
 class HiokiMeter:
@@ -26,6 +41,9 @@ class HiokiMeter:
 
     model: ClassVar[str]
 
+    header = Setting(":HEADer", Switch(), "Whether answers begin with the name of what they tell")
+    items = Setting(":MEASure:ITEM", Registers(2), "Quantities of a reading")
+    valid = Setting(":MEASure:VALid", Whole(1, 31), "Parts of a reading")
     mode = Setting(":MODE", Choice(("LCR", "CONTinuous")), "Mode of measurement")
     level = Setting(
         ":LEVel",
@@ -40,9 +58,14 @@ class HiokiMeter:
         ":LEVel:CCURRent", Number("A", 10e-6, 50e-3, 4), "Current through the skin, rms, level CC"
     )
     range = Setting(
-        ":RANGe", Whole(1, 10), "Range, 100 mohm x 10^(range - 1) full scale; ends automatic choice"
+        ":RANGe",
+        Whole(1, 10),
+        "Range, 100 mohm x 10^(range - 1) full scale; ends automatic choice",
+        moves="auto_range",
     )
-    auto_range = Setting(":RANGe:AUTO", Switch(), "Whether the meter chooses the range")
+    auto_range = Setting(
+        ":RANGe:AUTO", Switch(), "Whether the meter chooses the range", moves="range"
+    )
     trigger = Setting(
         ":TRIGger", Choice(("INTernal", "EXTernal")), "What starts a measurement: itself, or *TRG"
     )
@@ -54,36 +77,61 @@ class HiokiMeter:
     def __init__(self, connection: Connection, identity: Identity | None = None) -> None:
         self.talk = Conversation(connection)
         self.identity = identity or self.talk.ask("*IDN?", parse_identity)
+        self.found: dict[str, Any] | None = None
+        self.known: dict[str, Any] = {}
 
     def prepare(self) -> None:
         """Set it up so that each reading is new and tells status, Cp, Rs and X. Raises MeterError.
 
-        Settings of range, level, speed and correction stay as they are.
+        From here on `found` keeps what each setting was before it was set. Settings of range,
+        level, speed and correction stay as they are.
         """
-        for message in (
-            "*CLS",
-            ":HEADer OFF",
-            ":MODE LCR",
-            ":TRIGger EXTernal",
-            f":MEASure:ITEM {CP_RS_X}",
-            f":MEASure:VALid {STATUS_AND_VALUES}",
-        ):
-            self.talk.tell(message)
+        self.found = {} if self.found is None else self.found
+        self.talk.tell("*CLS")
+        self.header, self.mode, self.trigger = False, "LCR", "EXTERNAL"
+        self.items, self.valid = CP_RS_X, STATUS_AND_VALUES
+
+    def put_back(self) -> None:
+        """Set everything that was set to what it was before; what the meter refuses stays.
+
+        Raises MeterError where the connection fails; calling it again goes on from there.
+        """
+        with suppress(MeterError):
+            self.talk.check("the end")  # what it was just answering is no answer to what follows
+        kept, self.found = self.found or {}, None
+        try:
+            for name in sorted(kept, key=lambda name: name in LAST and 1 + LAST.index(name)):
+                with suppress(RefusedError, RestartedError):
+                    getattr(type(self), name).put_back(self, kept[name])
+                kept = {each: value for each, value in kept.items() if each != name}
+        finally:
+            self.found = kept
 
     def read(self) -> Reading:
         """A reading that was started by this call and by nothing before it.
 
+        Once set up, it is waited for as long as speed, averaging and delay make it.
         Raises ReadingError where the meter calls it failed, RefusedError where it would not be
         triggered (then what it answered was stale), RestartedError, or another MeterError.
         """
         question = "*TRG;:MEASure?"
+        seconds = 0.0 if self.found is None else SEARCHES * self.seconds
         try:
-            reading = self.talk.ask(question, parse_reading)
+            reading = self.talk.ask(question, parse_reading, seconds=seconds)
         except ReadingError:
             self.talk.check(question)
             raise
         self.talk.check(question)
         return reading
+
+    @property
+    def seconds(self) -> float:
+        """How long a reading takes with the settings that were set or told here, about."""
+        for name in TIMING:
+            if name not in self.known:
+                self.known[name] = getattr(self, name)
+        frequency, speed, averaging, delay = (self.known[name] for name in TIMING)
+        return Conditions(frequency, 1, speed, averaging).seconds + delay
 
     def close(self) -> None:
         """Let the connection go; closing twice does no harm."""
@@ -93,7 +141,11 @@ class HiokiMeter:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.close()
+        try:
+            with suppress(MeterError):
+                self.put_back()
+        finally:
+            self.close()
 
 
 class IM3523(HiokiMeter):
@@ -174,9 +226,13 @@ def start(connection: Connection) -> Meter:
                 f"{', '.join(MODELS)}; check the address"
             )
         meter = DIALECTS[identity.model](connection, identity)
-        meter.prepare()
     except BaseException:
         connection.close()
+        raise
+    try:
+        meter.prepare()
+    except BaseException:
+        meter.__exit__()
         raise
     return meter
 

@@ -8,6 +8,7 @@ from numbers import Real
 from typing import TYPE_CHECKING, Any, Generic, Protocol, Self, TypeVar, overload
 
 from ...simulator.sweeps import InputError
+from .accuracy import RANGES
 
 if TYPE_CHECKING:
     from .conversation import Conversation
@@ -20,6 +21,8 @@ class Holder(Protocol):
     """What settings are declared on: something with a conversation."""
 
     talk: Conversation
+    found: dict[str, Any] | None
+    known: dict[str, Any]
 
 
 class Allowed(Protocol[Told]):
@@ -112,6 +115,25 @@ class Choice:
 
 
 @dataclass(frozen=True)
+class Registers:
+    """So many registers of eight bits."""
+
+    count: int
+
+    def __str__(self) -> str:
+        return f"{self.count} whole numbers from 0 to 255"
+
+    def write(self, value: Any) -> str | None:
+        """As digits with commas between."""
+        fits = len(value) == self.count and all(_is_number(each) for each in value)
+        return ",".join(str(int(each)) for each in value) if fits else None
+
+    def read(self, text: str) -> tuple[int, ...]:
+        """The numbers."""
+        return tuple(int(each) for each in text.split(","))
+
+
+@dataclass(frozen=True)
 class Switch:
     """On or off."""
 
@@ -123,7 +145,8 @@ class Switch:
         return ("ON" if value else "OFF") if isinstance(value, bool) else None
 
     def read(self, text: str) -> bool:
-        """Whether it is on."""
+        """Whether it is on; a header before the word is none of it."""
+        text = text.split()[-1]
         return {"ON": True, "1": True, "OFF": False, "0": False}[text.strip().upper()]
 
 
@@ -153,7 +176,7 @@ class Report(Generic[T]):
     def _read(self, text: str) -> T:
         try:
             return self.allowed.read(text.strip())
-        except KeyError as error:
+        except (KeyError, IndexError) as error:
             raise ValueError(text) from error
 
 
@@ -161,18 +184,47 @@ class Setting(Report[T]):
     """A report that can also be set; each set is followed by a look at the event register."""
 
     def __init__(
-        self, command: str, allowed: Allowed[T], meaning: str, *, each_range: bool = False
+        self,
+        command: str,
+        allowed: Allowed[T],
+        meaning: str,
+        *,
+        each_range: bool = False,
+        moves: str = "",
     ) -> None:
-        """each_range: whether the meter keeps one value for each range; all are set alike."""
+        """each_range: whether the meter keeps one value for each range; all are set alike.
+
+        moves: another setting that changes with it.
+        """
         super().__init__(f"{command}? {{range}}" if each_range else f"{command}?", allowed, meaning)
         self.tell = f"{command} ALL," if each_range else f"{command} "
+        self._command, self._each_range, self._moves = command, each_range, moves
 
     def __set__(self, meter: Holder, value: T) -> None:
         """Raises InputError where it is not allowed, RefusedError where the meter objects."""
         text = self.allowed.write(value)
         if text is None:
             raise InputError(f"`{self.name}` must be {self.allowed}, got {value}")
+        if meter.found is not None:
+            for each in filter(None, (self._moves, self.name)):
+                if each not in meter.found:
+                    meter.found[each] = getattr(type(meter), each).now(meter)
         meter.talk.tell(f"{self.tell}{text}")
+        meter.known[self.name] = self.allowed.read(text)
+
+    def now(self, meter: Holder) -> T | tuple[T, ...]:
+        """What it is set to: one value, or one for each range."""
+        if not self._each_range:
+            return self.__get__(meter, type(meter))
+        return tuple(meter.talk.ask(f"{self._command}? {n}", self._read) for n in RANGES)
+
+    def put_back(self, meter: Holder, found: Any) -> None:
+        """Set what `now` told earlier. Raises as setting it does."""
+        if not self._each_range or len(set(found)) == 1:
+            self.__set__(meter, found[0] if self._each_range else found)
+            return
+        for n, value in zip(RANGES, found, strict=True):
+            meter.talk.tell(f"{self._command} {n},{self.allowed.write(value)}")
 
 
 def _is_number(value: Any) -> bool:

@@ -19,15 +19,16 @@ RESOLUTION = 1e-4
 
 
 def unseen_press(sweep: Sweep, rests: Sequence[Sweep]) -> list[str]:
-    """A remark where a sweep cannot be told from the skin at rest, else none.
+    """A remark where a sweep cannot be told from the skin at rest at any interface, else none.
 
     rests: sweeps at rest of the same session, oldest first; compared with the last one.
     """
     if not rests:
         return []
     change = sweep.Z / rests[-1].Z - 1
-    noise = _noise(change, np.array([rest.Z for rest in rests]))
-    if _size(change / noise) > SEEN:
+    at_rest = np.array([rest.Z for rest in rests])
+    noise = np.array([_noise(part, at_rest[:, k]) for k, part in enumerate(change)])
+    if any(_size(part) > SEEN for part in change / noise):
         return []
     return [
         f"no press is seen: the readings are those at rest, to {100 * _size(change):.2g} %, and "

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...simulator.sweeps import build, parallel_capacitance, violations
-from ...simulator.sweeps.passivity import listed
-from ..meter.accuracy import AccuracyTable, Conditions, full_scale
-from .sweep import Sweep
+from ...simulator.sweeps.passivity import Bounds, listed
+from ..meter.accuracy import AccuracyTable, Conditions, Drive, full_scale
+from .sweep import Sweep, Trace
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -46,60 +46,60 @@ class Judge:
 
         earlier: sound sweeps of the same press, oldest first.
         """
-        found = [*self._broken_laws(sweep), *self._miscalculated(sweep)]
+        found: list[str] = []
+        for place, trace in enumerate(sweep.traces):
+            before = [one.traces[place] for one in earlier]
+            where = f"interface {trace.interface}: " if len(sweep.traces) > 1 else ""
+            found += [where + remark for remark in self._of_trace(trace, before, at_rest)]
+        return found
+
+    def _of_trace(self, trace: Trace, earlier: Sequence[Trace], at_rest: bool) -> list[str]:
+        found = [*self._broken_laws(trace), *self._miscalculated(trace)]
         if earlier and at_rest:
             found += self._departs(
-                sweep, earlier[0].Z, self.limits.drift, "the skin at rest has drifted"
+                trace, earlier[0].Z, self.limits.drift, "the skin at rest has drifted"
             )
         elif earlier:
             mean = np.mean([one.Z for one in earlier], axis=0)
             found += self._departs(
-                sweep, mean, self.limits.repeatability, "differs from earlier repetitions"
+                trace, mean, self.limits.repeatability, "differs from earlier repetitions"
             )
         return found
 
-    def tolerance(self, Z: NDArray[np.complex128]) -> float:
-        """The largest bound over a sweep of the relative error of Rs, Cp or Cs.
-
-        With bounds dz of |Z| and dt of the phase t: Rs is off by dz + |tan t| dt, Cp and Cs by
-        dz + |cot t| dt.
-        """
-        errors = []
-        for f, z in zip(self.frequency, Z, strict=True):
-            dz, dt = self.table.bound(z, self._conditions(float(f), complex(z)))
-            errors.append(dz + max(abs(z.imag / z.real), abs(z.real / z.imag)) * dt)
-        return float(max(errors))
+    def bounds(self, Z: NDArray[np.complex128]) -> Bounds:
+        """Of the meter's error, at each frequency by its own reading."""
+        pairs = [
+            self.table.bound(z, self._conditions(f, z))
+            for f, z in zip(self.frequency.tolist(), Z.tolist(), strict=True)
+        ]
+        return Bounds(*np.array(pairs).T)
 
     def _conditions(self, frequency: float, Z: complex) -> Conditions:
         settings = self.settings
-        level = {
-            "V": settings["voltage"],
-            "CV": settings["constant_voltage"],
-            "CC": settings["constant_current"] * abs(Z),
-        }[settings["level"]]
+        drive = Drive(**{field.name: settings[field.name] for field in fields(Drive)})
         return Conditions(
             frequency,
             settings.get("range") or self.table.fitting_range(Z),
             settings["speed"],
             settings["averaging"],
-            level,
+            drive.open_voltage(Z),
             settings["cable"],
         )
 
-    def _broken_laws(self, sweep: Sweep) -> list[str]:
+    def _broken_laws(self, trace: Trace) -> list[str]:
         one = build(
-            sweep.Z[None, None],
+            trace.Z[None, None],
             self.frequency,
             interface=["meter"],
             press=["?"],
             row=[-1],
             column=[-1],
         )
-        tolerance = self.limits.errors * self.tolerance(sweep.Z)
-        beyond = f"beyond the meter's error{self._guessed(sweep.Z)}"
+        bounds = self.bounds(trace.Z).times(self.limits.errors)
+        beyond = f"beyond the meter's error{self._guessed(trace.Z)}"
         return [
             f"{each.law} is broken at {listed(each.frequency)}, {beyond}"
-            for each in violations(one, tolerance)
+            for each in violations(one, bounds)
         ]
 
     def _guessed(self, Z: NDArray[np.complex128]) -> str:
@@ -113,17 +113,17 @@ class Judge:
             return ""
         return f" as far as it is known: {self.table.name} tells none of {', '.join(unknown)} ohm"
 
-    def _miscalculated(self, sweep: Sweep) -> list[str]:
-        from_Z = parallel_capacitance(sweep.Z, self.frequency)
-        wrong = np.abs(np.array(sweep.Cp) - from_Z) > CALCULATED * np.abs(from_Z)
+    def _miscalculated(self, trace: Trace) -> list[str]:
+        from_Z = parallel_capacitance(trace.Z, self.frequency)
+        wrong = np.abs(np.array(trace.Cp) - from_Z) > CALCULATED * np.abs(from_Z)
         if not wrong.any():
             return []
         return [f"Cp does not follow from Rs, X and f at {listed(self.frequency[wrong])}"]
 
     def _departs(
-        self, sweep: Sweep, usual: NDArray[np.complex128], limit: float, what: str
+        self, trace: Trace, usual: NDArray[np.complex128], limit: float, what: str
     ) -> list[str]:
-        departure = np.abs(sweep.Z / usual - 1)
+        departure = np.abs(trace.Z / usual - 1)
         worst = int(departure.argmax())
         if departure[worst] <= limit:
             return []

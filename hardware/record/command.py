@@ -4,13 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..options import Accuracy, Baud, Interface, Resource, Timeout
+from ..options import (
+    Accuracy,
+    Baud,
+    Interfaces,
+    Overwrite,
+    Resource,
+    Settle,
+    SwitchName,
+    SwitchWith,
+    Timeout,
+)
 from ..scene_data import SceneData
+from .output import check_free, finish
 
 if TYPE_CHECKING:
     from .journal import Entry
@@ -20,8 +32,10 @@ if TYPE_CHECKING:
     from .terminal import Screen
 
 
-def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callable[..., None]:
-    """The command. scene_data: of a name or path, and an interface (None: the first)."""
+def record_command(
+    scene_data: Callable[[str, list[str] | None], SceneData],
+) -> Callable[..., None]:
+    """The command. scene_data: of a name or path, at interfaces (None: all)."""
 
     def record(
         scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
@@ -37,7 +51,10 @@ def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callab
             str | None, typer.Option(help="Press by this command, with {press} filled in.")
         ] = None,
         retries: Annotated[int, typer.Option(help="Unattended repetitions of a sweep.")] = 3,
-        interface: Interface = None,
+        interface: Interfaces = None,
+        switch: SwitchName = None,
+        switch_with: SwitchWith = None,
+        settle: Settle = None,
         speed: Annotated[str | None, typer.Option(help="FAST, MEDIUM, SLOW or SLOW2.")] = None,
         averaging: Annotated[int | None, typer.Option(help="Readings averaged, 1-256.")] = None,
         level: Annotated[str | None, typer.Option(help="V, CV or CC.")] = None,
@@ -47,24 +64,38 @@ def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callab
         cable: Annotated[int | None, typer.Option(help="Length of the cable, 0 or 1 m.")] = None,
         repeatability: Annotated[float, typer.Option(help="Allowed between sweeps.")] = 0.05,
         drift: Annotated[float, typer.Option(help="Allowed of the skin at rest.")] = 0.05,
+        session: Annotated[
+            str, typer.Option(help="Name of this mounting; else the time of its begin.")
+        ] = "",
+        same_mounting: Annotated[
+            bool, typer.Option("--same-mounting", help="Go on days later without being asked.")
+        ] = False,
+        overwrite: Overwrite = False,
         timeout: Timeout = 5.0,
         baud: Baud = 9600,
         accuracy: Accuracy = None,
     ) -> None:
         """Record sweeps of a scene's presses; run again, it goes on where it was ended."""
-        from ...simulator.sweeps import checked_output, counted, write
+        from ...simulator.sweeps import checked_output, counted
         from ..meter.accuracy import DERIVED, read_table
+        from ..meter.ending import ending_in_order
         from ..meter.hioki import open_meter
+        from ..switch.asked import asked_switch
         from .checks import Limits
-        from .dataset import gather
+        from .journal import Journal
         from .recorder import Task
         from .recorder import record as record_task
 
         checked_output(output)
+        check_free(output, overwrite)
         data = scene_data(scene, interface)
+        if not (interface or switch or switch_with):
+            data = replace(data, interfaces=data.interfaces[:1])
         table = read_table(accuracy or DERIVED)
         steps = _steps(order, data.rows, data.columns, repetitions)
         settings = _settings(speed, averaging, level, amplitude, range_, delay, cable)
+        several = len(data.interfaces) > 1
+        screen, operator, ask = _operator(unattended, control, press_with, retries, steps, several)
         task = Task(
             data,
             steps,
@@ -73,13 +104,17 @@ def record_command(scene_data: Callable[[str, str | None], SceneData]) -> Callab
             table,
             settings,
             Limits(repeatability=repeatability, drift=drift),
+            session,
+            same_mounting,
+            asked_switch(switch, switch_with, settle, data.interfaces, ask),
+            lambda text: typer.echo(f"rcskin: {text}", err=True),
         )
-        screen, operator = _operator(unattended, control, press_with, retries, steps)
-        with _how_to_go_on(task):
+        journal = Journal(output)
+        with ending_in_order(), journal.lock(), _how_to_go_on(task):
+            check_free(output, overwrite)
             with screen:
                 header, entries = record_task(task, operator)
-            sweeps = gather(header, entries, table.name)
-            write(sweeps, output)
+            sweeps = finish(journal, header, dict(enumerate(entries)))
         typer.echo("; ".join([f"{counted(sweeps.sizes)} -> {output}", *_remarkable(entries)]))
 
     return record
@@ -120,8 +155,14 @@ def _settings(
 
 
 def _operator(
-    unattended: bool, control: str | None, press_with: str | None, retries: int, steps: list[Step]
-) -> tuple[Screen, Operator]:
+    unattended: bool,
+    control: str | None,
+    press_with: str | None,
+    retries: int,
+    steps: list[Step],
+    several: bool,
+) -> tuple[Screen, Operator, Callable[[str], None] | None]:
+    """Where it is shown, who presses, and a person who connects interfaces, where one is there."""
     from rich.console import Console
 
     from ...simulator.sweeps import InputError
@@ -132,16 +173,17 @@ def _operator(
     if control and press_with:
         raise InputError("`control` and `press-with` cannot both press the skin")
     if not (control or press_with or unattended):
-        screen = Screen(console, plain=True)
-        return screen, Person(console, screen)
+        screen = Screen(console, plain=True, several=several)
+        person = Person(console, screen)
+        return screen, person, person.connect
     if not (control or press_with) and any(step.row for step in steps):
         raise InputError("unattended, a recording is pressed by --control or --press-with")
-    screen, by = Screen(console), _untouched
+    screen, by = Screen(console, several=several), _untouched
     if control:
         by = pressing_virtually(control)
     elif press_with:
         by = pressing_by_command(press_with)
-    return screen, Machine(by, screen, retries)
+    return screen, Machine(by, screen, retries), None
 
 
 def _untouched(step: Step) -> None:
@@ -156,12 +198,12 @@ def _how_to_go_on(task: Task) -> Iterator[None]:
 
     try:
         yield
-    except (KeyboardInterrupt, MeterError):
+    except (KeyboardInterrupt, SystemExit, MeterError):
         journal = Journal(task.output)
         header = journal.header()
         if header is not None:
             typer.echo(
-                f"rcskin: {len(journal.entries(header.order))} of {len(header.order)} sweeps are "
+                f"rcskin: {len(journal.entries(header))} of {len(header.order)} sweeps are "
                 f"kept in {journal.folder}; the same command goes on after them",
                 err=True,
             )

@@ -10,31 +10,36 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import build
+from ...simulator.sweeps.schema import SESSIONS
 from ..meter.identity import origin
 from .journal import Entry, Header
-from .order import parse_step
-from .sweep import flagged
+from .order import UNKNOWN, Step, parse_step
+from .sweep import flagged, trace_times
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def gather(header: Header, entries: Sequence[Entry], accuracy: str) -> xr.Dataset:
+def gather(header: Header, entries: Sequence[Entry]) -> xr.Dataset:
     """Sweeps at the scene's frequencies (the meter's own, rounded to five digits, differ by less).
 
-    Attributes hold the scene, the meter and its settings; `times`, `remarks` and `flagged` (as
-    [sweep, index of frequency, status] of each reading that was not normal) are JSON.
-    accuracy: the name of the table that sweeps were judged by.
+    Attributes hold the scene, the meter and its settings; `times`, `interface_times` (of each
+    interface), `remarks`, `answers` (label and probability, of a live session) and `flagged` (as
+    numbers of sweep, interface and frequency, and status of each reading that was not normal) are
+    JSON.
     """
-    steps = [parse_step(entry.press, header.rows, header.columns) for entry in entries]
+    steps = [_step(entry.press, header) for entry in entries]
+    answers = [entry.answer or (entry.press, None) for entry in entries]
+    told = {} if header.order else {"answers": json.dumps(answers)}
     return build(
-        np.stack([entry.sweep.Z for entry in entries])[:, None, :],
+        np.stack([entry.sweep.Z for entry in entries]),
         np.array(header.frequencies),
-        interface=[header.interface],
+        interface=header.interfaces,
         press=[step.press for step in steps],
         row=[step.row for step in steps],
         column=[step.column for step in steps],
-        Cp=np.array([entry.sweep.Cp for entry in entries])[:, None, :],
+        time=[entry.time for entry in entries],
+        Cp=np.array([entry.sweep.Cp for entry in entries]),
         attributes={
             "scene": header.scene,
             "model": origin(header.meter),
@@ -42,9 +47,18 @@ def gather(header: Header, entries: Sequence[Entry], accuracy: str) -> xr.Datase
             "settings": json.dumps(header.settings),
             "begun": header.begun,
             "times": json.dumps([[entry.begun, entry.ended] for entry in entries]),
+            "interface_times": json.dumps([trace_times(entry.sweep) for entry in entries]),
             "remarks": json.dumps([list(entry.remarks) for entry in entries]),
             "flagged": json.dumps(flagged([entry.sweep for entry in entries])),
-            "accuracy": accuracy,
+            SESSIONS: json.dumps({0: header.session}),
+            **told,
+            "accuracy": header.accuracy,
             "software": f"rcskin {version('rcskin')}",
         },
     )
+
+
+def _step(press: str, header: Header) -> Step:
+    if press == UNKNOWN:
+        return Step(press, -1, -1)
+    return parse_step(press, header.rows, header.columns)

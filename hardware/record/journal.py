@@ -1,34 +1,40 @@
 """A recording on disk: a folder beside the output with one small file for each sweep.
 
-A file appears whole or not at all, and is on the disk before the next sweep begins.
+A file appears whole or not at all, and is on the disk before the next sweep begins. The folder is
+gone once the output is written.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import shutil
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass, fields
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 from ...simulator.sweeps import InputError, whole_file
-from .sweep import Sweep
+from ...simulator.sweeps.locking import locked
+from .sweep import Sweep, Trace
 
-HEADER = "recording.json"
+HEADER, SWEEPS = "recording.json", "[0-9]*.json"
 
 
 @dataclass(frozen=True)
 class Header:
     """What a recording is of, fixed when it begins.
 
-    order: presses. frequencies: Hz. asked: settings asked for; settings: all the meter had.
+    order: presses; empty where they come as they come. frequencies: Hz. asked: settings asked for;
+    settings: all the meter had. session: name of the mounting. accuracy: name of the table that
+    sweeps are judged by.
     """
 
     scene: str
     name: str
-    interface: str
+    interfaces: tuple[str, ...]
     frequencies: tuple[float, ...]
     rows: int
     columns: int
@@ -37,24 +43,36 @@ class Header:
     meter: str
     settings: dict[str, Any]
     begun: str
+    session: str
+    accuracy: str
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One finished sweep. begun, ended: ISO 8601. remarks: what was wrong with it."""
+    """One finished sweep. begun, ended: ISO 8601. remarks: what was wrong with it.
+
+    answer: what a localizer told of it, and how probable that is.
+    """
 
     press: str
     sweep: Sweep
     begun: str
     ended: str
     remarks: tuple[str, ...] = ()
+    answer: tuple[str, float | None] | None = None
+
+    @property
+    def time(self) -> float:
+        """Of its middle, s since 1970-01-01 UTC."""
+        ends = (datetime.fromisoformat(each) for each in (self.begun, self.ended))
+        return sum(each.timestamp() for each in ends) / 2
 
 
 class Journal:
     """The folder of one recording."""
 
     def __init__(self, output: Path) -> None:
-        self.folder = output.with_name(f"{output.name}.sweeps")
+        self.output, self.folder = output, output.with_name(f"{output.name}.sweeps")
 
     def header(self) -> Header | None:
         """What was recorded here so far, None where nothing was. Raises InputError."""
@@ -62,30 +80,41 @@ class Journal:
         return _header(_read(path), path) if path.exists() else None
 
     def begin(self, header: Header) -> None:
-        """Put the header on the disk."""
+        """Put the header on the disk; sweeps of anything before it are gone."""
         self.folder.mkdir(exist_ok=True)
+        for path in self.folder.glob(SWEEPS):
+            path.unlink()
         _write(self.folder / HEADER, asdict(header))
 
     def keep(self, number: int, entry: Entry) -> None:
         """Put a finished sweep on the disk."""
         _write(self._path(number), asdict(entry))
 
-    def entries(self, order: tuple[str, ...]) -> dict[int, Entry]:
-        """The finished sweeps by their place in the order. Raises InputError."""
-        paths = {number: self._path(number) for number in range(len(order))}
+    def entries(self, header: Header) -> dict[int, Entry]:
+        """The finished sweeps by their number, which is their place in the order if there is one.
+
+        Raises InputError.
+        """
+        numbers = sorted(int(path.stem) for path in self.folder.glob(SWEEPS))
         return {
-            number: _entry(_read(path), path, order[number])
-            for number, path in paths.items()
-            if path.exists()
+            number: _entry(_read(path), path, header.order[number : number + 1])
+            for number, path in ((number, self._path(number)) for number in numbers)
         }
+
+    def remove(self) -> None:
+        """Take the folder away: all of it is in the output."""
+        shutil.rmtree(self.folder)
+
+    def lock(self) -> AbstractContextManager[Path]:
+        """Keep other recorders away while the block runs. Raises InputError where one is at work.
+
+        A folder in which nothing was begun is taken away at the end.
+        """
+        busy = f"{self.folder}: another recorder is at work on it; end that one first, or give "
+        return locked(self.folder, HEADER, f"{busy}another output")
 
     def _path(self, number: int) -> Path:
         return self.folder / f"{number:06d}.json"
-
-
-def now() -> str:
-    """The time as ISO 8601 with milliseconds, UTC."""
-    return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
 def differences(header: Header, now: Mapping[str, Any]) -> list[str]:
@@ -112,17 +141,26 @@ def _read(path: Path) -> dict[str, Any]:
 
 def _header(content: dict[str, Any], path: Path) -> Header:
     _check_keys(content, Header, path)
-    lists = {name: tuple(content[name]) for name in ("frequencies", "order")}
+    lists = {name: tuple(content[name]) for name in ("interfaces", "frequencies", "order")}
     return Header(**{**content, **lists})
 
 
-def _entry(content: dict[str, Any], path: Path, press: str) -> Entry:
+def _entry(content: dict[str, Any], path: Path, asked: tuple[str, ...]) -> Entry:
     _check_keys(content, Entry, path)
     _check_keys(content["sweep"], Sweep, path)
-    if content["press"] != press:
-        raise InputError(f"{path}: holds press {content['press']}, the order has {press} here")
-    sweep = Sweep(**{name: tuple(values) for name, values in content["sweep"].items()})
-    return Entry(**{**content, "sweep": sweep, "remarks": tuple(content["remarks"])})
+    for trace in content["sweep"]["traces"]:
+        _check_keys(trace, Trace, path)
+    if asked and content["press"] != asked[0]:
+        raise InputError(f"{path}: holds press {content['press']}, the order has {asked[0]} here")
+    sweep = Sweep(tuple(_trace(each) for each in content["sweep"]["traces"]))
+    answer = content["answer"] and tuple(content["answer"])
+    listed = {"sweep": sweep, "remarks": tuple(content["remarks"]), "answer": answer}
+    return Entry(**{**content, **listed})
+
+
+def _trace(content: dict[str, Any]) -> Trace:
+    lists = {name: tuple(value) for name, value in content.items() if isinstance(value, list)}
+    return Trace(**{**content, **lists})
 
 
 def _check_keys(content: dict[str, Any], of: type, path: Path) -> None:

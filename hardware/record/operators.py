@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import shlex
 import subprocess
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from ...simulator.sweeps import InputError
 from ..meter.errors import MeterError, PressError
 from ..meter.reading import Reading
 from .order import Step
 from .sweep import Sweep
+from .template import Template
 
 Press = Callable[[Step], None]
 
@@ -44,12 +43,20 @@ class Progress:
 class Operator(Protocol):
     """Leads through a recording."""
 
+    def same_mounting(self, ago: str) -> bool:
+        """Whether the skin is mounted as it was when the last sweep was taken, so long ago."""
+        ...
+
     def press(self, step: Step, progress: Progress) -> bool:
         """True when the skin is pressed and held, False where the step before is to be done again.
 
         Raises PressError where it cannot be pressed, KeyboardInterrupt where the recording is to
         end here.
         """
+        ...
+
+    def turn(self, interface: str) -> None:
+        """An interface is about to be connected; what comes next is of it."""
         ...
 
     def watch(self, frequency: float, reading: Reading) -> None:
@@ -69,6 +76,7 @@ class Show(Protocol):
     """Where the course of a recording is shown."""
 
     def begin(self, title: str, rest: Sweep | None) -> None: ...
+    def turn(self, interface: str) -> None: ...
     def reading(self, frequency: float, reading: Reading) -> None: ...
     def end(self, remarks: Sequence[str]) -> None: ...
 
@@ -87,6 +95,10 @@ class Machine:
     spent: int = field(default=0, init=False)
     current: int = field(default=-1, init=False)
 
+    def same_mounting(self, ago: str) -> bool:
+        """A machine does not know."""
+        return False
+
     def press(self, step: Step, progress: Progress) -> bool:
         """Have the machine press. Raises PressError where it fails."""
         if progress.number != self.current:
@@ -94,6 +106,10 @@ class Machine:
         self.by(step)
         self.show.begin(f"{progress.words}  press {step.press}", progress.rest)
         return True
+
+    def turn(self, interface: str) -> None:
+        """Show it."""
+        self.show.turn(interface)
 
     def watch(self, frequency: float, reading: Reading) -> None:
         """Show the reading."""
@@ -123,17 +139,10 @@ def pressing_by_command(command: str) -> Press:
     Raises InputError where the command cannot be understood; the press raises PressError where it
     cannot be run or ends with another code than 0.
     """
-    try:
-        words = shlex.split(command)
-        [word.format(press="none", row=0, column=0) for word in words]
-    except (ValueError, KeyError, IndexError) as error:
-        raise InputError(
-            "`press-with` must be a command with {press}, {row} or {column} to be filled in, "
-            f"got {command!r}"
-        ) from error
+    template = Template(command, "press-with", press="none", row=0, column=0)
 
     def press(step: Step) -> None:
-        filled = [word.format(press=step.press, row=step.row, column=step.column) for word in words]
+        filled = template.filled(press=step.press, row=step.row, column=step.column)
         try:
             subprocess.run(filled, check=True, capture_output=True, timeout=600)
         except (OSError, subprocess.SubprocessError) as error:

@@ -19,6 +19,8 @@ class Step:
 
 
 REST = Step(UNPRESSED, 0, 0)
+UNKNOWN = "?"
+"""The press of a sweep that a localizer is asked of."""
 
 
 def parse_step(text: str, rows: int, columns: int) -> Step:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -17,21 +17,30 @@ from ..meter.errors import MeterError
 from ..meter.hioki import Meter
 from ..meter.snapshot import apply, require, restore, snapshot
 from ..scene_data import SceneData
+from ..switch.switch import Switch
 from .change import unseen_press
 from .checks import Judge, Limits
-from .journal import Entry, Header, Journal, differences, now
+from .journal import Entry, Header, Journal, differences
 from .operators import Operator, Progress
 from .order import REST, Step
 from .station import Station
-from .sweep import Sweep, check_frequencies, measure_sweep
+from .sweep import Sweep, check_frequencies, measure_sweep, now
 
 LATEST = 12
 """Steps by which the time left is told."""
+MOUNTED = 12.0
+"""Hours after which a skin may have been mounted anew."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """What is to be recorded. connect: opens the meter. settings: to be set before it begins."""
+    """What is to be recorded. connect: opens the meter. settings: to be set before it begins.
+
+    session: name of the mounting; empty: the time of its begin. same_mounting: that it still is the
+    same, however long ago it was begun.
+    switch: connects the meter to one of the scene's interfaces; None where there is but one.
+    tell: told of settings that could not be put back.
+    """
 
     scene: SceneData
     order: Sequence[Step]
@@ -40,19 +49,25 @@ class Task:
     table: AccuracyTable
     settings: Mapping[str, Any]
     limits: Limits = Limits()
+    session: str = ""
+    same_mounting: bool = False
+    switch: Switch | None = None
+    tell: Callable[[str], None] = lambda text: None
 
 
 def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
     """Every sweep of the task, those included that an earlier run has finished.
 
-    Raises InputError where the journal beside the output is of another recording or unreadable,
-    MeterError where the operator gives up on a sweep, KeyboardInterrupt where the operator ends it;
-    what is finished stays on the disk.
+    Raises InputError where the journal beside the output is of another recording, of another
+    mounting or unreadable, MeterError where the operator gives up on a sweep, KeyboardInterrupt
+    where the operator ends it; what is finished stays on the disk.
     """
     journal = Journal(task.output)
     header = _resumed(journal, task)
-    entries = journal.entries(header.order) if header else {}
-    station = Station(task.connect, header)
+    entries = journal.entries(header) if header else {}
+    if entries and len(entries) < len(task.order) and not task.same_mounting:
+        _ask_for_mounting(journal, entries.values(), operator)
+    station = Station(task.connect, header, task.tell)
     try:
         if header is None:
             header = _begun(journal, task, station)
@@ -67,7 +82,9 @@ def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
             journal.keep(missing[0], entry)
             entries[missing.popleft()] = entry
     finally:
-        station.close()
+        station.leave()
+        if task.switch:
+            task.switch.close()
     return header, [entries[number] for number in range(len(task.order))]
 
 
@@ -111,11 +128,18 @@ class Course:
                 return replace(entry, remarks=tuple(remarks))
 
     def _attempt(self, step: Step, progress: Progress) -> Entry | None:
-        meter = self.station.ready()
+        meter, task = self.station.ready(), self.task
         if not self.operator.press(step, progress):
             return None
         begun = now()
-        sweep = measure_sweep(meter, self.task.scene.frequencies, self.operator.watch)
+        sweep = measure_sweep(
+            meter,
+            task.scene.frequencies,
+            task.scene.interfaces,
+            task.switch,
+            self.operator.watch,
+            self.operator.turn,
+        )
         assert self.station.header is not None
         require(meter, self.station.header.settings)
         return Entry(step.press, sweep, begun, now())
@@ -141,14 +165,30 @@ def _resumed(journal: Journal, task: Task) -> Header | None:
     return header
 
 
+def _ask_for_mounting(journal: Journal, entries: Iterable[Entry], operator: Operator) -> None:
+    hours = (time.time() - max(entry.time for entry in entries)) / 3600
+    ago = f"{hours:.0f} hours ago" if hours < 48 else f"{hours / 24:.0f} days ago"
+    if hours > MOUNTED and not operator.same_mounting(ago):
+        raise InputError(
+            f"{journal.folder}: the last sweep was taken {ago}; --same-mounting goes on where the "
+            "skin was not mounted anew. A new mounting is a session of its own: `rcskin meter "
+            f"gather {journal.output}` writes what there is, `rcskin join` joins it with the rest"
+        )
+
+
 def _begun(journal: Journal, task: Task, station: Station) -> Header:
     meter = station.ready()
     check_frequencies(meter, task.scene.frequencies)
     apply(meter, task.settings)
     settings = snapshot(meter)
     restore(meter, settings)
+    begun = now()
     station.header = Header(
-        **_asked(task), meter=meter.identity.text, settings=settings, begun=now()
+        **{"session": begun, **_asked(task)},
+        meter=meter.identity.text,
+        settings=settings,
+        begun=begun,
+        accuracy=task.table.name,
     )
     journal.begin(station.header)
     return station.header
@@ -158,10 +198,11 @@ def _asked(task: Task) -> dict[str, Any]:
     return {
         "scene": task.scene.text,
         "name": task.scene.name,
-        "interface": task.scene.interface,
+        "interfaces": tuple(task.scene.interfaces),
         "frequencies": tuple(task.scene.frequencies),
         "rows": task.scene.rows,
         "columns": task.scene.columns,
         "order": tuple(step.press for step in task.order),
         "asked": dict(task.settings),
+        **({"session": task.session} if task.session else {}),
     }

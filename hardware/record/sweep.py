@@ -1,9 +1,11 @@
-"""One measured sweep: readings at ascending frequencies, under one press."""
+"""One measured sweep: readings at every interface and ascending frequencies, under one press."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,22 +14,32 @@ from ...simulator.sweeps import InputError
 from ..meter.errors import GarbledError
 from ..meter.hioki import Meter
 from ..meter.reading import BY_CODE, Reading
+from ..switch.switch import Switch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ROUNDING = 6e-5
+APART = 1.0
+"""Seconds between two interfaces, beyond which a touch may well have changed."""
 Watch = Callable[[float, Reading], None]
+Turn = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class Sweep:
-    """Readings [F, ohm, ohm] and their status codes, one for each frequency."""
+class Trace:
+    """Readings [F, ohm, ohm] and their status codes at one interface, one for each frequency.
+
+    begun, ended: ISO 8601, empty where it is not known when they were taken.
+    """
 
     Cp: tuple[float, ...]
     Rs: tuple[float, ...]
     X: tuple[float, ...]
     status: tuple[int, ...]
+    interface: str = ""
+    begun: str = ""
+    ended: str = ""
 
     @property
     def Z(self) -> NDArray[np.complex128]:
@@ -35,19 +47,63 @@ class Sweep:
         return np.array(self.Rs) + 1j * np.array(self.X)
 
 
-def flagged(sweeps: Sequence[Sweep]) -> list[tuple[int, int, int]]:
-    """Readings that were not normal: number of the sweep, of the frequency, and status code."""
+@dataclass(frozen=True)
+class Sweep:
+    """What was measured under one press: a trace for each interface, in the recording's order."""
+
+    traces: tuple[Trace, ...]
+
+    @property
+    def Z(self) -> NDArray[np.complex128]:
+        """Rs + jX in ohm, shape (interface, frequency)."""
+        return np.array([trace.Z for trace in self.traces])
+
+    @property
+    def Cp(self) -> NDArray[np.float64]:
+        """F, shape (interface, frequency)."""
+        return np.array([trace.Cp for trace in self.traces])
+
+    def at(self, interface: str) -> Trace:
+        """The trace at an interface."""
+        return next(trace for trace in self.traces if trace.interface == interface)
+
+
+def now() -> str:
+    """The time as ISO 8601 with milliseconds, UTC."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def trace_times(sweep: Sweep) -> list[tuple[str, str]]:
+    """When the readings at each interface began and ended."""
+    return [(trace.begun, trace.ended) for trace in sweep.traces]
+
+
+def apart(sweep: Sweep) -> list[str]:
+    """In words, how long the meter did not measure between two interfaces, where it was long."""
+    spans = sorted(trace_times(sweep))
+    waits = [
+        (datetime.fromisoformat(after) - datetime.fromisoformat(before)).total_seconds()
+        for (_, before), (after, _) in pairwise(spans)
+    ]
+    if max(waits, default=0.0) <= APART:
+        return []
+    return [f"the switch took {max(waits):.1f} s: a touch may have changed between the interfaces"]
+
+
+def flagged(sweeps: Sequence[Sweep]) -> list[tuple[int, int, int, int]]:
+    """Readings not normal: numbers of sweep, interface and frequency, and the status code."""
     return [
-        (number, index, code)
+        (number, place, index, code)
         for number, sweep in enumerate(sweeps)
-        for index, code in enumerate(sweep.status)
+        for place, trace in enumerate(sweep.traces)
+        for index, code in enumerate(trace.status)
         if code
     ]
 
 
 def flags(sweeps: Sequence[Sweep]) -> list[str]:
     """In words, how many readings of them the meter flagged, and as what."""
-    codes = [code for _, _, code in flagged(sweeps)]
+    codes = [code for *_, code in flagged(sweeps)]
     return [
         f"{codes.count(code)} reading{'s' if codes.count(code) > 1 else ''}: "
         f"{BY_CODE[code].meaning}"
@@ -56,21 +112,28 @@ def flags(sweeps: Sequence[Sweep]) -> list[str]:
 
 
 def measure_sweep(
-    meter: Meter, frequencies: Iterable[float], watch: Watch = lambda frequency, reading: None
+    meter: Meter,
+    frequencies: Iterable[float],
+    interfaces: Sequence[str],
+    switch: Switch | None = None,
+    watch: Watch = lambda frequency, reading: None,
+    turn: Turn = lambda interface: None,
 ) -> Sweep:
-    """A reading at each frequency in Hz in any order, none of them older than this call.
+    """A reading at each interface and frequency [Hz], in any order, none older than this call.
 
-    The meter rounds a frequency to five digits; where it tells one that differs by more, nothing is
-    taken for a reading. watch: called with each as it comes, before the next frequency is taken.
-    Raises InputError where the meter cannot take a frequency, MeterError where a reading fails.
+    The interface that is connected comes first: a switch turns once less in each sweep. switch: of
+    the interfaces; without it the meter stays where it is. turn: called with each interface before
+    the switch turns, watch: with each reading as it comes.
+    Raises InputError where the meter cannot take a frequency, MeterError where a reading or the
+    switch fails.
     """
-    readings = [_at(meter, float(frequency), watch) for frequency in frequencies]
-    return Sweep(
-        tuple(reading.Cp for reading in readings),
-        tuple(reading.Rs for reading in readings),
-        tuple(reading.X for reading in readings),
-        tuple(reading.status.code for reading in readings),
-    )
+    traces: dict[str, Trace] = {}
+    for name in sorted(interfaces, key=lambda name: switch is None or name != switch.selected):
+        turn(name)
+        if switch:
+            switch.select(name)
+        traces[name] = _trace(meter, frequencies, name, watch)
+    return Sweep(tuple(traces[name] for name in interfaces))
 
 
 def check_frequencies(meter: Meter, frequencies: Sequence[float]) -> None:
@@ -81,7 +144,22 @@ def check_frequencies(meter: Meter, frequencies: Sequence[float]) -> None:
             raise InputError(f"an {meter.model} measures {allowed}, the scene asks {frequency:g}")
 
 
+def _trace(meter: Meter, frequencies: Iterable[float], interface: str, watch: Watch) -> Trace:
+    begun = now()
+    readings = [_at(meter, float(frequency), watch) for frequency in frequencies]
+    return Trace(
+        tuple(reading.Cp for reading in readings),
+        tuple(reading.Rs for reading in readings),
+        tuple(reading.X for reading in readings),
+        tuple(reading.status.code for reading in readings),
+        interface,
+        begun,
+        now(),
+    )
+
+
 def _at(meter: Meter, frequency: float, watch: Watch) -> Reading:
+    """The meter rounds a frequency to five digits; at one that differs by more, nothing is read."""
     meter.frequency = frequency
     reading = meter.read()
     told = meter.frequency

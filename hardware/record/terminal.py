@@ -14,7 +14,7 @@ from ..meter.reading import Reading, Status
 from .change import percent_of_rest
 from .operators import Progress, Show
 from .order import Step
-from .sweep import Sweep
+from .sweep import Sweep, Trace
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,12 +30,16 @@ class Screen:
     """Live table of Rs and Cp on a terminal while the block runs, and a line for each sweep.
 
     In a pipe only what is wrong with a sweep, unless `plain` asks for a line for each.
+    several: whether a sweep has several interfaces, which are then told.
     """
 
-    def __init__(self, console: Console, plain: bool = False) -> None:
+    def __init__(self, console: Console, plain: bool = False, several: bool = False) -> None:
         self._console, self._tells_all = console, plain or console.is_terminal
+        self._several = several
         self._live: Live | None = None
-        self._title, self._rest = "", None
+        self._title = self._press = ""
+        self._all_rest: Sweep | None = None
+        self._rest: Trace | None = None
         self._readings: list[tuple[float, Reading]] = []
 
     def __enter__(self) -> Self:
@@ -51,26 +55,39 @@ class Screen:
 
     def begin(self, title: str, rest: Sweep | None) -> None:
         """A sweep begins. rest: the skin at rest, which it is shown beside."""
-        from rich.live import Live
+        self._title = self._press = title
+        self._all_rest, self._rest, self._readings = rest, None, []
 
-        self._title, self._rest, self._readings = title, rest, []
-        if self._console.is_terminal:
-            self._live = Live(self._table(), console=self._console, transient=True)
-            self._live.start()
+    def turn(self, interface: str) -> None:
+        """The readings that come are of an interface; tell those before."""
+        self._finish()
+        if self._several:
+            self._title = f"{self._press}, interface {interface}"
+        self._rest = self._all_rest and self._all_rest.at(interface)
 
     def reading(self, frequency: float, reading: Reading) -> None:
         """A reading came, at a frequency in Hz."""
+        from rich.live import Live
+
         self._readings.append((frequency, reading))
-        if self._live:
+        if self._console.is_terminal and self._live is None:
+            self._live = Live(self._table(), console=self._console, transient=True)
+            self._live.start()
+        elif self._live:
             self._live.update(self._table())
 
     def end(self, remarks: Sequence[str]) -> None:
         """The sweep is over; tell what is wrong with it."""
+        self._finish()
+        self._title = self._press
+        for remark in remarks:
+            self._print(remark)
+
+    def _finish(self) -> None:
         self._stop()
         if self._tells_all and self._readings:
             self._print("done" + self._curves())
-        for remark in remarks:
-            self._print(remark)
+        self._readings = []
 
     def _stop(self) -> None:
         if self._live:
@@ -134,6 +151,13 @@ class Person:
     console: Console
     show: Show
 
+    def same_mounting(self, ago: str) -> bool:
+        """What the person says."""
+        question = f"The last sweep was taken {ago}. Was the skin mounted anew? (y, n, q: quit) "
+        while not (answer := self._choice(question, "yn")):
+            pass
+        return answer == "n"
+
     def press(self, step: Step, progress: Progress) -> bool:
         """Tell what to press, and wait for Enter; False where the step before is to come again."""
         place = f"row {step.row}, column {step.column}" if step.row > 0 else step.press
@@ -144,6 +168,14 @@ class Person:
             return False
         self.show.begin(f"{progress.words}  press {step.press}", progress.rest)
         return True
+
+    def turn(self, interface: str) -> None:
+        """Show it."""
+        self.show.turn(interface)
+
+    def connect(self, interface: str) -> None:
+        """Have the person connect the meter to an interface. Raises KeyboardInterrupt at `q`."""
+        self._choice(f"Keep the press, connect interface {interface}, then Enter (q: quit) ", "")
 
     def watch(self, frequency: float, reading: Reading) -> None:
         """Show the reading."""

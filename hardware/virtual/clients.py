@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
+import time
 from collections.abc import AsyncIterator, Callable, Coroutine
 from contextlib import AsyncExitStack
 from dataclasses import dataclass, field
@@ -41,16 +42,18 @@ PATIENCE = 10.0
 
 @dataclass(eq=False)
 class Client:
-    """One connection. answered: whether it ever took an answer."""
+    """One connection. answered: whether it ever took an answer. heard: when it said something."""
 
     reader: asyncio.StreamReader
     writer: asyncio.StreamWriter
     answered: bool = False
+    heard: float = field(default_factory=time.monotonic)
 
     async def lines(self) -> AsyncIterator[str | None]:
         """Whole lines as they come, None for each that was too long."""
         kept = Lines()
         while received := await self.reader.read(4096):
+            self.heard = time.monotonic()
             for line in kept.feed(received):
                 yield line
 
@@ -67,7 +70,7 @@ class Client:
 
 @dataclass
 class Clients:
-    """Connections to one port; too many push out the oldest that never took an answer."""
+    """Connections to one port; too many push out who never took an answer, or is idle longest."""
 
     serve: Callable[[Client], Coroutine[Any, Any, None]]
     present: list[Client] = field(default_factory=list)
@@ -92,7 +95,7 @@ class Clients:
 
     def _make_room(self) -> None:
         if len(self.present) >= MOST_CLIENTS:
-            min(self.present, key=lambda client: client.answered).leave()
+            min(self.present, key=lambda client: (client.answered, client.heard)).leave()
 
 
 async def open_port(stack: AsyncExitStack, clients: Clients, host: str, port: int) -> int:

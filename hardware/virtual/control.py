@@ -1,7 +1,8 @@
 """The side door of the virtual meter: press its skin, have it misbehave, ask how it is.
 
-One JSON object a line, each answered by one: {"do": "press", "press": "2,3"}, {"do": "misbehave",
-"kind": "late", "times": 2, "seconds": 1.5}, {"do": "state"}.
+One JSON object a line, each answered by one: {"do": "press", "press": "2,3"}, {"do": "select",
+"interface": "left"}, {"do": "misbehave", "kind": "late", "times": 2, "seconds": 1.5},
+{"do": "state"}.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ class Control:
             return {"ok": await self._done(**request)}
         except InputError as error:
             return {"error": str(error)}
-        except (ValueError, TypeError) as error:
+        except (ValueError, TypeError, RecursionError) as error:
             return {"error": f"no request that is known: {error}"}
 
     async def _done(self, do: str, **given: Any) -> Any:
@@ -62,12 +63,28 @@ class Control:
             return fault.kind
         if do == "state":
             return self._state()
-        raise InputError(f"`do` must be press, misbehave or state, got {do!r}")
+        if do == "select":
+            return self._select(**given)
+        raise InputError(f"`do` must be press, select, misbehave or state, got {do!r}")
+
+    def _select(self, interface: str) -> str:
+        """Have the switch turn, which is told by the state once it has."""
+        meter = self.instrument
+        if interface not in meter.skins:
+            known = ", ".join(meter.skins)
+            raise InputError(f"the skin has the interfaces {known}, got {interface!r}")
+        fault = meter.faults.take("slow", "stuck")
+        if fault is None:
+            meter.connect(interface)
+        elif fault.kind == "slow":
+            asyncio.get_running_loop().call_later(fault.seconds, meter.connect, interface)
+        return interface
 
     def _state(self) -> dict[str, Any]:
         settings = self.instrument.settings
         return {
             "press": self.instrument.press,
+            "interface": self.instrument.interface,
             "frequency": settings.frequency,
             "range": settings.range,
             "trigger": settings.trigger,

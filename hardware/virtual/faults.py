@@ -16,6 +16,8 @@ KINDS = {
     "status": "report a failed reading, 7 (overflow) unless told otherwise",
     "correction": "fail an open or short correction",
     "forget": "lose all settings, as after a power cut",
+    "slow": "have the switch turn late",
+    "stuck": "have the switch stay where it is",
 }
 ON_ANSWERS = ("drop", "late", "silent", "garbage", "half")
 
@@ -32,10 +34,10 @@ class Fault:
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
             raise InputError(f"a meter misbehaves by {', '.join(KINDS)}, got {self.kind!r}")
-        if not 1 <= self.times <= 10**6:
-            raise InputError(f"`times` must be in 1..1000000, got {self.times}")
-        if not 0 <= self.seconds <= 3600:
-            raise InputError(f"`seconds` must be in [0, 3600] s, got {self.seconds:g}")
+        if type(self.times) is not int or not 1 <= self.times <= 10**6:
+            raise InputError(f"`times` must be a whole number in 1..1000000, got {self.times!r}")
+        if type(self.seconds) not in (int, float) or not 0 <= self.seconds <= 3600:
+            raise InputError(f"`seconds` must be in [0, 3600] s, got {self.seconds!r}")
         if self.status not in WITHOUT_NUMBERS | {UNDERFLOW}:
             raise InputError(f"`status` must be 1, 7, -7, 9 or 12 to 17, got {self.status}")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ..meter.identity import VIRTUAL_SERIAL
@@ -10,7 +11,8 @@ from .correcting import Corrections
 from .faults import Faults
 from .language.parser import ExecutionError
 from .measurement import NOTHING, OVERFLOW, UNDERFLOW, Bench, Result, conditions, written
-from .state import Measuring, Registers, Settings
+from .skin import Skin
+from .state import Measuring, Registers, Settings, Standard
 from .worker import Worker
 
 UNPRESSED = "none"
@@ -19,16 +21,21 @@ TROUBLES = {OVERFLOW: Measuring.MOF, UNDERFLOW: Measuring.MUF, 2: Measuring.REF}
 
 @dataclass
 class Pending:
-    """A measurement under way: what it measures, and when it is done (s of the loop's clock)."""
+    """A measurement under way: of what, where, and when it is done (s of the loop's clock)."""
 
     press: str
     settings: Settings
     done: float
+    bench: Bench
 
 
 @dataclass
 class Instrument:
-    """One meter; clients share it. pace: how long things take, 1 as long as a meter, 0 no time."""
+    """One meter; clients share it. pace: how long things take, 1 as long as a meter, 0 no time.
+
+    skins: by interface, where a switch connects one of several; interface: the one it is at.
+    tell: told why the skin has no reading, which a client learns as a failure inside the meter.
+    """
 
     bench: Bench
     model: str = "IM3523"
@@ -44,6 +51,9 @@ class Instrument:
     fresh_from: float = 0.0
     waiting: bool = False
     worker: Worker = field(default_factory=Worker)
+    skins: Mapping[str, Skin] = field(default_factory=dict)
+    interface: str = ""
+    tell: Callable[[str], None] = lambda text: None
 
     @property
     def identity(self) -> str:
@@ -54,12 +64,12 @@ class Instrument:
         """`*TRG`: start a measurement. Raises ExecutionError where the trigger is internal."""
         if self.settings.trigger != "EXTERNAL":
             raise ExecutionError("*TRG")
-        self.pending = Pending(self.press, self._frozen(), self.now + self._seconds())
+        self.pending = self._begun(self.now + self._seconds())
 
     async def measure(self) -> str:
         """`:MEASure?`: the latest measurement, which under internal trigger may be stale."""
         if self.settings.trigger == "INTERNAL" and self.now >= self.fresh_from:
-            self.pending = Pending(self.press, self._frozen(), self.now)
+            self.pending = self._begun(self.now)
         await self.settle()
         return written(self.latest, self.settings)
 
@@ -78,12 +88,22 @@ class Instrument:
         await asyncio.sleep(max(0.0, pending.done - self.now))
         fault = self.faults.take("status")
         loop = asyncio.get_running_loop()
-        result = await loop.run_in_executor(
-            self.worker, self.bench.measure, pending.press, pending.settings
-        )
+        try:
+            result = await loop.run_in_executor(
+                self.worker, pending.bench.measure, pending.press, pending.settings
+            )
+        except Exception as failure:
+            self.tell(f"press {pending.press}: no reading: {failure} ({type(failure).__name__})")
+            self.registers.note(Standard.DDE)
+            result = NOTHING
         self._keep(replace(result, status=fault.status) if fault else result)
         if self.pending is pending:
             self.pending = None
+
+    def connect(self, interface: str) -> None:
+        """Have the switch connect one of `skins`."""
+        self.interface, self.bench = interface, replace(self.bench, skin=self.skins[interface])
+        self.changed()
 
     def changed(self) -> None:
         """Something that a reading depends on was set: the next one needs its whole time."""
@@ -114,9 +134,10 @@ class Instrument:
             if event:
                 self.registers.note(event)
 
-    def _frozen(self) -> Settings:
-        return replace(self.settings, each_range=dict(self.settings.each_range))
+    def _begun(self, done: float) -> Pending:
+        settings = replace(self.settings, each_range=dict(self.settings.each_range))
+        return Pending(self.press, settings, done, self.bench)
 
     def _seconds(self) -> float:
         delay = self.settings.each_range[self.settings.range].delay
-        return self.pace * (delay + conditions(self.settings, self.settings.range).seconds)
+        return self.pace * (delay + conditions(self.settings, self.settings.range, 0j).seconds)

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields
 
-from ..meter.accuracy import AccuracyTable, Conditions, full_scale
+from ..meter.accuracy import AccuracyTable, Conditions, Drive, full_scale
 from .language import values as numbers
 from .skin import Readout, Skin
 from .state import Settings
 
-NORMAL, NOT_MEASURED, OUTSIDE_GUARANTEE, OVERFLOW, UNDERFLOW, SAMPLING = 0, 1, 2, 7, -7, 9
+NORMAL, NOT_MEASURED, OUTSIDE_GUARANTEE, OVERFLOW, UNDERFLOW = 0, 1, 2, 7, -7
 WITHOUT_NUMBERS = {1, 7, 9, *range(12, 18)}
-OUTPUT_RESISTANCE = 100.0
 ITEMS = (
     ("Z", "Y", "PHASE", "CS", "CP", "D", "LS", "LP"),
     ("Q", "RS", "G", "RP", "X", "B", "RDC"),
@@ -43,17 +42,12 @@ class Bench:
     accuracy: AccuracyTable
 
     def measure(self, press: str, settings: Settings) -> Result:
-        """A reading under a press; an impedance that is not known is a sampling error."""
-        at_hand = conditions(settings, settings.range)
-        try:
-            Z = self.skin.impedance(press, settings.frequency)
-        except Exception:
-            return Result(SAMPLING, 0j, at_hand)
+        """A reading under a press. Raises what the skin raises; ValueError where Z is none."""
+        Z = self.skin.impedance(press, settings.frequency)
         if not cmath.isfinite(Z):
-            return Result(SAMPLING, 0j, at_hand)
-        if settings.auto_range:
-            at_hand = conditions(settings, self.accuracy.fitting_range(Z))
-        at_hand = replace(at_hand, level=open_voltage(Z, settings))
+            raise ValueError(f"the skin's impedance is {Z} at {settings.frequency:g} Hz")
+        used = self.accuracy.fitting_range(Z) if settings.auto_range else settings.range
+        at_hand = conditions(settings, used, Z)
         shown = self.readout(Z, at_hand)
         return Result(self._status(shown, at_hand), shown, at_hand)
 
@@ -67,27 +61,18 @@ class Bench:
         return OUTSIDE_GUARANTEE if self.accuracy.outside(Z, at_hand) else NORMAL
 
 
-def conditions(settings: Settings, range_number: int) -> Conditions:
-    """What the settings mean for a measurement in one range."""
+def conditions(settings: Settings, range_number: int, Z: complex) -> Conditions:
+    """What the settings mean for a measurement of Z in ohm, in one range."""
     kept = settings.each_range[range_number]
+    drive = Drive(**{field.name: getattr(settings, field.name) for field in fields(Drive)})
     return Conditions(
         settings.frequency,
         range_number,
         kept.speed,
         kept.averaging,
-        settings.voltage,
+        drive.open_voltage(Z),
         settings.cable,
     )
-
-
-def open_voltage(Z: complex, settings: Settings) -> float:
-    """The generator's voltage in V that gives the set voltage or current at the skin."""
-    loop = abs(OUTPUT_RESISTANCE + Z)
-    return {
-        "V": settings.voltage,
-        "CV": settings.constant_voltage * loop / max(abs(Z), 1e-12),
-        "CC": settings.constant_current * loop,
-    }[settings.level]
 
 
 def written(result: Result, settings: Settings) -> str:

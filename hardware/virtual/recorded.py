@@ -18,7 +18,7 @@ class Recorded:
 
     def __init__(self, sweeps: xr.Dataset, interface: str | None = None) -> None:
         """interface: without it the first. Raises InputError where there is none of that name."""
-        names = list(sweeps["interface"].values)
+        names = [str(name) for name in sweeps["interface"].values]
         if interface is not None and interface not in names:
             raise InputError(f"`interface` must be one of {', '.join(names)}, got {interface!r}")
         self._Z = impedance(sweeps)[:, names.index(interface) if interface else 0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,25 +27,32 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Exhibit:
-    """A skin to be measured, the grid of its pixels, and what the meter makes of it."""
+    """A skin at its interfaces, the grid of its pixels, and what the meter makes of it."""
 
-    skin: Skin
+    skins: Mapping[str, Skin]
     readout: Readout
     rows: int
     columns: int
     frequency: float
 
+    @property
+    def skin(self) -> Skin:
+        """At its first interface, which is connected in the beginning."""
+        return next(iter(self.skins.values()))
 
-def simulated(scene: SceneData, skin: Skin, readout: Readout) -> Exhibit:
+
+def simulated(scene: SceneData, skins: Mapping[str, Skin], readout: Readout) -> Exhibit:
     """The skin of a scene."""
-    return Exhibit(skin, readout, scene.rows, scene.columns, scene.frequencies[0])
+    return Exhibit(skins, readout, scene.rows, scene.columns, scene.frequencies[0])
 
 
-def recorded(sweeps: xr.Dataset, interface: str | None) -> Exhibit:
-    """A recorded skin, shown as it was read. Raises InputError where the interface is not in it."""
+def recorded(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> Exhibit:
+    """A recorded skin, shown as it was read, at interfaces or all. Raises InputError at others."""
     rows, columns = (max(1, int(sweeps[name].max())) for name in ("row", "column"))
     first = float(sweeps["frequency"][0])
-    return Exhibit(Recorded(sweeps, interface), exact, rows, columns, first)
+    names = interfaces or [str(name) for name in sweeps["interface"].values]
+    skins = {name: Recorded(sweeps, name) for name in names}
+    return Exhibit(skins, exact, rows, columns, first)
 
 
 def instrument(exhibit: Exhibit, pace: float = 1.0, accuracy: Path = DERIVED) -> Instrument:
@@ -59,6 +66,8 @@ def instrument(exhibit: Exhibit, pace: float = 1.0, accuracy: Path = DERIVED) ->
         Bench(exhibit.skin, exhibit.readout, read_table(accuracy)),
         pace=pace,
         press=exhibit.skin.check(UNPRESSED),
+        skins=exhibit.skins,
+        interface=next(iter(exhibit.skins)),
     )
     meter.worker.submit(exhibit.skin.impedance, meter.press, exhibit.frequency).result()
     return meter

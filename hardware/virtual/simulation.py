@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Simulation:
-    """scene: by name or path and interface (None: the first). skin: of a scene. readout: by seed.
+    """scene: by name or path, at interfaces (None: all). skins: of each. readout: by seed.
 
     Each raises InputError where it is given what does not exist.
     """
 
-    scene: Callable[[str, str | None], SceneData]
-    skin: Callable[[SceneData], Skin]
+    scene: Callable[[str, list[str] | None], SceneData]
+    skins: Callable[[SceneData], Mapping[str, Skin]]
     readout: Callable[[SceneData, int], Readout]

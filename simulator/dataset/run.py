@@ -9,10 +9,11 @@ import json
 import os
 import shutil
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from pathlib import Path
 
-from ..sweeps import InputError, check_needs, checked_output, whole_file
+from ..sweeps import InputError, checked_output, whole_file
+from ..sweeps.locking import locked
 from . import store, workers
 from .block import PLAN_FILE, Workshop, audit_of
 from .model import REDUCED, Training
@@ -66,28 +67,10 @@ def _size(plan: Plan, block: int) -> int:
     return plan.sweeps_of(block).stop - plan.sweeps_of(block).start
 
 
-@contextmanager
-def _locked(output: Path) -> Iterator[Path]:
-    """The folder of work, kept for this process alone, and removed where nothing is left to do.
-
-    The system frees the lock of a killed process.
-    """
-    check_needs(output, "scale", "filelock")
-    from filelock import FileLock, Timeout
-
+def _locked(output: Path) -> AbstractContextManager[Path]:
+    """The folder of work, kept for this process alone, and removed where nothing is left to do."""
     folder = output.with_name(f".{output.name}.unfinished")
-    folder.mkdir(exist_ok=True)
-    lock = FileLock(folder / "lock")
-    try:
-        lock.acquire(timeout=0)
-    except Timeout:
-        raise InputError(f"{output}: another process is writing it") from None
-    try:
-        yield folder
-    finally:
-        if not (folder / PLAN_FILE).exists():
-            shutil.rmtree(folder, ignore_errors=True)
-        lock.release()
+    return locked(folder, PLAN_FILE, f"{output}: another process is writing it")
 
 
 def _complete(plan: Plan, output: Path) -> bool:

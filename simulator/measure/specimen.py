@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from copy import copy
 from functools import lru_cache
+from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..models.solver import Solver
 from ..press.press import Press, check_press, parse_press, strength_of
@@ -21,7 +24,13 @@ class Specimen:
         self.scene = scene
         self._number = interface_names(scene).index(interface)
         self._solver = Solver(scene)
-        self._impedance = lru_cache(READINGS_KEPT)(self._new_impedance)
+        self._impedances = lru_cache(READINGS_KEPT)(self._new_impedances)
+
+    def at(self, interface: str) -> Self:
+        """The same specimen at another interface; what one has solved the other knows."""
+        other = copy(self)
+        other._number = interface_names(self.scene).index(interface)
+        return other
 
     def check(self, press: str) -> str:
         """The press in its full form. Raises InputError where it does not fit the scene."""
@@ -29,13 +38,14 @@ class Specimen:
 
     def impedance(self, press: str, frequency: float) -> complex:
         """Z in ohm at a frequency in Hz. Raises as `Solver.solve` does."""
-        return self._impedance(self._parsed(press), frequency)
+        return complex(self._impedances(self._parsed(press), frequency)[self._number])
 
     def _parsed(self, press: str) -> Press:
         return parse_press(press, strength_of(self.scene.press))
 
-    def _new_impedance(self, press: Press, frequency: float) -> complex:
-        return complex(self._solver.solve(press, frequency).Z[self._number, 0])
+    def _new_impedances(self, press: Press, frequency: float) -> NDArray[np.complex128]:
+        """At every interface."""
+        return self._solver.solve(press, frequency).Z[:, 0]
 
 
 class SessionErrors:

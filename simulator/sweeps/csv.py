@@ -157,7 +157,7 @@ def _sessions(table: pd.DataFrame) -> tuple[pd.DataFrame, dict[str, str]]:
         return table, {}
     names = {name: number for number, name in enumerate(dict.fromkeys(texts))}
     told = json.dumps({number: name for name, number in names.items()})
-    return table.assign(session=texts.map(names).astype(str)), {SESSIONS: told}
+    return table.assign(session=[str(names[text]) for text in texts]), {SESSIONS: told}
 
 
 def _text(path: Path, above: int) -> pd.DataFrame:

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Source = str | Path
-OF_SWEEPS = ("times", "remarks", "answers")
+OF_SWEEPS = ("times", "interface_times", "remarks", "answers")
 """Attributes that list something for each sweep, as JSON."""
 FLAGGED = "flagged"
-"""Attribute of readings that were not normal: JSON of [sweep, index of frequency, status]."""
+"""Attribute of readings that were not normal: JSON, the number of the sweep first."""
 
 
 def read_joined(paths: Sequence[Source]) -> xr.Dataset:

@@ -38,14 +38,27 @@ def listed(frequency: Sequence[float] | NDArray[np.float64]) -> str:
     return f"{len(frequency)} frequencies from {low:.6g} to {high:.6g} Hz"
 
 
-def violations(sweeps: xr.Dataset, tolerance: float = 1e-9) -> list[Violation]:
+@dataclass(frozen=True)
+class Bounds:
+    """Of an error, at each frequency: of |Z| as a fraction, and of the phase in rad."""
+
+    size: NDArray[np.float64]
+    phase: NDArray[np.float64]
+
+    def times(self, factor: float) -> Bounds:
+        """So many times these."""
+        return Bounds(factor * self.size, factor * self.phase)
+
+
+def violations(sweeps: xr.Dataset, tolerance: float | Bounds = 1e-9) -> list[Violation]:
     """Every law of passive RC networks that the sweeps break, worst case by case.
 
     Poles on s <= 0 with residues >= 0 (a Foster form) imply: the phase stays within [-90, 0]
     degrees, and Rs, Cp and Cs do not increase with frequency. A break means error in the data, or
     inductance, which an RC network cannot have.
 
-    tolerance: relative slack, for what a meter's noise and rounding may do.
+    tolerance: slack for what a meter's noise and rounding may do: relative of everything, or by
+    bounds on the error of each reading.
     """
     frequency = sweeps["frequency"].values
     return [
@@ -58,21 +71,40 @@ def violations(sweeps: xr.Dataset, tolerance: float = 1e-9) -> list[Violation]:
 
 
 def _broken_laws(
-    Z: NDArray[np.complex128], frequency: NDArray[np.float64], tolerance: float
+    Z: NDArray[np.complex128], frequency: NDArray[np.float64], tolerance: float | Bounds
 ) -> dict[str, NDArray[np.bool_]]:
-    slack = tolerance * np.abs(Z)
     capacitive = Z.imag < 0
     Cs = np.full(frequency.shape, np.nan)
     Cs[capacitive] = series_capacitance(Z[capacitive], frequency[capacitive])
+    Cp = parallel_capacitance(Z, frequency)
+    of_Rs, of_X, of_Cp, of_Cs = _slacks(Z, Cp, Cs, tolerance)
     return {
-        "Re Z >= 0": Z.real < -slack,
-        "Im Z <= 0": Z.imag > slack,
-        "Rs not increasing": _increases(Z.real, tolerance),
-        "Cp not increasing": _increases(parallel_capacitance(Z, frequency), tolerance),
-        "Cs not increasing": _increases(Cs, tolerance),
+        "Re Z >= 0": Z.real < -of_Rs,
+        "Im Z <= 0": Z.imag > of_X,
+        "Rs not increasing": _increases(Z.real, of_Rs),
+        "Cp not increasing": _increases(Cp, of_Cp),
+        "Cs not increasing": _increases(Cs, of_Cs),
     }
 
 
-def _increases(values: NDArray[np.float64], tolerance: float) -> NDArray[np.bool_]:
-    step = np.diff(values)
-    return np.append(False, step > tolerance * np.abs(values[1:]))
+def _slacks(
+    Z: NDArray[np.complex128],
+    Cp: NDArray[np.float64],
+    Cs: NDArray[np.float64],
+    tolerance: float | Bounds,
+) -> tuple[NDArray[np.float64], ...]:
+    """Of Rs and X in ohm, Cp and Cs in F, at each frequency.
+
+    With bounds s of ln|Z| and p of the phase, Rs = Re Z is off by s |Rs| + p |X|, X by
+    s |X| + p |Rs|; Cp and Cs, which go as X / |Z|^2 and 1 / X, by s + p |Rs / X| of themselves.
+    """
+    if not isinstance(tolerance, Bounds):
+        return tolerance * np.abs(Z), tolerance * np.abs(Z), tolerance * abs(Cp), tolerance * Cs
+    Rs, X = np.abs(Z.real), np.abs(Z.imag)
+    s, p = tolerance.size, tolerance.phase
+    part = s + p * Rs / np.maximum(X, np.finfo(float).tiny)
+    return s * Rs + p * X, s * X + p * Rs, part * np.abs(Cp), part * Cs
+
+
+def _increases(values: NDArray[np.float64], slack: NDArray[np.float64]) -> NDArray[np.bool_]:
+    return np.append(False, np.diff(values) > (slack[1:] + slack[:-1]) / 2)

@@ -163,8 +163,8 @@ def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
 def side_by_side(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     """The same presses at several interfaces, each recorded by itself, as one data set.
 
-    Attributes of the first. Raises InputError where presses, sessions or frequencies differ, or an
-    interface is named twice.
+    Attributes and time of the first. Raises InputError where presses, sessions or frequencies
+    differ, or an interface is named twice.
     """
     import xarray as xr
 
@@ -176,4 +176,6 @@ def side_by_side(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     names = [name for part in parts for name in part["interface"].values]
     if len(set(names)) < len(names):
         raise InputError(f"`interface` names must be distinct, got {', '.join(names)}")
-    return xr.concat(parts, dim="interface", combine_attrs="override", join="exact")
+    bare = [part.drop_vars(TIME, errors="ignore") for part in parts]
+    whole = xr.concat(bare, dim="interface", combine_attrs="override", join="exact")
+    return whole.assign_coords({TIME: first[TIME]}) if TIME in first.variables else whole

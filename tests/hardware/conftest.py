@@ -39,11 +39,17 @@ class Scripted:
         assert message == expected
         self._answers = [answer] if answer is not None else []
 
-    def read(self):
+    def read(self, seconds=0.0):
         return self._answers.pop(0)
 
     def close(self):
         self.closed = True
+
+
+@pytest.fixture
+def rig_skins():
+    """The pillow at both interfaces."""
+    return _rig["SKINS"]
 
 
 @pytest.fixture

@@ -26,14 +26,33 @@ class Pillow:
         return R + 1 / (2j * math.pi * frequency * C * (1 + rise))
 
 
-def scene(name, interface):
-    """2 x 2 pixels, whatever the name."""
-    if interface not in (None, "left"):
-        raise InputError(f"`interface` must be left, got {interface!r}")
-    return SceneData(name, f'name = "{name}"\n', (1e3, 4e3, 16e3), 2, 2, "left")
+class FromBelow(Pillow):
+    """The pillow at its other interface, where C is raised by COLUMN parts in a hundred."""
+
+    def impedance(self, press, frequency):
+        """R + 1/(jwC) in ohm."""
+        return super().impedance(",".join(reversed(press.split(","))), frequency)
 
 
-simulation = Simulation(scene, lambda data: Pillow(), lambda data, seed: exact)
+SKINS = {"left": Pillow(), "bottom": FromBelow()}
+
+
+def scene(name, interfaces):
+    """2 x 2 pixels, whatever the name; `quilt` has two interfaces."""
+    known = ("left", "bottom") if name == "quilt" else ("left",)
+    for each in interfaces or ():
+        if each not in known:
+            raise InputError(f"`interface` must be {' or '.join(known)}, got {each!r}")
+    asked = tuple(interfaces or known)
+    return SceneData(name, f'name = "{name}"\n', (1e3, 4e3, 16e3), 2, 2, asked)
+
+
+def skins(data):
+    """At each interface of a scene."""
+    return {name: SKINS[name] for name in data.interfaces}
+
+
+simulation = Simulation(scene, skins, lambda data, seed: exact)
 app = meter_app(simulation)
 
 if __name__ == "__main__":

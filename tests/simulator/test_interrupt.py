@@ -1,6 +1,7 @@
 """One Ctrl-C ends a command: within a library that does not hear of it, and with its workers."""
 
 import os
+import pty
 import signal
 import subprocess
 import sys
@@ -27,11 +28,11 @@ def start():
     """A function that starts Python in a group of its own, which is killed at the end."""
     started = []
 
-    def start(*arguments):
+    def start(*arguments, stderr=subprocess.PIPE):
         process = subprocess.Popen(
             [sys.executable, *map(str, arguments)],
             stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
+            stderr=stderr,
             text=True,
             start_new_session=True,
         )
@@ -69,6 +70,18 @@ def test_work_in_c_is_ended_and_leaves_nothing_unfinished(start, tmp_path):
     assert not [*tmp_path.iterdir()]
 
 
+def test_a_terminal_has_its_cursor_back_even_so(start, tmp_path):
+    ours, theirs = pty.openpty()
+    process = start("-c", DEAF, tmp_path / "out.csv", stderr=theirs)
+    assert process.stdout.readline() == "at work\n"
+    time.sleep(0.5)
+    os.killpg(process.pid, signal.SIGINT)
+    process.communicate(timeout=30)
+    assert os.read(ours, 1000).startswith(b"\x1b[?25h")
+    os.close(ours)
+    os.close(theirs)
+
+
 @pytest.mark.slow
 def test_workers_of_a_study_end_with_it(start, tmp_path):
     process = start("-m", "rcskin", *STUDY, "-o", tmp_path / "study.csv")
@@ -79,7 +92,3 @@ def test_workers_of_a_study_end_with_it(start, tmp_path):
     _, err = process.communicate(timeout=30)
     assert process.returncode == 130 and err.splitlines()[-1] == "rcskin: interrupted"
     assert not [*tmp_path.iterdir()]
-    for _ in range(200):
-        if not members(process.pid):
-            break
-        time.sleep(0.05)

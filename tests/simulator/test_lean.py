@@ -9,8 +9,7 @@ from rcskin.simulator.scene.mesh_file import read_surface
 from rcskin.simulator.sweeps import InputError
 
 OF_EXTRAS = (
-    "dask distributed filelock imageio_ffmpeg meshio plotly pyarrow pythoncdt pyvista "
-    "vtkmodules zarr"
+    "dask distributed imageio_ffmpeg meshio plotly pyarrow pythoncdt pyvista vtkmodules zarr"
 ).split()
 LEAN = f"""
 import sys

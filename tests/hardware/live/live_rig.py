@@ -11,7 +11,7 @@ from rcskin.simulator.cli import app, run
 from rcskin.simulator.sweeps import InputError, impedance
 
 R, C, RISE = 10e3, 1e-9, 0.01
-ROWS, COLUMNS = 2, 3
+SHAPE = ROWS, COLUMNS = 2, 3
 
 
 class Cushion:
@@ -27,6 +27,17 @@ class Cushion:
         """R + 1/(jwC) in ohm."""
         column = 0 if press == "none" else int(press.split(",")[1])
         return R + 1 / (2j * math.pi * frequency * C * (1 + RISE * column))
+
+
+class FromBelow(Cushion):
+    """The cushion at its other interface, where C is raised by ROW parts in a hundred."""
+
+    def impedance(self, press, frequency):
+        """R + 1/(jwC) in ohm."""
+        return super().impedance(",".join(reversed(press.split(","))), frequency)
+
+
+SKINS = {"left": Cushion(), "bottom": FromBelow()}
 
 
 class Columns:
@@ -56,6 +67,19 @@ class Columns:
         return by_column(int(distance.argmin()), likely / likely.sum())
 
 
+class Pixels(Columns):
+    """Tells the column at the left and the row at the bottom: a pixel, from both interfaces."""
+
+    target, interfaces = "pixel", ("left", "bottom")
+
+    def answer(self, sweep, rest, /):
+        """The nearest pixel, surely."""
+        self.asked.append(sweep)
+        rises = capacitance(sweep).mean((0, 2)) / capacitance(rest).mean((0, 2)) - 1
+        column, row = np.rint(rises / RISE).astype(int).tolist()
+        return answer_of_classes("pixel", f"{row},{column}", [f"{row},{column}"], np.ones(1), SHAPE)
+
+
 def capacitance(sweeps):
     """-1/(w X) in F, shape of the sweeps."""
     return -1 / (2 * math.pi * sweeps["frequency"].values * impedance(sweeps).imag)
@@ -69,8 +93,7 @@ def by_column(column, probabilities):
 
 def load(path, manner):
     """The localizer, whatever the path; `two.skops` is one that needs two interfaces."""
-    two = Path(path).name == "two.skops"
-    return Columns(interfaces=("left", "right")) if two else Columns()
+    return Pixels() if Path(path).name == "two.skops" else Columns()
 
 
 command = live_command(load)

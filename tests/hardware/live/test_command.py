@@ -1,5 +1,6 @@
 """`rcskin live` as its user meets it: a process of its own, in a pipe or on a terminal."""
 
+import copy
 import json
 import os
 import pty
@@ -7,8 +8,6 @@ import re
 import runpy
 import select
 import signal
-import subprocess
-import sys
 import termios
 import time
 from datetime import datetime
@@ -16,46 +15,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import typer
 from rcskin.hardware.meter.errors import NoConnectionError
 from rcskin.hardware.steer import ask
 from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.state import PerRange
 from rcskin.simulator.sweeps import UNPRESSED, read
-from typer.testing import CliRunner
 
 SOON = 5
 """Seconds that the end may take on a busy machine; alone it takes half a second."""
 RIG = Path(__file__).with_name("live_rig.py")
 _rig = runpy.run_path(str(RIG))
 CONTROL_CODE, SHOWN_CURSOR = "\x1b", "\x1b[?25h"
-
-
-@pytest.fixture
-def instrument(make_instrument, cushion):
-    return make_instrument(cushion)
-
-
-@pytest.fixture
-def cushion():
-    return _rig["Cushion"]()
-
-
-@pytest.fixture
-def start(ports):
-    """A function that starts the command at the virtual meter, killed at the end if need be."""
-    started = []
-
-    def start(*arguments, resource=ports.resource, **pipes):
-        words = [sys.executable, RIG, "live", "--model", "m.skops", "--resource", resource]
-        pipes = pipes or {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-        words = [*map(str, [*words, *arguments])]
-        started.append(subprocess.Popen(words, text=True, **pipes))
-        return started[-1]
-
-    yield start
-    for process in started:
-        process.kill()
-        process.wait()
 
 
 @pytest.fixture
@@ -163,19 +133,6 @@ def test_plain_on_a_terminal_has_no_control_codes(start, terminal):
     assert CONTROL_CODE not in shown
 
 
-@pytest.fixture
-def live(ports):
-    """A function that runs the command in this process; gives the typer result."""
-    app = typer.Typer()
-    app.command("live")(_rig["command"])
-
-    def live(*arguments):
-        words = ["--resource", ports.resource, "--model", "m.skops"]
-        return CliRunner().invoke(app, [*words, *map(str, arguments)])
-
-    return live
-
-
 def test_an_absent_meter_is_given_up_in_one_line(live):
     error = live("--patience", 0.1, "--resource", "TCPIP0::127.0.0.1::1::SOCKET").exception
     assert isinstance(error, NoConnectionError)
@@ -202,6 +159,14 @@ def test_the_rest_of_a_log_serves_again(live, tmp_path, instrument):
     assert "column 2" in output and "untouched" not in output
 
 
+def test_a_rest_file_of_fewer_sweeps_than_asked_for_is_enough(live, tmp_path, instrument):
+    log = tmp_path / "run.csv"
+    live("--sweeps", 1, "--rest", 2, "--log", log)
+    instrument.press = "1,2"
+    output = live("--sweeps", 1, "--rest", 3, "--rest-file", log).output
+    assert "column 2" in output and "untouched" not in output
+
+
 def test_a_rest_of_other_frequencies_is_refused(live, tmp_path):
     log, other = tmp_path / "run.csv", tmp_path / "other.csv"
     live("--sweeps", 1, "--log", log)
@@ -213,7 +178,7 @@ def test_a_rest_of_other_frequencies_is_refused(live, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["--model", "two.skops"], "needs the interfaces left, right at once"),
+        (["--model", "two.skops"], "the interfaces left, bottom are measured in turn, which"),
         (["--interface", "up"], "the model was trained on interface left, got 'up'"),
         (["--rest", "0"], "`rest` must be in 1..1000, got 0"),
         (["--sweeps", "0"], "`sweeps` must be at least 1, got 0"),
@@ -235,3 +200,18 @@ def test_sweeps_are_those_of_the_skin(live, cushion, tmp_path):
     live("--sweeps", 2, "--log", log)
     truth = [cushion.impedance("none", f).imag for f in (1e3, 4e3, 16e3)]
     assert np.allclose(read(log)["X"].values, truth, rtol=1e-5)
+
+
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
+def test_it_leaves_the_meter_as_found_and_the_log_whole(start, instrument, tmp_path, end):
+    settings = instrument.settings
+    settings.header, settings.items, settings.each_range[3] = True, (1, 1), PerRange("FAST", 7)
+    before, log = copy.deepcopy(settings), tmp_path / "run.nc"
+    process = start("--log", log)
+    process.stdout.readline()
+    assert instrument.settings != before
+    process.send_signal(end)
+    process.communicate(timeout=30)
+    assert process.returncode == 128 + end
+    assert instrument.settings == before
+    assert read(log).sizes["sweep"] >= 4

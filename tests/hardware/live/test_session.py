@@ -69,7 +69,7 @@ def session(ports):
         link = Link(localizer, connect, read_table(), Limits(drift=drift), patience)
         links.append(link)
         kept = Rest(rest if localizer.needs_rest else 0)
-        return Session(localizer, link, kept, Witness(then), Log(localizer), **more)
+        return Session(localizer, link, kept, Witness(then), Log(), **more)
 
     yield session
     for link in links:

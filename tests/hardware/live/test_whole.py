@@ -34,7 +34,7 @@ def model(tmp_path_factory):
 
 def test_presses_on_the_simulated_strip_are_answered_at_their_columns(model, serve):
     data = rcskin._scene_data(SCENE, None)
-    meter = instrument(simulated(data, rcskin._skin(data), rcskin._readout(data, 7)), pace=0)
+    meter = instrument(simulated(data, rcskin._skins(data), rcskin._readout(data, 7)), pace=0)
     with serve(meter) as ports:
         where = ["--resource", ports.resource, "--model", str(model)]
         for column in (1, 2, 3):

@@ -1,6 +1,7 @@
 """The driver against the virtual meter, over TCP: every setting, readings, corrections."""
 
 import math
+import re
 
 import pytest
 from rcskin.hardware.meter.correction import correct
@@ -118,14 +119,28 @@ def test_automatic_range_finds_the_range_of_the_skin(meter):
     assert meter.auto_range
 
 
-def test_a_skin_that_has_no_answer_is_a_sampling_error(make_instrument, serve, pillow):
+@pytest.mark.parametrize(
+    ("answer", "told"),
+    [
+        (lambda: 1 / 0, "division by zero"),
+        (lambda: complex("nan"), "impedance is .*nan.* at 1000 Hz"),
+    ],
+)
+def test_a_skin_that_has_no_answer_fails_inside_the_meter(
+    make_instrument, serve, pillow, answer, told
+):
+    """Nothing that the mains or a lower speed could mend; the server tells why."""
+
     class Broken(type(pillow)):
         def impedance(self, press, frequency):
-            raise ZeroDivisionError
+            return answer()
 
-    with serve(make_instrument(Broken())) as ports, open_meter(ports.resource, 1) as meter:
-        with pytest.raises(ReadingError, match="status 9"):
-            meter.read()
+    heard = []
+    with serve(make_instrument(Broken(), tell=heard.append)) as ports:
+        with open_meter(ports.resource, 1) as meter:
+            with pytest.raises(RefusedError, match="failed inside the meter"):
+                meter.read()
+    assert re.search(f"press none: no reading: .*{told}", heard[0])
 
 
 def test_measuring_takes_its_time_by_speed_averaging_and_delay(make_instrument):
@@ -195,10 +210,11 @@ def test_a_lost_correction_cannot_be_restored(meter):
 
 def test_a_sweep_is_a_reading_at_each_frequency(meter, pillow):
     frequencies, seen = (1e3, 12345.678, 2e5), []
-    sweep = measure_sweep(meter, frequencies, lambda f, reading: seen.append((f, reading.Rs)))
+    watch = lambda f, reading: seen.append((f, reading.Rs))  # noqa: E731
+    sweep = measure_sweep(meter, frequencies, ["left"], watch=watch)
     assert [f for f, _ in seen] == list(frequencies)
     exact = [pillow.impedance("none", f) for f in frequencies]
-    assert sweep.Z == pytest.approx(exact, rel=1e-4)
+    assert sweep.Z[0] == pytest.approx(exact, rel=1e-4)
 
 
 def test_frequencies_out_of_reach_are_told_before_anything_is_measured(meter):
@@ -244,3 +260,12 @@ def test_siblings_speak_their_dialect(make_instrument, serve, model):
         meter.trigger_delay = 0.0
         assert meter.read().Rs == pytest.approx(10e3)
         assert meter.model == model
+
+
+def test_a_slow_reading_is_waited_for(make_instrument, serve):
+    """Thirty-two averages at SLOW2 take longer than the time-out, here at a twentieth of it."""
+    instrument = make_instrument(pace=0.05)
+    with serve(instrument) as ports, open_meter(ports.resource, 0.1) as meter:
+        meter.speed, meter.averaging = "SLOW2", 32
+        assert meter.seconds == pytest.approx(6.4)
+        assert meter.read().Rs == pytest.approx(10e3)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.record.change import percent_of_rest, unseen_press
-from rcskin.hardware.record.sweep import Sweep
+from rcskin.hardware.record.sweep import Sweep, Trace
 
 FREQUENCY = np.geomspace(1e3, 2e5, 20)
 Q = np.sqrt(2j * np.pi * FREQUENCY * 1e-5)
@@ -18,7 +18,7 @@ seeds = st.integers(0, 2**32 - 1)
 def sweep_of(Z, random, noise=NOISE):
     real, imaginary = random.standard_normal((2, Z.size))
     Z = Z * (1 + noise * (real + 1j * imaginary))
-    return Sweep((1e-9,) * Z.size, tuple(Z.real), tuple(Z.imag), (0,) * Z.size)
+    return Sweep((Trace((1e-9,) * Z.size, tuple(Z.real), tuple(Z.imag), (0,) * Z.size),))
 
 
 @given(seeds, st.integers(2, 4))
@@ -59,6 +59,20 @@ def test_few_readings_without_noise_are_told_from_each_other(rests):
     before = [sweep_of(few, random, 0)] * rests
     assert unseen_press(sweep_of(few, random, 0), before) != []
     assert unseen_press(sweep_of(1.002 * few, random, 0), before) == []
+
+
+@pytest.mark.parametrize("at", [0, 1])
+def test_a_press_that_one_interface_sees_is_seen(at):
+    random = np.random.default_rng(1)
+
+    def at_both(*Z):
+        return Sweep(tuple(sweep_of(each, random).traces[0] for each in Z))
+
+    before = [at_both(LINE, 2 * LINE) for _ in range(3)]
+    pressed = [LINE, 2 * LINE]
+    assert unseen_press(at_both(*pressed), before) != []
+    pressed[at] = pressed[at] * (1 - 0.05 * BESIDE_CUT_OFF)
+    assert unseen_press(at_both(*pressed), before) == []
 
 
 def test_without_a_rest_nothing_is_said():

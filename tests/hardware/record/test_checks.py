@@ -8,7 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.meter.accuracy import read_table
 from rcskin.hardware.record.checks import Judge, Limits
-from rcskin.hardware.record.sweep import Sweep
+from rcskin.hardware.record.sweep import Sweep, Trace
+from rcskin.hardware.virtual.measurement import conditions
+from rcskin.hardware.virtual.state import Settings
 from rcskin.simulator.sweeps import parallel_capacitance
 
 FREQUENCY = np.geomspace(1e3, 1e5, 9)
@@ -28,7 +30,7 @@ LINE = 1e5 / np.sqrt(1j * FREQUENCY / 1e4) / np.tanh(np.sqrt(1j * FREQUENCY / 1e
 
 def sweep_of(Z):
     Cp = parallel_capacitance(Z, FREQUENCY)
-    return Sweep(tuple(Cp), tuple(Z.real), tuple(Z.imag), (0,) * len(Z))
+    return Sweep((Trace(tuple(Cp), tuple(Z.real), tuple(Z.imag), (0,) * len(Z)),))
 
 
 def test_a_line_breaks_no_law():
@@ -62,9 +64,22 @@ def test_a_range_whose_error_is_not_known_is_told():
 
 
 def test_a_frequency_that_is_another_shows_in_Cp():
-    wrong = dataclasses.replace(sweep_of(LINE), Cp=tuple(parallel_capacitance(LINE, FREQUENCY / 2)))
+    Cp = tuple(parallel_capacitance(LINE, FREQUENCY / 2))
+    wrong = Sweep((dataclasses.replace(sweep_of(LINE).traces[0], Cp=Cp),))
     (remark,) = JUDGE.remarks(wrong, [], at_rest=False)
     assert remark.startswith("Cp does not follow from Rs, X and f at 9 frequencies")
+
+
+def test_each_interface_is_judged_by_its_own_and_named():
+    def at_both(left, bottom):
+        traces = [sweep_of(Z).traces[0] for Z in (left, bottom)]
+        names = zip(traces, ("left", "bottom"), strict=True)
+        return Sweep(tuple(dataclasses.replace(each, interface=name) for each, name in names))
+
+    sound, moved = at_both(LINE, 3 * LINE), at_both(LINE, 3.3 * LINE)
+    assert JUDGE.remarks(sound, [sound], at_rest=False) == []
+    (remark,) = JUDGE.remarks(moved, [sound], at_rest=False)
+    assert remark.startswith("interface bottom: differs from earlier repetitions by 10.0 %")
 
 
 @pytest.mark.parametrize(
@@ -89,6 +104,27 @@ def test_drift_is_counted_from_the_first_sweep_at_rest():
 def test_speed_and_fixed_range_enter_the_tolerance():
     fast = dataclasses.replace(JUDGE, settings={**SETTINGS, "speed": "FAST"})
     far = dataclasses.replace(JUDGE, settings={**SETTINGS, "auto_range": False, "range": 5})
-    usual = JUDGE.tolerance(LINE)
-    assert fast.tolerance(LINE) == pytest.approx(2.5 * usual)
-    assert far.tolerance(LINE) > usual
+    usual = JUDGE.bounds(LINE)
+    assert fast.bounds(LINE).size == pytest.approx(2.5 * usual.size)
+    assert (far.bounds(LINE).size > usual.size).all()
+
+
+@pytest.mark.parametrize("zero", [0, 4, 8])
+@pytest.mark.parametrize("tripled", [1, 4, 7])
+def test_a_reading_without_resistance_hides_no_other_fault(zero, tripled):
+    Z = LINE.copy()
+    Z[tripled] *= 3
+    Z[zero] = 1j * Z[zero].imag
+    remarks = JUDGE.remarks(sweep_of(Z), [], at_rest=False)
+    assert any("is broken" in remark for remark in remarks)
+
+
+@pytest.mark.parametrize("level", ["V", "CV", "CC"])
+def test_bounds_follow_the_open_voltage_behind_the_output_resistance(level):
+    """What holds the level at the skin, recorder and virtual meter tell alike."""
+    asked = {"level": level, "voltage": 0.4, "constant_voltage": 0.3, "constant_current": 1e-3}
+    Z = -100j
+    judge = dataclasses.replace(JUDGE, settings={**SETTINGS, **asked})
+    expected = {"V": 0.4, "CV": 0.3 * np.sqrt(2), "CC": 1e-3 * 100 * np.sqrt(2)}[level]
+    assert judge._conditions(1e3, Z).level == pytest.approx(expected)
+    assert conditions(Settings(**asked), 5, Z).level == pytest.approx(expected)

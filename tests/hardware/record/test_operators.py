@@ -8,7 +8,7 @@ from rcskin.hardware.meter.errors import MeterError
 from rcskin.hardware.meter.reading import Reading, Status
 from rcskin.hardware.record.operators import pressing_by_command
 from rcskin.hardware.record.order import Step
-from rcskin.hardware.record.sweep import Sweep
+from rcskin.hardware.record.sweep import Sweep, Trace
 from rcskin.hardware.record.terminal import Screen, sparkline
 from rcskin.simulator.sweeps import InputError
 from rich.console import Console
@@ -23,6 +23,7 @@ def shown():
         console = Console(file=file, force_terminal=terminal, width=110)
         with Screen(console, plain) as screen:
             screen.begin("1/9  press 2,1", rest)
+            screen.turn("left")
             screen.reading(1e3, Reading(123.456e-12, 54.321e3, -1e5))
             screen.reading(2e3, Reading(99.5e-12, 43.21e3, -9e4, Status.OUTSIDE_GUARANTEE))
             screen.end(remarks)
@@ -43,7 +44,7 @@ def test_a_pipe_gets_nothing_but_what_is_wrong(shown):
     assert shown(False, ["it [slipped]"]) == "1/9  press 2,1: it [slipped]\n"
 
 
-REST = Sweep((123.456e-12, 199e-12), (54.321e3, 86.42e3), (-1e5, -1e5), (0, 0))
+REST = Sweep((Trace((123.456e-12, 199e-12), (54.321e3, 86.42e3), (-1e5, -1e5), (0, 0), "left"),))
 
 
 def test_a_terminal_shows_the_curve_against_rest_as_it_grows(shown):
@@ -66,6 +67,7 @@ def test_a_sweep_that_ends_early_gives_the_cursor_back():
         Screen(Console(file=file, force_terminal=True, width=100)) as screen,
     ):
         screen.begin("1/9  press 2,1", None)
+        screen.reading(1e3, Reading(123.456e-12, 54.321e3, -1e5))
         raise KeyboardInterrupt
     assert file.getvalue().rindex("\x1b[?25h") > file.getvalue().rindex("\x1b[?25l")
 
@@ -86,7 +88,14 @@ def test_a_pressing_command_that_fails_is_told():
         pressing_by_command("false {press}")(Step("1,1", 1, 1))
 
 
-@pytest.mark.parametrize("command", ["push {pixel}", "push {", "push '"])
+@pytest.mark.parametrize(
+    "command",
+    [
+        *("push {pixel}", "push {", "push '", "push {0}", "push {}"),
+        *("push {press.x}", "push {row[0]}", "push {press[0]}", "push {row!x}", "push {row:q}"),
+        *(" ", ""),
+    ],
+)
 def test_a_pressing_command_that_cannot_be_filled_in_is_refused(command):
     with pytest.raises(InputError, match="`press-with` must be a command"):
         pressing_by_command(command)

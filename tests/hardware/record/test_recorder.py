@@ -1,5 +1,6 @@
 """Recording: every finished sweep is on disk, an interrupted one goes on, a bad one is repeated."""
 
+import copy
 import dataclasses
 import json
 
@@ -29,6 +30,7 @@ class Silent:
         self.remarks = []
 
     def begin(self, title, rest): ...
+    def turn(self, interface): ...
     def reading(self, frequency, reading): ...
     def end(self, remarks):
         self.remarks += remarks
@@ -57,7 +59,7 @@ def task(ports, scene, tmp_path):
 
 
 def test_a_recording_is_every_press_in_its_order(task, operator, pillow):
-    sweeps = gather(*record(task, operator), "table")
+    sweeps = gather(*record(task, operator))
     assert list(sweeps["press"].values) == [step.press for step in task.order]
     assert list(sweeps["frequency"].values) == list(task.scene.frequencies)
     exact = [
@@ -68,7 +70,7 @@ def test_a_recording_is_every_press_in_its_order(task, operator, pillow):
 
 def test_its_file_tells_scene_meter_settings_and_times(task, operator):
     task = dataclasses.replace(task, settings={"speed": "SLOW", "range": 8, "auto_range": False})
-    write(gather(*record(task, operator), "table"), task.output)
+    write(gather(*record(task, operator)), task.output)
     told = read(task.output).attrs
     assert told["scene"] == task.scene.text
     assert "IM3523" in told["meter"]
@@ -85,8 +87,8 @@ def test_readings_that_are_not_normal_are_flagged(task, operator):
     task = dataclasses.replace(
         task, order=[REST, Step("1,1", 1, 1)], settings={"range": 10, "auto_range": False}
     )
-    flagged = json.loads(gather(*record(task, operator), "table").attrs["flagged"])
-    assert flagged == [[sweep, index, 2] for sweep in (0, 1) for index in (0, 1, 2)]
+    flagged = json.loads(gather(*record(task, operator)).attrs["flagged"])
+    assert flagged == [[sweep, 0, index, 2] for sweep in (0, 1) for index in (0, 1, 2)]
 
 
 class Interrupts(Machine):
@@ -137,12 +139,19 @@ def test_a_finished_recording_needs_no_meter(task, operator):
 )
 def test_a_fault_costs_a_repetition_and_nothing_else(task, operator, instrument, show, fault):
     task = dataclasses.replace(task, order=task.order[:3], settings={"speed": "SLOW"})
-    by = operator.by
-    operator.by = lambda step: (by(step), fault.times and instrument.faults.add(fault))
+    by, speeds, before = operator.by, set(), copy.deepcopy(instrument.settings)
+
+    def press(step):
+        by(step)
+        speeds.update(each.speed for each in instrument.settings.each_range.values())
+        if fault.times:
+            instrument.faults.add(fault)
+
+    operator.by = press
     header, entries = record(task, operator)
     assert len(show.remarks) == 1 and "check" in show.remarks[0]
     assert all(not entry.remarks for entry in entries)
-    assert set(instrument.settings.each_range[n].speed for n in range(1, 11)) == {"SLOW"}
+    assert speeds == {"SLOW"} and instrument.settings == before
     assert [entry.press for entry in entries] == [step.press for step in task.order]
 
 
@@ -158,7 +167,7 @@ def test_a_meter_that_keeps_failing_ends_it_with_what_is_done_on_disk(task, oper
     with pytest.raises(MeterError, match="status 7"):
         record(task, operator)
     header = Journal(task.output).header()
-    assert sorted(Journal(task.output).entries(header.order)) == [0, 1]
+    assert sorted(Journal(task.output).entries(header)) == [0, 1]
 
 
 def test_settings_that_change_under_way_are_noticed_and_restored(task, operator, instrument, show):
@@ -207,7 +216,7 @@ def test_an_unsound_sweep_is_repeated_then_kept_with_its_remark(task, operator, 
     assert pressed == ["none", "2,2", "2,2", "2,2"]
     assert entries[0].remarks == ()
     assert any("broken" in remark for remark in entries[1].remarks)
-    assert json.loads(gather(header, entries, "t").attrs["remarks"])[1] == list(entries[1].remarks)
+    assert json.loads(gather(header, entries).attrs["remarks"])[1] == list(entries[1].remarks)
 
 
 @pytest.mark.parametrize(

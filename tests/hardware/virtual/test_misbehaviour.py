@@ -91,7 +91,10 @@ def test_faults_are_asked_for_through_the_side_door(ports, meter):
     [
         ({"kind": "sing"}, "misbehaves by drop, late"),
         ({"kind": "late", "seconds": -1}, "`seconds` must be in"),
-        ({"kind": "drop", "times": 0}, "`times` must be in"),
+        ({"kind": "drop", "times": 0}, "`times` must be a whole number in"),
+        ({"kind": "drop", "times": 1.5}, "`times` must be a whole number in 1..1000000, got 1.5"),
+        ({"kind": "drop", "times": True}, "`times` must be a whole number"),
+        ({"kind": "late", "seconds": "1"}, "`seconds` must be in"),
         ({"kind": "status", "status": 2}, "`status` must be 1, 7"),
     ],
 )

@@ -210,11 +210,28 @@ def test_a_meter_is_known_by_content_not_by_order(text, model, serial):
 
 @pytest.mark.parametrize("model", ["IM3523", "IM3533", "IM3536", "IM3570"])
 def test_a_known_meter_is_set_up_in_its_dialect(script, model):
-    setting_up = ["*CLS", ":HEADer OFF", ":MODE LCR", ":TRIGger EXTernal", ":MEASure:ITEM 16,18"]
-    exchange = [each for told in [*setting_up, ":MEASure:VALid 18"] for each in said(told)]
-    with script(("*IDN?", f"HIOKI,{model},1,V1"), *exchange) as line:
+    found = {
+        (":HEADer", ":HEADER ON"): "OFF",
+        (":MODE", "CONT"): "LCR",
+        (":TRIGger", "INT"): "EXTERNAL",
+        (":MEASure:ITEM", "0,0"): "16,18",
+        (":MEASure:VALid", "31"): "18",
+    }
+    exchange = [
+        line
+        for (command, before), now in found.items()
+        for line in ((f"{command}?", before), *said(f"{command} {now}"))
+    ]
+    with script(("*IDN?", f"HIOKI,{model},1,V1"), *said("*CLS"), *exchange) as line:
         meter = start(line)
     assert meter.model == model
+    assert meter.found == {
+        "header": True,
+        "mode": "CONTINUOUS",
+        "trigger": "INTERNAL",
+        "items": (0, 0),
+        "valid": 31,
+    }
 
 
 def test_another_instrument_is_refused_and_let_go(script):

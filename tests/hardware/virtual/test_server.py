@@ -24,6 +24,38 @@ def control(ports):
     return f"127.0.0.1:{ports.control}"
 
 
+@pytest.fixture
+def crowd(ports):
+    """A function that has so many clients say something to the meter, and stay."""
+    lines = []
+
+    def crowd(count, *said):
+        for _ in range(count):
+            line = socket.create_connection(("127.0.0.1", ports.meter))
+            lines.append(line)
+            for each in said:
+                line.sendall(each)
+                line.recv(64)
+
+    yield crowd
+    for line in lines:
+        line.close()
+
+
+@pytest.mark.parametrize("said", [(), (b"*IDN?\r\n",)], ids=["silent", "once"])
+def test_a_crowd_of_idle_clients_does_not_push_out_the_one_at_work(ports, crowd, said):
+    with open_meter(ports.resource, 2) as meter:
+        for _ in range(4):
+            crowd(MOST_CLIENTS // 3, *said)
+            assert meter.read().Rs == pytest.approx(10e3)
+
+
+@pytest.mark.parametrize("text", ["[" * 2040, '{"a":' * 400])
+def test_what_is_nested_too_deeply_is_no_request(ports, raw, text):
+    answer = raw(ports.control, text.encode() + b"\n", b'{"do": "press", "press": "1,1"}\n')
+    assert b"no request that is known" in answer and answer.endswith(b'{"ok": "1,1"}\n')
+
+
 @pytest.mark.parametrize("end", [b"\r", b"\n", b"\r\n"])
 def test_lines_end_with_either_mark_or_both(ports, raw, end):
     assert raw(ports.meter, b"*IDN?" + end + b"*ESE?" + end) == IDENTITY + b"0\r\n"

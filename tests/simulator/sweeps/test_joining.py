@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from rcskin.simulator.sweeps import InputError, build, read, read_joined, write
+from rcskin.simulator.sweeps import InputError, build, read, read_joined, side_by_side, write
 from rcskin.simulator.sweeps.csv import NO_SESSIONS
 from rcskin.simulator.sweeps.joining import join
 
@@ -99,6 +99,12 @@ skin = {{length = 0.1, width = 0.1}}
 def test_what_does_not_fit_is_named(other, told):
     with pytest.raises(InputError, match=told):
         join([recorded(scene=SKIN.format(columns=3)), other], "ab")
+
+
+def test_interfaces_recorded_one_after_the_other_have_the_time_of_the_first():
+    left, right = (recorded(begun=n, interface=(name,)) for n, name in ((3, "left"), (9, "right")))
+    whole = side_by_side([left, right])
+    assert list(whole["time"].values) == [3, 4] and whole["time"].dims == ("sweep",)
 
 
 def test_one_file_is_read_as_it_is(tmp_path):

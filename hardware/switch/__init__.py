@@ -1,0 +1,1 @@
+"""Switches that connect the meter to one interface of a skin at a time."""

@@ -1,0 +1,133 @@
+"""What selects an interface, and how any device becomes that: turned, read back, left as found."""
+
+from __future__ import annotations
+
+import atexit
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import Generic, Protocol, TypeVar
+
+from ...simulator.sweeps import InputError
+from .errors import StuckSwitchError, SwitchError
+
+Position = TypeVar("Position")
+POLLED = 0.01
+"""Seconds between two looks at a switch that is turning."""
+
+
+class Switch(Protocol):
+    """Anything that connects the meter to one interface at a time."""
+
+    @property
+    def selected(self) -> str | None:
+        """The interface that is connected, as far as is known."""
+        ...
+
+    def select(self, name: str) -> None:
+        """Connect an interface; when this returns, it may be measured. Raises SwitchError."""
+        ...
+
+    def close(self) -> None:
+        """Leave it as it was found, where that is known; closing twice does no harm."""
+        ...
+
+
+class Device(Protocol[Position]):
+    """What turns. Everything raises SwitchError where it fails."""
+
+    def put(self, position: Position, /) -> None:
+        """Go to a position; it may still be turning afterwards."""
+        ...
+
+    def told(self) -> Position | None:
+        """The position that it reads back; None where it has no read-back."""
+        ...
+
+    def close(self) -> None:
+        """Let it go."""
+        ...
+
+
+@dataclass
+class Turning(Generic[Position]):
+    """A switch made of a device that is opened when it is needed, and anew after a failure.
+
+    positions: of the interfaces. settle: s from the moment a turn is done, as far as that is told,
+    to the first reading. patience: s in which the read-back must tell the new position.
+    """
+
+    open: Callable[[], Device[Position]]
+    positions: Mapping[str, Position]
+    settle: float
+    patience: float = 5.0
+    selected: str | None = field(default=None, init=False)
+    _device: Device[Position] | None = field(default=None, init=False)
+    _found: Position | None = field(default=None, init=False)
+
+    def __post_init__(self) -> None:
+        for name, value in (("settle", self.settle), ("timeout", self.patience)):
+            if not 0 <= value <= 3600:
+                raise InputError(f"`{name}` must be in [0, 3600] s, got {value:g}")
+
+    def select(self, name: str) -> None:
+        """Connect an interface. Raises InputError where it has no position, SwitchError."""
+        if name not in self.positions:
+            known = ", ".join(self.positions)
+            raise InputError(f"the switch knows the interfaces {known}, got {name!r}")
+        before, self.selected = self.selected, None
+        try:
+            turned = self._turned(name, before)
+        except SwitchError:
+            self._drop()
+            raise
+        if turned:
+            time.sleep(self.settle)
+        self.selected = name
+
+    def close(self) -> None:
+        """Leave the device at the position it was found at, where it told one."""
+        self.selected = None
+        with suppress(SwitchError):
+            if self._device and self._found is not None and self._device.told() != self._found:
+                self._device.put(self._found)
+        self._drop()
+        atexit.unregister(self.close)
+
+    def _turned(self, name: str, before: str | None) -> bool:
+        """Whether it had to turn."""
+        if self._device is None:
+            self._device = self.open()
+            atexit.register(self.close)  # where the process is ended by force
+            self._found = self._device.told() if self._found is None else self._found
+        device, position = self._device, self.positions[name]
+        told = device.told()
+        if told == position or (told is None and before == name):
+            return False
+        device.put(position)
+        if told is not None:
+            self._confirm(device, name)
+        return True
+
+    def _confirm(self, device: Device[Position], name: str) -> None:
+        end = time.monotonic() + self.patience
+        while (told := device.told()) != self.positions[name]:
+            if time.monotonic() > end:
+                raise StuckSwitchError(
+                    f"asked for interface {name}, position {_words(self.positions[name])}, the "
+                    f"switch tells {_words(told)} even after {self.patience:g} s; check its power, "
+                    "its wiring, and that nothing else turns it"
+                )
+            time.sleep(POLLED)
+
+    def _drop(self) -> None:
+        device, self._device = self._device, None
+        if device:
+            device.close()
+
+
+def _words(position: object) -> str:
+    if isinstance(position, frozenset):
+        return f"({', '.join(map(str, sorted(position)))})"
+    return str(position)

@@ -1,0 +1,134 @@
+"""A switch described in a TOML table: which relays or channels belong to which interface."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, ClassVar, Literal, Self
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
+
+from ...simulator.sweeps import InputError
+from .relays import NUMERALS, Closed, Lcus, Numato, SerialLine
+from .scpi import ROUTINGS, Scpi, open_scpi
+from .switch import Turning
+
+Seconds = Annotated[float, Field(ge=0, le=3600)]
+Positive = Annotated[float, Field(gt=0, le=3600)]
+Relays = tuple[int, ...]
+
+
+class _Table(BaseModel):
+    """What every kind has.
+
+    interface: numbers of the relays that are on, all others named here being off. settle: s from
+    the end of a turn to the first reading. timeout: s that an answer, or a turn, may take.
+    """
+
+    numbers: ClassVar[tuple[int, int]]
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    interface: dict[str, Relays] = Field(min_length=1)
+    settle: Seconds = 0.02
+    timeout: Positive = 1.0
+    baud: Annotated[int, Field(gt=0)] = 9600
+
+    @field_validator("interface")
+    @classmethod
+    def _sound(cls, value: dict[str, Relays]) -> dict[str, Relays]:
+        low, high = cls.numbers
+        if not all(low <= number <= high for relays in value.values() for number in relays):
+            raise ValueError(f"numbers must be in {low}..{high}")
+        if len({frozenset(relays) for relays in value.values()}) < len(value):
+            raise ValueError("two interfaces have the same relays")
+        return value
+
+    @property
+    def positions(self) -> dict[str, Closed]:
+        """What is closed at each interface."""
+        return {name: frozenset(relays) for name, relays in self.interface.items()}
+
+    @property
+    def driven(self) -> Closed:
+        """All that belongs to the switch."""
+        return frozenset[int]().union(*self.positions.values())
+
+
+class NumatoTable(_Table):
+    """A board of Numato Lab's. port: a serial port, or a pyserial URL."""
+
+    numbers: ClassVar = 0, len(NUMERALS) - 1
+    kind: Literal["numato"]
+    port: str
+
+    def opened(self) -> Numato:
+        """The board, connected."""
+        return Numato(SerialLine(self.port, self.baud, self.timeout), self.driven)
+
+
+class LcusTable(_Table):
+    """A board of the LCUS kind. query: bytes in hex that ask for the state; empty for none."""
+
+    numbers: ClassVar = 1, 255
+    kind: Literal["lcus"]
+    port: str
+    query: str = "FF"
+
+    @field_validator("query")
+    @classmethod
+    def _hexadecimal(cls, value: str) -> str:
+        bytes.fromhex(value)
+        return value
+
+    def opened(self) -> Lcus:
+        """The board, connected."""
+        line = SerialLine(self.port, self.baud, self.timeout)
+        return Lcus(line, self.driven, bytes.fromhex(self.query))
+
+
+class ScpiTable(_Table):
+    """An SCPI switch at a VISA resource. routing: its words, one of `scpi.ROUTINGS`."""
+
+    numbers: ClassVar = 1, 99_999
+    kind: Literal["scpi"]
+    resource: str
+    routing: Literal["single", "multiple", "states"] = "single"
+
+    def opened(self) -> Scpi:
+        """The switch, connected."""
+        routing = ROUTINGS[self.routing]
+        return open_scpi(self.resource, self.baud, self.timeout, self.driven, routing)
+
+    @model_validator(mode="after")
+    def _one_at_a_time(self) -> Self:
+        if self.routing == "single" and any(len(each) != 1 for each in self.interface.values()):
+            raise ValueError("`routing` single closes exactly one channel; see multiple and states")
+        return self
+
+
+Table = Annotated[NumatoTable | LcusTable | ScpiTable, Field(discriminator="kind")]
+
+
+def read_switch(path: Path, settle: float | None = None) -> Turning[Closed]:
+    """The switch in a TOML file. settle: s, in place of the file's.
+
+    Raises InputError naming the file, the key and what is wrong.
+    """
+    try:
+        table = TypeAdapter(Table).validate_python(tomllib.loads(path.read_text(encoding="utf-8")))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as a table of a switch: {error}") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(map(str, first["loc"][1:] or first["loc"])) or "kind"
+        raise InputError(f"{path}: `{key}`: {first['msg']}, got {first['input']}") from error
+    waiting = table.settle if settle is None else settle
+    return Turning(table.opened, table.positions, waiting, table.timeout)

@@ -1,0 +1,133 @@
+"""Two interfaces from the skin to the answer: what a switch recorded is as good as simulated."""
+
+import numpy as np
+import pytest
+import rcskin
+from rcskin import __main__ as front
+from rcskin.hardware.virtual.server import running
+from rcskin.hardware.virtual.serving import instrument, simulated
+from rcskin.localization.model.file import save
+from rcskin.simulator.measure.readout import read_out
+from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.sweeps import concatenate, impedance, read
+from typer.testing import CliRunner
+
+PIXELS = [f"{row},{column}" for row in "123" for column in "123"]
+BOTH = ["left", "bottom"]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("two")
+
+
+@pytest.fixture(scope="module")
+def scene(folder):
+    """The path of a 3x3 sheet with two interfaces, at few frequencies."""
+    frequencies = np.geomspace(1e3, 1e5, 8).tolist()
+    scene = rcskin.load("sheet-5x5-two-interfaces").with_(
+        {"pixels": 3, "sweep.frequencies": frequencies}
+    )
+    path = folder / "two.toml"
+    path.write_text(scene_text(scene), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def ports(scene):
+    """A virtual meter on that sheet."""
+    data = front._scene_data(str(scene), None)
+    exhibit = simulated(data, front._skins(data), front._readout(data, 7))
+    with running(instrument(exhibit, pace=0)) as ports:
+        yield ports
+
+
+@pytest.fixture(scope="module")
+def switch(ports):
+    return ["--switch", f"127.0.0.1:{ports.control}", "--settle", "0"]
+
+
+@pytest.fixture(scope="module")
+def recorded(scene, ports, switch, folder):
+    """The path of a recording of every pixel at both interfaces."""
+    path = folder / "run.nc"
+    where = ["--resource", ports.resource, "--control", f"127.0.0.1:{ports.control}"]
+    told("meter", "record", scene, *where, *switch, "--repetitions", 1, "--retries", 0, "-o", path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def exact(scene):
+    """Sweeps without noise: at rest, and every pixel at three strengths."""
+    presses = ["none"] * 3 + [f"{pixel}:{k}" for pixel in PIXELS for k in (1.9, 2.0, 2.1)]
+    return rcskin.sweep(rcskin.load(scene), presses)
+
+
+@pytest.fixture(scope="module")
+def model(scene, exact, folder):
+    """The path of a model of pixels against rest, trained on four simulated sessions."""
+    readout, random = rcskin.load(scene).readout, np.random.default_rng(0)
+    sweeps = concatenate([read_out(exact, readout, random, k) for k in range(4)])
+    path = folder / "pixels.skops"
+    save(path, rcskin.train(sweeps, "pixel", quantities=("dlnZ", "dphase")))
+    return path
+
+
+def told(*words):
+    result = CliRunner().invoke(front.app, [*map(str, words)])
+    if result.exception and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result.stdout
+
+
+def test_what_is_recorded_is_what_is_simulated(recorded, exact):
+    sweeps = read(recorded)
+    assert list(sweeps["interface"].values) == list(exact["interface"].values) == BOTH
+    assert set(exact.variables) - set(sweeps.variables) <= {"Rs_error", "Cp_error"}
+    simulated = {press: Z for press, Z in zip(exact["press"].values, impedance(exact), strict=True)}
+    for press, Z in zip(sweeps["press"].values, impedance(sweeps), strict=True):
+        truth = simulated[press if press == "none" else f"{press}:2.0"]
+        assert Z == pytest.approx(truth, rel=0.03)
+
+
+def test_what_is_recorded_is_localized_by_what_is_simulated(recorded, model, folder):
+    told("localize", model, recorded, "-o", folder / "told.csv")
+    sweeps = read(recorded)
+    lines = (folder / "told.csv").read_text().splitlines()[1:]
+    right = [
+        f'"{row},{column}"' in line
+        for line, row, column in zip(
+            lines, sweeps["row"].values, sweeps["column"].values, strict=True
+        )
+    ]
+    assert np.mean(right) >= 10 / 11
+
+
+def test_what_is_recorded_is_evaluated(recorded, model, folder):
+    assert "%" in told("evaluate", model, recorded, "-o", folder / "evaluated")
+
+
+def test_what_is_recorded_trains(recorded, folder):
+    told("train", recorded, recorded, "--target", "column", "-o", folder / "own.skops")
+    assert (folder / "own.skops").exists()
+
+
+@pytest.mark.slow
+def test_what_is_recorded_calibrates(scene, recorded, folder):
+    told("calibrate", scene, recorded, "--fit", "sheet_resistance", "-o", folder / "found")
+    found = rcskin.load(folder / "found" / "calibrated.toml")
+    true = rcskin.load(scene)
+    assert found.skin.top.sheet_resistance == pytest.approx(true.skin.top.sheet_resistance, rel=0.1)
+
+
+def test_live_tells_pixels_from_both(model, ports, switch):
+    from rcskin.hardware.steer import ask
+
+    control, where = f"127.0.0.1:{ports.control}", ["--resource", ports.resource]
+    ask(control, "press", press="none")
+    log = model.with_name("rest.nc")
+    told("live", "--model", model, *where, *switch, "--sweeps", 1, "--log", log)
+    for press in ("3,1", "1,3"):
+        ask(control, "press", press=press)
+        line = told("live", "--model", model, *where, *switch, "--sweeps", 1, "--rest-file", log)
+        assert line.split("\t")[1] == f"pixel {press}"

@@ -1,0 +1,191 @@
+"""Live localization at two interfaces: whole sweeps or none, whatever the switch does."""
+
+import json
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+import typer
+from rcskin.hardware.live.link import Link
+from rcskin.hardware.live.log import Log
+from rcskin.hardware.live.rest import Rest
+from rcskin.hardware.live.session import Session
+from rcskin.hardware.meter.accuracy import read_table
+from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.record.checks import Limits
+from rcskin.hardware.steer import ask
+from rcskin.hardware.switch.errors import NoSwitchError
+from rcskin.hardware.switch.switch import Turning
+from rcskin.hardware.switch.virtual import VirtualSwitch
+from rcskin.hardware.virtual.faults import Fault
+from rcskin.simulator.sweeps import impedance, read
+from typer.testing import CliRunner
+
+_rig = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))
+SKINS, Pixels = _rig["SKINS"], _rig["Pixels"]
+NAMES = {name: name for name in SKINS}
+PRESSES = ["2,3", "1,1", "none", "2,1", "1,3"]
+
+
+class Witness:
+    """Keeps what is shown, and does `then[n]` after the n-th answer."""
+
+    def __init__(self, then):
+        self.moments, self.told, self.then = [], [], then
+
+    def reading(self, frequency, reading):
+        pass
+
+    def answer(self, moment):
+        self.moments.append(moment)
+        self.then.get(len(self.moments), lambda: None)()
+
+    def no_answer(self, why):
+        self.told.append(why)
+
+    def note(self, text):
+        pass
+
+
+@pytest.fixture
+def instrument(make_instrument):
+    return make_instrument(SKINS["left"], skins=SKINS, interface="left")
+
+
+@pytest.fixture
+def session(ports):
+    """A function that makes a session that presses PRESSES, one after each answer."""
+    links = []
+
+    def session(then=None, settle=0.0, awaited=2.0, patience=5.0):
+        control = f"127.0.0.1:{ports.control}"
+
+        def press(where):
+            return lambda: ask(control, "press", press=where)
+
+        localizer = Pixels()
+        switch = Turning(lambda: VirtualSwitch(control), NAMES, settle, awaited)
+        connect = lambda: open_meter(ports.resource, 0.2)  # noqa: E731
+        link = Link(localizer, connect, read_table(), Limits(), patience, switch)
+        links.append(link)
+        told = then or {n: press(where) for n, where in enumerate(PRESSES, start=1)}
+        return Session(localizer, link, Rest(2), Witness(told), Log())
+
+    yield session
+    for link in links:
+        link.leave()
+
+
+@pytest.fixture(autouse=True)
+def impatient(monkeypatch):
+    """Waits between connections that a test has time for."""
+    monkeypatch.setattr("rcskin.hardware.live.link.FIRST_WAIT", 0.01)
+
+
+def labels(live):
+    return [moment.answer.label for moment in live.show.moments]
+
+
+def truth(press):
+    return "nothing pressed" if press == "none" else f"pixel {press}"
+
+
+RIGHT = [truth(press) for press in ["none", *PRESSES]]
+
+
+def test_pixels_are_told_from_both_interfaces(session):
+    live = session()
+    live.run(6)
+    assert (labels(live), live.failed) == (RIGHT, 0)
+
+
+def test_a_late_switch_drops_nothing(session, instrument):
+    instrument.faults.add(Fault("slow", times=6, seconds=0.1))
+    live = session()
+    live.run(6)
+    assert (labels(live), live.failed) == (RIGHT, 0)
+    assert not any("trying again" in why for why in live.show.told)
+    assert all(moment.remarks == () for moment in live.show.moments)
+
+
+def test_a_switch_that_takes_long_is_told_beside_the_answer(session, instrument):
+    live = session({1: lambda: instrument.faults.add(Fault("slow", seconds=1.1))})
+    live.run(3)
+    (remark,) = live.show.moments[1].remarks
+    assert "the switch took 1.1 s: a touch may have changed between the interfaces" in remark
+    assert live.show.moments[2].remarks == ()
+
+
+@pytest.mark.parametrize(
+    ("fault", "told"),
+    [
+        (Fault("stuck"), "asked for interface left, position left, the switch tells bottom"),
+        (Fault("slow", seconds=0.3), "asked for interface left"),
+        (Fault("drop"), "check"),
+        (Fault("status"), "status 7: overflow"),
+        (Fault("forget"), "the meter was switched on anew"),
+    ],
+)
+def test_a_fault_costs_its_sweep_at_both_interfaces_and_is_told(session, instrument, fault, told):
+    def press_and_fail():
+        instrument.press = "2,3"
+        instrument.faults.add(fault)
+
+    live = session({1: press_and_fail}, awaited=0.05)
+    live.run(4)
+    assert labels(live) == ["nothing pressed", *["pixel 2,3"] * 3]
+    assert any(told in why and "trying again" in why for why in live.show.told)
+    assert live.failed >= 1
+    exact = [[skin.impedance("2,3", f) for f in Pixels.frequencies] for skin in SKINS.values()]
+    for asked in live.localizer.asked[1:]:
+        assert impedance(asked)[0] == pytest.approx(np.array(exact), rel=1e-4)
+
+
+def test_a_switch_that_fails_is_no_reason_to_let_the_meter_go(session, instrument):
+    live = session({1: lambda: instrument.faults.add(Fault("stuck"))}, awaited=0.05)
+    live.run(1)
+    meter = live.link._station.meter
+    live.run(3)
+    assert live.failed == 1 and live.link._station.meter is meter
+
+
+def test_a_switch_that_stays_stuck_is_given_up_in_one_line(session, instrument):
+    stuck = Fault("stuck", times=10**6)
+    live = session({1: lambda: instrument.faults.add(stuck)}, awaited=0.01, patience=0.2)
+    with pytest.raises(NoSwitchError, match="given up after 0.2 s without the switch") as raised:
+        live.run(3)
+    assert "\n" not in str(raised.value)
+
+
+def test_the_meter_is_left_at_the_interface_where_it_was(session, instrument):
+    live = session()
+    live.run(2)
+    live.link.leave()
+    assert instrument.interface == "left"
+
+
+@pytest.fixture
+def live(ports):
+    """A function that runs the command with a model of two interfaces; gives the typer result."""
+    app = typer.Typer()
+    app.command("live")(_rig["command"])
+    words = ["--resource", ports.resource, "--model", "two.skops"]
+    words += ["--switch", f"127.0.0.1:{ports.control}", "--settle", "0"]
+    return lambda *more: CliRunner().invoke(app, [*words, *map(str, more)])
+
+
+def test_the_log_holds_both_interfaces_and_when_each_was_measured(live, tmp_path, instrument):
+    log = tmp_path / "run.nc"
+    assert live("--sweeps", 2, "--rest", 2, "--log", log).exit_code == 0
+    sweeps = read(log)
+    assert sweeps.sizes == {"sweep": 4, "interface": 2, "frequency": 3}
+    times = json.loads(sweeps.attrs["interface_times"])
+    assert all(begun <= ended for each in times for begun, ended in each)
+    instrument.press = "2,1"
+    assert "\tpixel 2,1\t" in live("--sweeps", 1, "--rest-file", log).output
+
+
+def test_where_the_meter_is_said_to_be_does_not_go_with_two(live):
+    error = live("--interface", "left").exception
+    assert "the model was trained on interface left, bottom, got 'left'" in str(error)
