@@ -118,6 +118,7 @@ def _readout(data: SceneData, seed: int) -> Readout:
 
 def _live_localizer(path: Path, manner: Manner) -> LiveLocalizer:
     from .hardware.live.model import ModelLocalizer
+    from .localization.commands.asking import tell_age
     from .localization.filtering.asking import Asker, skin_at_hand
     from .localization.filtering.follower import Follower
     from .localization.filtering.touching import Touching
@@ -129,6 +130,7 @@ def _live_localizer(path: Path, manner: Manner) -> LiveLocalizer:
 
     model = load(path, estimators(_model_based()))
     answer_at_once(model.pipeline)
+    tell_age(model, path)
     scene = parse_scene(model.scene, str(path))
     size = 1e3 * scene.skin.length, 1e3 * scene.skin.width
     shape = scene.pixels.rows, scene.pixels.columns

@@ -230,7 +230,7 @@ def main(run: Run) -> None:
         name: train(sweeps, "column", name, quantities=WHOLE, registry=localizers())
         for name in names
     }
-    sizes = run.sized((run.asked.touches, run.asked.rest), (4, 10.0))
+    sizes = run.sized((run.asked.touches, run.asked.rest), (2, 3.0))
     skins = run.asked.skins or run.sized(SKINS, 1)
     work = (delayed(of_skin)(k, models, family, sizes) for k in range(skins))
     rows = [row for found in Parallel(n_jobs=run.asked.processes)(work) for row in found]

@@ -32,7 +32,7 @@ from rcskin.simulator.scene.scene import Scene
 AGAINST_REST = ("dlnZ", "dphase")
 RTOL = 1e-3
 """Of the simulated sweeps; the meter's noise is three times that."""
-HELD_BACK = 0.25
+HELD_BACK, REST_EVERY = 0.25, 10
 FEW = {"scene": "sheet-5x5", "sweeps": 320, "session": 80}
 COLOURS = {"paper": "#E69F00", "rest": "#0072B2"}
 
@@ -112,7 +112,9 @@ def drawn_scene(case: Case) -> Scene:
             "cells_per_pixel": 2,
         }
     )
-    session = drawn.session.model_copy(update={"sweeps_per_session": case.session})
+    session = drawn.session.model_copy(
+        update={"sweeps_per_session": case.session, "rest_every": REST_EVERY}
+    )
     return scene.model_copy(
         update={
             "pixels": scene.pixels.model_copy(update={"rows": case.pixels, "columns": case.pixels}),

@@ -85,14 +85,7 @@ def simulated(scene: Scene, believed: Reduced, count: int) -> xr.Dataset:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "training.zarr"
         generate(Plan(scene, count, SEED, RTOL), path, training=training)
-        return _with_rest(read_some(path, count))
-
-
-def _with_rest(sweeps: xr.Dataset) -> xr.Dataset:
-    """Without the few sessions in which the skin happens never to be at rest."""
-    session = sweeps["session"].values
-    known = np.unique(session[sweeps["press"].values == "none"])
-    return sweeps.isel(sweep=np.isin(session, known))
+        return read_some(path, count)
 
 
 def localized(trial: Trial, sweeps: xr.Dataset, registry: Registry) -> dict[str, Model]:
@@ -132,12 +125,14 @@ def equip(model: Model) -> None:
 def _row(
     trial: Trial, number: int, name: str, model: Model, sweeps: xr.Dataset, calibrated: int = 0
 ) -> dict[str, Any]:
+    found, answered = trial.score(model, sweeps)
     return {
         "trial": trial.name,
         "localizer": name,
         "calibrated with": calibrated,
         "skin": number,
-        "score": trial.score(model, sweeps),
+        "score": found,
+        "answered": answered,
         "unit": trial.unit,
         "goal": trial.goal,
     }
@@ -191,6 +186,7 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
                 "10 %": quantile(found, 0.1),
                 "median": median,
                 "90 %": quantile(found, 0.9),
+                "answered": quantile(group["answered"].to_numpy(), 0.5),
                 "unit": unit,
                 "goal": goal,
                 "reached": "yes" if reached else "no",

@@ -15,7 +15,7 @@ import argparse
 
 import pandas as pd
 from bench import Run, launch, publish
-from rcskin.localization.inputs.rest import NEAREST
+from rcskin.localization.inputs.rest import RECENT
 from rcskin.simulator.limits import hand_accuracy
 from rcskin.simulator.scene.randomisation import Normal
 from twin_places import place_limits
@@ -42,7 +42,7 @@ def _accuracy(trial: Trial, offset: float, samples: int, draws: int) -> dict[str
         offset=offset,
         samples=samples,
         draws=draws,
-        against_rest=NEAREST,
+        against_rest=RECENT,
     )
     least, most, error = (100 * value for value in found)
     return _row(trial, offset, samples, least, most, error, "% right")

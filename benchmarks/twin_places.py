@@ -14,8 +14,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from joblib import Parallel, delayed
-from rcskin.localization.inputs.features import features
-from rcskin.localization.inputs.targets import positions
+from rcskin.localization.inputs.rest import RECENT
+from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.adapted import QUANTITIES, AdaptedPosition
 from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.simulator.dataset.model import reduced
@@ -33,8 +33,8 @@ from twin_skin import Twin
 from twin_trials import Trial
 
 SEED, RTOL = 777, 1e-3
-RESTS, DRIFT = 13, 6e-4
-"""Sweeps at rest of a recording, and what drift the best use of them leaves between two of them."""
+DRIFT = 6e-4
+"""Of foam and sheets since the latest sweeps at rest."""
 
 
 def place_limits(trial: Trial, skins: int, processes: int = 2) -> list[dict[str, object]]:
@@ -58,9 +58,9 @@ def place_limits(trial: Trial, skins: int, processes: int = 2) -> list[dict[str,
 def _of_skin(trial: Trial, family: Reduced, number: int) -> pd.DataFrame:
     twin = Twin(built(trial.believed), family, SEED, number, trial.hand)
     sweeps = _read(twin, trial.recording(np.random.default_rng([SEED, number])))
-    touched = sweeps["press"].values != "none"
-    X, truth = features(sweeps, QUANTITIES)[touched], positions(sweeps.isel(sweep=touched))
-    inner = ModelBasedPosition(scene_text(_with_the_hand_of(trial)), rest_sweeps=RESTS)
+    samples = samples_of(sweeps, "position", QUANTITIES)
+    X, truth = samples.X, samples.y
+    inner = ModelBasedPosition(scene_text(_with_the_hand_of(trial)), rest_sweeps=RECENT)
     localizer = AdaptedPosition(inner, partial(templates, drift=DRIFT)).fit(X)
     off = np.hypot(*(localizer.predict(X) - truth)[:, :2].T)
     return pd.DataFrame({"share": localizer.share_within(X, trial.goal), "off": off})

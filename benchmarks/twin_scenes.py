@@ -19,7 +19,8 @@ from rcskin.simulator.scene.randomisation import (
 )
 from rcskin.simulator.scene.scene import Pixels, Scene
 
-SWEEPS_PER_SESSION = 60
+SWEEPS_PER_SESSION, BETWEEN_RESTS = 60, 5
+"""Of recordings and of training: presses, after which the skin is read at rest."""
 STRENGTH = Normal(mean=2.0, deviation=0.15)
 """Of presses, in training: a hand that doubles the capacitance, more or less."""
 OFFSET = 0.1
@@ -29,6 +30,7 @@ PLACED_SIZE = Fixed(value=0.024)
 CELLS_PER_PIXEL = 3
 SKINS = Session(
     sweeps_per_session=SWEEPS_PER_SESSION,
+    rest_every=BETWEEN_RESTS,
     sheet_resistance=Lognormal(median=1.0, spread=0.15),
     sheet_mismatch=Lognormal(median=1.0, spread=0.05),
     unevenness=0.04,

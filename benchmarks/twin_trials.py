@@ -11,14 +11,14 @@ import xarray as xr
 from numpy.typing import NDArray
 from rcskin.localization.inputs.targets import labels, positions
 from rcskin.localization.model.model import Model
+from rcskin.localization.trust.answers import CANNOT_TELL
+from rcskin.simulator.dataset.presses import FIRST_RESTS
 from rcskin.simulator.scene.scene import Scene
-from twin_scenes import PLACED_SIZE, believed
+from twin_scenes import BETWEEN_RESTS, PLACED_SIZE, believed
 from twin_skin import Hand
 
 ONE, TWO = "sheet-5x5", "sheet-5x5-two-interfaces"
 FEW_SWEEPS = 600
-BETWEEN_RESTS = 5
-"""Presses, after which the skin is read at rest."""
 SINGLE, DOUBLE = (0.15, 0.85, 0.0), (0.15, 0.15, 0.7)
 Order = Callable[[Scene, np.random.Generator], list[str]]
 
@@ -55,19 +55,28 @@ class Trial:
         return "mm" if self.placed else "right"
 
     def recording(self, random: np.random.Generator) -> list[str]:
-        """Presses with the skin at rest at both ends and in between."""
+        """Presses with the skin at rest in between and at both ends, as `live` has it at first."""
         presses = self.order(self.believed, random)
         parts = [presses[k : k + BETWEEN_RESTS] for k in range(0, len(presses), BETWEEN_RESTS)]
-        return ["none", *itertools.chain.from_iterable([*part, "none"] for part in parts)]
+        return ["none"] * FIRST_RESTS + [
+            *itertools.chain.from_iterable([*part, "none"] for part in parts)
+        ]
 
-    def score(self, model: Model, sweeps: xr.Dataset) -> float:
-        """Of one skin: the share of right answers, or the median distance in mm."""
-        touched = sweeps["press"].values != "none"
+    def score(self, model: Model, sweeps: xr.Dataset) -> tuple[float, float]:
+        """Of one skin: the share of right answers, or the median distance in mm; share answered.
+
+        Through the guard, as a user's sweeps go: a touch that "cannot be told" is none that is
+        told right, and is infinitely far.
+        """
+        touched = np.flatnonzero(sweeps["press"].values != "none")
+        asked = sweeps.isel(sweep=touched)
+        told = model.answers(sweeps).labels[touched]
+        answered = float((told != CANNOT_TELL).mean())
         if self.placed:
-            told, _ = model.positions(sweeps)
-            off = told[touched, :2] - positions(sweeps.isel(sweep=touched))[:, :2]
-            return float(np.median(np.hypot(*off.T)))
-        return float((model.predict(sweeps) == labels(sweeps, self.target))[touched].mean())
+            found, _ = model.positions(sweeps)
+            off = np.hypot(*(found[touched] - positions(asked))[:, :2].T)
+            return float(np.median(np.where(told == "1", off, np.inf))), answered
+        return float((told == labels(asked, self.target).astype(str)).mean()), answered
 
 
 def every_pixel(repetitions: int) -> Order:

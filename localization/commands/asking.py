@@ -23,7 +23,8 @@ def model_for(
     *,
     anyway: bool,
 ) -> Model:
-    """The model at a path; a note says where the sweeps of files do not tell their skin.
+    """The model at a path; notes say where the sweeps of files do not tell their skin, and where
+    the model was trained with other versions.
 
     extra: estimators beside those of this package. anyway: it answers sweeps of another skin too.
     Raises InputError as `load`.
@@ -38,4 +39,11 @@ def model_for(
             f"rcskin: note: {names}: stores no scene, so its skin is not checked",
             err=True,
         )
+    tell_age(model, path)
     return model.insisting() if anyway else model
+
+
+def tell_age(model: Model, path: Path) -> None:
+    """A note where the model was trained with other versions than those here."""
+    if model.aged:
+        typer.echo(f"rcskin: note: {path}: was trained with {model.aged}", err=True)

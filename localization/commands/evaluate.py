@@ -109,7 +109,7 @@ def _by_model(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -> Foun
         scored,
         {name: (value, None) for name, value in figures},
         "sweeps of their own",
-        samples.left_out,
+        samples.left_out.told(model.target),
     )
 
 
@@ -129,4 +129,5 @@ def _by_folds(
 
     estimator = chosen(name, samples.problem.target, estimators(extra))
     found = nested(samples, estimator, certain=certain, tune=tune, folds=folds, track=track)
-    return Found(found.whole, dict(found.figures()), found.validation, samples.left_out)
+    left_out = samples.left_out.told(samples.problem.target)
+    return Found(found.whole, dict(found.figures()), found.validation, left_out)

@@ -72,11 +72,12 @@ def _told(model: Model) -> list[str]:
     seen = f"{', '.join(model.quantities)} at {', '.join(model.interfaces)}"
     lines = [
         f"{model.target} by {model.estimator} from {seen}, {len(model.frequencies)} frequencies; "
-        f"{model.trained_on} sweeps, {model.left_out} without a {model.target} left out",
+        f"{model.trained_on} sweeps, {model.left_out}",
         f"judged by {model.validation}: {_outcome(model)}",
     ]
     if model.certain is not None:
-        lines.append(f"answers only where it is right at a rate of {model.certain:g} or more")
+        rate = f"answers only where it is right at a rate of {model.certain:g} or more"
+        lines.append(rate + _coverage(model))
     if not model.knows_rest:
         lines.append("cannot tell that nothing is pressed: the sweeps show no skin at rest")
     return lines
@@ -91,6 +92,18 @@ def _outcome(model: Model) -> str:
     if isinstance(learned, Regressor):
         return f"median error {learned.median_error:.1f} mm"
     return f"accuracy {rate_told(learned.right, learned.held_out)}"
+
+
+def _coverage(model: Model) -> str:
+    """How many of the sweeps held out were answered, by the model or by its gate."""
+    from ..trust.fitted import Classifier
+    from ..trust.rates import CONFIDENCE, rate_told
+
+    learned = (model.gate or model).learned
+    if not isinstance(learned, Classifier):
+        return ""
+    answered = rate_told(learned.answered, learned.held_out)
+    return f", with {100 * CONFIDENCE:g} % confidence; of those held out it answers {answered}"
 
 
 def _size(model: Model) -> str:

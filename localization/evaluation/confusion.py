@@ -41,15 +41,6 @@ class Confusion:
         """Fraction of all sweeps that were taken for what they are."""
         return self.correct / self.total
 
-    @property
-    def recall(self) -> dict[int | str, float]:
-        """Accuracy among the sweeps of each class; no entry for a class without sweeps."""
-        return {
-            label: float(outputs[k] / outputs.sum())
-            for k, (label, outputs) in enumerate(zip(self.labels, self.counts, strict=True))
-            if outputs.any()
-        }
-
     def table(self) -> list[tuple[int | str, int | str, int]]:
         """A row (target, output, count) for each pair of classes, target by target."""
         return [

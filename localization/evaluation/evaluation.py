@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from sklearn.model_selection import cross_val_predict
 
 from ..inputs.features import DEFAULT_QUANTITIES, features
 from ..inputs.samples import Samples
@@ -16,7 +17,7 @@ from ..learners.registry import Estimator
 from ..trust.answers import Answers
 from ..trust.fitted import Classifier, Regressor
 from ..trust.fitting import learn_classes, learn_positions
-from ..trust.folds import Track, folds_of, splits_of, told, untold
+from ..trust.folds import Track, folds_of, splits_of, told_nested, untold
 from ..trust.temperature import calibration_error
 from .confusion import Confusion, compare
 
@@ -58,14 +59,13 @@ class ClassScore:
         }
 
     def figures(self) -> dict[str, float]:
-        """Accuracy, fraction answered, accuracy of these, and expected calibration error."""
+        """Accuracy, fraction answered, accuracy of these if any, expected calibration error."""
         answered = self.answers.told
-        return {
-            "accuracy": float(self.right.mean()),
-            "answered": float(answered.mean()),
-            "accuracy of answers": float(self.right[answered].mean()) if answered.any() else 1.0,
-            "calibration error": calibration_error(self.answers.probability, self.right),
-        }
+        found = {"accuracy": float(self.right.mean()), "answered": float(answered.mean())}
+        if answered.any():
+            found["accuracy of answers"] = float(self.right[answered].mean())
+        error = calibration_error(self.answers.probability, self.right)
+        return {**found, "calibration error": error}
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,13 +119,14 @@ class Nested:
         """Of all sweeps, each told by the fold that did not train on it."""
         return _joined(self.folds)
 
-    def figures(self) -> dict[str, tuple[float, float]]:
-        """Mean over folds and their standard deviation."""
+    def figures(self) -> dict[str, tuple[float, float | None]]:
+        """Mean over the folds that have the figure and their standard deviation."""
         each = [fold.figures() for fold in self.folds]
+        names = dict.fromkeys(name for figures in each for name in figures)
+        values = {name: [found[name] for found in each if name in found] for name in names}
         return {
-            name: (float(np.mean(values)), float(np.std(values, ddof=1)))
-            for name in each[0]
-            for values in [[figures[name] for figures in each]]
+            name: (float(np.mean(known)), float(np.std(known, ddof=1)) if len(known) > 1 else None)
+            for name, known in values.items()
         }
 
 
@@ -154,7 +155,7 @@ def nested(
             else learn_classes(some, estimator, certain=certain, tune=tune)
         )
         scores.append(score(learned, samples.part(test)))
-    return Nested(tuple(scores), told(splits, samples.sessions))
+    return Nested(tuple(scores), told_nested(splits, samples.sessions, folds))
 
 
 def cross_validate(
@@ -173,11 +174,9 @@ def cross_validate(
     grouping, seed: as of `folds_of`. Raises InputError as these do.
     """
     X, y = features(sweeps, quantities), labels(sweeps, target)
-    output = np.empty_like(y)
-    for train, test in folds_of(sweeps, y, folds=folds, grouping=grouping, seed=seed):
-        trained = pipeline(classifier, features=X.shape[1]).fit(X[train], y[train])
-        output[test] = trained.predict(X[test])
-    return compare(y, output)
+    splits = folds_of(sweeps, y, folds=folds, grouping=grouping, seed=seed)
+    untrained = pipeline(classifier, features=X.shape[1])
+    return compare(y, np.asarray(cross_val_predict(untrained, X, y, cv=splits)))
 
 
 def _joined(folds: Sequence[Score]) -> Score:

@@ -30,12 +30,12 @@ POSITIONS = [
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What was found. validation: on which sweeps, as text. left_out: sweeps without a target."""
+    """What was found. validation: on which sweeps, left_out: without which, both as text."""
 
     score: Score
     figures: Figures
     validation: str
-    left_out: int
+    left_out: str
 
 
 def checked_folder(path: Path) -> Path:
@@ -47,7 +47,7 @@ def checked_folder(path: Path) -> Path:
 
 def lines_of(found: Found) -> list[str]:
     """On what, then a line for each figure, with its spread over folds where there are any."""
-    first = f"{len(found.score.truth)} sweeps, {found.left_out} without a target left out"
+    first = f"{len(found.score.truth)} sweeps, {found.left_out}"
     rates = found.score.rates() if isinstance(found.score, ClassScore) else {}
     lines = [f"{first}; {found.validation}"]
     for name, (value, spread) in found.figures.items():
@@ -56,6 +56,8 @@ def lines_of(found: Found) -> list[str]:
             lines.append(f"{name}: {rate_told(*rates[name])}{folds}")
         else:
             lines.append(f"{name}: {value:.3g}" + ("" if spread is None else f" ± {spread:.2g}"))
+    if rates and not rates["answered"][0]:
+        lines.append("nothing was answered: no sweep was like the training and sure enough")
     return lines
 
 

@@ -73,7 +73,7 @@ class Observer:
     def _likely(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
         """ln likelihood of each state but for a constant of the sweep, shape (sweep, state)."""
         learned = self.model.learned
-        novel = learned.guards.novel(X)
+        novel = learned.novel(X)
         if isinstance(learned, Classifier):
             known, other = _doubted(learned.probabilities(X)), np.full(len(X), DOUBT)
         else:

@@ -79,12 +79,13 @@ class Follower:
     def through(self, sweeps: xr.Dataset, rest: xr.Dataset | None, pace: float) -> list[Followed]:
         """Of sweeps in the order in which they were taken, each session by itself.
 
-        pace: s from sweep to sweep where no `time` of theirs is known. Raises InputError as
-        `Model.predict`.
+        pace: s from sweep to sweep where no `time` of theirs is known. A sweep that has nothing at
+        rest before it cannot be told. Raises InputError as `Model.told`.
         """
-        X, session = self.model.features(sweeps, rest), sweeps["session"].values
-        known = sweeps["time"].values if "time" in sweeps.coords else pace * np.arange(len(X))
-        found: dict[int, Followed] = {}
+        X, rows = self.model.told(sweeps, rest)
+        count, session = sweeps.sizes["sweep"], sweeps["session"].values[rows]
+        known = sweeps["time"].values if "time" in sweeps.coords else pace * np.arange(count)
+        known, found = known[rows], dict[int, Followed]()
         for each in np.unique(session):
             here = np.flatnonzero(session == each)
             apart = np.maximum(np.diff(known[here]), 0.0)
@@ -92,8 +93,9 @@ class Follower:
             during = np.minimum(np.append(usual, apart), usual)
             self.forget()
             told = self._through(X[here], np.append(0.0, apart - during[1:]), during)
-            found |= dict(zip(here.tolist(), told, strict=True))
-        return [found[k] for k in range(len(X))]
+            found |= dict(zip(rows[here].tolist(), told, strict=True))
+        silent = Followed(CANNOT_TELL, 0.0, np.zeros(len(self.model.classes)), 0.0)
+        return [found.get(k, silent) for k in range(count)]
 
     def _through(self, X: NDArray, gaps: NDArray, during: NDArray) -> list[Followed]:
         evidence = self._observer.observe(X)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from sklearn import config_context
+from sklearn.model_selection import cross_val_predict
 
 from ...simulator.sweeps import InputError
 from ..evaluation.confusion import Confusion, compare
@@ -54,7 +55,8 @@ def transferred(
     """Trained on all that is simulated and on what a split adds, tested on what it tests."""
     outcomes = []
     for added, tested in splits:
-        training, test = simulated.joined(other.chosen(added)), other.chosen(tested)
+        training = simulated.joined(other.chosen(added))
+        test = other.chosen(tested[other.told[tested]])
         outcomes.append(compare(test.y, answered(training, test, estimator)))
     return _over_draws(outcomes)
 
@@ -80,6 +82,7 @@ def cross_validated(
 
 def answered(training: Samples, test: Samples, estimator: Estimator) -> NDArray:
     """What a localizer that is trained on the ones tells of the others."""
+    training = training.chosen(training.told)
     with config_context(assume_finite=True, skip_parameter_validation=True):
         trained = estimator.build(training.problem).fit(training.X, training.y)
         return trained.predict(test.X)
@@ -88,9 +91,9 @@ def answered(training: Samples, test: Samples, estimator: Estimator) -> NDArray:
 def _over_folds(
     samples: Samples, folds: Sequence[tuple[NDArray, NDArray]], estimator: Estimator
 ) -> Accuracy:
-    output = np.empty_like(samples.y)
-    for training, test in folds:
-        output[test] = answered(samples.chosen(training), samples.chosen(test), estimator)
+    with config_context(assume_finite=True, skip_parameter_validation=True):
+        untrained = estimator.build(samples.problem)
+        output = np.asarray(cross_val_predict(untrained, samples.X, samples.y, cv=folds))
     confusion = compare(samples.y, output)
     return Accuracy(confusion.accuracy, 0.0, 1, confusion)
 

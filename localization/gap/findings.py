@@ -71,7 +71,10 @@ def find(trial: Trial, simulation: Simulation, track: Any) -> Findings:
 def _stage(trial: Trial, name: str, track: Any) -> Stage:
     version, target = trial.versions[name], trial.question.target
     other = trial.pair.other.isel(sweep=trial.described)
-    ours = {each: _common(trial, samples_of(version.read, each, target)) for each in trial.others}
+    ours = {
+        each: _common(trial, samples_of(version.read, each, target, version.rest))
+        for each in trial.others
+    }
     return Stage(
         pressed=distances(version.exact, other, trial.error, target, pressed=True),
         rest=distances(version.exact, other, trial.error, target, pressed=False),
@@ -81,7 +84,7 @@ def _stage(trial: Trial, name: str, track: Any) -> Stage:
 
 
 def _common(trial: Trial, samples: Samples) -> Samples:
-    return samples.chosen(np.isin(samples.pixel, trial.common))
+    return samples.chosen(samples.told & np.isin(samples.pixel, trial.common))
 
 
 def _transfer(
@@ -96,7 +99,7 @@ def _transfer(
 
 
 def _own(trial: Trial, samples: Samples) -> dict[str, CrossValidated]:
-    which = np.isin(samples.pixel, trial.common)
+    which = samples.told & np.isin(samples.pixel, trial.common)
     sweeps, samples = trial.pair.other.isel(sweep=which), samples.chosen(which)
     estimator, seed = trial.estimator, trial.question.seed
     found = {

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..inputs.samples import Problem
 from ..inputs.samples import samples_of as learnable
+from ..inputs.targets import labels
 from .pair import pixel_of
 
 if TYPE_CHECKING:
@@ -22,12 +23,18 @@ TOLD = {"absolute": "Rs and Cp", "relative": "ln|Z| and phase less those at rest
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """X: features, shape (sweep, feature). y: class, pixel: its number; both of shape (sweep,)."""
+    """X: features, shape (sweep, feature), NaN for a sweep that has nothing at rest to be told
+    against. y: class, pixel: its number; both of shape (sweep,)."""
 
     problem: Problem
     X: NDArray[np.float64]
     y: NDArray
     pixel: NDArray[np.int64]
+
+    @property
+    def told(self) -> NDArray[np.bool_]:
+        """Which sweeps have features, shape (sweep,)."""
+        return np.isfinite(self.X[:, 0])
 
     def chosen(self, which: NDArray) -> Samples:
         """Those of an index or a mask."""
@@ -51,4 +58,6 @@ def samples_of(
     rest: sweeps of the skin at rest that others are told against, those among `sweeps` without.
     """
     found = learnable(sweeps, target, FEATURE_SETS[feature_set], rest=rest)
-    return Samples(found.problem, found.X, found.y, pixel_of(sweeps))
+    X = np.full((sweeps.sizes["sweep"], found.X.shape[1]), np.nan)
+    X[found.rows] = found.X
+    return Samples(found.problem, X, labels(sweeps, target), pixel_of(sweeps))

@@ -15,16 +15,17 @@ MOST = 1000
 SPREAD = 2
 """Times as many are drawn from, so that sessions are many but not thin."""
 REST = 5
-"""Unpressed sweeps that are kept of each session drawn, for the others to be told against."""
+"""Unpressed sweeps that are kept of each session drawn, its first: later ones are told against
+them."""
 
 
 def thinned(sweeps: xr.Dataset, random: np.random.Generator) -> xr.Dataset:
-    """At most MOST of the sweeps, of sessions drawn at random; those at rest are drawn first."""
+    """At most MOST of the sweeps, of sessions drawn at random; first those at rest."""
     if sweeps.sizes["sweep"] <= MOST:
         return sweeps
     session = sweeps["session"].values
     among = np.flatnonzero(np.isin(session, _drawn(session, random)))
-    rest = _first_of_rest(random.permutation(among), session, sweeps["row"].values)[:MOST]
+    rest = _first_of_rest(among, session, sweeps["row"].values)[:MOST]
     others = np.setdiff1d(among, rest)
     more = random.choice(others, min(MOST - rest.size, others.size), replace=False)
     return sweeps.isel(sweep=np.union1d(rest, more))

@@ -137,7 +137,7 @@ def _others(
     for name in FEATURE_SETS:
         try:
             for version in versions.values():
-                _check_learnable(samples_of(version.read, name, target), estimator)
+                _check_learnable(samples_of(version.read, name, target, version.rest), estimator)
             found[name] = samples_of(pair.other, name, target, rest)
         except InputError as error:
             refused[name] = error

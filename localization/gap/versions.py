@@ -24,6 +24,13 @@ class Version(NamedTuple):
     exact: xr.Dataset
     read: xr.Dataset
 
+    @property
+    def rest(self) -> xr.Dataset | None:
+        """The skin at rest free of noise, None where it is known by what was read alone."""
+        unpressed = self.exact["row"].values == 0
+        known = self.exact is not self.read and unpressed.any()
+        return self.exact.isel(sweep=unpressed) if known else None
+
 
 class Versions(NamedTuple):
     """by_stage: BEFORE and, where it could be done, AFTER. notes: what was done or could not be."""

@@ -8,24 +8,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError, impedance
-from .rest import log_at_rest
-from .targets import labels
+from .rest import check_told, log_at_rest
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
-
-__all__ = ["feature_names", "features", "labels"]
 
 READ = ("Rs", "X", "Cp")
 """As they stand in the sweeps, in SI units."""
 ABSOLUTE = ("lnZ", "phase")
 """ln |Z / ohm|, and the phase of Z in rad."""
 AGAINST_REST = ("dlnZ", "dphase")
-"""The same, less those of the skin at rest in the same session: what the meter's errors of the
-session, and most of what differs between skins, drop out of."""
+"""The same, less those of the skin at rest shortly before in the same session: what the meter's
+errors of the session, and most of what differs between skins, drop out of."""
 AT_REST = ("lnZ0", "phase0")
-"""Those of the skin at rest in the same session: they tell which skin it is."""
+"""Those of the skin at rest at the opening of the session: they tell which skin it is."""
 QUANTITIES = (*READ, *ABSOLUTE, *AGAINST_REST, *AT_REST)
 DEFAULT_QUANTITIES = ("Rs", "Cp")
 """The paper's."""
@@ -40,34 +37,44 @@ def features(
 ) -> NDArray[np.float64]:
     """The chosen quantities of each sweep side by side, shape (sweep, feature).
 
-    The order is that of `feature_names`: quantity by quantity as asked, within it interface by
-    interface, within it by ascending frequency. interfaces: those looked at, in that order; all
-    without. rest: sweeps of the skin at rest, if they are not among `sweeps`
-    (see `log_at_rest`).
-    Raises InputError for a quantity that is not one of QUANTITIES, none at all, or one asked twice;
-    an interface that the sweeps lack; a session without the skin at rest where that is needed.
+    As `told_features`. Raises InputError as it does, and where a sweep cannot be told for lack of
+    the skin at rest before it.
     """
-    asked = checked_quantities(quantities)
-    seen = seen_from(sweeps, interfaces)
-    derived = _logarithms(seen, asked, None if rest is None else seen_from(rest, interfaces))
-    blocks = [derived[name] if name in derived else _read(seen, name) for name in asked]
-    return np.concatenate([block.reshape(len(block), -1) for block in blocks], axis=1)
+    X, rows = told_features(sweeps, quantities, interfaces=interfaces, rest=rest)
+    check_told(sweeps, rows)
+    return X
 
 
-def feature_names(
+def told_features(
     sweeps: xr.Dataset,
     quantities: Sequence[str] = DEFAULT_QUANTITIES,
     *,
     interfaces: Sequence[str] | None = None,
-) -> list[str]:
-    """What each column of `features` is, such as "Rs left 1000 Hz"."""
+    rest: xr.Dataset | None = None,
+) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    """The same of the sweeps that have them, shape (row, feature), and which these are, ascending.
+
+    Quantity by quantity as asked, within it interface by interface, within it by ascending
+    frequency. interfaces: those looked at, in that order; all without. rest: sweeps of the skin at
+    rest, if they are not among `sweeps` (see `log_at_rest`).
+    Raises InputError for a quantity that is not one of QUANTITIES, none at all, or one asked twice;
+    an interface that the sweeps lack.
+    """
+    asked = checked_quantities(quantities)
     seen = seen_from(sweeps, interfaces)
-    return [
-        f"{quantity} {interface} {frequency:.12g} Hz"
-        for quantity in checked_quantities(quantities)
-        for interface in seen["interface"].values
-        for frequency in seen["frequency"].values
-    ]
+    rows = np.arange(seen.sizes["sweep"])
+    found = {name: _read(seen, name) for name in asked if name in READ}
+    if len(found) < len(asked):
+        absolute = np.log(impedance(seen).astype(complex))
+        found |= _parts(absolute, ABSOLUTE)
+    if needs_rest(asked):
+        at_rest = log_at_rest(seen, None if rest is None else seen_from(rest, interfaces))
+        rows = at_rest.rows
+        found = {name: values[rows] for name, values in found.items()}
+        found |= _parts(absolute[rows] - at_rest.recent, AGAINST_REST)
+        found |= _parts(at_rest.opening, AT_REST)
+    blocks = [found[name].reshape(rows.size, np.prod(found[name].shape[1:])) for name in asked]
+    return np.concatenate(blocks, axis=1), rows
 
 
 def seen_from(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> xr.Dataset:
@@ -119,17 +126,7 @@ def _read(sweeps: xr.Dataset, name: str) -> NDArray[np.float64]:
     return values.astype(np.float64, copy=False)
 
 
-def _logarithms(
-    sweeps: xr.Dataset, asked: Sequence[str], rest: xr.Dataset | None
+def _parts(
+    logarithm: NDArray[np.complex128], names: tuple[str, str]
 ) -> dict[str, NDArray[np.float64]]:
-    """Those of ABSOLUTE, AGAINST_REST and AT_REST that are needed, as `_read` has them."""
-    if all(name in READ for name in asked):
-        return {}
-    absolute = np.log(impedance(sweeps).astype(complex))
-    found = {"lnZ": np.real(absolute), "phase": np.imag(absolute)}
-    if needs_rest(asked):
-        at_rest = log_at_rest(sweeps, rest)
-        change = absolute - at_rest
-        found |= {"dlnZ": np.real(change), "dphase": np.imag(change)}
-        found |= {"lnZ0": np.real(at_rest), "phase0": np.imag(at_rest)}
-    return found
+    return dict(zip(names, (np.real(logarithm), np.imag(logarithm)), strict=True))

@@ -1,8 +1,14 @@
-"""The skin at rest, which sweeps of the same session are told against."""
+"""The skin at rest, which sweeps of the same session are told against.
+
+A sweep never enters its own reference, whatever its label, and no sweep that was taken after it
+does: what is known in a lab is what was measured before. All told sweeps of a session are told
+against equally many, or else the noise of the reference would tell of the label.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -12,57 +18,85 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-NEAREST, FEWEST = 8, 3
-"""Sweeps at rest that tell of a moment of a session, and how few of them tell a trend."""
+FEWEST, RECENT, OPENING = 1, 3, 8
+"""Sweeps at rest that a change is told against at least and at most, skins being slow to drift, and
+those at the opening of a session that show which skin it is."""
+EARLY = 0.1
+"""Part of a session within which sweeps at rest must come to be waited for."""
 
 
-def log_at_rest(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> NDArray[np.complex128]:
-    """ln (Z / ohm) that the skin at rest had when each sweep was taken, in its own session.
+class AtRest(NamedTuple):
+    """ln (Z / ohm) of the skin at rest, for some of the sweeps.
+
+    rows: of which sweeps, ascending. recent: the mean of the latest, opening: of the first sweeps
+    at rest before each; both of shape (row, interface, frequency).
+    """
+
+    rows: NDArray[np.intp]
+    recent: NDArray[np.complex128]
+    opening: NDArray[np.complex128]
+
+
+def log_at_rest(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> AtRest:
+    """The skin at rest as it was known when each sweep was taken, in its own session.
 
     rest: sweeps of the skin at rest, all of them unpressed, of which the mean of a session counts;
     of one session they serve every sweep. Without it, the unpressed sweeps among `sweeps`, of row
-    0: skins drift, so that the line through the NEAREST of them tells, sweeps being in the order in
-    which they were taken.
-    Returns shape (sweep, interface, frequency). Raises InputError naming a session without any.
+    0, sweeps being in the order in which they were taken: the latest RECENT before a sweep, or as
+    many as there are before EARLY, at least FEWEST. Sweeps before these are not among the rows, nor
+    are sessions without any.
     """
-    unpressed = sweeps.isel(sweep=sweeps["row"].values == 0) if rest is None else rest
-    known, asked = unpressed["session"].values, sweeps["session"].values
-    if rest is not None and np.unique(known).size == 1:
-        known, asked = np.zeros_like(known), np.zeros_like(asked)
-    absent = np.setdiff1d(asked, known)
-    if absent.size:
+    absolute = np.log(impedance(sweeps).astype(complex))
+    parts = list(_before(sweeps, absolute) if rest is None else _beside(sweeps, absolute, rest))
+    none = AtRest(np.zeros(0, dtype=np.intp), absolute[:0], absolute[:0])
+    rows, recent, opening = (np.concatenate(each) for each in zip(none, *parts, strict=True))
+    order = np.argsort(rows)
+    return AtRest(rows[order], recent[order], opening[order])
+
+
+def check_told(sweeps: xr.Dataset, rows: NDArray[np.intp]) -> None:
+    """Raises InputError naming a session without the skin at rest, or the first sweep before it."""
+    session = sweeps["session"].values
+    restless = np.setdiff1d(session, session[rows])
+    if restless.size:
         raise InputError(
-            f"session {absent[0]} has no sweep of the skin at rest, which its touches are to be "
+            f"session {restless[0]} has no sweep of the skin at rest, which its touches are to be "
             "told against"
         )
-    logarithm = np.log(impedance(unpressed).astype(complex))
-    found = np.zeros((asked.size, *logarithm.shape[1:]), dtype=complex)
-    moments = np.flatnonzero(sweeps["row"].values == 0) if rest is None else None
-    for session in np.unique(asked):
-        here, there = np.flatnonzero(asked == session), np.flatnonzero(known == session)
-        shares = _mean(here, there) if moments is None else _trend(here, moments[there])
-        found[here] = np.tensordot(shares, logarithm[there], axes=1)
-    return found
+    early = np.setdiff1d(np.arange(session.size), rows)
+    if early.size:
+        raise InputError(
+            f"sweep {early[0]}: too few sweeps of the skin at rest come before it in session "
+            f"{session[early[0]]} to tell it against"
+        )
 
 
-def _mean(here: NDArray[np.intp], there: NDArray[np.intp]) -> NDArray[np.float64]:
-    return np.full((here.size, there.size), 1 / there.size)
+def _before(sweeps: xr.Dataset, absolute: NDArray[np.complex128]) -> Iterator[AtRest]:
+    session, unpressed = sweeps["session"].values, sweeps["row"].values == 0
+    for each in np.unique(session[unpressed]):
+        here = np.flatnonzero(session == each)
+        moments = np.flatnonzero(unpressed[here])
+        count = max(FEWEST, np.count_nonzero(moments[:RECENT] < EARLY * here.size))
+        rows = here[moments[count - 1] + 1 :]
+        known = np.searchsorted(here[moments], rows)
+        at_rest = absolute[here[moments]]
+        recent = at_rest[known[:, None] - np.arange(count) - 1].mean(axis=1)
+        firsts = np.stack([at_rest[:count].mean(axis=0), at_rest[:OPENING].mean(axis=0)])
+        yield AtRest(rows, recent, firsts[(known >= OPENING).astype(int)])
 
 
-def _trend(here: NDArray[np.intp], moments: NDArray[np.intp]) -> NDArray[np.float64]:
-    """Shares of the sweeps at rest in what the line through the nearest is, (sweep, at rest).
-
-    Before the first and after the last of them the line is held.
-    """
-    if moments.size < FEWEST:
-        return _mean(here, moments)
-    nearest = np.argsort(np.abs(here[:, None] - moments), axis=1, kind="stable")[:, :NEAREST]
-    times = moments[nearest].astype(float)
-    at = np.clip(here.astype(float), times.min(axis=1), times.max(axis=1))
-    middle = times.mean(axis=1)
-    aside = times - middle[:, None]
-    slope = aside / (aside**2).sum(axis=1, keepdims=True)
-    shares = np.zeros((here.size, moments.size))
-    parts = 1 / times.shape[1] + (at - middle)[:, None] * slope
-    np.put_along_axis(shares, nearest, parts, axis=1)
-    return shares
+def _beside(
+    sweeps: xr.Dataset, absolute: NDArray[np.complex128], rest: xr.Dataset
+) -> Iterator[AtRest]:
+    known, asked = rest["session"].values, sweeps["session"].values
+    if np.unique(known).size == 1:
+        known, asked = np.zeros_like(known), np.zeros_like(asked)
+    at_rest = np.log(impedance(rest).astype(complex))
+    for session in np.intersect1d(asked, known):
+        here, there = np.flatnonzero(asked == session), at_rest[known == session]
+        names = {curve.tobytes() for curve in there}
+        own = np.array([absolute[row].tobytes() in names for row in here])
+        others = len(there) - own
+        total = there.sum(axis=0) - np.where(own[:, None, None], absolute[here], 0)
+        mean = (total / np.maximum(others, 1)[:, None, None])[others > 0]
+        yield AtRest(here[others > 0], mean, mean)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ...simulator.sweeps import InputError
-from .features import DEFAULT_QUANTITIES, checked_quantities, features, seen_from
+from .features import DEFAULT_QUANTITIES, checked_quantities, seen_from, told_features
+from .rest import check_told
 from .targets import has_target, labels, positions
 
 if TYPE_CHECKING:
@@ -38,19 +39,44 @@ class Problem:
         return self.target == "position"
 
 
+class LeftOut(NamedTuple):
+    """Sweeps that nothing can be learned from, or told of.
+
+    other: those whose press has no such target. restless: those of sessions without the skin at
+    rest, where that is needed. sessions: how many such there are. early: those before the first
+    sweeps at rest of their session.
+    """
+
+    other: int = 0
+    restless: int = 0
+    sessions: int = 0
+    early: int = 0
+
+    def told(self, target: str) -> str:
+        """In words."""
+        parts = [f"{self.other} without a {target}"]
+        if self.restless:
+            plural = "" if self.sessions == 1 else "s"
+            parts.append(f"{self.restless} of {self.sessions} session{plural} without rest")
+        if self.early:
+            parts.append(f"{self.early} before the first at rest of their session")
+        return f"{', '.join(parts)} left out"
+
+
 @dataclass(frozen=True, eq=False)
 class Samples:
     """Sweeps as matrices.
 
     X: features, shape (sweep, feature). y: labels, shape (sweep,), or positions, shape (sweep, 3).
-    sessions: shape (sweep,). left_out: sweeps whose press has no such target.
+    sessions: shape (sweep,). rows: which of the sweeps that were given these are, shape (sweep,).
     """
 
     problem: Problem
     X: NDArray[np.float64]
     y: NDArray
     sessions: NDArray[np.int64]
-    left_out: int = 0
+    rows: NDArray[np.intp]
+    left_out: LeftOut = LeftOut()
 
     @property
     def strata(self) -> NDArray | None:
@@ -61,7 +87,8 @@ class Samples:
 
     def part(self, index: NDArray[np.intp]) -> Samples:
         """Only those sweeps."""
-        return replace(self, X=self.X[index], y=self.y[index], sessions=self.sessions[index])
+        parts = {name: getattr(self, name)[index] for name in ("X", "y", "sessions", "rows")}
+        return replace(self, **parts)
 
     def of_sessions(self, count: int | None) -> Samples:
         """The first so many sessions, all of them for None."""
@@ -72,10 +99,24 @@ class Samples:
         return self.part(np.flatnonzero(np.isin(self.sessions, known)))
 
     def at_most(self, count: int) -> Samples:
-        """So many of them or all, taken evenly in their order, the same at every call."""
+        """So many of them or all, drawn in like shares of each class, the same at every call."""
         if len(self.X) <= count:
             return self
-        return self.part(np.linspace(0, len(self.X) - 1, count).astype(np.intp))
+        groups = self.sessions if self.problem.continuous else self.y
+        return self.part(drawn(groups, count))
+
+
+def drawn(groups: NDArray, count: int, seed: int = 0) -> NDArray[np.intp]:
+    """Indices, ascending, of so many at random, of each group in proportion and one at least.
+
+    The order within a group tells nothing of what is drawn. groups: shape (n,). count: < n.
+    """
+    order = np.random.default_rng(seed).permutation(len(groups))
+    _, index, sizes = np.unique(groups[order], return_inverse=True, return_counts=True)
+    sorted_by_group = np.argsort(index, kind="stable")
+    rank = np.empty(len(groups), dtype=np.intp)
+    rank[sorted_by_group] = np.arange(len(groups)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    return np.sort(order[np.argsort(rank / sizes[index], kind="stable")[:count]])
 
 
 def samples_of(
@@ -86,15 +127,19 @@ def samples_of(
     interfaces: Sequence[str] | None = None,
     rest: xr.Dataset | None = None,
 ) -> Samples:
-    """Features and targets of the sweeps whose press has such a target; the others are counted.
+    """Features and targets of the sweeps that have both; the others are counted.
 
-    Arguments as of `features` and `has_target`; raises InputError as these do, and where no sweep
-    is left.
+    Arguments as of `told_features` and `has_target`; raises InputError as these do, and where no
+    sweep is left.
     """
-    usable = np.flatnonzero(has_target(sweeps, target))
-    if not usable.size:
+    fitting = has_target(sweeps, target)
+    if not fitting.any():
         raise InputError(f"no sweep has a press that `target` {target} can be told of")
-    X = features(sweeps, quantities, interfaces=interfaces, rest=rest)[usable]
+    X, rows = told_features(sweeps, quantities, interfaces=interfaces, rest=rest)
+    usable = rows[fitting[rows]]
+    if not usable.size:
+        check_told(sweeps, rows)
+        raise InputError(f"no sweep that `target` {target} can be told of has the skin at rest")
     some, seen = sweeps.isel(sweep=usable), seen_from(sweeps, interfaces)
     problem = Problem(
         target=target,
@@ -105,5 +150,16 @@ def samples_of(
         scene=str(sweeps.attrs.get("scene", "")),
     )
     y = positions(some) if problem.continuous else labels(some, target)
-    left_out = sweeps.sizes["sweep"] - usable.size
-    return Samples(problem, X, y, some["session"].values, left_out)
+    left_out = _left_out(fitting, rows, sweeps["session"].values)
+    return Samples(problem, X[fitting[rows]], y, some["session"].values, usable, left_out)
+
+
+def _left_out(
+    fitting: NDArray[np.bool_], rows: NDArray[np.intp], session: NDArray[np.int64]
+) -> LeftOut:
+    """fitting: whether a sweep has the target, (sweep,). rows: those that can be told."""
+    known = np.isin(session, session[rows])
+    early = known & fitting
+    early[rows] = False
+    restless = session[~known & fitting]
+    return LeftOut(int((~fitting).sum()), restless.size, np.unique(restless).size, int(early.sum()))

@@ -65,13 +65,21 @@ def touches_of(sweeps: xr.Dataset) -> Touches:
     return Touches(np.array([len(each) for each in told])[index], *numbers[:, index])
 
 
+def counts_of(sweeps: xr.Dataset) -> NDArray[np.int64]:
+    """How many touches each sweep has, however many, shape (sweep,); raises as `parse_touches`."""
+    if NUMBERS[0] in sweeps:
+        return sweeps[NUMBERS[0]].values.astype(int)
+    texts, index = np.unique(sweeps["press"].values.astype(str), return_inverse=True)
+    return np.array([len(parse_touches(str(text))) for text in texts])[index]
+
+
 def pressed_pixels(text: str) -> list[tuple[int, int]] | None:
-    """(row, column) of each touch, ascending; none at rest; None where a touch is no pixel.
+    """(row, column) of each touch, ascending; none at rest; None of more than MOST, or no pixel.
 
     Raises InputError on another syntax.
     """
-    touches = _written(text)
-    if any(touch.kind != "pixel" for touch in touches):
+    touches = parse_touches(text)
+    if len(touches) > MOST or any(touch.kind != "pixel" for touch in touches):
         return None
     return sorted(touch.pixel for touch in touches)
 

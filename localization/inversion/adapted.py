@@ -1,7 +1,7 @@
 """Inversion for the skin at hand: what it is like is told by its own curve at rest.
 
-The simulator makes tables for each skin that is met, once; rows of which the skin at rest differs
-by no more than drift are of one skin.
+The simulator makes tables for each curve at rest that is met, once. A sweep is told by its own
+curve, whatever other sweeps are asked about with it.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from .classifier import QUANTITIES as CHANGE
 from .classifier import Builder, ModelBased
 from .position import ModelBasedPosition
-from .skins import ALIKE, Skin, Skins, away
+from .skins import Skins
 
 QUANTITIES = (*CHANGE, "lnZ0", "phase0")
 """Features that it takes, in this order."""
@@ -61,7 +61,7 @@ class _Adapted(BaseEstimator):
     def at_hand(self, curve: NDArray[np.float64]):
         """The estimator of the skin with this curve at rest, of lnZ0 and phase0, (number,)."""
         check_is_fitted(self)
-        return self._of_one_skin(curve[None], np.zeros(1, dtype=np.intp))[1].estimator
+        return self._of_skin(curve)
 
     def __getstate__(self):
         """Numbers and text only, once it is fitted."""
@@ -81,35 +81,26 @@ class _Adapted(BaseEstimator):
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
         change, rest = np.split(X, 2, axis=1)
-        parts, left = [], np.arange(len(rest))
-        told = [] if left.size else [ask(self.mean_, change)]
-        while left.size:
-            rows, skin = self._of_one_skin(rest, left)
-            told.append(ask(skin.estimator, change[rows] + aside(skin, rest[rows])))
-            parts.append(rows)
-            left = np.setdiff1d(left, rows)
-        return np.concatenate(told)[np.argsort(np.concatenate(parts))] if parts else told[0]
+        return self._by_curve(change, rest, ask)
 
-    def _of_one_skin(self, rest: NDArray, left: NDArray[np.intp]) -> tuple[NDArray[np.intp], Skin]:
-        """Rows of those left that are of the same skin as the first of them, and that skin."""
+    def _by_curve(
+        self, change: NDArray, rest: NDArray, ask: Callable[[Any, NDArray], NDArray]
+    ) -> NDArray[np.float64]:
+        curves, skin = np.unique(rest, axis=0, return_inverse=True)
+        if not len(curves):
+            return ask(self.mean_, change)
+        parts = [np.flatnonzero(skin == k) for k in range(len(curves))]
+        told = [
+            ask(self._of_skin(curve), change[rows])
+            for curve, rows in zip(curves, parts, strict=True)
+        ]
+        return np.concatenate(told)[np.argsort(np.concatenate(parts))]
+
+    def _of_skin(self, curve: NDArray[np.float64]):
         skins = self.__dict__.setdefault("_skins", Skins(self._fitted))
-        first = rest[left[0]]
         if self.beside:
-            return left[:1], skins.at_once(first)
-        known = skins.of(first)
-        rows = left[away(rest[left], known.curve if known else first) < ALIKE]
-        return rows, known or skins.made(rest[rows].mean(axis=0))
-
-
-def aside(skin: Skin, rest: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What changes are more by against a skin's own curve than against other curves at rest.
-
-    What these differ by and foam and sheets cannot is noise; the rest is drift, and left out.
-    Shapes (sweep, number).
-    """
-    noisy = rest - skin.curve
-    drift = skin.estimator.drift_
-    return noisy - (drift @ np.linalg.lstsq(drift, noisy.T, rcond=None)[0]).T
+            return skins.at_once(curve).estimator
+        return (skins.of(curve) or skins.made(curve)).estimator
 
 
 class AdaptedClassifier(ClassifierMixin, _Adapted):

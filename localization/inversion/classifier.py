@@ -17,7 +17,6 @@ from scipy.stats import chi2
 from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from ..trust.answers import Answers, decide
 from .hypotheses import Hypotheses, hypotheses, labels
 from .lessons import LESSONS, learned
 from .mixture import Mixture
@@ -52,8 +51,7 @@ class ModelBased(ClassifierMixin, BaseEstimator):
     ----------
     classes_: answers, ascending, "0,0" or 0 for the skin at rest. mean_, directions_, along_,
     log_weight_: of the mixture. answer_: which of `classes_` each entry stands for. noise_: of a
-    feature, shape (feature,). drift_: what foam and sheets drift by since rest, shape (feature, 2)
-    or (feature, 0). edge_: squared distance beyond which a sweep is novel.
+    feature, shape (feature,). edge_: squared distance beyond which a sweep is novel.
     """
 
     def __init__(
@@ -86,7 +84,6 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         known = hypotheses(tables, self.target, self.noise_)
         answers = labels(known, tables["pixels"], self.target)
         self.classes_, self.answer_ = np.unique(answers, return_inverse=True)
-        self.drift_ = tables["drift"]
         self.n_features_in_ = self.noise_.size
         if X is not None:
             X = validate_data(self, X, reset=False)
@@ -101,16 +98,12 @@ class ModelBased(ClassifierMixin, BaseEstimator):
 
     def predict(self, X):
         """The most probable of `classes_`, also of novel sweeps, shape (sweep,)."""
-        return self.classes_[self.predict_proba(X).argmax(axis=1)]
+        best = self.predict_proba(X).argmax(axis=1)
+        return self.classes_[best]
 
     def novel(self, X):
         """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
         return self._posterior(X)[1] > self.edge_
-
-    def answers(self, X, threshold=0.0) -> Answers:
-        """The same with "cannot tell" for novel sweeps and those below a probability."""
-        probabilities, distance = self._posterior(X)
-        return decide(self.classes_, probabilities, distance > self.edge_, threshold)
 
     def log_densities(self, X, numbers: tuple[int, ...] | None = None):
         """ln density of each class, then of a sweep that is just novel, (sweep, class + 1).

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -42,7 +43,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
 
     Attributes
     ----------
-    noise_: of a feature, shape (feature,). drift_: as of `ModelBased`. bounds_: as of `Surface`.
+    noise_: of a feature, shape (feature,). bounds_: as of `Surface`.
     theta_: of entries, (entry, 3). scale_: deviations that each stands for, (3,). slopes_: for one
     of them, (entry, feature, 3). mean_, directions_, along_, log_weight_: of the mixture. edge_:
     squared distance beyond which a sweep is novel.
@@ -65,11 +66,8 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
 
     def fit(self, X=None, y=None):
         """Take the simulator's tables; X, y are only checked. Raises ValueError without builder."""
-        if self.builder is None:
-            raise ValueError("`builder` is needed to fit: it makes the tables of the scene")
-        tables = self.builder(self.scene, POSITION, self.presses)
+        tables = self._tables()
         self.noise_ = tables["deviation"] * np.sqrt(1 + 1 / self.rest_sweeps)
-        self.drift_ = tables["drift"]
         self.n_features_in_ = self.noise_.size
         if X is not None:
             validate_data(self, X, reset=False)
@@ -114,6 +112,11 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
     def __getstate__(self):
         """Numbers and text only, once it is fitted."""
         return without_builder(super().__getstate__())
+
+    def _tables(self) -> Mapping[str, NDArray]:
+        if self.builder is None:
+            raise ValueError("`builder` is needed to fit: it makes the tables of the scene")
+        return self.builder(self.scene, POSITION, self.presses)
 
     def _scaled(self, X) -> NDArray[np.float64]:
         check_is_fitted(self)

@@ -9,7 +9,7 @@ from typing import Any
 from sklearn.pipeline import Pipeline
 
 from ...simulator.sweeps import InputError
-from ..inputs.rest import NEAREST
+from ..inputs.rest import FEWEST
 from ..inputs.samples import Problem
 from ..inputs.targets import TARGETS
 from ..learners.registry import Estimator
@@ -52,9 +52,9 @@ def _pipeline_by(builder: Builder, name: str) -> Callable[[Problem], Pipeline]:
         takes = inversion_adapted.QUANTITIES if name == ADAPTED else inversion.QUANTITIES
         _check(problem, name, takes)
         step: Any = (
-            ModelBasedPosition(problem.scene, builder, rest_sweeps=NEAREST)
+            ModelBasedPosition(problem.scene, builder, rest_sweeps=FEWEST)
             if problem.continuous
-            else ModelBased(problem.scene, problem.target, builder, rest_sweeps=NEAREST)
+            else ModelBased(problem.scene, problem.target, builder, rest_sweeps=FEWEST)
         )
         if name == ADAPTED:
             kind = AdaptedPosition if problem.continuous else AdaptedClassifier

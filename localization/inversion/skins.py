@@ -32,9 +32,8 @@ class Skins:
         self._making: Thread | None = None
 
     def of(self, curve: NDArray[np.float64]) -> Skin | None:
-        """One that a curve is alike; None where there is none."""
-        nearest = self._nearest(curve)
-        return nearest if nearest and away(nearest.curve, curve) < ALIKE else None
+        """The one that was fitted to this very curve; None where there is none."""
+        return next((skin for skin in self.kept if np.array_equal(skin.curve, curve)), None)
 
     def made(self, curve: NDArray[np.float64]) -> Skin:
         """One fitted to this curve, now."""

@@ -60,8 +60,8 @@ def components_svm() -> Pipeline:
 
 def network() -> Pipeline:
     """An untrained pipeline: components that all vary alike, then a network."""
-    components = Components(COMPONENTS, alike=True)
-    return Pipeline([("components", components), ("classify", NetworkClassifier())])
+    alike = [("components", Components(COMPONENTS)), ("scale", StandardScaler())]
+    return Pipeline([*alike, ("classify", NetworkClassifier())])
 
 
 def nearest(count: int = 15) -> Pipeline:

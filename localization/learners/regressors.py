@@ -33,8 +33,8 @@ def gaussian_process() -> Pipeline:
 def network() -> Pipeline:
     """A network of standardised targets on components that all vary alike."""
     regressor = TransformedTargetRegressor(NetworkRegressor(), transformer=StandardScaler())
-    components = Components(COMPONENTS, alike=True)
-    return Pipeline([("components", components), ("regress", regressor)])
+    alike = [("components", Components(COMPONENTS)), ("scale", StandardScaler())]
+    return Pipeline([*alike, ("regress", regressor)])
 
 
 def neighbours(count: int = 10) -> Pipeline:

@@ -23,10 +23,9 @@ from ..learners.networks import NetworkClassifier, NetworkRegressor
 from ..trust.fitted import Classifier, Guards, Regressor
 from ..trust.kinds import KindGuard
 from ..trust.novelty import NoveltyGuard
-from ..trust.spread import Spread
 from .model import Model
 
-LAYOUT = 5
+LAYOUT = 6
 """Counts up where files of a model can no longer be read as they were."""
 EARLIER = {"pipeline", "target", "quantities", "interfaces", "frequencies", "scene", "version"}
 """Fields of layout 1, which did not name itself."""
@@ -52,22 +51,23 @@ KINDS = {
     "sharpness": float,
     "threshold": float,
     "factor": np.ndarray,
-    "spread": Spread | None,
-    "guard": NoveltyGuard,
+    "spread": Pipeline | None,
+    "guard": NoveltyGuard | None,
     "kinds": KindGuard | None,
     "right": int,
+    "answered": int,
     "held_out": int,
     "median_error": float,
     "estimator": str,
     "problem": dict,
     "certain": float | None,
     "validation": str,
-    "version": str,
+    "versions": dict,
     "trained_on": int,
-    "left_out": int,
+    "left_out": str,
     "gate": dict | None,
 }
-COPIED = ("estimator", "certain", "validation", "version", "trained_on", "left_out")
+COPIED = ("estimator", "certain", "validation", "versions", "trained_on", "left_out")
 """Fields of a model that stand in the file as they are."""
 PROBLEM = {
     "target": str,
@@ -98,9 +98,10 @@ def fields_of(model: Model) -> dict[str, Any]:
         "threshold": getattr(learned, "threshold", 0.0),
         "factor": getattr(learned, "factor", np.ones(3)),
         "spread": getattr(learned, "spread", None),
-        "guard": learned.guards.sweeps,
-        "kinds": learned.guards.kinds,
+        "guard": getattr(learned.guards, "sweeps", None),
+        "kinds": getattr(learned.guards, "kinds", None),
         "right": getattr(learned, "right", 0),
+        "answered": getattr(learned, "answered", 0),
         "held_out": getattr(learned, "held_out", 0),
         "median_error": getattr(learned, "median_error", 0.0),
         "problem": asdict(model.problem),
@@ -128,10 +129,10 @@ def _learned(fields: dict[str, Any], continuous: bool) -> Classifier | Regressor
     kind, names = (
         (Regressor, {"factor", "spread", "median_error"})
         if continuous
-        else (Classifier, {"sharpness", "threshold", "right", "held_out"})
+        else (Classifier, {"sharpness", "threshold", "right", "answered", "held_out"})
     )
     own = {name: fields[name] for name in names}
-    guards = Guards(fields["guard"], fields["kinds"])
+    guards = fields["guard"] and Guards(fields["guard"], fields["kinds"])
     return kind(pipeline=fields["pipeline"], guards=guards, **own)
 
 
@@ -147,7 +148,6 @@ def _check(fields: Any, kinds: dict[str, Any]) -> None:
     for name, kind in kinds.items():
         if not isinstance(fields[name], kind):
             raise ValueError(f"`{name}` is of another type")
-    if "pipeline" in fields and not all(
-        isinstance(step, STEPS) for _, step in fields["pipeline"].steps
-    ):
-        raise ValueError("a pipeline of other steps")
+    for name in {"pipeline", "spread"} & fields.keys():
+        if fields[name] and not all(isinstance(step, STEPS) for _, step in fields[name].steps):
+            raise ValueError("a pipeline of other steps")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any
 
 import skops.io
+from sklearn.exceptions import InconsistentVersionWarning
 
 from ...simulator.sweeps import InputError, checked_output, whole_file
 from ..cores import count_cores
@@ -18,7 +20,6 @@ from ..learners.networks import NetworkClassifier, NetworkRegressor
 from ..learners.registry import Registry
 from ..trust.kinds import KindGuard
 from ..trust.novelty import NoveltyGuard
-from ..trust.spread import Spread
 from .fields import ANOTHER_LAYOUT, BEFORE_ONE_NAME, EarlierLayoutError, fields_of, model_of
 from .model import Model
 
@@ -37,7 +38,6 @@ TRUSTED = [
             NetworkRegressor,
             KindGuard,
             NoveltyGuard,
-            Spread,
         )
     ),
     *(
@@ -95,7 +95,9 @@ def _equipped(model: Model, registry: Registry) -> Model:
 def _trusted_content(path: Path, data: bytes) -> Any:
     try:
         untrusted = sorted(set(skops.io.get_untrusted_types(data=data)) - set(TRUSTED))
-        content = None if untrusted else skops.io.loads(data, trusted=TRUSTED)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", InconsistentVersionWarning)  # a model tells it itself
+            content = None if untrusted else skops.io.loads(data, trusted=TRUSTED)
     except Exception as error:  # a damaged archive can fail anywhere in zipfile, json or skops
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: not a model in the format of skops: {reason}") from error

@@ -12,9 +12,10 @@ from sklearn.pipeline import Pipeline
 
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.same_skin import check_same_skin
-from ..inputs.features import DEFAULT_QUANTITIES, features
+from ..inputs.features import DEFAULT_QUANTITIES, told_features
+from ..inputs.rest import check_told
 from ..inputs.samples import Problem, Samples, samples_of
-from ..inputs.targets import labels
+from ..inputs.targets import has_target, labels
 from ..learners.registry import Registry, chosen
 from ..trust.answers import CANNOT_TELL, NOTHING_PRESSED, Answers
 from ..trust.fitted import Classifier, Regressor
@@ -24,6 +25,15 @@ from ..trust.folds import Track, judging, told, untold
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
+
+
+SOFTWARE = ("rcskin", "scikit-learn", "skops")
+"""What made a model and its file."""
+
+
+def versions_here() -> dict[str, str]:
+    """Of SOFTWARE."""
+    return {name: version(name) for name in SOFTWARE}
 
 
 @dataclass(frozen=True)
@@ -38,16 +48,26 @@ class Model:
     """The rate at which its answers are to be right; None where it always answers."""
     validation: str
     """How sweeps were held out to find probabilities and deviations."""
-    version: str
-    """Of rcskin, when it was trained."""
+    versions: dict[str, str]
+    """Of SOFTWARE, when it was trained."""
     trained_on: int
     """Sweeps."""
-    left_out: int
-    """Sweeps whose press has no such target."""
+    left_out: str
+    """Which sweeps were left out, as text."""
     gate: Model | None = None
     """Of positions: tells how many touches there are; None where the training showed only one."""
     anyway: bool = False
     """Whether it answers sweeps of another skin too."""
+
+    @property
+    def aged(self) -> str:
+        """With which other versions it was trained, as text; empty where they are those here."""
+        here = versions_here()
+        return ", ".join(
+            f"{name} {then} (here {here[name]})"
+            for name, then in self.versions.items()
+            if here[name] != then
+        )
 
     def insisting(self) -> Model:
         """The same model, which answers sweeps of another skin too."""
@@ -95,14 +115,34 @@ class Model:
         return any(str(label) in NOTHING_PRESSED for label in known)
 
     def features(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> NDArray[np.float64]:
-        """What it looks at, shape (sweep, feature). Raises InputError as `predict`."""
+        """What it looks at, shape (sweep, feature).
+
+        Raises InputError as `told`, and where the skin at rest is not known before each sweep.
+        """
+        X, rows = self.told(sweeps, rest)
+        check_told(sweeps, rows)
+        return X
+
+    def told(
+        self, sweeps: xr.Dataset, rest: xr.Dataset | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+        """What it looks at of the sweeps that it can tell, (row, feature), and which these are.
+
+        rest: sweeps of the skin at rest, where the model needs them and they are not among
+        `sweeps`. Raises InputError where these or the sweeps are of another skin, as their scene
+        tells, or have other frequencies than in training or lack an interface of it, and where the
+        skin at rest is never seen.
+        """
         self._check_like_training(sweeps, rest)
-        return features(sweeps, self.quantities, interfaces=self.interfaces, rest=rest)
+        X, rows = told_features(sweeps, self.quantities, interfaces=self.interfaces, rest=rest)
+        if not rows.size:
+            check_told(sweeps, rows)
+        return X, rows
 
     def samples(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Samples:
         """What it looks at and what it should tell, of the sweeps with such a target.
 
-        Raises InputError as `predict`, and as `samples_of`.
+        Raises InputError as `told`, and as `samples_of`.
         """
         self._check_like_training(sweeps, rest)
         return samples_of(
@@ -112,10 +152,7 @@ class Model:
     def predict(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> NDArray:
         """The best class of each sweep, shape (sweep,), or positions, shape (sweep, 3).
 
-        rest: sweeps of the skin at rest, where the model needs them and they are not among
-        `sweeps`. Raises InputError where these or the sweeps are of another skin, as their scene
-        tells, or have other frequencies than in training or lack an interface of it, and where a
-        session lacks the skin at rest.
+        Raises InputError as `features`.
         """
         return self.pipeline.predict(self.features(sweeps, rest))
 
@@ -124,37 +161,50 @@ class Model:
     ) -> tuple[NDArray, NDArray[np.float64]]:
         """Classes, shape (K,), and their calibrated probabilities, shape (sweep, K).
 
-        Raises InputError as `predict`, and for a model of positions.
+        All alike for a sweep that has nothing at rest before it. Raises InputError as `told`, and
+        for a model of positions.
         """
         if isinstance(self.learned, Regressor):
             raise InputError("a model of positions tells deviations, not probabilities")
-        return self.learned.classes, self.learned.probabilities(self.features(sweeps, rest))
+        X, rows = self.told(sweeps, rest)
+        found = np.full((sweeps.sizes["sweep"], len(self.classes)), 1 / len(self.classes))
+        found[rows] = self.learned.probabilities(X)
+        return self.learned.classes, found
 
     def positions(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None = None
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Centre in mm and strength of a touch, and their standard deviations, (sweep, 3) each.
 
-        They are told of every sweep: whether there is one touch to place, `answers` tells.
-        Raises InputError as `predict`, and for a model of classes.
+        They are told of every sweep: whether there is one touch to place, `answers` tells. Both are
+        NaN for a sweep that has nothing at rest before it. Raises InputError as `told`, and for a
+        model of classes.
         """
         if isinstance(self.learned, Classifier):
             raise InputError(f"a model of `target` {self.target} tells no positions")
-        return self.learned.positions(self.features(sweeps, rest))
+        X, rows = self.told(sweeps, rest)
+        place, deviation = np.full((2, sweeps.sizes["sweep"], 3), np.nan)
+        place[rows], deviation[rows] = self.learned.positions(X)
+        return place, deviation
 
     def answers(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Answers:
         """The class or CANNOT_TELL of each sweep, and its probability.
 
-        A model of positions answers "0" touches, "1" where there is one to place, or CANNOT_TELL.
-        Raises InputError as `predict`.
+        A model of positions answers "0" touches, "1" where there is one to place, or CANNOT_TELL. A
+        sweep that has nothing at rest before it cannot be told. Raises InputError as `told`.
         """
+        X, rows = self.told(sweeps, rest)
         if isinstance(self.learned, Classifier):
-            return self.learned.answers(self.features(sweeps, rest))
-        novel = self.learned.guards.novel(self.features(sweeps, rest))
+            guess = 1 / len(self.classes)
+            return self.learned.answers(X).among(rows, sweeps.sizes["sweep"], guess)
+        novel = self.learned.novel(X)
         if self.gate is None:
-            return Answers(np.where(novel, CANNOT_TELL, "1"), np.ones(novel.size), novel)
+            one = Answers(np.where(novel, CANNOT_TELL, "1"), np.ones(novel.size), novel)
+            return one.among(rows, sweeps.sizes["sweep"], 1.0)
         counted = self.gate.answers(sweeps, rest)
-        unplaced = (novel & (counted.labels == "1")) | (counted.labels == "2")
+        unlike = np.zeros(counted.novel.size, dtype=bool)
+        unlike[rows] = novel
+        unplaced = (unlike & (counted.labels == "1")) | (counted.labels == "2")
         labels = np.where(unplaced, CANNOT_TELL, counted.labels)
         return Answers(labels, counted.probability, counted.novel | unplaced)
 
@@ -218,9 +268,9 @@ def train(
         problem=samples.problem,
         certain=certain,
         validation=held_out,
-        version=version("rcskin"),
+        versions=versions_here(),
         trained_on=min(len(samples.of_sessions(made.sessions).X), made.most),
-        left_out=samples.left_out,
+        left_out=samples.left_out.told(target),
         gate=gate,
     )
 
@@ -229,7 +279,8 @@ def _gate(
     sweeps: xr.Dataset, samples: Samples, rest: xr.Dataset | None, certain: float | None
 ) -> Model | None:
     """Of the same quantities and interfaces; None where there is but one number of touches."""
-    if np.unique(labels(sweeps, "touches")).size < 2:
+    counted = sweeps.isel(sweep=has_target(sweeps, "touches"))
+    if np.unique(labels(counted, "touches")).size < 2:
         return None
     return train(
         sweeps,

@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError
+from .rates import CONFIDENCE, at_least
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 CANNOT_TELL = "cannot tell"
 """The answer where no class is probable enough, or the sweep is like none of the training."""
+SHARES = (1.0, 0.85, 0.7, 0.5, 0.3, 0.15)
+"""Of sweeps that may be answered, those told most surely."""
 NOTHING_PRESSED = ("0", "0,0")
 """Labels of the skin at rest, as text."""
 
@@ -36,6 +39,13 @@ class Answers:
         """Where there is an answer, shape (sweep,)."""
         return self.labels != CANNOT_TELL
 
+    def among(self, rows: NDArray[np.intp], count: int, guess: float) -> Answers:
+        """These, of some rows of so many sweeps; the others cannot be told, but guessed."""
+        labels = np.full(count, CANNOT_TELL, dtype=object)
+        probability, novel = np.full(count, guess), np.zeros(count, dtype=bool)
+        labels[rows], probability[rows], novel[rows] = self.labels, self.probability, self.novel
+        return Answers(labels.astype(str), probability, novel)
+
 
 def decide(
     classes: NDArray, probabilities: NDArray[np.float64], novel: NDArray[np.bool_], threshold: float
@@ -54,20 +64,29 @@ def decide(
 def threshold_of(
     probability: NDArray[np.float64], right: NDArray[np.bool_], certain: float
 ) -> float:
-    """The least probability from which on answers are right at the rate `certain`.
+    """The probability from which on answers are right at the rate `certain`: of the most SHARES.
+
+    That holds with CONFIDENCE, if sweeps are alike and each right by chance alone: the exact bound
+    of each share is taken at its part of what confidence leaves (Bonferroni), so that choosing
+    among them costs nothing. Shares and probabilities are known before it is looked up who is
+    right. Source: A. N. Angelopoulos, S. Bates, E. J. Candes, M. I. Jordan, L. Lei, "Learn then
+    test", arXiv:2110.01052 (2021).
 
     probability: of the best class of sweeps that were not trained on. right: whether it was theirs.
-    Raises InputError where `certain` is not within (0, 1), or no threshold reaches it.
+    Raises InputError where `certain` is not within (0, 1), or no share reaches it.
     """
     if not 0 < certain < 1:
         raise InputError(f"`certain` must be between 0 and 1, got {certain:g}")
-    order = np.argsort(-probability, kind="stable")
-    rate = np.cumsum(right[order]) / np.arange(1, right.size + 1)
-    last_of_ties = np.append(np.diff(probability[order]) != 0, True)
-    enough = np.flatnonzero((rate >= certain) & last_of_ties)
-    if not enough.size:
-        raise InputError(
-            f"`certain` {certain:g} is out of reach: of the held-out sweeps answered most surely "
-            f"only {100 * rate[last_of_ties].max():.1f} % are right"
-        )
-    return float(probability[order][enough[-1]])
+    confidence = 1 - (1 - CONFIDENCE) / len(SHARES)
+    best = 0.0
+    for threshold in np.quantile(probability, 1 - np.array(SHARES), method="higher"):
+        answered = right[probability >= threshold]
+        least = at_least(int(answered.sum()), answered.size, confidence)
+        if least >= certain:
+            return float(threshold)
+        best = max(best, least)
+    raise InputError(
+        f"`certain` {certain:g} is out of reach: of {right.size} held-out sweeps those answered "
+        f"most surely are right at a rate of {100 * best:.1f} %, and no more can be said with "
+        f"{100 * CONFIDENCE:g} % confidence"
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,6 @@ from .answers import Answers, decide
 from .held_out import decisions
 from .kinds import KindGuard
 from .novelty import NoveltyGuard
-from .spread import Spread
 from .temperature import probabilities
 
 
@@ -32,20 +32,40 @@ class Guards:
         return unlike if self.kinds is None else unlike | (self.kinds.predict(X) < 0)
 
 
+def tells_novelty(pipeline: Pipeline) -> bool:
+    """Whether its last step knows by itself which sweeps no touch explains."""
+    return hasattr(pipeline[-1], "novel")
+
+
 @dataclass(frozen=True, eq=False)
-class Classifier:
+class Learned:
+    """pipeline: fitted. guards: know what sweeps of the training looked like; None where the
+    pipeline tells novelties by itself."""
+
+    pipeline: Pipeline
+    guards: Guards | None
+
+    def novel(self, X: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which sweeps are unlike any that are known, shape (n,). X: shape (n, feature)."""
+        if self.guards is not None:
+            return self.guards.novel(X)
+        last: Any = self.pipeline[-1]
+        return last.novel(X)
+
+
+@dataclass(frozen=True, eq=False)
+class Classifier(Learned):
     """Tells classes.
 
     sharpness: factor of decisions of which the softmax tells probabilities. threshold: the least
-    probability that is answered. guards: know what sweeps of the training looked like. right,
-    held_out: how many of the sweeps held out were told right, and of how many.
+    probability that is answered. right, answered: how many of the sweeps held out were told right,
+    and how many reach the threshold. held_out: of how many.
     """
 
-    pipeline: Pipeline
     sharpness: float
     threshold: float
-    guards: Guards
     right: int
+    answered: int
     held_out: int
 
     @property
@@ -59,22 +79,20 @@ class Classifier:
 
     def answers(self, X: NDArray[np.float64]) -> Answers:
         """A class or CANNOT_TELL for each row."""
-        return decide(self.classes, self.probabilities(X), self.guards.novel(X), self.threshold)
+        return decide(self.classes, self.probabilities(X), self.novel(X), self.threshold)
 
 
 @dataclass(frozen=True, eq=False)
-class Regressor:
+class Regressor(Learned):
     """Tells positions.
 
     factor: of the pipeline's own standard deviations, by which they were too small on held-out
-    sweeps, shape (3,). spread: tells deviations where the pipeline has none of its own.
-    median_error: mm, of the sweeps held out.
+    sweeps, shape (3,). spread: tells their squares where the pipeline has none of its own, from
+    positions. median_error: mm, of the sweeps held out.
     """
 
-    pipeline: Pipeline
     factor: NDArray[np.float64]
-    spread: Spread | None
-    guards: Guards
+    spread: Pipeline | None
     median_error: float
 
     def positions(self, X: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -83,4 +101,4 @@ class Regressor:
             told, deviation = self.pipeline.predict(X, return_std=True)
             return told, self.factor * deviation
         told = self.pipeline.predict(X)
-        return told, self.spread.predict(told)
+        return told, np.sqrt(self.spread.predict(told))

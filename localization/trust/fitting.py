@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
+from sklearn.neighbors import KNeighborsRegressor
+from sklearn.pipeline import Pipeline, make_pipeline
+from sklearn.preprocessing import StandardScaler
 
 from ...simulator.sweeps import InputError
+from ..cores import count_cores
+from ..inputs.features import told_by_press
 from ..inputs.samples import Samples
 from ..learners.registry import Estimator
 from .answers import threshold_of
-from .fitted import Classifier, Guards, Regressor
+from .fitted import Classifier, Guards, Regressor, tells_novelty
 from .folds import PLENTY, Splits, Track, by_session, held_out_of, judging, untold
 from .held_out import held_out_decisions, held_out_positions
 from .kinds import kind_guard
 from .novelty import NoveltyGuard
-from .spread import Spread
 from .temperature import probabilities, sharpness_of
 from .tuning import trainer
 
+NEIGHBOURS, RESIDUALS = 50, 5000
+"""Errors that a deviation is the root mean square of, and how many are kept in all."""
 ALL = np.arange(0), np.arange(0)
 """Stands for the fit to all sweeps, beside the splits that are fitted too."""
 
@@ -38,7 +45,7 @@ def learn_classes(
         raise InputError(f"need sweeps of at least 2 classes, got {np.unique(samples.y).size}")
     samples = samples.of_sessions(estimator.sessions)
     splits = judging(samples.strata, samples.sessions)
-    train = trainer(estimator, samples, tune=tune)
+    train = trainer(estimator, tune=tune)
     fits = iter(track([ALL, *splits], f"training {estimator.name}"))
     next(fits)
     pipeline = train(samples)
@@ -49,8 +56,9 @@ def learn_classes(
     probability = probabilities(held_out, sharpness)
     right = probability.argmax(axis=1) == index
     threshold = 0.0 if certain is None else threshold_of(probability.max(axis=1), right, certain)
-    guards = _guards(samples, splits)
-    return Classifier(pipeline, sharpness, threshold, guards, int(right.sum()), len(right))
+    answered = int((probability.max(axis=1) >= threshold).sum())
+    counts = int(right.sum()), answered, len(right)
+    return Classifier(pipeline, _guards(samples, splits, pipeline), sharpness, threshold, *counts)
 
 
 def learn_positions(
@@ -63,7 +71,7 @@ def learn_positions(
     samples = samples.of_sessions(estimator.sessions)
     splits = judging(None, samples.sessions)
     unseen = held_out_of(splits)
-    train = trainer(estimator, samples, tune=tune)
+    train = trainer(estimator, tune=tune)
     fits = iter(track([ALL, *splits], f"training {estimator.name}"))
     next(fits)
     pipeline = train(samples)
@@ -71,16 +79,29 @@ def learn_positions(
     told, residual = told[unseen], (told - samples.y)[unseen]
     factor, spread = np.ones(told.shape[1]), None
     if deviation is None:
-        spread = Spread().fit(told, residual)
+        spread = _spread(told, residual)
     else:
         deviation = deviation[unseen]
         z = np.divide(residual, deviation, out=np.zeros(told.shape), where=deviation > 0)
         factor = np.sqrt(np.square(z).mean(axis=0))
     median = float(np.median(np.linalg.norm(residual[:, :2], axis=1)))
-    return Regressor(pipeline, factor, spread, _guards(samples, splits), median)
+    return Regressor(pipeline, _guards(samples, splits, pipeline), factor, spread, median)
 
 
-def _guards(samples: Samples, splits: Splits) -> Guards:
-    some = samples.at_most(PLENTY)
+def _spread(told: NDArray[np.float64], residual: NDArray[np.float64]) -> Pipeline:
+    """Tells squares of errors by those of the nearest answers to sweeps held out."""
+    count_cores()
+    kept = np.random.default_rng(0).permutation(len(told))[:RESIDUALS]
+    near = KNeighborsRegressor(min(NEIGHBOURS, len(kept)), algorithm="brute")
+    return make_pipeline(StandardScaler(), near).fit(told[kept], np.square(residual[kept]))
+
+
+def _guards(samples: Samples, splits: Splits, pipeline: Pipeline) -> Guards | None:
+    """None where the pipeline tells novelties by itself."""
+    if tells_novelty(pipeline):
+        return None
+    some, problem = samples.at_most(PLENTY), samples.problem
     groups = some.sessions if by_session(some.sessions) else None
-    return Guards(NoveltyGuard().fit(some.X, groups=groups), kind_guard(samples, splits))
+    told, _ = told_by_press(problem.quantities, problem.features)
+    guard = NoveltyGuard().fit(some.X, groups=groups, told=told)
+    return Guards(guard, kind_guard(samples, splits))

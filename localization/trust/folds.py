@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 GROUPINGS = ("press", "session")
-LEAST_SESSIONS = 3
+LEAST_SESSIONS = 2
 """From so many on, sessions are held out as a whole."""
 PLENTY = 50_000
 """More sweeps than these are held out once, not fold by fold."""
@@ -100,12 +100,25 @@ def by_session(sessions: NDArray[np.int64]) -> bool:
     return np.unique(sessions).size >= LEAST_SESSIONS
 
 
-def told(splits: Splits, sessions: NDArray[np.int64]) -> str:
-    """How sweeps were held out, as text."""
+def told(splits: Splits, sessions: NDArray[np.int64], asked: int = 0) -> str:
+    """How sweeps were held out, as text. asked: how many folds were, told where there are fewer."""
     folds = "1 fold" if len(splits) == 1 else f"{len(splits)} folds"
+    if len(splits) < asked:
+        folds += f" ({asked} asked: there are no more {_units(sessions)})"
     if by_session(sessions):
         return f"{folds}, whole sessions held out"
     return f"{folds}, no sessions held out: fewer than {LEAST_SESSIONS}"
+
+
+def told_nested(splits: Splits, sessions: NDArray[np.int64], asked: int) -> str:
+    """As `told`, and whether probabilities within were found by whole sessions too."""
+    within = all(by_session(sessions[train]) for train, _ in splits)
+    but = "; within them not: too few sessions" if by_session(sessions) and not within else ""
+    return told(splits, sessions, asked) + but
+
+
+def _units(sessions: NDArray[np.int64]) -> str:
+    return "sessions, or sweeps of a class" if by_session(sessions) else "sweeps of a class"
 
 
 def groups_of(sweeps: xr.Dataset, grouping: str | None) -> NDArray[np.int64] | None:

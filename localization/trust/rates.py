@@ -9,15 +9,15 @@ MANY = 500
 """From so many on, a bound is told to a tenth of a per cent."""
 
 
-def at_least(right: int, total: int) -> float:
-    """The rate that the true one surpasses with CONFIDENCE, if each was right by chance alone.
+def at_least(right: int, total: int, confidence: float = CONFIDENCE) -> float:
+    """The rate that the true one surpasses with that confidence, if each was right by chance alone.
 
     Exact, one-sided: C. J. Clopper, E. S. Pearson, Biometrika 26 (1934) 404-413. Sweeps of one
     session are less than independent: they tell less of other sessions.
     """
     from scipy.stats import binomtest
 
-    found = binomtest(right, total, alternative="greater").proportion_ci(CONFIDENCE, "exact")
+    found = binomtest(right, total, alternative="greater").proportion_ci(confidence, "exact")
     return float(found.low)
 
 

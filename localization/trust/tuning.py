@@ -15,15 +15,15 @@ from ..learners.registry import Estimator
 from .folds import splits_of
 
 
-def trainer(estimator: Estimator, samples: Samples, *, tune: bool) -> Callable[[Samples], Pipeline]:
+def trainer(estimator: Estimator, *, tune: bool) -> Callable[[Samples], Pipeline]:
     """A function that trains the localizer on samples, its parameters tuned on these if asked.
 
-    Raises InputError where there are no two folds to tune on.
+    It raises InputError where there are no two folds to tune on.
     """
-    chosen = _best(estimator, samples.at_most(estimator.most)) if tune else {}
 
     def train(some: Samples) -> Pipeline:
         few = some.at_most(estimator.most)
+        chosen = _best(estimator, few) if tune else {}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ConvergenceWarning)  # a kernel's parameter at its bound
             return estimator.build(some.problem).set_params(**chosen).fit(few.X, few.y)
@@ -39,10 +39,16 @@ def _best(estimator: Estimator, samples: Samples) -> dict[str, object]:
         estimator.build(samples.problem),
         dict(grid),
         scoring=_score(samples.problem),
-        cv=splits_of(samples.strata, samples.sessions, folds=3),
+        cv=splits_of(_shared(samples.strata), samples.sessions, folds=3),
         refit=False,
     ).set_params(error_score="raise")
     return search.fit(samples.X, samples.y).best_params_
+
+
+def _shared(strata: np.ndarray | None) -> np.ndarray | None:
+    """The strata, if every fold can have some of each."""
+    few = strata is not None and np.unique(strata, return_counts=True)[1].min() < 2
+    return None if few else strata
 
 
 def _score(problem: Problem) -> Callable[..., float]:

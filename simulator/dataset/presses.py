@@ -16,6 +16,8 @@ from ..scene.scene import Scene
 from ..sweeps import UNPRESSED
 
 MOST_TOUCHES = 2
+FIRST_RESTS = 3
+"""Sweeps at rest that a session begins with where it promises any."""
 FACTOR_DECIMALS = 6
 """Factors are drawn to so many decimals, so that a press as text is the press that was solved."""
 
@@ -52,11 +54,20 @@ def drawn_presses(
     """So many presses of a scene's data set, on cells of a grid of so many rows and columns."""
     drawn = scene.dataset.press
     touches = _counts(drawn, random.random(count))
+    touches[_at_rest(scene.dataset.session.rest_every, count)] = 0
     chances = random.random((4, count, MOST_TOUCHES))
     factor = np.round(drawn.factor.at(random.random((count, MOST_TOUCHES))), FACTOR_DECIMALS)
     if drawn.place == "anywhere":
         return presses_anywhere(scene, touches, chances, factor, grid)
     return _on_pixels(scene, touches, chances, factor, grid)
+
+
+def _at_rest(every: int, count: int) -> NDArray[np.bool_]:
+    """Sweeps that are promised to be at rest, shape (sweep,)."""
+    if not every:
+        return np.zeros(count, dtype=bool)
+    since = np.arange(count) - FIRST_RESTS
+    return (since < 0) | (since % (every + 1) == every)
 
 
 def _counts(drawn: DrawnPress, chance: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -222,6 +222,8 @@ class DrawnPress(Table):
 class Session(Table):
     """What is drawn once for every session.
 
+    rest_every: as in a lab, a session begins with three sweeps at rest, and another follows every
+    so many presses; 0 promises none beyond those that `touches` draws.
     sheet_resistance: factor on both sheets together (ageing, humidity). sheet_mismatch: further
     factor on each sheet of its own. unevenness: standard deviation of each slow wave of a sheet's
     conductance over its mean; the waves are half a cosine along x, along y, and along both.
@@ -238,6 +240,7 @@ class Session(Table):
     """
 
     sweeps_per_session: Annotated[Whole, Field(ge=1, le=100_000)] = 500
+    rest_every: Annotated[Whole, Field(ge=0, le=100_000)] = 0
     sheet_resistance: Relative = Lognormal(median=1.0, spread=0.05)
     sheet_mismatch: Relative = Lognormal(median=1.0, spread=0.03)
     unevenness: Spread = 0.02

@@ -6,10 +6,9 @@ from rcskin.simulator.sweeps import InputError
 THREE = Confusion((0, 1, 2), np.array([[4, 0, 0], [1, 2, 1], [0, 1, 1]]))
 
 
-def test_accuracy_and_recall_follow_from_the_counts():
+def test_accuracy_follows_from_the_counts():
     assert (THREE.correct, THREE.total) == (7, 10)
     assert THREE.accuracy == 0.7
-    assert THREE.recall == {0: 1.0, 1: 0.5, 2: 0.5}
 
 
 def test_targets_run_along_the_first_axis_and_outputs_along_the_second():
@@ -21,12 +20,6 @@ def test_targets_run_along_the_first_axis_and_outputs_along_the_second():
 def test_pixels_are_ordered_by_number_not_by_letter():
     pixels = np.array(["10,1", "2,3", "2,12", "0,0"])
     assert compare(pixels, pixels).labels == ("0,0", "2,3", "2,12", "10,1")
-
-
-def test_a_class_that_was_only_answered_has_no_recall():
-    confusion = compare(np.array([1, 1]), np.array([1, 0]))
-    assert confusion.labels == (0, 1)
-    assert confusion.recall == {1: 0.5}
 
 
 def test_the_table_holds_each_pair_of_classes_and_reads_back(tmp_path):

@@ -5,7 +5,7 @@ import pytest
 from rcskin.localization.gap.noun import MEASUREMENT, SECOND, TWIN, check_simulated, noun_of
 from rcskin.localization.gap.pair import paired, pixel_of
 from rcskin.localization.gap.thinning import MOST, SPREAD
-from rcskin.localization.inputs.features import features
+from rcskin.localization.inputs.features import told_features
 from rcskin.simulator.sweeps import InputError
 
 MEASURED = {"model": "measured"}
@@ -75,7 +75,7 @@ def test_many_simulated_sweeps_are_thinned_and_keep_the_skin_at_rest(
     pair = paired(many, sweeps, toy, "", 0)
     assert pair.simulated.sizes["sweep"] == MOST
     assert pair.notes == [f"{MOST} of {number.size} simulated sweeps are used, drawn at random."]
-    features(pair.simulated, ["dlnZ"])
+    assert told_features(pair.simulated, ["dlnZ"])[1].size > MOST / 3
     again = paired(many, sweeps, toy, "", 0).simulated
     np.testing.assert_array_equal(again["session"], pair.simulated["session"])
 

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from rcskin.localization.inputs.features import feature_names, features
+from rcskin.localization.inputs.features import features
 from rcskin.localization.inputs.targets import labels
 from rcskin.simulator.sweeps import InputError
 
@@ -11,13 +11,6 @@ def test_features_lie_quantity_by_quantity_then_interface_then_frequency(sheet):
     np.testing.assert_array_equal(X[:, :20], sheet["Cp"].sel(interface="left"))
     np.testing.assert_array_equal(X[:, 20:40], sheet["Cp"].sel(interface="right"))
     np.testing.assert_array_equal(X[:, 60:], sheet["X"].sel(interface="right"))
-
-
-def test_names_tell_each_column_of_the_features(sheet):
-    names = feature_names(sheet)
-    assert len(names) == len(set(names)) == features(sheet).shape[1]
-    assert names[0] == "Rs left 1000 Hz"
-    assert names[-1] == "Cp right 200000 Hz"
 
 
 def test_the_order_of_dimensions_in_the_data_set_does_not_matter(sheet):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import skops.io
 from rcskin.localization.inversion.classifier import TARGETS, ModelBased
-from rcskin.localization.trust.answers import CANNOT_TELL
 from scipy.stats import norm
 from sklearn.base import clone
 from sklearn.pipeline import Pipeline
@@ -131,14 +130,6 @@ def test_an_absurd_sweep_cannot_be_told():
     assert own.novel(X).mean() < 0.01
     absurd = X[:20] + 0.05 * np.sign(np.sin(40 * ALONG))
     assert own.novel(absurd).all()
-    assert (own.answers(absurd).labels == CANNOT_TELL).all()
-
-
-def test_answers_below_a_probability_are_not_told():
-    own = model()
-    X, _ = sweeps(300)
-    answers = own.answers(X, threshold=0.9)
-    np.testing.assert_array_equal(answers.told, (answers.probability >= 0.9) & ~answers.novel)
 
 
 def test_touches_of_one_skin_teach_that_skin():

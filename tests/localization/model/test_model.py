@@ -1,3 +1,4 @@
+from dataclasses import replace
 from importlib.metadata import version
 
 import numpy as np
@@ -19,7 +20,9 @@ def test_a_model_knows_what_it_was_trained_on(sheet):
     assert model.interfaces == ("left", "right")
     assert model.frequencies == tuple(sheet["frequency"].values)
     assert model.scene == sheet.attrs["scene"]
-    assert model.version == version("rcskin")
+    assert model.versions == {name: version(name) for name in ("rcskin", "scikit-learn", "skops")}
+    other = replace(model, versions={**model.versions, "skops": "0.1"})
+    assert (model.aged, other.aged) == ("", f"skops 0.1 (here {version('skops')})")
 
 
 def test_sweeps_without_a_scene_train_a_model_without_one(strip):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rcskin.localization.inputs.samples import drawn
 from rcskin.localization.learners.components import Components
 from rcskin.localization.trust.answers import CANNOT_TELL, decide, threshold_of
 from rcskin.localization.trust.novelty import NoveltyGuard
@@ -42,10 +43,10 @@ def test_answers_above_the_threshold_are_right_at_the_rate_asked(overconfident):
     decisions, index = overconfident
     p = probabilities(decisions, 0.25)
     right = p.argmax(axis=1) == index
-    threshold = threshold_of(p.max(axis=1)[:2000], right[:2000], 0.9)
+    threshold = threshold_of(p.max(axis=1)[:2000], right[:2000], 0.7)
     told = p.max(axis=1)[2000:] >= threshold
     assert 0.05 < told.mean() < 0.9
-    assert right[2000:][told].mean() > 0.87 > right.mean()
+    assert right[2000:][told].mean() > 0.7 > right.mean()
 
 
 @pytest.mark.parametrize(("certain", "message"), [(1.0, "between 0 and 1"), (0.99, "out of reach")])
@@ -69,3 +70,49 @@ def test_what_lies_off_the_training_is_novel_whatever_the_units():
     assert (guard.predict(X[300:]) == 1).mean() > 0.97
     off = X[300:] * (1 + 0.3 * np.eye(6)[2])
     assert (guard.predict(off) == -1).mean() > 0.9
+
+
+def test_a_rate_asked_is_kept_with_confidence_not_by_luck():
+    """A classifier that is right at 94.5 % wherever it is asked must not be said to keep 95 %."""
+    random, lucky = np.random.default_rng(2), 0
+    for _ in range(60):
+        p, right = random.random(300), random.random(300) < 0.945
+        try:
+            threshold_of(p, right, 0.95)
+            lucky += 1
+        except InputError:
+            pass
+    assert lucky <= 5
+
+
+def test_one_bad_sweep_of_the_training_does_not_hide_novelties():
+    random = np.random.default_rng(3)
+    X = random.standard_normal((1200, 6))
+    clean, bad = NoveltyGuard().fit(X), np.vstack([X, 1e3 * random.standard_normal(6)])
+    limit = NoveltyGuard().fit(bad)
+    assert limit.limit_ == pytest.approx(clean.limit_, rel=0.3)
+    unseen = random.standard_normal((200, 6))
+    assert (limit.predict(unseen) == 1).mean() > 0.98
+    assert (limit.predict(unseen + 12 * np.eye(6)[0]) == -1).all()
+
+
+def test_the_guard_looks_at_what_it_is_told_to():
+    random = np.random.default_rng(4)
+    change, curve = (
+        random.standard_normal((600, 3)),
+        np.repeat(random.normal(0, 50, (12, 3)), 50, 0),
+    )
+    X, groups = np.hstack([change, curve]), np.repeat(np.arange(12), 50)
+    guard = NoveltyGuard().fit(X, groups=groups, told=np.arange(3))
+    assert (guard.predict(X[:50] + np.array([10, 0, 0, 0, 0, 0])) == -1).all()
+    assert (guard.predict(X[:50] + np.array([0, 0, 0, 99, 0, 0])) == 1).mean() > 0.9
+
+
+def test_sweeps_are_thinned_in_like_shares_whatever_their_order():
+    """52 000 sweeps of 26 classes in turn, of which evenly spaced ones miss one."""
+    groups = np.arange(5200) % 26
+    kept = drawn(groups, 2000)
+    counts = np.bincount(groups[kept], minlength=26)
+    assert kept.size == 2000 and np.ptp(counts) <= 1
+    np.testing.assert_array_equal(kept, drawn(groups, 2000))
+    assert 5200 in drawn(np.append(groups, 99), 2000)

@@ -146,3 +146,18 @@ def test_fewer_modes_are_the_first_of_the_same_draw():
     for more, fewer in zip(four, one, strict=True):
         np.testing.assert_array_equal(more.variation.top[:1], fewer.variation.top)
         np.testing.assert_array_equal(more.variation.capacitance, fewer.variation.capacitance)
+
+
+def test_rests_are_promised_as_a_lab_takes_them_and_other_presses_stay_as_they_were():
+    scene = load_scene("sheet-3x3")
+    session = scene.dataset.session.model_copy(update={"rest_every": 4})
+    often = scene.model_copy(
+        update={"dataset": scene.dataset.model_copy(update={"session": session})}
+    )
+    drawn, promised = (
+        drawn_presses(each, np.random.default_rng(0), 20, (3, 3)) for each in (scene, often)
+    )
+    at_rest = np.isin(np.arange(20), [0, 1, 2, 7, 12, 17])
+    assert (promised.touches[at_rest] == 0).all()
+    np.testing.assert_array_equal(promised.touches[~at_rest], drawn.touches[~at_rest])
+    assert np.array(promised.text)[~at_rest].tolist() == np.array(drawn.text)[~at_rest].tolist()
