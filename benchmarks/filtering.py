@@ -106,7 +106,7 @@ def localizer(model: Model, filters: bool, asks: bool) -> ModelLocalizer:
 
 def session(way: ModelLocalizer, link: Any, stage: Any) -> Session:
     """Of live localization, in the meter's own time."""
-    return Session(way, link, Rest(3), Told(stage), Log(way), clock=lambda: stage.now)
+    return Session(way, link, Rest(3), Told(stage), Log(), clock=lambda: stage.now)
 
 
 def answers(model: Model, filters: bool, asks: bool, stage: Stage, whole: Any) -> list:

@@ -87,15 +87,16 @@ class Stage:
     def link(self, localizer: Localizer) -> Iterator[Link]:
         """The meter of a live session, on TCP."""
         scene = self.twin.scene
+        name = scene.interfaces[0].name
         data = SceneData(
             name=scene.name,
             text=scene_text(scene),
             frequencies=scene.sweep.frequencies,
             rows=scene.pixels.rows,
             columns=scene.pixels.columns,
-            interface=scene.interfaces[0].name,
+            interfaces=(name,),
         )
-        meter = instrument(simulated(data, self, self.read), pace=0.0)
+        meter = instrument(simulated(data, {name: self}, self.read), pace=0.0)
         with running(meter, Control(meter)) as ports:
             link = Link(
                 localizer, lambda: open_meter(ports.resource, 5.0), read_table(), Limits(), 30.0

@@ -57,7 +57,7 @@ def test_touches_are_followed_by_few_frequencies_where_a_model_inverts_the_simul
     made = train(sweeps, "column", "model-based", quantities=("dlnZ", "dphase"), registry=registry)
     save(inverting, made)
     data = rcskin._scene_data(SCENE, None)
-    meter = instrument(simulated(data, rcskin._skin(data), rcskin._readout(data, 7)), pace=0)
+    meter = instrument(simulated(data, rcskin._skins(data), rcskin._readout(data, 7)), pace=0)
     with serve(meter) as ports:
         where = ["--resource", ports.resource, "--model", str(inverting), "--filter"]
         rest = model.with_name("rest.nc")
