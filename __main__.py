@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from .hardware.cli import meter_app
-from .hardware.live.command import live_command
+from .hardware.live.command import Manner, live_command
 from .hardware.meter.errors import MeterError
 from .hardware.scene_data import SceneData
 from .hardware.virtual.simulation import Simulation
@@ -118,20 +119,30 @@ def _readout(data: SceneData, seed: int) -> Readout:
     return lambda Z, conditions: errors.read(Z, conditions.range)
 
 
-def _live_localizer(path: Path) -> LiveLocalizer:
+def _live_localizer(path: Path, manner: Manner) -> LiveLocalizer:
     from .hardware.live.model import ModelLocalizer
     from .localization.commands.asking import tell_age
+    from .localization.filtering.asking import Asker, skin_at_hand
+    from .localization.filtering.follower import Follower
+    from .localization.filtering.touching import Touching
     from .localization.inputs.features import needs_rest
+    from .localization.inversion.registered import answer_at_once
     from .localization.learners.registry import estimators
     from .localization.model.file import load
     from .simulator.scene.files import parse_scene
 
     model = load(path, estimators(_model_based()))
+    answer_at_once(model.pipeline)
     tell_age(model, path)
     scene = parse_scene(model.scene, str(path))
     size = 1e3 * scene.skin.length, 1e3 * scene.skin.width
     shape = scene.pixels.rows, scene.pixels.columns
-    return ModelLocalizer(model, *shape, size, needs_rest(model.quantities))
+    touching, adaptive, certain = manner
+    follower = touching and Follower(model, Touching(*touching), certain)
+    asker = Asker(model, certain, follower) if adaptive else None
+    known = needs_rest(model.quantities)
+    tables = partial(skin_at_hand, model) if known else None
+    return ModelLocalizer(model, *shape, size, known, follower, asker, tables)
 
 
 def _model_based() -> list[Estimator]:

@@ -27,7 +27,8 @@ class Answer:
     label: in words. probability: of the label, None where it is not known. pixels: probability that
     a pixel is pressed, shape (row, column), row 1 first. position: x, y in mm. deviation: its
     standard deviations, mm. region: how likely places x, y in mm are, from 0 outside of the region
-    that holds 95 % to 1. Raises ValueError where a number is none or no probability.
+    that holds 95 % to 1. remark: what to know about it. Raises ValueError where a number is none or
+    no probability.
     """
 
     label: str
@@ -36,6 +37,7 @@ class Answer:
     position: tuple[float, float] | None = None
     deviation: tuple[float, float] | None = None
     region: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]] | None = None
+    remark: str = ""
 
     def __post_init__(self) -> None:
         probabilities = np.append(
@@ -58,8 +60,27 @@ class Answer:
         return ", ".join(parts)
 
 
+class Questions(Protocol):
+    """A sweep whose frequencies are chosen one after the other."""
+
+    def next(self, seconds: NDArray[np.float64], /) -> float | None:
+        """The frequency to be read next, Hz; None where the answer is known well enough.
+
+        seconds: that a reading takes at each of the localizer's frequencies, shape (frequency,).
+        """
+        ...
+
+    def tell(self, frequency: float, Z: complex, /) -> None:
+        """What was read there, ohm."""
+        ...
+
+    def answer(self, during: float, /) -> Answer:
+        """Where the skin was pressed. during: s that the readings took."""
+        ...
+
+
 class Localizer(Protocol):
-    """A model that tells touches from sweeps. Everything is fixed but `answer`."""
+    """A model that tells touches from sweeps. Everything is fixed but what it answers."""
 
     @property
     def frequencies(self) -> tuple[float, ...]:
@@ -101,8 +122,21 @@ class Localizer(Protocol):
         """TOML text of the skin that it was trained for."""
         ...
 
-    def answer(self, sweep: xr.Dataset, rest: xr.Dataset | None, /) -> Answer:
-        """Where one sweep was pressed. rest: sweeps of the skin at rest, where there are any."""
+    def prepare(self, rest: xr.Dataset | None, /) -> None:
+        """Get ready for the first sweep of a skin that is like this at rest."""
+        ...
+
+    def questions(self, rest: xr.Dataset | None, gap: float, /) -> Questions | None:
+        """For the next sweep, gap s after the one before; None where whole sweeps are wanted."""
+        ...
+
+    def answer(
+        self, sweep: xr.Dataset, rest: xr.Dataset | None, gap: float, during: float, /
+    ) -> Answer:
+        """Where one sweep was pressed. rest: sweeps of the skin at rest, where there are any.
+
+        gap: s from the end of the sweep before to its beginning. during: s that it took.
+        """
         ...
 
 

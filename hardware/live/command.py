@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
@@ -30,7 +30,19 @@ if TYPE_CHECKING:
 MOST_REST = 1000
 
 
-def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
+class Manner(NamedTuple):
+    """How a localizer is to be asked.
+
+    touching: s that a touch lasts, s from one to the next, mm/s that it moves by; None: each sweep
+    alone. adaptive: whether it chooses frequencies. certain: probability of answers, may be None.
+    """
+
+    touching: tuple[float, float, float] | None = None
+    adaptive: bool = False
+    certain: float | None = None
+
+
+def live_command(load: Callable[[Path, Manner], Localizer]) -> Callable[..., None]:
     """The command, localizing by what `load` reads from a file (it raises InputError)."""
 
     def live(
@@ -64,6 +76,27 @@ def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
         anyway: Annotated[
             bool, typer.Option("--anyway", help="Take sweeps at rest of another skin, too.")
         ] = False,
+        filtered: Annotated[
+            bool, typer.Option("--filter", help="Let sweeps add up, with any model.")
+        ] = False,
+        touch_lasts: Annotated[float, typer.Option(help="Seconds of a touch, with --filter.")] = 2,
+        touch_every: Annotated[
+            float, typer.Option(help="Seconds from a touch to the next, with --filter.")
+        ] = 5,
+        touch_speed: Annotated[
+            float, typer.Option(help="mm/s that a touch moves by, with --filter.")
+        ] = 20,
+        adaptive: Annotated[
+            bool,
+            typer.Option(
+                "--adaptive",
+                help="Read what tells most next, until certain: model-based, -adapted.",
+            ),
+        ] = False,
+        certain: Annotated[
+            float | None,
+            typer.Option(help="Probability that --filter answers from and --adaptive reads up to."),
+        ] = None,
     ) -> None:
         """Localize presses as they come: time, answer, probability and latency in ms in a pipe."""
         from ...simulator.sweeps import InputError
@@ -78,8 +111,13 @@ def live_command(load: Callable[[Path], Localizer]) -> Callable[..., None]:
 
         if sweeps is not None and sweeps < 1:
             raise InputError(f"`sweeps` must be at least 1, got {sweeps}")
+        if adaptive and log:
+            raise InputError("--log keeps whole sweeps, and --adaptive measures parts of them")
+        if certain is not None and not (filtered or adaptive):
+            raise InputError("--certain needs --filter or --adaptive; else `train` takes it")
         journal = _journal(log, overwrite) if log else None
-        localizer = load(model)
+        touching = (touch_lasts, touch_every, touch_speed) if filtered else None
+        localizer = load(model, Manner(touching, adaptive, certain))
         _check_interface(localizer, interface)
         link = Link(
             localizer,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from ..switch.switch import Switch
 from .answer import Localizer
 
 FIRST_WAIT, LONGEST_WAIT = 0.25, 4.0
+LOOKED_AT = 1.0
 
 
 class Link:
@@ -47,7 +48,7 @@ class Link:
         self._station, self._patience = Station(connect, tell=tell), patience
         self._switch = switch
         self._failing_since: float | None = None
-        self._wait = FIRST_WAIT
+        self._wait, self._looked = FIRST_WAIT, 0.0
         self.judge: Judge | None = None
 
     @property
@@ -64,15 +65,20 @@ class Link:
         if self._station.header is None:
             self._begin(meter)
 
-    def sweep(self, watch: Watch) -> Sweep:
-        """A sweep that was measured whole with those settings, once ready. Raises MeterError."""
+    def sweep(self, watch: Watch, frequencies: Iterable[float] | None = None) -> Sweep:
+        """Readings that were all measured with those settings, once ready. Raises MeterError.
+
+        frequencies: Hz, in the order in which they are measured; the localizer's without. Of such
+        parts of a sweep the settings are looked at once in LOOKED_AT seconds.
+        """
         meter, header = self._station.meter, self._station.header
         assert meter is not None and header is not None
         localizer = self._localizer
-        sweep = measure_sweep(
-            meter, localizer.frequencies, localizer.interfaces, self._switch, watch
-        )
-        require(meter, header.settings)
+        asked = localizer.frequencies if frequencies is None else frequencies
+        sweep = measure_sweep(meter, asked, localizer.interfaces, self._switch, watch)
+        if frequencies is None or time.monotonic() - self._looked > LOOKED_AT:
+            require(meter, header.settings)
+            self._looked = time.monotonic()
         self._recovered()
         return sweep
 

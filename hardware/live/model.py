@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
-from .answer import CANNOT_TELL, NOTHING_PRESSED, Answer, answer_of_classes
+from .answer import CANNOT_TELL, NOTHING_PRESSED, Answer, Questions, answer_of_classes
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
+
+
+MIDWAY = "the touch changed in mid-sweep"
 
 
 class Told(Protocol):
@@ -43,6 +46,8 @@ class Model(Protocol):
     def frequencies(self) -> tuple[float, ...]: ...
     @property
     def scene(self) -> str: ...
+    @property
+    def classes(self) -> tuple[int | str, ...]: ...
     def answers(self, sweeps: xr.Dataset, rest: xr.Dataset | None, /) -> Told: ...
     def probabilities(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None, /
@@ -55,15 +60,83 @@ class Model(Protocol):
     ) -> Sequence[Region | None]: ...
 
 
+class Followed(Protocol):
+    """An answer by a sweep and all before it. changed: that the touch changed in mid-sweep.
+
+    coordinates: x, y and their standard deviations in mm, of a touch that is placed.
+    """
+
+    @property
+    def label(self) -> str: ...
+    @property
+    def probability(self) -> float: ...
+    @property
+    def probabilities(self) -> NDArray: ...
+    @property
+    def changed(self) -> float: ...
+    @property
+    def coordinates(self) -> tuple[float, ...]: ...
+
+
+class Follower(Protocol):
+    """Lets sweeps add up."""
+
+    def forget(self) -> None: ...
+    def follow(
+        self, sweep: xr.Dataset, rest: xr.Dataset | None, gap: float, during: float, /
+    ) -> Followed: ...
+
+
+class Questioning(Protocol):
+    """As `Questions`, whose answer is yet to be put into words."""
+
+    def next(self, seconds: NDArray, /) -> float | None: ...
+    def tell(self, frequency: float, Z: complex, /) -> None: ...
+    def answer(self, during: float, /) -> Followed: ...
+
+
+class Asker(Protocol):
+    """Chooses the frequencies of sweeps."""
+
+    def begin(self, rest: xr.Dataset, gap: float, /) -> Questioning: ...
+
+
+@dataclass(frozen=True)
+class Asked:
+    """Questions of a model, with its answer in words."""
+
+    questioning: Questioning
+    localizer: ModelLocalizer
+
+    def next(self, seconds: NDArray, /) -> float | None:
+        """As of `Questions`."""
+        return self.questioning.next(seconds)
+
+    def tell(self, frequency: float, Z: complex, /) -> None:
+        """As of `Questions`."""
+        self.questioning.tell(frequency, Z)
+
+    def answer(self, during: float, /) -> Answer:
+        """As of `Questions`."""
+        return self.localizer.told(self.questioning.answer(during))
+
+
 @dataclass(frozen=True)
 class ModelLocalizer:
-    """A model on a skin of rows x columns pixels. size: length and width in mm."""
+    """A model on a skin of rows x columns pixels. size: length and width in mm.
+
+    follower: lets sweeps add up; None: each is answered alone. asker: chooses the frequencies of
+    sweeps; None: all of them in their order. tables: makes those of a skin by its sweeps at rest.
+    """
 
     model: Model
     rows: int
     columns: int
     size: tuple[float, float]
     needs_rest: bool
+    follower: Follower | None = None
+    asker: Asker | None = None
+    tables: Callable[[xr.Dataset], object] | None = None
 
     @property
     def target(self) -> str:
@@ -85,8 +158,25 @@ class ModelLocalizer:
         """TOML text of the skin."""
         return self.model.scene
 
-    def answer(self, sweep: xr.Dataset, rest: xr.Dataset | None, /) -> Answer:
-        """Where one sweep was pressed."""
+    def prepare(self, rest: xr.Dataset | None, /) -> None:
+        """Have tables of the skin made, where the model makes any, and begin to follow anew."""
+        if rest is not None and self.tables is not None:
+            self.tables(rest)
+        if self.follower is not None:
+            self.follower.forget()
+
+    def questions(self, rest: xr.Dataset | None, gap: float, /) -> Questions | None:
+        """For the next sweep, where the frequencies are to be chosen."""
+        if self.asker is None or rest is None:
+            return None
+        return Asked(self.asker.begin(rest, gap), self)
+
+    def answer(
+        self, sweep: xr.Dataset, rest: xr.Dataset | None, gap: float, during: float, /
+    ) -> Answer:
+        """Where one sweep was pressed, by it and, where they are followed, by those before it."""
+        if self.follower is not None:
+            return self.told(self.follower.follow(sweep, rest, gap, during))
         told = self.model.answers(sweep, rest)
         label = str(told.labels[0])
         if self.target != "position":
@@ -99,6 +189,25 @@ class ModelLocalizer:
         if label == "0":
             return Answer(NOTHING_PRESSED, float(told.probability[0]))
         return Answer(CANNOT_TELL)
+
+    def told(self, followed: Followed) -> Answer:
+        """An answer in words."""
+        label, probability = followed.label, followed.probability
+        remark = MIDWAY if followed.changed > 0.5 else ""
+        if self.target != "position":
+            names = [str(each) for each in self.model.classes]
+            shape = self.rows, self.columns
+            chances = followed.probabilities
+            answer = answer_of_classes(self.target, label, names, chances, shape)
+            return replace(answer, remark=remark)
+        if followed.coordinates:
+            x, y, *deviation = followed.coordinates
+            across, up = deviation
+            words = f"x {x:.0f} mm, y {y:.0f} mm"
+            return Answer(words, probability, None, (x, y), (across, up), remark=remark)
+        if label == "0":
+            return Answer(NOTHING_PRESSED, probability, remark=remark)
+        return Answer(CANNOT_TELL, remark=remark)
 
 
 def _place(found: NDArray, deviations: NDArray, region: Region | None) -> Answer:

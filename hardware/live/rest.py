@@ -33,6 +33,11 @@ class Rest:
         """Whether there are as many as wanted."""
         return len(self.sweeps) >= self.wanted
 
+    @property
+    def due(self) -> bool:
+        """Whether the next sweep is to give way for an older one, if it is at rest."""
+        return self._quiet >= RENEWED_AFTER - 1
+
     def give(self, sweeps: Sequence[Sweep]) -> None:
         """Take these, measured earlier, for the skin at rest, however few they are."""
         self.sweeps, self.first = deque(sweeps, maxlen=len(sweeps)), sweeps[0]

@@ -5,18 +5,24 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Protocol
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Protocol
 
 from ...simulator.sweeps import UNPRESSED
 from ..meter.errors import MeterError
 from ..meter.reading import Reading
 from ..record.order import UNKNOWN
 from ..record.sweep import Sweep, apart, flags, now
-from .answer import Answer, Localizer
+from .answer import Answer, Localizer, Questions
 from .link import Link
 from .log import Log, as_dataset
+from .questions import Pace, questioned
 from .rest import Rest, at_rest
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray as xr
+    from numpy.typing import NDArray
 
 RATED = 10
 RESTLESS = 5
@@ -47,6 +53,30 @@ class Moment:
         return self.measuring + self.localizing
 
 
+@dataclass(frozen=True)
+class Part:
+    """What was measured of a sweep: at which frequencies in Hz, and by what questions."""
+
+    questions: Questions
+    frequencies: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A sweep, or part of one. begun, ended: s. gap: s since the one before."""
+
+    sweep: Sweep
+    begun: float = 0.0
+    ended: float = 0.0
+    gap: float = 0.0
+    part: Part | None = None
+
+    @property
+    def during(self) -> float:
+        """Seconds that it took."""
+        return self.ended - self.begun
+
+
 class Show(Protocol):
     """Where a session is shown."""
 
@@ -69,7 +99,10 @@ class Show(Protocol):
 
 @dataclass
 class Session:
-    """A localizer at a meter. key: the last key that was pressed, empty where none was."""
+    """A localizer at a meter. key: the last key that was pressed, empty where none was.
+
+    clock: s, by which sweeps are timed.
+    """
 
     localizer: Localizer
     link: Link
@@ -77,11 +110,17 @@ class Session:
     show: Show
     log: Log
     key: Callable[[], str] = lambda: ""
+    clock: Callable[[], float] = time.perf_counter
     answers: int = field(default=0, init=False)
     failed: int = field(default=0, init=False)
     _begun: float | None = field(default=None, init=False)
+    _ended: float | None = field(default=None, init=False)
+    _pace: Pace = field(init=False)
     _ends: deque[float] = field(default_factory=lambda: deque(maxlen=RATED), init=False)
     _restless: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        self._pace = Pace(self.localizer, self.show.reading, self.clock)
 
     def run(self, answers: int | None = None) -> None:
         """Answer so often, or until the key of the end.
@@ -90,6 +129,8 @@ class Session:
         where meter and model do not fit each other.
         """
         self._ask_for_rest()
+        if self.rest.complete:
+            self._prepare()
         while answers is None or self.answers < answers:
             key = self.key()
             if key == END_KEY:
@@ -97,28 +138,45 @@ class Session:
             if key == REST_KEY and self.rest.wanted:
                 self.rest.forget()
                 self._ask_for_rest()
-            self._next()
+            self.step()
 
-    def _next(self) -> None:
+    def step(self) -> None:
+        """Measure once, and answer or tell why not. Raises as `run`."""
         try:
             self.link.ready()
-            at, begun = now(), time.perf_counter()
-            sweep = self.link.sweep(self.show.reading)
+            at, begun = now(), self.clock()
+            measured = self._measured(begun)
         except MeterError as failure:
             self._fail(failure)
             return
-        measured = time.perf_counter()
-        unsound = self._remarks(sweep)
+        unsound = self._remarks(measured)
         if unsound:
             self.failed += 1
             self.show.no_answer(f"the sweep is unsound: {'; '.join(unsound)}")
             return
         wanted = self.rest.complete
-        self.log.keep(sweep, UNKNOWN if wanted else UNPRESSED, at, self.link.header)
+        if measured.part is None:
+            press = UNKNOWN if wanted else UNPRESSED
+            self.log.keep(measured.sweep, press, at, self.link.header)
         if wanted:
-            self._answer(sweep, begun, measured)
+            self._answer(measured)
         else:
-            self._take_rest(sweep)
+            self._take_rest(measured.sweep)
+
+    def _measured(self, begun: float) -> Measured:
+        """The next sweep: whole, or as much of it as an answer takes."""
+        gap = 0.0 if self._ended is None else begun - self._ended
+        asked = None
+        if self.rest.complete and not self.rest.due:
+            asked = self.localizer.questions(self._at_rest(), gap)
+        if asked is None:
+            self._pace.begin()
+            sweep, part = self.link.sweep(self._pace.reading), None
+        else:
+            frequencies, sweep = questioned(self.link, asked, self._pace)
+            whole = frequencies.size == len(self.localizer.frequencies)
+            part = None if whole else Part(asked, frequencies)
+        return Measured(sweep, begun, self.clock(), gap, part)
 
     def _fail(self, failure: MeterError) -> None:
         self.failed += 1
@@ -126,31 +184,49 @@ class Session:
         self.show.no_answer(f"{failure}; trying again" + (f" in {wait:.2g} s" if wait else ""))
         time.sleep(wait)
 
-    def _answer(self, sweep: Sweep, begun: float, measured: float) -> None:
-        rest = as_dataset(self.rest.sweeps, self.localizer, UNPRESSED) if self.rest.sweeps else None
-        answer = self.localizer.answer(as_dataset([sweep], self.localizer), rest)
-        ended = time.perf_counter()
-        before, self._begun = self._begun, begun
+    def _prepare(self) -> None:
+        self._ended = None
+        self.localizer.prepare(self._at_rest())
+
+    def _at_rest(self) -> xr.Dataset | None:
+        return as_dataset(self.rest.sweeps, self.localizer, UNPRESSED) if self.rest.sweeps else None
+
+    def _told(self, measured: Measured) -> Answer:
+        if measured.part is not None:
+            return measured.part.questions.answer(measured.during)
+        sweep = as_dataset([measured.sweep], self.localizer)
+        return self.localizer.answer(sweep, self._at_rest(), measured.gap, measured.during)
+
+    def _answer(self, measured: Measured) -> None:
+        answer, sweep, begun = self._told(measured), measured.sweep, measured.begun
+        ended = self.clock()
+        before, self._begun, self._ended = self._begun, begun, measured.ended
         self._ends.append(ended)
         self.answers += 1
-        self.log.answered(answer)
+        if measured.part is None:
+            self.log.answered(answer)
         self.show.answer(
             Moment(
                 answer,
                 now(),
-                measured - begun,
-                ended - measured,
+                measured.during,
+                ended - measured.ended,
                 before and ended - before,
                 self._rate(),
                 self.failed,
-                (*flags([sweep]), *apart(sweep), *self._drift(sweep, answer)),
+                (
+                    *flags([sweep]),
+                    *apart(sweep),
+                    *self._drift(measured, answer),
+                    *filter(None, [answer.remark]),
+                ),
             )
         )
         if self.rest.follow(sweep, answer):
             self.show.note("rest renewed by one sweep, to follow slow drift")
 
     def _take_rest(self, sweep: Sweep) -> None:
-        moved = self._remarks(sweep, self.rest.first)
+        moved = self._remarks(Measured(sweep), self.rest.first)
         if moved:
             self._restless += 1
             if self._restless >= RESTLESS:
@@ -163,6 +239,7 @@ class Session:
         self.rest.add(sweep)
         if self.rest.complete:
             self._restless = 0
+            self._prepare()
             self.show.no_answer("rest is known: the skin may be touched")
         else:
             self._ask_for_rest()
@@ -172,12 +249,15 @@ class Session:
         if done < wanted:
             self.show.no_answer(f"leave the skin untouched: sweep {done + 1} of {wanted} at rest")
 
-    def _remarks(self, sweep: Sweep, first: Sweep | None = None) -> list[str]:
-        assert self.link.judge is not None
-        return self.link.judge.remarks(sweep, [first] if first else [], at_rest=True)
+    def _remarks(self, measured: Measured, first: Sweep | None = None) -> list[str]:
+        judge, earlier = self.link.judge, [first] if first else []
+        assert judge is not None
+        if measured.part is not None:
+            judge, earlier = replace(judge, frequency=measured.part.frequencies), []
+        return judge.remarks(measured.sweep, earlier, at_rest=True)
 
-    def _drift(self, sweep: Sweep, answer: Answer) -> list[str]:
-        return self._remarks(sweep, self.rest.first) if at_rest(answer) else []
+    def _drift(self, measured: Measured, answer: Answer) -> list[str]:
+        return self._remarks(measured, self.rest.first) if at_rest(answer) else []
 
     def _rate(self) -> float | None:
         if len(self._ends) < 2:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import pairwise
@@ -113,13 +113,13 @@ def flags(sweeps: Sequence[Sweep]) -> list[str]:
 
 def measure_sweep(
     meter: Meter,
-    frequencies: Sequence[float],
+    frequencies: Iterable[float],
     interfaces: Sequence[str],
     switch: Switch | None = None,
     watch: Watch = lambda frequency, reading: None,
     turn: Turn = lambda interface: None,
 ) -> Sweep:
-    """A reading at each interface and frequency in Hz, none of them older than this call.
+    """A reading at each interface and frequency [Hz], in any order, none older than this call.
 
     The interface that is connected comes first: a switch turns once less in each sweep. switch: of
     the interfaces; without it the meter stays where it is. turn: called with each interface before
@@ -144,7 +144,7 @@ def check_frequencies(meter: Meter, frequencies: Sequence[float]) -> None:
             raise InputError(f"an {meter.model} measures {allowed}, the scene asks {frequency:g}")
 
 
-def _trace(meter: Meter, frequencies: Sequence[float], interface: str, watch: Watch) -> Trace:
+def _trace(meter: Meter, frequencies: Iterable[float], interface: str, watch: Watch) -> Trace:
     begun = now()
     readings = [_at(meter, float(frequency), watch) for frequency in frequencies]
     return Trace(

@@ -30,12 +30,19 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         rest: options.Rest = None,
         most: options.Most = options.MOST_SWEEPS,
         anyway: options.Anyway = False,
+        filtered: options.Filtered = False,
+        touch_lasts: options.TouchLasts = options.TOUCH_LASTS,
+        touch_every: options.TouchEvery = options.TOUCH_EVERY,
+        touch_speed: options.TouchSpeed = options.TOUCH_SPEED,
+        pace: Annotated[
+            float, typer.Option(help="Seconds from sweep to sweep, where the file tells no times.")
+        ] = 0.4,
     ) -> None:
         """Tell where sweeps were pressed, each with its probability.
 
         A line for each sweep: the answer, or 'cannot tell'; how probable the best
         answer is; and of positions x and y in mm and the strength, with their
-        standard deviations, where there is one touch to place.
+        standard deviations, where there is one touch to place. --filter takes any model.
         """
         from ...simulator.sweeps import checked_output
         from ..evaluation.report import write_table
@@ -48,7 +55,11 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         resting = None if rest is None else read_some(rest, most)
         asked = read_some(sweeps, most)
         told = model_for(asked, sweeps, model, extra(), anyway=anyway)
-        header, rows = _table(told, asked, resting)
+        if filtered:
+            touching = touch_lasts, touch_every, touch_speed
+            header, rows = _followed(told, asked, resting, touching, pace)
+        else:
+            header, rows = _table(told, asked, resting)
         if output is not None:
             write_table(output, header, rows)
             silent = sum(row[2] == CANNOT_TELL for row in rows)
@@ -58,6 +69,33 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
             typer.echo(",".join(f'"{cell}"' if "," in cell else cell for cell in row))
 
     return localize
+
+
+def _followed(
+    model: Model,
+    sweeps: xr.Dataset,
+    rest: xr.Dataset | None,
+    touching: tuple[float, float, float],
+    pace: float,
+) -> tuple[list[str], list[list[str]]]:
+    """The same by each sweep and all before it, and how probably its touch changed meanwhile."""
+    from ...simulator.sweeps import InputError
+    from ..filtering.follower import Follower
+    from ..filtering.touching import Touching
+    from ..inputs.targets import COORDINATES
+
+    if not pace > 0:
+        raise InputError(f"`pace` must be above 0 s, got {pace:g}")
+    told = Follower(model, Touching(*touching)).through(sweeps, rest, pace)
+    header = ["sweep", "press", "answer", "probability", "changed"]
+    if model.target == "position":
+        header += [*COORDINATES[:2], *(f"{name}_deviation" for name in COORDINATES[:2])]
+    rows = []
+    for number, (text, each) in enumerate(zip(sweeps["press"].values, told, strict=True)):
+        numbers = f"{each.probability:.4f}", f"{each.changed:.4f}"
+        placed = [f"{value:.4g}" for value in each.coordinates] or [""] * (len(header) - 5)
+        rows.append([str(number), str(text), each.label, *numbers, *placed])
+    return header, rows
 
 
 def _table(

@@ -60,10 +60,20 @@ Anyway = Annotated[
 ]
 
 
+TOUCH_LASTS, TOUCH_EVERY, TOUCH_SPEED = 2.0, 5.0, 20.0
+"""As `Touching` has them."""
+Filtered = Annotated[
+    bool, typer.Option("--filter", help="Let sweeps add up, of a hand that comes, moves and goes.")
+]
+TouchLasts = Annotated[float, typer.Option(help="Seconds that a touch lasts, with --filter.")]
+TouchEvery = Annotated[float, typer.Option(help="Seconds from a touch to the next, with --filter.")]
+TouchSpeed = Annotated[float, typer.Option(help="mm/s that a touch moves by, with --filter.")]
+
+
 TYPED = {"quantities": "features", "interfaces": "interface"}
 """Options that are called otherwise than the arguments behind them."""
 QUOTED = re.compile(
-    "`(target|estimator|quantities|interfaces|certain|folds|seed|draws|calibration-touches)`"
+    "`(target|estimator|quantities|interfaces|certain|folds|seed|draws|calibration-touches|pace|touch-lasts|touch-every|touch-speed)`"
 )
 """Arguments as messages name them."""
 WARNERS = r"(sklearn|rcskin\.localization)(\.|$)"

@@ -86,8 +86,13 @@ def pressed_pixels(text: str) -> list[tuple[int, int]] | None:
 
 def plan_of(sweeps: xr.Dataset) -> Plan | None:
     """Of the scene that the sweeps carry; None where they carry none of that much."""
+    return plan_of_scene(str(sweeps.attrs.get("scene", "")))
+
+
+def plan_of_scene(text: str) -> Plan | None:
+    """Of a scene's TOML text; None where it does not tell that much."""
     try:
-        table = tomllib.loads(str(sweeps.attrs.get("scene", "")))
+        table = tomllib.loads(text)
         skin, pixels = table["skin"], table["pixels"]
         return Plan(
             float(skin["length"]),

@@ -19,10 +19,10 @@ from .classifier import QUANTITIES as CHANGE
 from .classifier import Builder, ModelBased
 from .position import ModelBasedPosition
 from .region import Places
+from .skins import Skins
 
 QUANTITIES = (*CHANGE, "lnZ0", "phase0")
 """Features that it takes, in this order."""
-SKINS_KEPT = 16
 
 
 class _Adapted(BaseEstimator):
@@ -40,6 +40,8 @@ class _Adapted(BaseEstimator):
     """
 
     kind: type
+    beside = False
+    """Whether new tables are made beside the work, which goes on with those of the nearest skin."""
 
     def __init__(self, inner=None, builder: Builder | None = None):
         self.inner = inner
@@ -51,7 +53,8 @@ class _Adapted(BaseEstimator):
         X: shape (sweep, feature), y: labels; they teach where `inner` is to learn, and are only
         checked else.
         """
-        self.mean_, self._skins = self._fitted(None), {}
+        self._skins = Skins(self._fitted)
+        self.mean_ = self._fitted(None)
         self.n_features_in_ = 2 * self.mean_.n_features_in_
         X = validate_data(self, X, reset=False)
         if getattr(self.inner, "learn", "nothing") != "nothing" and y is not None:
@@ -61,6 +64,11 @@ class _Adapted(BaseEstimator):
     def novel(self, X):
         """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
         return self._told(X, lambda inner, change: inner.novel(change)).astype(bool)
+
+    def at_hand(self, curve: NDArray[np.float64]):
+        """The estimator of the skin with this curve at rest, of lnZ0 and phase0, (number,)."""
+        check_is_fitted(self)
+        return self._of_skin(curve)
 
     def __getstate__(self):
         """Numbers and text only, once it is fitted."""
@@ -97,13 +105,10 @@ class _Adapted(BaseEstimator):
         return np.concatenate(told)[np.argsort(np.concatenate(parts))]
 
     def _of_skin(self, curve: NDArray[np.float64]):
-        skins = self.__dict__.setdefault("_skins", {})
-        key = curve.tobytes()
-        if key not in skins:
-            while len(skins) >= SKINS_KEPT:
-                skins.pop(next(iter(skins)))
-            skins[key] = self._fitted(curve)
-        return skins[key]
+        skins = self.__dict__.setdefault("_skins", Skins(self._fitted))
+        if self.beside:
+            return skins.at_once(curve).estimator
+        return (skins.of(curve) or skins.made(curve)).estimator
 
 
 class AdaptedClassifier(ClassifierMixin, _Adapted):
@@ -120,6 +125,10 @@ class AdaptedClassifier(ClassifierMixin, _Adapted):
     def predict_proba(self, X):
         """Of each class, shape (sweep, class)."""
         return self._told(X, lambda inner, change: inner.predict_proba(change))
+
+    def log_densities(self, X, numbers: tuple[int, ...] | None = None):
+        """As of `ModelBased`, where numbers are those of changes, (sweep, class + 1)."""
+        return self._told(X, lambda inner, change: inner.log_densities(change, numbers))
 
     def predict(self, X):
         """The most probable class, shape (sweep,)."""
@@ -139,6 +148,15 @@ class AdaptedPosition(RegressorMixin, _Adapted):
     def places(self, X) -> list[Places]:
         """The posterior of the place of each sweep."""
         return self._told(X, lambda inner, change: np.array(inner.places(change), object)).tolist()
+
+    def cells(self, X):
+        """As of `ModelBasedPosition`, on whatever skin is at hand, shape (sweep, cell, 7)."""
+        return self._told(X, lambda inner, change: inner.cells(change))
+
+    @property
+    def bounds_(self):
+        """Lowest and highest x, y [mm] and strength, shape (3, 2)."""
+        return self.mean_.bounds_
 
     def share_within(self, X, radius):
         """As of `ModelBasedPosition`, on whatever skin is at hand, shape (sweep,)."""

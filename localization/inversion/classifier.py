@@ -30,8 +30,8 @@ QUANTITIES = ("dlnZ", "dphase")
 
 def without_builder(state: Any) -> dict[str, Any]:
     """What is kept of a fitted estimator: it needs no simulator any more."""
-    fitted = "noise_" in state
-    return {**state, "builder": None} if fitted else dict(state)
+    kept = {name: value for name, value in state.items() if name != "_parts"}
+    return {**kept, "builder": None} if "noise_" in kept else kept
 
 
 class ModelBased(ClassifierMixin, BaseEstimator):
@@ -104,6 +104,36 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
         return self._posterior(X)[1] > self.edge_
 
+    def log_densities(self, X, numbers: tuple[int, ...] | None = None):
+        """ln density of each class, then of a sweep that is just novel, (sweep, class + 1).
+
+        numbers: those of the features that are looked at; all without.
+        """
+        check_is_fitted(self)
+        X = validate_data(self, X, reset=False)
+        mixture, chance = self.part(numbers)
+        kept = slice(None) if numbers is None else list(numbers)
+        distances = mixture.distances((X / self.noise_)[:, kept])
+        joint = mixture.log_joint(distances)
+        classes = [joint[:, self.answer_ == k] for k in range(chance.size)]
+        told = np.stack([np.logaddexp.reduce(each, axis=1) for each in classes], axis=1) - chance
+        novel = (mixture.log_weight - mixture.log_chance).max() - self.edge_of(mixture) / 2
+        return np.column_stack([told, np.full(len(X), novel)])
+
+    def part(self, numbers: tuple[int, ...] | None) -> tuple[Mixture, NDArray[np.float64]]:
+        """The mixture of these features, and ln of the chance of each class."""
+        parts = self.__dict__.setdefault("_parts", {})
+        if numbers not in parts:
+            whole = Mixture(self.mean_, self.directions_, self.along_, self.log_weight_)
+            chances = np.bincount(self.answer_, np.exp(whole.log_chance))
+            some = whole if numbers is None else whole.of(np.array(numbers))
+            parts[numbers] = some, np.log(chances)
+        return parts[numbers]
+
+    def edge_of(self, mixture: Mixture) -> float:
+        """Squared distance beyond which a sweep is novel, where only so many numbers are seen."""
+        return float(chi2.isf(self.doubt, mixture.mean.shape[1]))
+
     def __getstate__(self):
         """Numbers and text only, once it is fitted."""
         return without_builder(super().__getstate__())
@@ -126,6 +156,7 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         return np.searchsorted(self.classes_, y)[:, None] == self.answer_
 
     def _keep(self, known: Hypotheses) -> None:
+        self._parts = {}
         mixture = known.mixture()
         self.mean_, self.directions_, self.along_ = mixture.mean, mixture.directions, mixture.along
         self.log_weight_ = mixture.log_weight
@@ -135,7 +166,7 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         """Probabilities, and the least squared distance of each sweep from an entry."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
-        mixture = Mixture(self.mean_, self.directions_, self.along_, self.log_weight_)
+        mixture, _ = self.part(None)
         distances = mixture.distances(X / self.noise_)
         shares = mixture.responsibilities(distances)
         order = np.argsort(self.answer_, kind="stable")

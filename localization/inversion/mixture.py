@@ -33,6 +33,26 @@ class Mixture:
     along: NDArray[np.float64]
     log_weight: NDArray[np.float64]
 
+    @property
+    def power(self) -> NDArray[np.float64]:
+        """Variance beside the noise along each direction of the spread, shape (entry, rank)."""
+        shrunk = (self.directions**2).sum(axis=2)
+        return shrunk / np.maximum(1 - shrunk, 1e-12)
+
+    @property
+    def spread(self) -> NDArray[np.float64]:
+        """B, as far as it is kept, shape (entry, number, rank)."""
+        return np.swapaxes(self.directions * np.sqrt(1 + self.power)[..., None], 1, 2)
+
+    @property
+    def log_chance(self) -> NDArray[np.float64]:
+        """ln of the chance of each entry, shape (entry,)."""
+        return self.log_weight + np.log1p(self.power).sum(axis=1) / 2
+
+    def of(self, numbers: NDArray[np.intp]) -> Mixture:
+        """The same of some of the numbers only."""
+        return mixture(self.mean[:, numbers], self.spread[:, numbers], np.exp(self.log_chance))
+
     def distances(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
         """Squared Mahalanobis distance of sweeps from entries, shape (sweep, entry)."""
         entries, rank, _ = self.directions.shape

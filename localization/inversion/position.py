@@ -26,8 +26,10 @@ BLUR = 3.0
 
 
 class Posterior(NamedTuple):
-    """Of one sweep. share: of each entry. mean, covariance: of x, y [mm] and strength in each."""
+    """Of one sweep. entry: numbers of those that matter. share: of each. mean, covariance: of x, y
+    [mm] and strength in each."""
 
+    entry: NDArray[np.intp]
     share: NDArray[np.float64]
     mean: NDArray[np.float64]
     covariance: NDArray[np.float64]
@@ -98,6 +100,13 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         """Chance that no answer exceeds to lie within so many mm of the touch, shape (sweep,)."""
         return np.array([each.share_within(radius) for each in self.places(X)])
 
+    def cells(self, X):
+        """Shares of the cells of GRID, y within x, and x and y [mm] in each with their covariance.
+
+        Shape (sweep, cell, 7): share, 2 means, 4 of the covariance; zeros where there is no share.
+        """
+        return np.array([_cells(self._posterior(each)) for each in self._scaled(X)])
+
     def novel(self, X):
         """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
         return self._mixture().distances(self._scaled(X)).min(axis=1) > self.edge_
@@ -144,7 +153,9 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         moved = np.einsum("enk,en->ek", weighed, off) * self.scale_
         left = np.eye(3) - np.einsum("enj,enk->ejk", slopes, weighed)
         covariance = left * self.scale_[:, None] * self.scale_
-        return Posterior(share[kept] / share[kept].sum(), self.theta_[kept] + moved, covariance)
+        return Posterior(
+            kept, share[kept] / share[kept].sum(), self.theta_[kept] + moved, covariance
+        )
 
     def _places(self, posterior: Posterior) -> Places:
         covariance = posterior.covariance[:, :2, :2]
@@ -153,6 +164,20 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
     def _told(self, posterior: Posterior) -> NDArray[np.float64]:
         strength = posterior.share @ posterior.mean[:, 2]
         return np.append(self._places(posterior).peak(BLUR), np.clip(strength, *self.bounds_[2]))
+
+
+def _cells(posterior: Posterior) -> NDArray[np.float64]:
+    """Normal distributions of each cell's entries taken together."""
+    cell, share, mean = posterior.entry // GRID[2], posterior.share, posterior.mean[:, :2]
+    square = posterior.covariance[:, :2, :2] + mean[:, :, None] * mean[:, None, :]
+    held = np.column_stack([np.ones_like(share), mean, square.reshape(-1, 4)]) * share[:, None]
+    found = np.zeros((GRID[0] * GRID[1], 7))
+    np.add.at(found, cell, held)
+    there = found[:, 0] > 0
+    found[there, 1:] /= found[there, :1]
+    middle = found[:, 1:3]
+    found[:, 3:] -= (middle[:, :, None] * middle[:, None, :]).reshape(-1, 4)
+    return found
 
 
 def _distance(posterior: Posterior, theta: NDArray[np.float64]) -> NDArray[np.float64]:

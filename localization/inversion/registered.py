@@ -40,6 +40,13 @@ def model_based(builder: Builder) -> list[Estimator]:
     ]
 
 
+def answer_at_once(pipeline: Pipeline) -> None:
+    """Have tables of skins made beside the work, where a pipeline makes any: see `Skins`."""
+    step: Any = pipeline[-1]
+    if isinstance(step, AdaptedClassifier | AdaptedPosition):
+        step.beside = True
+
+
 def _pipeline_by(builder: Builder, name: str) -> Callable[[Problem], Pipeline]:
     def build(problem: Problem) -> Pipeline:
         takes = inversion_adapted.QUANTITIES if name == ADAPTED else inversion.QUANTITIES

@@ -52,7 +52,13 @@ class Columns:
         for name, value in other.items():
             setattr(self, name, value)
 
-    def answer(self, sweep, rest, /):
+    def prepare(self, rest, /):
+        """Nothing to get ready."""
+
+    def questions(self, rest, gap, /):
+        """Whole sweeps."""
+
+    def answer(self, sweep, rest, gap, during, /):
         """The nearest column, as sure as it is near."""
         self.asked.append(sweep)
         rest_C = capacitance(rest).mean() if rest is not None else C
@@ -85,7 +91,7 @@ def by_column(column, probabilities):
     return answer_of_classes("column", str(column), classes, probabilities, (ROWS, COLUMNS))
 
 
-def load(path):
+def load(path, manner):
     """The localizer, whatever the path; `two.skops` is one that needs two interfaces."""
     return Pixels() if Path(path).name == "two.skops" else Columns()
 

@@ -239,6 +239,52 @@ def test_times_are_what_they_are_called(session, instrument):
     assert 1 / moments[-1].rate < whole
 
 
+class Asking(Columns):
+    """Asks for its highest frequency, then for its lowest, and answers by these."""
+
+    def questions(self, rest, gap, /):
+        return Two(self, rest)
+
+
+class Two:
+    def __init__(self, localizer, rest):
+        self.localizer, self.rest, self.told = localizer, rest, {}
+        self.wanted = list(localizer.frequencies)
+
+    def next(self, seconds, /):
+        assert seconds.shape == (3,) and (seconds > 0).all()
+        return self.wanted.pop(-1 if len(self.wanted) == 3 else 0) if len(self.told) < 2 else None
+
+    def tell(self, frequency, Z, /):
+        self.told[frequency] = Z
+
+    def answer(self, during, /):
+        part = self.rest.sel(frequency=sorted(self.told))[{"sweep": [0]}].copy(deep=True)
+        part["X"].values[0, 0] = [self.told[f].imag for f in sorted(self.told)]
+        part["Rs"].values[0, 0] = [self.told[f].real for f in sorted(self.told)]
+        return Columns.answer(self.localizer, part, self.rest, 0.0, during)
+
+
+def test_single_frequencies_are_measured_in_any_order_and_answered(session, press):
+    """Once in RENEWED_AFTER answers at rest a whole sweep is measured, which follows drift."""
+    asked = []
+    live = session({RENEWED_AFTER + 1: press("1,3")}, localizer=Asking(), rest=2)
+    live.show.reading = lambda frequency, reading: asked.append(frequency)
+    live._pace.show = live.show.reading
+    live.run(RENEWED_AFTER + 3)
+    whole, part = list(live.localizer.frequencies), [16e3, 1e3]
+    renewing = part * (RENEWED_AFTER - 1) + whole
+    assert asked == [*whole, *whole, *renewing, *part * 3]
+    assert live.show.labels == [*["nothing pressed"] * (RENEWED_AFTER + 1), *["column 3"] * 2]
+    assert any("follow slow drift" in note for note in live.show.notes)
+
+
+def test_a_fault_in_part_of_a_sweep_costs_that_part(session, press, instrument):
+    live = session({1: lambda: instrument.faults.add(Fault("status"))}, localizer=Asking())
+    live.run(3)
+    assert (live.failed, live.show.labels) == (1, ["nothing pressed"] * 3)
+
+
 def test_the_meter_is_left_as_it_was_found(session, instrument):
     instrument.settings.frequency = 2e3
     live = session()

@@ -5,6 +5,7 @@ import pytest
 from rcskin import __main__ as rcskin
 from rcskin.hardware.steer import ask
 from rcskin.hardware.virtual.serving import instrument, simulated
+from rcskin.localization.learners.registry import estimators
 from rcskin.localization.model.file import save
 from rcskin.localization.model.model import train
 from rcskin.simulator.measure.readout import read_out
@@ -44,6 +45,26 @@ def test_presses_on_the_simulated_strip_are_answered_at_their_columns(model, ser
             ask(f"127.0.0.1:{ports.control}", "press", press=f"1,{column}")
             told = live(*where, "--sweeps", "2", "--rest-file", str(rest))
             assert labels(told) == [f"column {column}"] * 2
+
+
+def test_touches_are_followed_by_few_frequencies_where_a_model_inverts_the_simulator(model, serve):
+    scene, random = load_scene(SCENE), np.random.default_rng(0)
+    presses = [*NOTHING, *(f"1,{j}:{f}" for j in (1, 2, 3) for f in (1.8, 2.2))]
+    exact = simulate(Solver(scene), [parse_press(press, 2.0) for press in presses])
+    sweeps = concatenate([read_out(exact, scene.readout, random, k) for k in range(3)])
+    registry = estimators(rcskin._model_based())
+    inverting = model.with_name("inverting.skops")
+    made = train(sweeps, "column", "model-based", quantities=("dlnZ", "dphase"), registry=registry)
+    save(inverting, made)
+    data = rcskin._scene_data(SCENE, None)
+    meter = instrument(simulated(data, rcskin._skins(data), rcskin._readout(data, 7)), pace=0)
+    with serve(meter) as ports:
+        where = ["--resource", ports.resource, "--model", str(inverting), "--filter"]
+        rest = model.with_name("rest.nc")
+        assert labels(live(*where, "--sweeps", "3", "--log", str(rest))) == ["nothing pressed"] * 3
+        ask(f"127.0.0.1:{ports.control}", "press", press="1,2")
+        where += ["--adaptive", "--rest-file", str(rest)]
+        assert labels(live(*where, "--sweeps", "4"))[-2:] == ["column 2"] * 2
 
 
 def live(*arguments):

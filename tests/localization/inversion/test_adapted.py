@@ -1,14 +1,17 @@
 """Inversion for the skin at hand: skins of closed form that are darker or lighter than the mean."""
 
+from threading import Event
+
 import numpy as np
 import pytest
 import skops.io
 from rcskin.localization.inputs.samples import Problem
-from rcskin.localization.inversion.adapted import SKINS_KEPT, AdaptedClassifier, AdaptedPosition
+from rcskin.localization.inversion.adapted import AdaptedClassifier, AdaptedPosition
 from rcskin.localization.inversion.classifier import ModelBased
 from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.localization.inversion.regions import regions_of
 from rcskin.localization.inversion.registered import ADAPTED, NAME, model_based
+from rcskin.localization.inversion.skins import ALIKE, SKINS_KEPT
 from rcskin.localization.trust.fitted import Regressor
 from rcskin.simulator.sweeps import InputError
 from sklearn.base import clone
@@ -133,7 +136,48 @@ def test_a_skin_that_is_met_again_needs_no_new_tables(adapted, tables):
     assert len(tables.curves) == 1
     for shade in range(SKINS_KEPT + 3):
         adapted.predict(rows([1], [shade]))
-    assert len(adapted._skins) == SKINS_KEPT
+    assert len(adapted._skins.kept) == SKINS_KEPT
+
+
+def test_a_rest_that_is_renewed_within_its_noise_needs_no_new_tables(adapted, tables):
+    """As `live` asks: sweep after sweep, each against a rest a little other than before."""
+    adapted.beside, columns = True, np.tile([1, 2, 3, 4], 15)
+    shades = 0.2 + 0.2 * ALIKE * np.sin(np.arange(60))
+    told = [adapted.predict(each[None])[0] for each in rows(columns, shades)]
+    np.testing.assert_array_equal(told, columns)
+    assert len(tables.curves) == 1
+
+
+def test_new_tables_are_made_beside_the_work_and_ahead_of_their_need(adapted, tables):
+    adapted.beside, slow, ready = True, Event(), Event()
+    adapted.predict(rows([1], [0.2]))
+    make = tables.pixels
+
+    def waited_for(shade):
+        ready.wait(10)
+        slow.set()
+        return make(shade)
+
+    tables.pixels = waited_for
+    drifted = rows([2], [0.2 + ALIKE / 2])
+    for _ in range(5):
+        assert adapted.predict(drifted) == 2
+    assert len(tables.curves) == 2 and len(adapted._skins.kept) == 1
+    ready.set()
+    assert slow.wait(10)
+    adapted._skins._making.join(10)
+    assert adapted.predict(drifted) == 2
+    assert len(tables.curves) == len(adapted._skins.kept) == 2
+
+
+def test_tables_that_cannot_be_made_beside_are_told_at_the_next_sweep(adapted, tables):
+    adapted.beside = True
+    adapted.predict(rows([1], [0.2]))
+    tables.pixels = None
+    adapted.predict(rows([1], [0.6]))
+    adapted._skins._making.join(10)
+    with pytest.raises(TypeError):
+        adapted.predict(rows([1], [0.6]))
 
 
 def test_a_sweep_like_no_touch_of_its_skin_is_novel(adapted):

@@ -6,6 +6,7 @@ import numpy as np
 from rcskin.localization.inversion.adapted import AdaptedClassifier, AdaptedPosition
 from rcskin.localization.inversion.classifier import ModelBased
 from rcskin.localization.inversion.position import ModelBasedPosition
+from rcskin.localization.inversion.skins import Skins
 from sklearn.base import is_regressor
 from sklearn.utils.estimator_checks import parametrize_with_checks
 from sklearn.utils.validation import check_array, check_is_fitted, validate_data
@@ -77,7 +78,7 @@ class _Doubled:
 
     def fit(self, X, y=None):
         X = validate_data(self, X)
-        self.mean_, self._skins = self._fitted(None, X), {}
+        self.mean_, self._skins = self._fitted(None, X), Skins(self._fitted)
         return self
 
     def _fitted(self, curve, X=None):

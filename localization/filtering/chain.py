@@ -1,0 +1,109 @@
+"""A hidden Markov chain in continuous time, and what sweeps that take their time tell of it.
+
+The forward pass of L. R. Rabiner, Proc. IEEE 77 (1989) 257-286, section III A, with sweeps during
+which the state may change: then the readings before a cut are of one state and those after it of
+another.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+RARE = 1e-300
+
+
+@dataclass(frozen=True, eq=False)
+class Cut:
+    """ln likelihoods of a sweep's readings before a cut, of each state, and after it; (state,)."""
+
+    before: NDArray[np.float64]
+    after: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """Of one sweep. whole: ln likelihood of each state throughout, (state,). cuts: in mid-sweep."""
+
+    whole: NDArray[np.float64]
+    cuts: tuple[Cut, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Belief:
+    """Probability of each state, shape (state,); changed: that the state changed in mid-sweep."""
+
+    states: NDArray[np.float64]
+    changed: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """stationary: chance of each state, (state,). flows: 1/s, from each to each and back, balanced:
+    symmetric, (state, state), of no meaning on the diagonal."""
+
+    stationary: NDArray[np.float64]
+    flows: NDArray[np.float64]
+
+    def moved(self, weights: NDArray[np.float64], seconds: float) -> NDArray[np.float64]:
+        """Weights of states, so much later: w exp(Q t), shape (state,)."""
+        power, turn = self._modes
+        root = np.sqrt(self.stationary)
+        found = ((weights / root) @ turn * np.exp(power * seconds)) @ turn.T * root
+        return np.maximum(found, 0.0)
+
+    def start(self) -> Belief:
+        """Before anything is known."""
+        return Belief(self.stationary / self.stationary.sum())
+
+    def after(self, belief: Belief, seconds: float) -> Belief:
+        """So much later, with nothing seen in between."""
+        return Belief(_normal(self.moved(belief.states, seconds))) if seconds > 0 else belief
+
+    def seen(self, belief: Belief, evidence: Evidence, seconds: float) -> Belief:
+        """After a sweep that took so many seconds, given the belief when it began.
+
+        Either the state stays, or it changes at one of the cuts or just at the beginning or the
+        end, where changes are half as likely as at a cut between.
+        """
+        alpha, stay = belief.states, np.exp(-self._leaving * seconds)
+
+        def changed(weights: NDArray[np.float64]) -> NDArray[np.float64]:
+            return np.maximum(self.moved(weights, seconds) - weights * stay, 0.0)
+
+        top = max([evidence.whole.max(), *(c.before.max() + c.after.max() for c in evidence.cuts)])
+        whole, share = np.exp(evidence.whole - top), 1 / (len(evidence.cuts) + 1)
+        at_ends = changed(alpha) * whole + changed(alpha * whole)
+        within = np.zeros_like(alpha)
+        for cut in evidence.cuts:
+            last = cut.after.max()
+            within += changed(alpha * np.exp(cut.before + last - top)) * np.exp(cut.after - last)
+        steady, within = alpha * stay * whole + share / 2 * at_ends, share * within
+        total = (steady + within).sum()
+        if not total > RARE:
+            return Belief(_normal(self.moved(alpha, seconds)), 1.0)
+        return Belief((steady + within) / total, float(within.sum() / total))
+
+    @cached_property
+    def _rates(self) -> NDArray[np.float64]:
+        rates = self.flows / self.stationary[:, None]
+        np.fill_diagonal(rates, 0.0)
+        return rates - np.diag(rates.sum(axis=1))
+
+    @property
+    def _leaving(self) -> NDArray[np.float64]:
+        return -np.diag(self._rates)
+
+    @cached_property
+    def _modes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        root = np.sqrt(self.stationary)
+        symmetric = self._rates * root[:, None] / root
+        power, turn = np.linalg.eigh((symmetric + symmetric.T) / 2)
+        return np.minimum(power, 0.0), turn
+
+
+def _normal(weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    return weights / weights.sum()

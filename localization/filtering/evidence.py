@@ -1,0 +1,115 @@
+"""What each sweep tells of the states of a chain, and what its early and late readings tell apart.
+
+A model that inverts the simulator knows how likely any part of a sweep is. Any other is asked about
+the early readings with the late ones of the sweep before: are these still as that was, the state
+changed in mid-sweep.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..inversion.adapted import AdaptedClassifier
+from ..inversion.classifier import ModelBased
+from ..model.model import Model
+from ..trust.fitted import Classifier
+from .chain import Cut, Evidence
+from .places import Grid
+
+DOUBT = 0.02
+"""How often a model is taken to be wrong, however sure it is, or to call a known touch novel."""
+CUTS = (0.25, 0.5, 0.75)
+"""Of a sweep's readings, where it may change from one state to another."""
+
+
+@dataclass
+class Observer:
+    """Asks a model of sweeps, in the order in which they were taken. grid: of one of positions."""
+
+    model: Model
+    grid: Grid | None = None
+    _before: NDArray[np.float64] | None = field(default=None, init=False)
+
+    def forget(self) -> None:
+        """The next sweep follows none."""
+        self._before = None
+
+    def observe(self, X: NDArray[np.float64]) -> list[Evidence]:
+        """Of rows of features; each follows the one before, of this call or the last."""
+        if inverts(self.model):
+            return self._by_tables(X)
+        first, before = self._before is None, X[:1] if self._before is None else self._before
+        earlier = np.concatenate([before, X[:-1]])
+        self._before = X[-1:].copy()
+        whole = self._likely(X)
+        spliced = self._likely(np.where(self._early(0.5, X.shape[1]), X, earlier))
+        nothing = np.zeros(whole.shape[1])
+        return [
+            Evidence(told, () if first and not k else (Cut(early, nothing),))
+            for k, (told, early) in enumerate(zip(whole, spliced, strict=True))
+        ]
+
+    def _by_tables(self, X: NDArray[np.float64]) -> list[Evidence]:
+        step: Any = self.model.pipeline[-1]
+        learned = self.model.learned
+        assert isinstance(learned, Classifier)
+
+        def likely(numbers: NDArray[np.bool_]) -> NDArray[np.float64]:
+            kept = tuple(np.flatnonzero(numbers).tolist())
+            return learned.sharpness * step.log_densities(X, kept)
+
+        early = [self._early(cut, 2 * self._readings) for cut in CUTS]
+        cuts = [(likely(part), likely(~part)) for part in early]
+        whole = learned.sharpness * step.log_densities(X)
+        return [
+            Evidence(whole[k], tuple(Cut(before[k], after[k]) for before, after in cuts))
+            for k in range(len(X))
+        ]
+
+    def _likely(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+        """ln likelihood of each state but for a constant of the sweep, shape (sweep, state)."""
+        learned = self.model.learned
+        novel = learned.novel(X)
+        if isinstance(learned, Classifier):
+            known, other = _doubted(learned.probabilities(X)), np.full(len(X), DOUBT)
+        else:
+            known, other, gated = self._places(X)
+            novel = novel & gated
+        known[novel] = DOUBT
+        return np.log(np.column_stack([known, np.where(novel, 1.0, other)]))
+
+    def _places(self, X: NDArray) -> tuple[NDArray, NDArray, NDArray[np.bool_]]:
+        """Likelihoods of what is known and of more touches, and whether there is one, (sweep,)."""
+        assert self.grid is not None
+        shares = self.grid.told(X)[..., 0]
+        cells = _doubted(shares) * shares.shape[1]
+        if self.model.gate is None:
+            return cells, np.full(len(X), DOUBT), np.ones(len(X), dtype=bool)
+        gate = self.model.gate.learned
+        assert isinstance(gate, Classifier)
+        count = np.array([int(label) for label in gate.classes])
+        chance = _doubted(gate.probabilities(X))
+        one, more = (chance[:, kind].sum(axis=1) for kind in (count == 1, count > 1))
+        known = np.column_stack([chance[:, count == 0], cells * one[:, None]])
+        return known, np.maximum(more, DOUBT), count[chance.argmax(axis=1)] == 1
+
+    @property
+    def _readings(self) -> int:
+        return len(self.model.interfaces) * len(self.model.frequencies)
+
+    def _early(self, cut: float, features: int) -> NDArray[np.bool_]:
+        """Which features are of readings before a cut: in each quantity, in the order measured."""
+        return np.arange(features) % self._readings < max(1, round(cut * self._readings))
+
+
+def inverts(model: Model) -> bool:
+    """Whether it knows how likely parts of a sweep are, of classes."""
+    return isinstance(model.pipeline[-1], ModelBased | AdaptedClassifier)
+
+
+def _doubted(probabilities: NDArray[np.float64]) -> NDArray[np.float64]:
+    return (1 - DOUBT) * probabilities + DOUBT / probabilities.shape[1]

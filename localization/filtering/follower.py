@@ -1,0 +1,144 @@
+"""Answers that add up over sweeps: a touch that comes, stays, moves and goes, followed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...simulator.sweeps import InputError
+from ..inputs.touches import plan_of_scene
+from ..inversion.position import GRID
+from ..model.model import Model
+from ..trust.answers import CANNOT_TELL
+from ..trust.fitted import Regressor
+from .chain import Belief, Chain, Evidence
+from .evidence import Observer
+from .places import Grid, grid_of
+from .states import chain_of_classes, chain_of_places
+from .touching import Touching
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MIDWAY = 0.5
+"""Probability that a touch changed in mid-sweep, from which on the sweep has no answer."""
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """An answer to a sweep by it and all before.
+
+    label: a class, or of positions "0" or "1" touches, or CANNOT_TELL. probability: of the most
+    probable one. probabilities: of each class, of positions none. changed: that the touch changed
+    in mid-sweep. coordinates: x, y and their deviations in mm, of a touch that is placed.
+    """
+
+    label: str
+    probability: float
+    probabilities: NDArray[np.float64]
+    changed: float
+    coordinates: tuple[float, ...] = ()
+
+
+class Follower:
+    """Follows the touches of one skin. Any model takes it.
+
+    certain: the least probability that is answered; the model's own without. Raises InputError for
+    a model whose scene does not tell its pixels.
+    """
+
+    def __init__(
+        self, model: Model, touching: Touching | None = None, certain: float | None = None
+    ) -> None:
+        self.model, touching = model, touching or Touching()
+        self._grid, self._chain = _chain(model, touching)
+        self._observer = Observer(model, self._grid)
+        self._threshold = certain or getattr(model.learned, "threshold", 0.0)
+        self.belief = self._chain.start()
+
+    def forget(self) -> None:
+        """What comes next is of another session, or after a long time."""
+        self.belief = self._chain.start()
+        self._observer.forget()
+
+    def expected(self, gap: float) -> NDArray[np.float64]:
+        """Probability of each class so many seconds later, then of anything else, (class + 1,)."""
+        return self._chain.after(self.belief, gap).states
+
+    def follow(
+        self, sweep: xr.Dataset, rest: xr.Dataset | None, gap: float, during: float
+    ) -> Followed:
+        """Of the next sweep. gap: s from the end of the one before to its beginning. during: s that
+        it took. Raises InputError as `Model.predict`."""
+        X = self.model.features(sweep, rest)
+        return self._through(X, np.array([gap]), np.array([during]))[0]
+
+    def through(self, sweeps: xr.Dataset, rest: xr.Dataset | None, pace: float) -> list[Followed]:
+        """Of sweeps in the order in which they were taken, each session by itself.
+
+        pace: s from sweep to sweep where no `time` of theirs is known. A sweep that has nothing at
+        rest before it cannot be told. Raises InputError as `Model.told`.
+        """
+        X, rows = self.model.told(sweeps, rest)
+        count, session = sweeps.sizes["sweep"], sweeps["session"].values[rows]
+        known = sweeps["time"].values if "time" in sweeps.coords else pace * np.arange(count)
+        known, found = known[rows], dict[int, Followed]()
+        for each in np.unique(session):
+            here = np.flatnonzero(session == each)
+            apart = np.maximum(np.diff(known[here]), 0.0)
+            usual = float(np.median(apart)) if apart.size else pace
+            during = np.minimum(np.append(usual, apart), usual)
+            self.forget()
+            told = self._through(X[here], np.append(0.0, apart - during[1:]), during)
+            found |= dict(zip(rows[here].tolist(), told, strict=True))
+        silent = Followed(CANNOT_TELL, 0.0, np.zeros(len(self.model.classes)), 0.0)
+        return [found.get(k, silent) for k in range(count)]
+
+    def _through(self, X: NDArray, gaps: NDArray, during: NDArray) -> list[Followed]:
+        evidence = self._observer.observe(X)
+        told = self._grid.told(X) if self._grid else [None] * len(X)
+        return [self.seen(*each) for each in zip(evidence, gaps, during, told, strict=True)]
+
+    def seen(
+        self, evidence: Evidence, gap: float, during: float, told: NDArray | None = None
+    ) -> Followed:
+        """After a sweep that told so much. told: as by `Grid.told`."""
+        before = self._chain.after(self.belief, gap)
+        self.belief = self._chain.seen(before, evidence, during)
+        return self._answer(self.belief, told)
+
+    def _answer(self, belief: Belief, told: NDArray | None) -> Followed:
+        names, chances = self._summed(belief.states)
+        best = int(chances.argmax())
+        probability = float(chances[best])
+        silent = belief.changed > MIDWAY or best == len(names) or probability < self._threshold
+        label = CANNOT_TELL if silent else names[best]
+        classes = chances[:-1] if self._grid is None else np.zeros(0)
+        if self._grid is None or told is None or label != "1":
+            return Followed(label, probability, classes, belief.changed)
+        cells = belief.states[-1 - GRID[0] * GRID[1] : -1]
+        placed = np.concatenate(self._grid.place(cells, told))
+        return Followed(label, probability, classes, belief.changed, tuple(placed.tolist()))
+
+    def _summed(self, states: NDArray[np.float64]) -> tuple[list[str], NDArray[np.float64]]:
+        """Names of what is told, and the chances of these and of anything else."""
+        if self._grid is None:
+            return [str(label) for label in self.model.classes], states
+        cells, other = states[-1 - GRID[0] * GRID[1] : -1].sum(), states[-1]
+        if self.model.knows_rest:
+            return ["0", "1"], np.array([states[0], cells, other])
+        return ["1"], np.array([cells, other])
+
+
+def _chain(model: Model, touching: Touching) -> tuple[Grid | None, Chain]:
+    if isinstance(model.learned, Regressor):
+        grid = grid_of(model)
+        rest = model.knows_rest
+        return grid, chain_of_places(GRID[0], GRID[1], grid.cell, touching, rest=rest)
+    plan = plan_of_scene(model.scene)
+    if plan is None:
+        raise InputError("the model's scene does not tell its pixels, which --filter needs")
+    return None, chain_of_classes(model.target, model.classes, plan, touching)

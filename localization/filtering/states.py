@@ -1,0 +1,112 @@
+"""What a skin can be touched by, as states of a chain: which of them lead to which, how fast."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..inputs.touches import Plan
+from .chain import Chain
+from .touching import Touching
+
+PIXEL = re.compile(r"(\d+),(\d+)", re.ASCII)
+OTHER = 0.05
+"""Share of touches that are none which the localizer knows: its last state."""
+
+Spots = frozenset[tuple[int, int]]
+
+
+def chain_of_classes(
+    target: str, classes: Sequence[int | str], plan: Plan, touching: Touching
+) -> Chain:
+    """States: each class, then whatever is none of them.
+
+    target, classes: of a localizer, with numbers or texts as `labels` tells them. plan: of its
+    skin.
+    """
+    pitch = (1e3 * plan.width / plan.rows, 1e3 * plan.length / plan.columns)
+    crossing = [touching.crossings(each) for each in pitch]
+    if target == "touches":
+        return _counted([int(each) for each in classes], touching)
+    states = [_spots(target, str(each)) for each in classes]
+    spots = len({spot for each in states for spot in each})
+    dense = touching.lasts / touching.every / max(spots, 1)
+    stationary = np.array([dense ** len(each) for each in states])
+    flows = np.zeros((len(states), len(states)))
+    for i, one in enumerate(states):
+        for j in range(i + 1, len(states)):
+            more = i if len(one) > len(states[j]) else j
+            rate = _rate(one, states[j], crossing, touching)
+            flows[i, j] = flows[j, i] = rate * stationary[more]
+    return _with_other(stationary, flows, touching, frozenset() in states)
+
+
+def chain_of_places(
+    columns: int, rows: int, cell: tuple[float, float], touching: Touching, *, rest: bool
+) -> Chain:
+    """States: nothing pressed where that is told, a touch in each cell, then anything else.
+
+    Cells run along y first. cell: width and height in mm. rest: whether it is told.
+    """
+    count = rows * columns
+    number = np.arange(count).reshape(columns, rows)
+    stationary = np.full(count, touching.lasts / touching.every / count)
+    flows = np.zeros((count, count))
+    for axis, width in enumerate(cell):
+        here, there = (
+            np.moveaxis(number, axis, 0)[part].ravel() for part in (slice(-1), slice(1, None))
+        )
+        rate = touching.crossings(width) / 4 * stationary[0]
+        flows[here, there] = flows[there, here] = rate
+    if rest:
+        stationary = np.append(1.0, stationary)
+        flows = np.pad(flows, (1, 0))
+        flows[0, 1:] = flows[1:, 0] = 1 / touching.every / count
+    return _with_other(stationary, flows, touching, rest)
+
+
+def _counted(classes: list[int], touching: Touching) -> Chain:
+    dense, count = touching.lasts / touching.every, np.array(classes)
+    factorial = np.array([1.0 if n < 2 else np.prod(np.arange(1, n + 1)) for n in classes])
+    stationary = dense**count / factorial
+    one_more = count[:, None] + 1 == count
+    flows = np.where(one_more, stationary[:, None] / touching.every, 0.0)
+    return _with_other(stationary, flows + flows.T, touching, 0 in classes)
+
+
+def _with_other(stationary: NDArray, flows: NDArray, touching: Touching, knows_rest: bool) -> Chain:
+    """Other touches come beside every state; where no rest is known, touches follow each other."""
+    if not knows_rest:
+        flows = flows + stationary[:, None] * stationary / stationary.sum() / touching.lasts
+    other = OTHER * touching.lasts / touching.every * stationary.sum()
+    coming = OTHER / touching.every * stationary
+    flows = np.pad(flows, (0, 1))
+    flows[-1, :-1] = flows[:-1, -1] = coming
+    np.fill_diagonal(flows, 0.0)
+    return Chain(np.append(stationary, other), flows)
+
+
+def _spots(target: str, label: str) -> Spots:
+    if target in ("row", "column"):
+        number = int(label)
+        spot = (number, 0) if target == "row" else (0, number)
+        return frozenset([spot] if number else [])
+    found = [(int(row), int(column)) for row, column in PIXEL.findall(label)]
+    return frozenset(spot for spot in found if spot != (0, 0))
+
+
+def _rate(one: Spots, other: Spots, crossing: Sequence[float], touching: Touching) -> float:
+    """1/s from a state to another of as many touches, or from the one of more to that of fewer."""
+    gone, come = one - other, other - one
+    if not gone or not come:
+        return 1 / touching.lasts if len(gone) + len(come) == 1 else 0.0
+    if len(gone) > 1 or len(come) > 1:
+        return 0.0
+    steps = [abs(a - b) for a, b in zip(*gone, *come, strict=True)]
+    if sum(steps) != 1:
+        return 0.0
+    ways = 4 if all(spot[0] and spot[1] for spot in (*gone, *come)) else 2
+    return crossing[steps.index(1)] / ways
