@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulator.sweeps.examination import FEWEST_FREQUENCIES
-from ...simulator.sweeps.noise import local_scale, roughness
+from ...simulator.sweeps.laws.examination import FEWEST_FREQUENCIES
+from ...simulator.sweeps.laws.noise import local_scale, roughness
 from .sweep import Sweep
 
 SEEN = 2.5

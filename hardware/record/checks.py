@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...simulator.sweeps import build, parallel_capacitance, violations
-from ...simulator.sweeps.passivity import Bounds, listed
+from ...simulator.sweeps.laws.passivity import Bounds, listed
 from ..meter.accuracy import AccuracyTable, Conditions, Drive, full_scale
 from .sweep import Sweep, Trace
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.sweeps import impedance
-from ...simulator.sweeps.noise import repeatability
+from ...simulator.sweeps.laws.noise import repeatability
 from ..inputs.targets import labels
 from .given import ReadingError
 from .pair import pixel_of

@@ -124,8 +124,8 @@ def check(
     from rich.console import Console
 
     from ..sweeps import InputError
-    from ..sweeps.examination import examine
     from ..sweeps.joining import join
+    from ..sweeps.laws.examination import examine
     from .report import checked_report, explanations, verdict_table, write_report
 
     report = None if output is None else checked_report(output)

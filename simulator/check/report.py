@@ -11,7 +11,7 @@ import numpy as np
 
 from ..charts import ENDINGS
 from ..sweeps import InputError, whole_file
-from ..sweeps.examination import Judgement
+from ..sweeps.laws.examination import Judgement
 from .residuals import draw_residuals
 
 if TYPE_CHECKING:

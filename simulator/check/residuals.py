@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..charts import COLOURS, chart, frequency_axis
-from ..sweeps.examination import Judgement
+from ..sweeps.laws.examination import Judgement
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

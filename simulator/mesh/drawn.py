@@ -16,7 +16,7 @@ from .arrangement import Arrangement, Chords, arranged, chords
 from .domain import Domain, Numbers, Points, labelled, unlabelled
 from .drawing import Drawing, closed
 from .mesher import Meshed, meshed
-from .untangled import untangled
+from .refining.untangled import untangled
 
 SAME = 1e-8
 """What is nearer than this times the skin's longer side is at one place."""

@@ -19,10 +19,10 @@ from .cutting import cut, snapped
 from .domain import Domain, Numbers, Points, labelled, unlabelled
 from .drawing import Drawing
 from .mending import collapsed, compressed, edges_along, flipped
-from .refinement import refined
+from .refining.refinement import refined
+from .refining.untangled import untangled
 from .sound import check
 from .triangles import edges_of, rim_points
-from .untangled import untangled
 
 
 def bent(mesh: Domain, drawing: Arrangement, curvature: Points, same: float) -> Domain:

@@ -4,8 +4,8 @@ from .errors import InputError, ToleranceError
 from .files import checked_output, counted, open_zarr, read, whole_file, write
 from .impedance import branch_reactance, parallel_capacitance, series_capacitance
 from .joining import read_joined
+from .laws.passivity import Violation, violations
 from .needs import check_needs
-from .passivity import Violation, violations
 from .schema import UNPRESSED, build, check, concatenate, impedance, side_by_side
 
 __all__ = [

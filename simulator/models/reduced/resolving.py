@@ -12,7 +12,7 @@ from ...fem.circuit import Circuit
 from ...mesh.domain import Domain
 from ...mesh.held import held
 from ...mesh.quadrilaterals import Resolution
-from ...mesh.untangled import finer
+from ...mesh.refining.untangled import finer
 from ...press.press import Press
 from ...press.touch import Touch
 from ...scene.meter import Sweep

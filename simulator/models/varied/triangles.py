@@ -11,8 +11,8 @@ from ...fem.circuit import Circuit
 from ...fem.galerkin import Galerkin
 from ...mesh.domain import Domain
 from ...mesh.drawing import sharp_touches
+from ...mesh.refining.untangled import finer
 from ...mesh.skin_mesh import domain
-from ...mesh.untangled import finer
 from ...press.press import Press
 from ...press.touch import Disc, Touch
 from ...scene.scene import Scene

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.mesh.refinement import refined
+from rcskin.simulator.mesh.refining.refinement import refined
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.pixels import pixels_with_skin
 from rcskin.simulator.press.press import Press, parse_press

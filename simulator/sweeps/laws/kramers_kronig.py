@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import ToleranceError
+from ..errors import ToleranceError
 
 PER_DECADE = 20
 MARGIN = 100.0

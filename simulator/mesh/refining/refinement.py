@@ -13,9 +13,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .arcs import on_arcs
-from .domain import Domain, Numbers, Points
-from .triangles import edges_of, halves
+from ..arcs import on_arcs
+from ..domain import Domain, Numbers, Points
+from ..triangles import edges_of, halves
 
 
 def refined(domain: Domain, marked: ArrayLike) -> Domain:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .impedance import parallel_capacitance, series_capacitance
-from .schema import impedance
+from ..impedance import parallel_capacitance, series_capacitance
+from ..schema import impedance
 
 if TYPE_CHECKING:
     import xarray as xr

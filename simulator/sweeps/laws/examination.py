@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import InputError
+from ..errors import InputError
+from ..schema import impedance
 from .kramers_kronig import RESOLUTION, fit_passive
 from .noise import NEIGHBOURS, Allowance, local_scale, repeatability, roughness
 from .passivity import Violation
-from .schema import impedance
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..sweeps import ToleranceError
-from .arcs import mapped
-from .domain import Domain, Numbers
+from ...sweeps import ToleranceError
+from ..arcs import mapped
+from ..domain import Domain, Numbers
+from ..triangles import edge_numbers, edges_of
 from .refinement import arcs_halved, refined
-from .triangles import edge_numbers, edges_of
 
 STEPS = 6
 """Parts of an edge, at the ends of which triangles are looked at."""

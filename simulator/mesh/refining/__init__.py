@@ -1,0 +1,1 @@
+"""Meshes made finer where that is asked for."""
