@@ -124,7 +124,7 @@ def train(sweeps: xr.Dataset, target: str = "column", **options: Any) -> Model:
     options: as of `rcskin.localization.model.model.train`. Raises InputError where these cannot be
     had, or the sweeps are of one class.
     """
-    from .localization.model.model import train as trained
+    from .localization.model.training import train as trained
 
     return trained(sweeps, target, **options)
 

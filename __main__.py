@@ -50,7 +50,7 @@ def reproduce(
     from .localization.evaluation.evaluation import cross_validate
     from .localization.evaluation.plot import draw_confusion
     from .localization.model.file import save
-    from .localization.model.model import train
+    from .localization.model.training import train
     from .simulator.charts import checked_ending
     from .simulator.paper.localizer import Localizer
     from .simulator.paper.reproduce import reproduce as reproduce_paper

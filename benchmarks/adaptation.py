@@ -19,7 +19,8 @@ from bench import Run, launch, publish
 from rcskin.localization.adaptation.adaptation import checked, taught
 from rcskin.localization.evaluation.evaluation import score
 from rcskin.localization.inputs.samples import Samples
-from rcskin.localization.model.model import Model, train
+from rcskin.localization.model.model import Model
+from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.dataset.skins import DrawnSkin, drawn_skin
 from rcskin.simulator.models.reduced.model import Reduced

@@ -30,7 +30,8 @@ from rcskin.hardware.live.session import Moment, Session
 from rcskin.hardware.record.sweep import Sweep, Watch
 from rcskin.localization.filtering.asking import Asker, skin_at_hand
 from rcskin.localization.filtering.follower import Follower
-from rcskin.localization.model.model import Model, train
+from rcskin.localization.model.model import Model
+from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.model import reduced
 from twin import RTOL, SEED, equip, localizers, simulated
 from twin_scenes import believed, built

@@ -25,7 +25,8 @@ from joblib import Parallel, delayed
 from rcskin.localization.inputs.reading import read_some
 from rcskin.localization.inversion.registered import model_based
 from rcskin.localization.learners.registry import Registry, estimators
-from rcskin.localization.model.model import Model, train
+from rcskin.localization.model.model import Model
+from rcskin.localization.model.training import train
 from rcskin.simulator.calibration.choice import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.dataset.model import Training, reduced

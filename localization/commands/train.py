@@ -43,7 +43,7 @@ def train_command(
         from ..inputs.reading import read_some
         from ..learners.registry import estimators
         from ..model.file import ENDING, save
-        from ..model.model import train as train_model
+        from ..model.training import train as train_model
 
         checked_output(output, (ENDING,))
         known = read_some(sweeps, most)

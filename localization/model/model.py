@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING
@@ -12,17 +11,13 @@ from sklearn.pipeline import Pipeline
 
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.same_skin import check_same_skin
-from ..inputs.features import DEFAULT_QUANTITIES, told_features
+from ..inputs.features import told_features
 from ..inputs.rest import check_told
 from ..inputs.samples import Problem, Samples, samples_of
-from ..inputs.targets import has_target, labels
 from ..inversion.region import Region
 from ..inversion.regions import regions_of
-from ..learners.registry import Registry, chosen
 from ..trust.answers import CANNOT_TELL, NOTHING_PRESSED, Answers
 from ..trust.fitted import Classifier, Regressor
-from ..trust.fitting import learn_classes, learn_positions
-from ..trust.folds import Track, judging, told, untold
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -244,63 +239,3 @@ class Model:
                 f"the model was trained at {trained[other[0]]:.12g} Hz, "
                 f"the sweeps have {given[other[0]]:.12g} Hz in its place"
             )
-
-
-def train(
-    sweeps: xr.Dataset,
-    target: str = "column",
-    estimator: str | None = None,
-    *,
-    quantities: Sequence[str] = DEFAULT_QUANTITIES,
-    interfaces: Sequence[str] | None = None,
-    rest: xr.Dataset | None = None,
-    certain: float | None = None,
-    tune: bool = False,
-    registry: Registry | None = None,
-    track: Track = untold,
-) -> Model:
-    """A model that tells of sweeps like these what `target` asks for.
-
-    Sweeps whose press has no such target are left out. target, quantities, interfaces, rest: as of
-    `samples_of`. estimator: a name in `registry`, or that of DEFAULT_OF. certain: the rate at which
-    answers are to be right on held-out sweeps; without it every sweep that is no novelty is
-    answered. tune: choose the estimator's parameters by cross-validation. track: as of `Track`.
-    Raises InputError where these cannot be had, or the sweeps are of one class.
-    """
-    made = chosen(estimator, target, registry)
-    samples = samples_of(sweeps, target, quantities, interfaces=interfaces, rest=rest)
-    if samples.problem.continuous:
-        gate = _gate(sweeps, samples, rest, certain)
-        learned = learn_positions(samples, made, tune=tune, track=track)
-    else:
-        gate = None
-        learned = learn_classes(samples, made, certain=certain, tune=tune, track=track)
-    held_out = told(judging(samples.strata, samples.sessions), samples.sessions)
-    return Model(
-        learned=learned,
-        estimator=made.name,
-        problem=samples.problem,
-        certain=certain,
-        validation=held_out,
-        versions=versions_here(),
-        trained_on=min(len(samples.of_sessions(made.sessions).X), made.most),
-        left_out=samples.left_out.told(target),
-        gate=gate,
-    )
-
-
-def _gate(
-    sweeps: xr.Dataset, samples: Samples, rest: xr.Dataset | None, certain: float | None
-) -> Model | None:
-    """Of the same quantities and interfaces; None where there is but one number of touches."""
-    counted = sweeps.isel(sweep=has_target(sweeps, "touches"))
-    if np.unique(labels(counted, "touches")).size < 2:
-        return None
-    return train(
-        sweeps,
-        "touches",
-        quantities=samples.problem.quantities,
-        interfaces=samples.problem.interfaces,
-        rest=rest,
-        certain=certain,
-    )

@@ -11,8 +11,9 @@ from rcskin.simulator.fem.galerkin import Galerkin
 from rcskin.simulator.mesh.quadrilaterals import Resolution, pixel_mesh
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.models.varied.coefficients import ELECTRODES, Coefficients
-from rcskin.simulator.models.varied.elements import pressed_system, squares, triangles
+from rcskin.simulator.models.varied.elements import squares, triangles
 from rcskin.simulator.models.varied.materials import Materials
+from rcskin.simulator.models.varied.system import pressed_system
 from rcskin.simulator.press.press import Press, parse_press
 from skfem import BilinearForm, MeshTri
 from skfem.assembly import Basis, FacetBasis

@@ -14,8 +14,9 @@ from ...fem.system import Films, System, films
 from ..parameters import foam_parts, mode_values
 from ..varied.coefficients import Coefficients
 from ..varied.discretised import LESS_GAINED
-from ..varied.elements import Elements, add_foam, add_sheet, film_of, pressed_system, triangles
+from ..varied.elements import Elements, triangles
 from ..varied.materials import Materials, gauged
+from ..varied.system import add_foam, add_sheet, film_of, pressed_system
 from .family import Checking, Family, Triangulation, Weights, resistive
 from .masses import Masses, Part
 

@@ -16,7 +16,8 @@ from ...fem.unknowns import on_cells
 from ...scene.frequency import Loss, laplace_variable
 from ..answer import Rung
 from .coefficients import Coefficients
-from .elements import Elements, PressedSystem, pressed_system
+from .elements import Elements
+from .system import PressedSystem, pressed_system
 from .unsure import NEGLIGIBLE, Raised, missed, of_rule
 
 LESS_GAINED = 2.0

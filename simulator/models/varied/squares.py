@@ -20,9 +20,10 @@ from ...sweeps import ToleranceError
 from ..resolution import ONE_CELL, Ladder
 from .coefficients import Coefficients
 from .discretised import Discretised, Solved
-from .elements import pressed_system, squares
+from .elements import squares
 from .layers import layered
 from .materials import Materials
+from .system import pressed_system
 
 CELLS_TO_A_LENGTH = 2.0
 """For the shortest length of a map, of elements of order 1; fewer of higher order."""

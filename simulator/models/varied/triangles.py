@@ -20,8 +20,9 @@ from ...sweeps import InputError, ToleranceError
 from ..outlook import cells_needed, check_within_reach
 from .coefficients import Coefficients
 from .discretised import Discretised, Solved, indicators, most
-from .elements import pressed_system, triangles
+from .elements import triangles
 from .materials import Materials
+from .system import pressed_system
 
 if TYPE_CHECKING:
     from ..mechanics.pressed import Pressed

@@ -1,1 +1,1 @@
-"""Laws that every sweep of a skin keeps, and whether one does: the noise of readings beside them."""
+"""Laws that every sweep of a skin keeps, whether one does, and the noise of its readings."""

@@ -7,7 +7,7 @@ from rcskin.hardware.steer import ask
 from rcskin.hardware.virtual.serving import instrument, simulated
 from rcskin.localization.learners.registry import estimators
 from rcskin.localization.model.file import save
-from rcskin.localization.model.model import train
+from rcskin.localization.model.training import train
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver

@@ -7,7 +7,7 @@ import pytest
 from rcskin.localization.adaptation.adaptation import adapted
 from rcskin.localization.learners.registry import estimators
 from rcskin.localization.model.file import load, save
-from rcskin.localization.model.model import train
+from rcskin.localization.model.training import train
 from rcskin.simulator.sweeps import concatenate, write
 
 FREQUENCY = np.geomspace(1e3, 200e3, 20)

@@ -7,7 +7,7 @@ from rcskin.localization.filtering.follower import Follower
 from rcskin.localization.filtering.touching import Touching
 from rcskin.localization.inversion.registered import NAME, model_based
 from rcskin.localization.learners.registry import estimators
-from rcskin.localization.model.model import train
+from rcskin.localization.model.training import train
 from rcskin.localization.trust.answers import CANNOT_TELL
 from rcskin.simulator.inversion.tables import templates
 from rcskin.simulator.measure.readout import read_out

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
 from rcskin.localization.model.file import load, save
-from rcskin.localization.model.model import train
+from rcskin.localization.model.training import train
 from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate

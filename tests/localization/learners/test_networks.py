@@ -10,7 +10,7 @@ from rcskin.localization.learners import classifiers, regressors
 from rcskin.localization.learners.components import Components
 from rcskin.localization.learners.networks import NetworkClassifier, NetworkRegressor
 from rcskin.localization.model.file import load, save
-from rcskin.localization.model.model import train
+from rcskin.localization.model.training import train
 from rcskin.localization.trust.folds import PLENTY, held_out_of, judging, splits_of, told
 from rcskin.simulator.sweeps import concatenate
 from sklearn import clone

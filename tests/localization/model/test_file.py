@@ -9,7 +9,7 @@ from rcskin.localization.inputs.features import features
 from rcskin.localization.learners.classifiers import CLASSIFIERS
 from rcskin.localization.model.fields import fields_of
 from rcskin.localization.model.file import load, save
-from rcskin.localization.model.model import train
+from rcskin.localization.model.training import train
 from rcskin.simulator.sweeps import InputError
 from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import MinMaxScaler

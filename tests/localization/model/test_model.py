@@ -4,7 +4,7 @@ from importlib.metadata import version
 import numpy as np
 import pytest
 from rcskin.localization.inputs.targets import labels
-from rcskin.localization.model.model import train
+from rcskin.localization.model.training import train
 from rcskin.simulator.sweeps import InputError
 
 

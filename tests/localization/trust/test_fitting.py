@@ -8,7 +8,7 @@ from rcskin.localization.evaluation.evaluation import nested
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.learners.registry import chosen, estimators
 from rcskin.localization.model.file import load, save
-from rcskin.localization.model.model import train
+from rcskin.localization.model.training import train
 from rcskin.localization.trust.answers import CANNOT_TELL
 from rcskin.localization.trust.folds import splits_of
 from rcskin.localization.trust.temperature import calibration_error, probabilities

@@ -8,8 +8,8 @@ from rcskin.simulator.fem.estimate import relative_difference
 from rcskin.simulator.fem.galerkin import Galerkin, swept
 from rcskin.simulator.models.mechanics.indentation import pressed
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.varied.elements import pressed_system
 from rcskin.simulator.models.varied.meshes import circuit_of
+from rcskin.simulator.models.varied.system import pressed_system
 from rcskin.simulator.models.varied.triangles import Triangles
 from rcskin.simulator.models.varied.unsure import of_deflection
 from rcskin.simulator.press.press import parse_press
