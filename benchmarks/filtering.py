@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from bench import Run, launch, publish
-from filtering_hands import Stage, Touch, visits
 from joblib import Parallel, delayed
 from rcskin.hardware.live.answer import NOTHING_PRESSED
 from rcskin.hardware.live.link import Link
@@ -34,9 +33,10 @@ from rcskin.localization.model.model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.model import reduced
 from twin import RTOL, SEED, equip, localizers, simulated
-from twin_scenes import believed, built
-from twin_skin import Twin
-from twin_trials import ONE, SINGLE
+from twin_parts.hands import Stage, Touch, visits
+from twin_parts.scenes import believed, built
+from twin_parts.skin import Twin
+from twin_parts.trials import ONE, SINGLE
 
 PIXELS, TRAINING = 5, 2000
 SKINS, TOUCHES, REST = 4, 30, 300.0

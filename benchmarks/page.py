@@ -40,7 +40,7 @@ async ([presses, seed]) => {
     const at = { pointerId: 7, bubbles: true,
       clientX: box.left + (0.15 + 0.7 * random()) * box.width,
       clientY: box.top + (0.15 + 0.7 * random()) * box.height };
-    await painted();
+    await new Promise((done) => setTimeout(done, 30 + 40 * random()));
     const start = performance.now();
     canvas.dispatchEvent(new PointerEvent("pointerdown", at));
     await frame();
@@ -48,7 +48,6 @@ async ([presses, seed]) => {
     await painted();
     times.push([performance.now() - start, performance.now() - begun]);
     canvas.dispatchEvent(new PointerEvent("pointerup", at));
-    await new Promise((done) => setTimeout(done, 30));
   }
   return times;
 }

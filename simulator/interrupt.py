@@ -13,13 +13,12 @@ from contextlib import contextmanager, suppress
 from time import monotonic
 from typing import NoReturn
 
-from .sweeps.ending import wait
-
 PATIENCE, UNWOUND, LEAVE = 0.8, 1.4, 0.4
 """Seconds from a Ctrl-C until it must have been heard of, and what is unfinished have ended; and
 that what is left to do at exit may take."""
 SHOWN_CURSOR = "\x1b[?25h"
 """What gives a terminal its cursor back, which a progress bar had hidden."""
+ENDING = f"{__package__}.sweeps.ending"
 INTERRUPTED = 130
 """Exit code of what Ctrl-C ends."""
 
@@ -64,8 +63,8 @@ def _watch(signals: socket.socket, heard: threading.Event, over: threading.Event
                 continue
             last = monotonic() + UNWOUND
             told = heard.wait(PATIENCE)
-            if told:
-                wait()
+            if told and ENDING in sys.modules:  # else nothing can be in such a block
+                sys.modules[ENDING].wait()
             if not (told and over.wait(max(last - monotonic(), LEAVE))):
                 cursor = SHOWN_CURSOR if sys.stderr.isatty() else ""
                 sys.stderr.write(f"{cursor}rcskin: interrupted\n")

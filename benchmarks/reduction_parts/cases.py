@@ -163,7 +163,8 @@ def against_exact(skin: ReducedSkin, presses: Presses) -> tuple[NDArray, NDArray
 def unreduced(skin: ReducedSkin, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> Impedance:
     """Z in ohm of one press on the very mesh that was reduced, shape (interface, frequency)."""
     reduced = skin.reduced
-    return reduced.family.solved(skin.variation, skin.map_of(cells, rises), reduced.rtol)[0]
+    loss = (skin.variation or reduced.scene.skin.foam).loss
+    return reduced.family.solved(skin.weights, loss, skin.map_of(cells, rises), reduced.rtol)[0]
 
 
 def microseconds(skin: ReducedSkin, scene: Scene, count: int = BATCH) -> float:

@@ -47,8 +47,7 @@ class Matrices:
         """For the first drive of a family in which no terminal floats."""
         space = family.space
         potential = space.driven(family.circuit.drives[0]).potential
-        rows, columns = family.scene.pixels.rows, family.scene.pixels.columns
-        alone = np.eye(rows * columns).reshape(-1, rows, columns)
+        alone = np.eye(family.scene.pixels.rows * family.scene.pixels.columns)
         whole = [space.restricted(family.mass(pixel)) for pixel in alone]
         charges = np.array([mass @ potential for mass in whole])
         inner = [mass[: space.inner][:, : space.inner] for mass in whole]

@@ -9,13 +9,13 @@ from rcskin.simulator.limits import bayes_accuracy
 from rcskin.simulator.limits.fields import Fields
 from rcskin.simulator.limits.position import chosen_touch, places_on
 from rcskin.simulator.limits.readings import hypotheses
-from rcskin.simulator.measure.experiment import every_press, planned_presses
+from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.parameters import scene_with
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.press.press import every_press, parse_press
 from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.study.curve import Curve
 from rcskin.simulator.study.point import Trial

@@ -72,7 +72,13 @@ class Pixels(Columns):
 
     target, interfaces = "pixel", ("left", "bottom")
 
-    def answer(self, sweep, rest, /):
+    def prepare(self, rest, /):
+        """Nothing to get ready."""
+
+    def questions(self, rest, gap, /):
+        """Whole sweeps."""
+
+    def answer(self, sweep, rest, gap, during, /):
         """The nearest pixel, surely."""
         self.asked.append(sweep)
         rises = capacitance(sweep).mean((0, 2)) / capacitance(rest).mean((0, 2)) - 1

@@ -22,7 +22,8 @@ from rcskin.hardware.virtual.server import running
 from rcskin.hardware.virtual.serving import instrument, simulated
 from rcskin.simulator.measure.specimen import SessionErrors
 from rcskin.simulator.scene.files import scene_text
-from twin_skin import Twin
+
+from twin_parts.skin import Twin
 
 TALK = 0.008
 """s of a reading beside measuring: commands and their answers."""
