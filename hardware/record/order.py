@@ -19,6 +19,7 @@ class Step:
 
 
 REST = Step(UNPRESSED, 0, 0)
+FIRST_RESTS = 3
 UNKNOWN = "?"
 """The press of a sweep that a localizer is asked of."""
 
@@ -37,11 +38,14 @@ def parse_step(text: str, rows: int, columns: int) -> Step:
 
 
 def standard_order(rows: int, columns: int, repetitions: int) -> list[Step]:
-    """Every pixel row by row, so many times, with the skin at rest before, between and after."""
+    """Every pixel row by row, so many times, with the skin at rest between and after.
+
+    FIRST_RESTS begin it: later presses are told against their mean.
+    """
     if not 1 <= repetitions <= 10_000:
         raise InputError(f"`repetitions` must be in 1..10000, got {repetitions}")
     pixels = [Step(f"{i + 1},{j + 1}", i + 1, j + 1) for i in range(rows) for j in range(columns)]
-    return [*[REST, *pixels] * repetitions, REST]
+    return [REST] * (FIRST_RESTS - 1) + [REST, *pixels] * repetitions + [REST]
 
 
 def read_order(path: Path, rows: int, columns: int) -> list[Step]:

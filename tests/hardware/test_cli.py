@@ -69,7 +69,7 @@ def test_correct_acquires_and_tells_the_state(told, ports):
 
 def test_a_recording_is_written_as_sweeps(recording):
     sweeps = read(recording)
-    assert sweeps.sizes == {"sweep": 11, "interface": 1, "frequency": 3}
+    assert sweeps.sizes == {"sweep": 13, "interface": 1, "frequency": 3}
     assert sweeps.attrs["accuracy"] == "3522-50-derived"
 
 

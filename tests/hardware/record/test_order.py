@@ -3,7 +3,14 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.record.order import REST, Step, parse_step, read_order, standard_order
+from rcskin.hardware.record.order import (
+    FIRST_RESTS,
+    REST,
+    Step,
+    parse_step,
+    read_order,
+    standard_order,
+)
 from rcskin.simulator.sweeps import InputError
 
 counts = st.integers(1, 5)
@@ -15,8 +22,8 @@ def test_every_pixel_as_often_and_rest_before_between_and_after(rows, columns, r
     pixels = [step for step in order if step != REST]
     assert len(set(pixels)) == rows * columns
     assert all(pixels.count(step) == repetitions for step in pixels)
-    assert order.count(REST) == repetitions + 1
-    assert order[0] == order[-1] == REST
+    assert order.count(REST) == repetitions + FIRST_RESTS
+    assert order[:FIRST_RESTS] == [REST] * FIRST_RESTS and order[-1] == REST
 
 
 def test_a_file_gives_its_own_order(tmp_path):

@@ -167,7 +167,7 @@ def test_a_meter_that_keeps_failing_ends_it_with_what_is_done_on_disk(task, oper
     with pytest.raises(MeterError, match="status 7"):
         record(task, operator)
     header = Journal(task.output).header()
-    assert sorted(Journal(task.output).entries(header)) == [0, 1]
+    assert sorted(Journal(task.output).entries(header)) == [0, 1, 2, 3]
 
 
 def test_settings_that_change_under_way_are_noticed_and_restored(task, operator, instrument, show):
@@ -245,8 +245,8 @@ def test_a_spoilt_file_of_a_recording_is_named(task, operator, content):
 def test_a_file_in_the_wrong_place_is_named(task, operator):
     record(task, operator)
     folder = Journal(task.output).folder
-    (folder / "000001.json").replace(folder / "000002.json")
-    with pytest.raises(InputError, match="000002.json: holds press 1,1, the order has 1,2 here"):
+    (folder / "000003.json").replace(folder / "000004.json")
+    with pytest.raises(InputError, match="000004.json: holds press 1,1, the order has 1,2 here"):
         record(task, operator)
 
 
@@ -282,10 +282,10 @@ def test_progress_tells_the_step_the_time_left_and_the_skin_at_rest(task, operat
     watched.seen = []
     _, entries = record(task, watched)
     first, *later = watched.seen
-    assert (first.words, first.left, first.rest) == ("1/11", None, None)
-    assert all(each.left >= 0 and each.total == 11 for each in later)
-    assert later[0].words == f"2/11, 0:{round(later[0].left):02d} min left"
-    assert later[0].rest is entries[0].sweep and later[-1].rest is entries[5].sweep
+    assert (first.words, first.left, first.rest) == ("1/13", None, None)
+    assert all(each.left >= 0 and each.total == 13 for each in later)
+    assert later[0].words == f"2/13, 0:{round(later[0].left):02d} min left"
+    assert later[0].rest is entries[0].sweep and later[-1].rest is entries[7].sweep
 
 
 @pytest.mark.parametrize(("by_hand", "left"), [(True, 3), (False, 0)])
