@@ -7,6 +7,7 @@ import sys
 import tempfile
 import time
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from shutil import which
 
@@ -114,7 +115,8 @@ def scenes(run: Run) -> list[Scene]:
 def main(run: Run) -> None:
     """Make, open and press the pages."""
     chromium = which("chromium") or which("chromium-browser")
-    if not (run.has("playwright") and (chromium or run.has("chromium"))):
+    if find_spec("playwright") is None or chromium is None:
+        print("playwright or chromium is not installed: nothing is measured")
         return
     from playwright.sync_api import sync_playwright
 
