@@ -14,7 +14,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime
@@ -36,6 +36,14 @@ WHOLE = 2
 """Answers waited for under each press."""
 SETTLE, LATE = 0.02, 0.5
 SEED, RANGE = 5, 8
+BOTH = ("left", "bottom")
+WAYS = {
+    "one interface": (("left",), 0.0),
+    "two, by a switch": (BOTH, 0.0),
+    f"two, a quarter of presses {LATE:g} s late": (BOTH, 0.25),
+}
+"""Interfaces, and the share of presses at which the switch is late."""
+LATEST = list(WAYS.items())[-1]
 LEAST = 0.8
 """Share of right answers below which two interfaces are not what they are here for."""
 
@@ -143,7 +151,7 @@ def wait(true, live: subprocess.Popen) -> None:
         time.sleep(0.02)
 
 
-def trained(scene: Path, sweeps: int, interfaces: list[str], folder: Path) -> Path:
+def trained(scene: Path, sweeps: int, interfaces: Sequence[str], folder: Path) -> Path:
     """A model of pixels against rest, of randomised skins at these interfaces."""
     data, model = folder / "skins.zarr", folder / f"{'-'.join(interfaces)}.skops"
     if not data.exists():
@@ -190,26 +198,23 @@ def main(run: Run) -> None:
     names = [f"{i + 1},{j + 1}" for i in range(pixels) for j in range(pixels)]
     presses = random.choice(names, run.sized(PRESSES, FEW_PRESSES)).tolist()
     presses = [each for press in presses for each in (press, "none")]
-    left, both = ["left"], ["left", "bottom"]
+    found = {}
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
         path = folder / "skin.toml"
         path.write_text(scene_text(scene), encoding="utf-8")
-        models = [
-            trained(path, run.sized(SWEEPS, FEW_SWEEPS), each, folder) for each in (left, both)
-        ]
-        one = course(models[0], path, False, 0.0, presses)
-        two = course(models[1], path, True, 0.0, presses)
-        late = course(models[1], path, True, 0.25, presses)
-    frequencies = scene.sweep.frequencies
+        sweeps = run.sized(SWEEPS, FEW_SWEEPS)
+        for name, (interfaces, late) in run.sized(WAYS, dict([LATEST])).items():
+            model = trained(path, sweeps, interfaces, folder)
+            found[name] = course(model, path, len(interfaces) > 1, late, presses)
     rows = [
-        row("one interface", one, measuring(frequencies, 1)),
-        row("two, by a switch", two, measuring(frequencies, 2)),
-        row(f"two, a quarter of presses {LATE:g} s late", late, measuring(frequencies, 2)),
+        row(name, each, measuring(scene.sweep.frequencies, len(WAYS[name][0])))
+        for name, each in found.items()
     ]
-    if two.lost or late.lost:
+    two = [each for name, each in found.items() if len(WAYS[name][0]) > 1]
+    if any(each.lost for each in two):
         raise AssertionError("sweeps were lost at a switch that was late, or at none")
-    if not min(np.mean(two.judged()), np.mean(late.judged())) >= LEAST:
+    if not min(np.mean(each.judged()) for each in two) >= LEAST:
         raise AssertionError("pixels are not told from two interfaces")
     title = f"Live on the virtual meter at its own pace, pixels of {pixels} x {pixels}"
     publish(run.results, "live_interfaces", title, pd.DataFrame(rows))
