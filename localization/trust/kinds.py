@@ -137,4 +137,6 @@ def _places(positions: NDArray[np.float64]) -> NDArray[np.intp]:
     from sklearn.cluster import KMeans
 
     count = int(np.clip(len(positions) // SWEEPS_OF_PLACE, 1, MOST_PLACES))
-    return KMeans(count, random_state=0).fit_predict(positions[:, :2])
+    places = positions[:, :2]
+    count = min(count, len(np.unique(places, axis=0)))
+    return KMeans(count, random_state=0).fit_predict(places)

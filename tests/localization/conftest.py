@@ -53,6 +53,7 @@ def make_sweeps():
         repetitions=6,
         *,
         unpressed=True,
+        rests=1,
         noise=0.003,
         spread=0.1,
         interfaces=("left",),
@@ -60,10 +61,11 @@ def make_sweeps():
         session=0,
         seed=0,
     ):
-        """noise: relative on |Z| and in rad on its phase. spread: relative, of the press."""
+        """noise: relative on |Z| and in rad on its phase. spread: relative, of the press. rests:
+        sweeps at rest that it begins with, as a recording does."""
         rng = np.random.default_rng(seed)
         pressed = [(i, j) for i in range(1, rows + 1) for j in range(1, columns + 1)]
-        pixels = ([(0, 0)] * unpressed + pressed) * repetitions
+        pixels = [(0, 0)] * (rests - 1) + ([(0, 0)] * unpressed + pressed) * repetitions
         factors = 1 + (FACTOR - 1) * (1 + spread * rng.standard_normal(len(pixels)))
         Z = np.array(
             [

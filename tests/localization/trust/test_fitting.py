@@ -20,14 +20,14 @@ AGAINST_REST = ("dlnZ", "dphase")
 
 @pytest.fixture(scope="module")
 def mountings(make_sweeps):
-    """A strip of six pixels with errors, on four mountings: 28 sweeps each, 4 unpressed."""
-    parts = [make_sweeps(1, 6, 4, noise=0.006, session=k, seed=k) for k in range(4)]
+    """A strip of six pixels with errors, on four mountings: 58 sweeps each, 10 unpressed."""
+    parts = [make_sweeps(1, 6, 8, noise=0.006, rests=3, session=k, seed=k) for k in range(4)]
     return concatenate(parts).assign_attrs(scene=SCENE)
 
 
 @pytest.fixture(scope="module")
 def columns(mountings):
-    return train(mountings, quantities=AGAINST_REST, certain=0.8)
+    return train(mountings, quantities=AGAINST_REST, certain=0.95)
 
 
 def test_probabilities_of_sweeps_never_seen_are_honest(columns, make_sweeps):
@@ -42,16 +42,16 @@ def test_probabilities_of_sweeps_never_seen_are_honest(columns, make_sweeps):
 
 
 def test_answers_are_right_more_often_than_guesses(make_sweeps):
-    noisy = [make_sweeps(1, 6, 20, noise=0.04, session=k, seed=k) for k in range(5)]
-    model = train(concatenate(noisy[:4]), quantities=AGAINST_REST, certain=0.8)
+    noisy = [make_sweeps(1, 6, 20, noise=0.04, rests=3, session=k, seed=k) for k in range(5)]
+    model = train(concatenate(noisy[:4]), quantities=AGAINST_REST, certain=0.9)
     unseen = noisy[4]
     told = model.answers(unseen)
     samples = model.samples(unseen)
     guesses = model.pipeline.predict(samples.X).astype(str)
     told, truth = told.labels[samples.rows], samples.y.astype(str)
     answered = told != CANNOT_TELL
-    assert 0.1 < answered.mean() < 0.95
-    assert (told == truth)[answered].mean() > 0.8 > (guesses == truth).mean()
+    assert 0.3 < answered.mean() < 0.95
+    assert (told == truth)[answered].mean() > 0.87 > 0.85 > (guesses == truth).mean()
 
 
 def test_a_sweep_unlike_the_training_cannot_be_told(columns, make_sweeps):
