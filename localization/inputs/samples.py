@@ -91,12 +91,25 @@ class Samples:
         return replace(self, **parts)
 
     def of_sessions(self, count: int | None) -> Samples:
-        """The first so many sessions, all of them for None."""
+        """The first so many sessions, all of them for None; more where a class lacks sweeps.
+
+        Folds need two of each class: sessions are taken until there are, or none is left.
+        """
         _, first = np.unique(self.sessions, return_index=True)
         if count is None or len(first) <= count:
             return self
-        known = self.sessions[np.sort(first)[:count]]
+        order = self.sessions[np.sort(first)]
+        known = next(
+            (part for k in range(count, len(order)) if self._twice(part := order[:k])), order
+        )
         return self.part(np.flatnonzero(np.isin(self.sessions, known)))
+
+    def _twice(self, sessions: NDArray[np.int64]) -> bool:
+        """Whether each class has two sweeps in these sessions."""
+        if self.strata is None:
+            return True
+        seen = self.strata[np.isin(self.sessions, sessions)]
+        return all((seen == label).sum() >= 2 for label in np.unique(self.strata))
 
     def at_most(self, count: int) -> Samples:
         """So many of them or all, drawn in like shares of each class, the same at every call."""

@@ -10,6 +10,7 @@ import skops.io
 from sklearn.exceptions import InconsistentVersionWarning
 
 from ...simulator.sweeps import InputError, checked_output, whole_file
+from ...simulator.sweeps.file_kinds import check_file_kind
 from ..cores import count_cores
 from ..inversion.adapted import AdaptedClassifier, AdaptedPosition
 from ..inversion.classifier import ModelBased
@@ -74,6 +75,7 @@ def load(path: str | Path, registry: Registry | None = None) -> Model:
     (named too), holds something other than a model, or one of an earlier layout.
     """
     path = Path(path)
+    check_file_kind(path, "model")
     try:
         data = path.read_bytes()
     except OSError as error:

@@ -107,7 +107,7 @@ def told(splits: Splits, sessions: NDArray[np.int64], asked: int = 0) -> str:
         folds += f" ({asked} asked: there are no more {_units(sessions)})"
     if by_session(sessions):
         return f"{folds}, whole sessions held out"
-    return f"{folds}, no sessions held out: fewer than {LEAST_SESSIONS}"
+    return f"{folds} of the one session; what another mounting or skin brings is not judged"
 
 
 def told_nested(splits: Splits, sessions: NDArray[np.int64], asked: int) -> str:

@@ -73,6 +73,11 @@ def dataset(
             f"{output}: touches are laid on cells, which changes Rs and Cp by up to "
             f"{told['cells_error']:.1e}; more cells_per_pixel change less"
         )
+    if plan.sessions == 1:
+        typer.echo(
+            f"{output}: all of one skin, for a session is {plan.session_sweeps} sweeps; "
+            f"--sweeps {20 * plan.session_sweeps} draws 20 skins to train on"
+        )
     written(counted(made.sizes), output)
 
 

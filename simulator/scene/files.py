@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pydantic import Field, ValidationError, model_validator
 
 from ..sweeps import InputError, checked_output, whole_file
+from ..sweeps.file_kinds import check_file_kind
 from ..sweeps.units import in_si
 from .maps import MOST_VALUES, Factor
 from .planar import shared
@@ -28,10 +29,6 @@ NAME = re.compile(r'^name = "[^"]*"\ndescription = "[^"]*"', flags=re.MULTILINE)
 AT_LINE = re.compile(r"at line (\d+)")
 WHOLE_LINE = re.compile(r"\s*(?P<key>[\w.\-]+)\s*=(?P<value>[^#]*)(#.*)?")
 PART_OF_LINE = re.compile(r"(?P<key>[\w.\-]+)\s*=(?P<value>[^#,={}\[\]]+)")
-NO_SCENES = {
-    **dict.fromkeys((".nc", ".csv", ".zarr"), "these are sweeps"),
-    ".skops": "this is a model",
-}
 MAPPED = {"top", "bottom", "foam"}
 
 
@@ -192,9 +189,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
 
 def read_scene(path: Path) -> Scene:
     """The scene in a TOML file; raises InputError as `load_scene` does."""
-    if path.suffix in NO_SCENES:
-        told = NO_SCENES[path.suffix]
-        raise InputError(f"{path}: {told}, a scene is expected here: a .toml or a built-in name")
+    check_file_kind(path, "scene")
     try:
         return parse_scene(path.read_text(encoding="utf-8"), str(path), path.parent)
     except FileNotFoundError:

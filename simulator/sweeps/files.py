@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from .csv import read_csv, write_csv
 from .errors import InputError
+from .file_kinds import check_file_kind
 from .needs import check_needs
 from .schema import DIMENSIONS, check
 
@@ -53,8 +54,9 @@ def read(path: str | Path) -> xr.Dataset:
     path = Path(path)
     readers = {".nc": _read_netcdf, ".zarr": _read_zarr, ".csv": read_csv}
     if path.suffix not in readers:
-        check_no_scene(path)
-        raise InputError(f"{path}: sweeps are read from {', '.join(ENDINGS)}, got {path.suffix!r}")
+        check_file_kind(path, "sweeps")
+        given = f"got {path.suffix!r}" if path.suffix else "got no ending"
+        raise InputError(f"{path}: sweeps are read from {', '.join(ENDINGS)}, {given}")
     if not path.exists():
         raise InputError(f"{path}: no such file")
     try:
@@ -64,14 +66,6 @@ def read(path: str | Path) -> xr.Dataset:
     except InputError as error:
         named = str(error) if str(error).startswith(str(path)) else f"{path}: {error}"
         raise InputError(named) from error
-
-
-def check_no_scene(path: Path) -> None:
-    """Raises InputError where a scene is given for sweeps."""
-    if path.suffix == ".toml":
-        raise InputError(
-            f"{path}: is a scene, not sweeps; rcskin sweep {path} -o {path.stem}.nc simulates some"
-        )
 
 
 def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:

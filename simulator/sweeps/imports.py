@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .branch import checked_branch, chosen, told
+from .file_kinds import check_file_kind
 from .importing.dialect import read_table
 from .importing.grouping import Defaults, grouped, places
 from .importing.readings import impedance_readings
@@ -39,7 +40,9 @@ def import_file(
     what Z was made of, `preamble` what stood above the header.
     Raises InputError naming the file, and the line where there is one, that cannot be read.
     """
-    table = read_table(Path(path))
+    path = Path(path)
+    check_file_kind(path, "sweeps")
+    table = read_table(path)
     readings = impedance_readings(table)
     sweeps = grouped(table, readings.frequency, defaults)
     interfaces, frequency, where = places(table, sweeps)

@@ -90,6 +90,13 @@ def test_a_damaged_file_is_refused_in_one_line(model, tmp_path):
         assert "\n" not in str(e.value)
 
 
+@pytest.mark.parametrize(("name", "told"), [("my.toml", "is a scene"), ("run.nc", "are sweeps")])
+def test_what_is_no_model_is_told_by_what_it_is(name, told, tmp_path):
+    (tmp_path / name).write_bytes(b"\x89HDF")
+    with pytest.raises(InputError, match=f"{told}, a model is expected here: a .skops"):
+        load(tmp_path / name)
+
+
 @pytest.mark.parametrize("change", [lambda schema: "{}", lambda schema: schema[:-20], json.dumps])
 def test_an_archive_without_a_sound_schema_is_refused(model, tmp_path, change):
     save(tmp_path / "good.skops", model)

@@ -64,6 +64,7 @@ def test_what_was_certified_is_told_beside_the_sessions_that_it_was_drawn_from(
 ):
     code, out, _ = run("dataset", scene_file, "--sweeps", 10, "-o", tmp_path / "few.zarr")
     assert code == 0 and "certified 20 of the 20 sweeps of whole sessions" in out
+    assert "all of one skin, for a session is 20 sweeps; --sweeps 400 draws 20 skins" in out
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from rcskin.simulator.sweeps import (
     whole_file,
     write,
 )
+from rcskin.simulator.sweeps.imports import import_file
 
 finite = st.floats(-1e300, 1e300, allow_subnormal=False)
 HEADER = "sweep,press,row,column,session,interface,frequency_Hz,Rs_ohm,X_ohm,Cp_F"
@@ -145,9 +146,17 @@ def test_bad_tables_are_told_with_file_and_line(csv, tmp_path, text, told):
     assert "\n" not in message
 
 
-def test_a_scene_given_for_sweeps_is_told_with_what_makes_sweeps(folder):
+@pytest.mark.parametrize("reader", [read, import_file])
+def test_a_scene_given_for_sweeps_is_told_with_what_makes_sweeps(reader, folder):
     with pytest.raises(InputError, match=r"is a scene.*rcskin sweep .*my\.toml -o my\.nc"):
-        read(folder / "my.toml")
+        reader(folder / "my.toml")
+
+
+@pytest.mark.parametrize("reader", [read, import_file])
+def test_a_model_given_for_sweeps_is_told(reader, folder):
+    (folder / "m.skops").write_bytes(b"PK\0")
+    with pytest.raises(InputError, match=r"m\.skops: this is a model, sweeps are expected here"):
+        reader(folder / "m.skops")
 
 
 def test_files_of_another_kind_are_told(tmp_path):

@@ -1,0 +1,29 @@
+"""Which of the samples a localizer is shown."""
+
+import numpy as np
+import pytest
+from rcskin.localization.inputs.samples import samples_of
+from rcskin.simulator.sweeps import concatenate
+
+
+@pytest.fixture
+def samples(make_sweeps):
+    """Of two columns in five sessions of four sweeps; the second is pressed from the third on."""
+
+    parts = [make_sweeps(1, 2, 2, unpressed=False, session=k, seed=k) for k in range(5)]
+    sweeps = concatenate(parts)
+    found = samples_of(sweeps, "column", ("lnZ", "phase"))
+    assert set(found.y) == {1, 2}
+    lacking = (found.y == 2) & (found.sessions < 2)
+    return found.part(np.flatnonzero(~lacking))
+
+
+def test_the_first_sessions_are_shown(samples):
+    assert set(samples.of_sessions(3).sessions) == {0, 1, 2}
+    assert samples.of_sessions(None) is samples and samples.of_sessions(5) is samples
+
+
+def test_further_sessions_are_shown_until_each_class_is_there_twice(samples):
+    shown = samples.of_sessions(1)
+    assert set(shown.sessions) == {0, 1, 2}
+    assert np.unique(shown.y, return_counts=True)[1].min() >= 2
