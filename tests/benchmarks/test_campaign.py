@@ -2,14 +2,11 @@
 
 import importlib
 import itertools
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 CHEAP = {
     "rectangles": 5,
     "discs": 3,
@@ -54,10 +51,8 @@ DEAR = {"fed-along-arcs"}
 
 @pytest.fixture(scope="module")
 def part():
-    """A function from a name to the module of `benchmarks/campaign_parts` of that name."""
-    sys.path.insert(0, str(BENCHMARKS))
-    yield lambda name: importlib.import_module(f"campaign_parts.{name}")
-    sys.path.remove(str(BENCHMARKS))
+    """A function from a name to the module of `benchmarks/accuracy/campaign_parts` of that name."""
+    return lambda name: importlib.import_module(f"rcskin.benchmarks.accuracy.campaign_parts.{name}")
 
 
 @pytest.mark.slow

@@ -8,17 +8,17 @@ import pytest
 
 pytestmark = pytest.mark.slow
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
-NEEDS = {"dataset": "psutil"}
-MARKS = {"gallery": pytest.mark.pictures}
+NEEDS = {"scale/dataset": "psutil"}
+MARKS = {"pictures/gallery": pytest.mark.pictures}
 TIMEOUT = 400
 """s, on a machine that does much besides."""
 
 
 def programs():
-    """Names of all scripts that are run."""
+    """All scripts that are run, as folder/name."""
     return sorted(
-        path.stem
-        for path in BENCHMARKS.glob("*.py")
+        path.relative_to(BENCHMARKS).with_suffix("").as_posix()
+        for path in BENCHMARKS.glob("*/*.py")
         if 'if __name__ == "__main__"' in path.read_text(encoding="utf-8")
     )
 
@@ -50,13 +50,13 @@ def test_quick_pass(name):
 
 
 def test_figures_of_a_quick_pass_are_not_published():
-    done = quick_pass("assembly", "--into", str(BENCHMARKS))
+    done = quick_pass("speed/assembly", "--into", str(BENCHMARKS))
     assert done.returncode == 2
     assert "do not belong" in done.stderr
 
 
 def test_folder_for_the_figures(tmp_path):
-    assert quick_pass("assembly", "--into", str(tmp_path)).returncode == 0
+    assert quick_pass("speed/assembly", "--into", str(tmp_path)).returncode == 0
     assert {path.name for path in (tmp_path / "results").iterdir()} == {
         "assembly.md",
         "assembly.csv",
