@@ -1,12 +1,12 @@
 """Every benchmark still runs: its quick pass ends well and leaves the published figures alone."""
 
+import importlib
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.slow
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 NEEDS = {"scale/dataset": "psutil"}
 MARKS = {"pictures/gallery": pytest.mark.pictures}
@@ -37,6 +37,15 @@ def quick_pass(name, *options):
     )
 
 
+@pytest.mark.parametrize("name", programs())
+def test_what_it_is_made_of_is_there(name):
+    if name in NEEDS:
+        pytest.importorskip(NEEDS[name])
+    script = importlib.import_module(f"rcskin.benchmarks.{name.replace('/', '.')}")
+    assert callable(script.main) and script.__doc__
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=MARKS.get(name, ())) for name in programs()]
 )
