@@ -19,7 +19,7 @@ from rcskin.simulator.scene.scene import Scene
 settings.register_profile(
     "reproducible",
     phases=[Phase.explicit, Phase.generate],  # making a failing skin smaller takes minutes
-    max_examples=30,
+    max_examples=20,
     deadline=None,
     derandomize=True,
     database=None,

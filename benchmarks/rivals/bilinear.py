@@ -6,12 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.benchmarks.rivals.cells import Cells, Fields
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.scene import Scene
 from scipy.sparse import csc_matrix, kron
 from scipy.sparse.linalg import spsolve
-
-from rivals.cells import Cells, Fields
 
 DIFFERENCE = np.array([[1.0, -1.0], [-1.0, 1.0]])
 PRODUCT = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
+from rcskin.benchmarks.rivals.bilinear import build
+from rcskin.benchmarks.rivals.cells import Cells, Fields
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.scene import Scene
 from scipy.sparse.linalg import spsolve
-
-from rivals.bilinear import build
-from rivals.cells import Cells, Fields
 
 
 def impedance(

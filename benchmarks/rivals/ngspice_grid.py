@@ -17,10 +17,9 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.benchmarks.rivals.cells import Cells, Fields
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.scene import Scene
-
-from rivals.cells import Cells, Fields
 
 SOURCE, GROUND = "in", "0"
 RAW_FILE = "current.raw"

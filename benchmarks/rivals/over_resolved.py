@@ -11,12 +11,11 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.benchmarks.rivals.scikit_fem_script import GRADING, Elements, discretised
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.scene import Scene
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
-
-from rivals.scikit_fem_script import GRADING, Elements, discretised
 
 STEPS = 25
 POWERS = (1, 2, 3)

@@ -6,11 +6,10 @@ from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.benchmarks.rivals.cells import Fields
 from rcskin.simulator.press.capacitance import capacitance_map
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.scene import Scene
-
-from rivals.cells import Fields
 
 
 def impedance(scene: Scene, press: Press, frequencies: NDArray) -> NDArray:

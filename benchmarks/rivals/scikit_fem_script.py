@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.benchmarks.rivals.cells import Fields
 from rcskin.simulator.press.capacitance import capacitance_map
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.contacts import Contact
@@ -13,8 +14,6 @@ from rcskin.simulator.scene.scene import Scene
 from scipy.sparse import block_diag, csr_matrix, kron
 from scipy.sparse.linalg import spsolve
 from skfem import Basis, BilinearForm, Element, ElementQuad1, ElementQuad2, ElementQuadP, MeshQuad
-
-from rivals.cells import Fields
 
 GRADING = 0.2
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.benchmarks.rivals import deviation_form
+from rcskin.benchmarks.rivals.cells import Cells
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.scene import Scene
-
-from rivals import deviation_form
-from rivals.cells import Cells
 
 
 def impedance(scene: Scene, press: Press, frequencies: NDArray, cells: Cells) -> NDArray:

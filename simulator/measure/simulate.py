@@ -15,7 +15,7 @@ from ..models.solver import Solver
 from ..press.press import Press, check_press, press_on
 from ..scene.files import parse_scene, scene_text
 from ..scene.meter import Sweep
-from ..sweeps import InputError, build, concatenate
+from ..sweeps import InputError, Table, concatenate, tabled
 from .readout import read_out
 
 if TYPE_CHECKING:
@@ -29,16 +29,16 @@ def simulate(solver: Solver, presses: Iterable[Press]) -> xr.Dataset:
     the tolerance is not reached.
     """
     answered = [(p, solver.solve(check_press(p, solver.scene))) for p in presses]
-    return gather(solver, answered)
+    return gather(solver, answered).dataset()
 
 
-def gather(solver: Solver, answered: Iterable[tuple[Press, Answer]]) -> xr.Dataset:
+def gather(solver: Solver, answered: Iterable[tuple[Press, Answer]]) -> Table:
     """Sweeps from presses that were answered already. Raises InputError where there is none."""
     pairs = list(answered)
     if not pairs:
         raise InputError("`presses` must hold at least one press, got none")
     presses, answers = zip(*pairs, strict=True)
-    return build(
+    return tabled(
         np.stack([answer.Z for answer in answers]),
         answers[0].frequency,
         interface=[interface.name for interface in solver.scene.interfaces],

@@ -6,11 +6,13 @@ from .impedance import branch_reactance, parallel_capacitance, series_capacitanc
 from .joining import read_joined
 from .laws.passivity import Violation, violations
 from .needs import check_needs
-from .schema import UNPRESSED, build, check, concatenate, impedance, side_by_side
+from .schema import UNPRESSED, build, check, concatenate, impedance, side_by_side, tabled
+from .table import Table
 
 __all__ = [
     "UNPRESSED",
     "InputError",
+    "Table",
     "ToleranceError",
     "Violation",
     "branch_reactance",
@@ -27,6 +29,7 @@ __all__ = [
     "read_joined",
     "series_capacitance",
     "side_by_side",
+    "tabled",
     "violations",
     "whole_file",
     "write",

@@ -6,6 +6,7 @@ them out with `comment="#"`.
 
 from __future__ import annotations
 
+import csv
 import json
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -18,7 +19,8 @@ import numpy as np
 from .branch import chosen, told
 from .errors import InputError
 from .impedance import branch_reactance
-from .schema import DIMENSIONS, SESSIONS, TIME, build
+from .schema import SESSIONS, TIME, build
+from .table import Table, table_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,6 +30,7 @@ QUANTITIES = ["Rs_ohm", "X_ohm", "Cp_F"]
 SECONDS = "time_s"
 LABELS = ("press", "row", "column", "session")
 HEADER = ["sweep", *LABELS, SECONDS, "interface", "frequency_Hz", *QUANTITIES]
+TOLD = ("Rs", "X", "Cp", *LABELS, TIME, "interface", "frequency")
 UNLABELLED = {
     "sweep": "0",
     "press": "unknown",
@@ -49,30 +52,30 @@ def append_csv(sweeps: xr.Dataset, path: Path, first: int) -> None:
 
     Attributes and header stand before 0.
     """
-    import pandas as pd
+    write_rows(table_of(sweeps, TOLD), path, first)
 
-    shape = tuple(sweeps.sizes[name] for name in DIMENSIONS)
-    sweep, interface, frequency = (axis.ravel() for axis in np.indices(shape))
+
+def write_rows(sweeps: Table, path: Path, first: int = 0) -> None:
+    """As `append_csv`."""
+    sweep, interface, frequency = (
+        axis.ravel() for axis in np.indices(tuple(sweeps.sizes.values()))
+    )
+    axes = sweeps.coordinates
     table = {
         "sweep": first + sweep,
-        **{name: sweeps[name].values[sweep] for name in LABELS},
-        **({SECONDS: sweeps[TIME].values[sweep]} if TIME in sweeps.variables else {}),
-        "interface": sweeps["interface"].values[interface],
-        "frequency_Hz": sweeps["frequency"].values[frequency],
-        **{
-            column: sweeps[column.split("_")[0]].transpose(*DIMENSIONS).values.ravel()
-            for column in QUANTITIES
-        },
+        **{name: axes[name].values[sweep] for name in LABELS},
+        **({SECONDS: axes[TIME].values[sweep]} if TIME in axes else {}),
+        "interface": axes["interface"].values[interface],
+        "frequency_Hz": axes["frequency"].values[frequency],
+        **{name: sweeps.quantities[name.split("_")[0]].values.ravel() for name in QUANTITIES},
     }
-    if first == 0:
-        path.write_text(_commented(sweeps.attrs), encoding="utf-8", newline="\n")
-    pd.DataFrame(table, columns=[name for name in HEADER if name in table]).to_csv(
-        path,
-        mode="a",
-        header=first == 0,
-        index=False,
-        lineterminator="\n",
-    )
+    columns = [name for name in HEADER if name in table]
+    with path.open("w" if first == 0 else "a", encoding="utf-8", newline="") as file:
+        rows = csv.writer(file, lineterminator="\n")
+        if first == 0:
+            file.write(_commented(sweeps.attrs))
+            rows.writerow(columns)
+        rows.writerows(zip(*(table[name].tolist() for name in columns), strict=True))
 
 
 def read_csv(path: Path) -> xr.Dataset:

@@ -12,11 +12,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .csv import read_csv, write_csv
+from .csv import read_csv, write_csv, write_rows
 from .errors import InputError
 from .file_kinds import check_file_kind
 from .needs import check_needs
-from .schema import DIMENSIONS, check
+from .netcdf import write_table
+from .schema import check
+from .table import DIMENSIONS, Table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,15 +26,18 @@ if TYPE_CHECKING:
 ENDINGS = (".nc", ".csv", ".zarr")
 
 
-def write(sweeps: xr.Dataset, path: str | Path) -> None:
+def write(sweeps: xr.Dataset | Table, path: str | Path) -> None:
     """Write sweeps to `path`; the file appears whole or not at all.
 
     Raises InputError where the ending is not one of ENDINGS or the folder does not exist.
     """
-    writers = {".nc": _write_netcdf, ".zarr": _write_zarr, ".csv": write_csv}
     path = checked_output(path)
     with whole_file(path) as unfinished:
-        writers[path.suffix](check(sweeps), unfinished)
+        if isinstance(sweeps, Table) and path.suffix in OF_TABLES:
+            OF_TABLES[path.suffix](sweeps, unfinished)
+        else:
+            whole = sweeps.dataset() if isinstance(sweeps, Table) else sweeps
+            OF_DATASETS[path.suffix](check(whole), unfinished)
 
 
 def counted(sizes: Mapping[Any, int]) -> str:
@@ -147,6 +152,10 @@ def _write_zarr(sweeps: xr.Dataset, path: Path) -> None:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Consolidated metadata is currently not part")
         sweeps.to_zarr(path, mode="w", zarr_format=3, consolidated=True)
+
+
+OF_TABLES = {".nc": write_table, ".csv": write_rows}
+OF_DATASETS = {".nc": _write_netcdf, ".zarr": _write_zarr, ".csv": write_csv}
 
 
 def _read_zarr(path: Path) -> xr.Dataset:

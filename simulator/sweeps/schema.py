@@ -10,6 +10,7 @@ import numpy as np
 
 from .errors import InputError
 from .impedance import parallel_capacitance
+from .table import DIMENSIONS, Table, Variable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 UNPRESSED = "none"
 MEASURED, VIRTUAL = "measured", "virtual meter"
 """The attribute `model` of sweeps that a meter recorded, and that the virtual one did."""
-DIMENSIONS = ("sweep", "interface", "frequency")
 QUANTITIES = {
     "Rs": ("series resistance, Re Z", "ohm"),
     "X": ("series reactance, Im Z", "ohm"),
@@ -62,8 +62,36 @@ def build(
     `Rs_error` [ohm] and `Cp_error` [F], shape of Z.
     Raises InputError where the result would break the schema (see `check`).
     """
-    import xarray as xr
+    return tabled(
+        Z,
+        frequency,
+        interface=interface,
+        press=press,
+        row=row,
+        column=column,
+        session=session,
+        time=time,
+        Cp=Cp,
+        errors=errors,
+        attributes=attributes,
+    ).dataset()
 
+
+def tabled(
+    Z: ArrayLike,
+    frequency: ArrayLike,
+    *,
+    interface: Sequence[str],
+    press: Sequence[str],
+    row: Sequence[int],
+    column: Sequence[int],
+    session: Sequence[int] | None = None,
+    time: Sequence[float] | None = None,
+    Cp: ArrayLike | None = None,
+    errors: Mapping[str, ArrayLike] | None = None,
+    attributes: Mapping[str, str | int | float] | None = None,
+) -> Table:
+    """What `build` makes, of plain arrays: to be written where nothing else needs xarray."""
     Z = np.asarray(Z, dtype=np.complex128)
     frequency = _checked_frequency(np.asarray(frequency, dtype=np.float64))
     if Z.ndim != 3 or Z.shape[1:] != (len(interface), frequency.size):
@@ -77,8 +105,10 @@ def build(
         **{name: np.asarray(error, dtype=float) for name, error in (errors or {}).items()},
     }
     described = {**QUANTITIES, **ERRORS}
-    variables = {
-        name: (DIMENSIONS, value, {"long_name": described[name][0], "units": described[name][1]})
+    quantities = {
+        name: Variable(
+            DIMENSIONS, value, {"long_name": described[name][0], "units": described[name][1]}
+        )
         for name, value in values.items()
     }
     labels = {
@@ -90,14 +120,30 @@ def build(
         else np.asarray(session, dtype=np.int64),
     }
     coordinates = {
-        "interface": ("interface", np.array(list(interface), dtype=object)),
-        "frequency": ("frequency", frequency, {"long_name": "frequency", "units": "Hz"}),
-        **{name: ("sweep", value, {"long_name": LABELS[name]}) for name, value in labels.items()},
+        "interface": Variable(("interface",), np.array(list(interface), dtype=object), {}),
+        "frequency": Variable(("frequency",), frequency, {"long_name": "frequency", "units": "Hz"}),
+        **{
+            name: Variable(("sweep",), value, {"long_name": LABELS[name]})
+            for name, value in labels.items()
+        },
     }
     if time is not None:
         told = {"long_name": "time since 1970-01-01 UTC", "units": "s"}
-        coordinates[TIME] = ("sweep", np.asarray(time, dtype=np.float64), told)
-    return check(xr.Dataset(variables, coordinates, attrs=dict(attributes or {})))
+        coordinates[TIME] = Variable(("sweep",), np.asarray(time, dtype=np.float64), told)
+    return _checked(Table(quantities, coordinates, dict(attributes or {})))
+
+
+def _checked(sweeps: Table) -> Table:
+    for name, each in sweeps.quantities.items():
+        _check_finite(name, each.values)
+    if TIME in sweeps.coordinates:
+        _check_finite(TIME, sweeps.coordinates[TIME].values)
+    return sweeps
+
+
+def _check_finite(name: str, values: NDArray[np.float64]) -> None:
+    if not np.isfinite(values).all():
+        raise InputError(f"`{name}` must be finite everywhere")
 
 
 def check(sweeps: xr.Dataset) -> xr.Dataset:
@@ -112,10 +158,9 @@ def check(sweeps: xr.Dataset) -> xr.Dataset:
     for name in (*QUANTITIES, *(error for error in ERRORS if error in sweeps)):
         if set(sweeps[name].dims) != set(DIMENSIONS):
             raise InputError(f"`{name}` must have dimensions {DIMENSIONS}, got {sweeps[name].dims}")
-        if not np.isfinite(sweeps[name].values).all():
-            raise InputError(f"`{name}` must be finite everywhere")
-    if TIME in sweeps.variables and not np.isfinite(sweeps[TIME].values).all():
-        raise InputError(f"`{TIME}` must be finite everywhere")
+        _check_finite(name, sweeps[name].values)
+    if TIME in sweeps.variables:
+        _check_finite(TIME, sweeps[TIME].values)
     _checked_frequency(sweeps["frequency"].values)
     return sweeps
 

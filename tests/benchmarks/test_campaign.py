@@ -2,14 +2,11 @@
 
 import importlib
 import itertools
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 CHEAP = {
     "rectangles": 5,
     "discs": 3,
@@ -48,20 +45,35 @@ CHEAP = {
     "curved-from-files": 4,
 }
 """The seed of each kind that takes least: a second, some of them four."""
+QUICK = {
+    "depths",
+    "discs-cut-by-the-edge",
+    "fed-all-around",
+    "films",
+    "forces",
+    "gauges-under-depths",
+    "grids",
+    "lossy",
+    "overlapping-depths",
+    "rectangles-from-files",
+    "spread-forces",
+    "stretched-and-varied",
+}
+"""Kinds whose cheapest scene takes half a second: one of each way to press, to feed and to vary."""
 DEAR = {"fed-along-arcs"}
 """Kinds that the campaign itself has: half a minute a scene."""
 
 
 @pytest.fixture(scope="module")
 def part():
-    """A function from a name to the module of `benchmarks/campaign_parts` of that name."""
-    sys.path.insert(0, str(BENCHMARKS))
-    yield lambda name: importlib.import_module(f"campaign_parts.{name}")
-    sys.path.remove(str(BENCHMARKS))
+    """A function from a name to the module of `benchmarks/accuracy/campaign_parts` of that name."""
+    return lambda name: importlib.import_module(f"rcskin.benchmarks.accuracy.campaign_parts.{name}")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", CHEAP)
+@pytest.mark.parametrize(
+    "kind",
+    [kind if kind in QUICK else pytest.param(kind, marks=pytest.mark.slow) for kind in CHEAP],
+)
 def test_asked_and_told_are_kept(part, kind):
     verdict = part("judging").judged(kind, CHEAP[kind])
     assert verdict.outcome == "judged", verdict.line()

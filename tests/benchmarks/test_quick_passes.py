@@ -1,24 +1,24 @@
 """Every benchmark still runs: its quick pass ends well and leaves the published figures alone."""
 
+import importlib
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.slow
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
-NEEDS = {"dataset": "psutil"}
-MARKS = {"gallery": pytest.mark.pictures}
+NEEDS = {"scale/dataset": "psutil"}
+MARKS = {"pictures/gallery": pytest.mark.pictures}
 TIMEOUT = 400
 """s, on a machine that does much besides."""
 
 
 def programs():
-    """Names of all scripts that are run."""
+    """All scripts that are run, as folder/name."""
     return sorted(
-        path.stem
-        for path in BENCHMARKS.glob("*.py")
+        path.relative_to(BENCHMARKS).with_suffix("").as_posix()
+        for path in BENCHMARKS.glob("*/*.py")
         if 'if __name__ == "__main__"' in path.read_text(encoding="utf-8")
     )
 
@@ -37,6 +37,15 @@ def quick_pass(name, *options):
     )
 
 
+@pytest.mark.parametrize("name", programs())
+def test_what_it_is_made_of_is_there(name):
+    if name in NEEDS:
+        pytest.importorskip(NEEDS[name])
+    script = importlib.import_module(f"rcskin.benchmarks.{name.replace('/', '.')}")
+    assert callable(script.main) and script.__doc__
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=MARKS.get(name, ())) for name in programs()]
 )
@@ -50,13 +59,13 @@ def test_quick_pass(name):
 
 
 def test_figures_of_a_quick_pass_are_not_published():
-    done = quick_pass("assembly", "--into", str(BENCHMARKS))
+    done = quick_pass("speed/assembly", "--into", str(BENCHMARKS))
     assert done.returncode == 2
     assert "do not belong" in done.stderr
 
 
 def test_folder_for_the_figures(tmp_path):
-    assert quick_pass("assembly", "--into", str(tmp_path)).returncode == 0
+    assert quick_pass("speed/assembly", "--into", str(tmp_path)).returncode == 0
     assert {path.name for path in (tmp_path / "results").iterdir()} == {
         "assembly.md",
         "assembly.csv",

@@ -20,6 +20,7 @@ TOUCHING_HALVES = {
 }
 
 
+@pytest.mark.kernel
 @given(data=st.data(), elements=st.integers(0, 4), pairs=st.integers(1, 9), terms=st.integers(1, 3))
 def test_fill_adds_up_what_is_kept(data, elements, pairs, terms):
     rng = np.random.default_rng(data.draw(st.integers(0, 2**32)))

@@ -1,13 +1,10 @@
 """Discs and annuli fed at a whole rim, on curved cells: Z in Bessel functions."""
 
 import importlib
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 S = 1j * np.geomspace(1e-6, 1e2, 9)
 R1, R2 = 0.3, 1.0
 
@@ -15,9 +12,7 @@ R1, R2 = 0.3, 1.0
 @pytest.fixture(scope="module")
 def discs():
     """The round skins of the verification, which is a script beside the packages."""
-    sys.path.insert(0, str(BENCHMARKS))
-    yield importlib.import_module("verification_parts.discs")
-    sys.path.remove(str(BENCHMARKS))
+    return importlib.import_module("rcskin.benchmarks.accuracy.verification_parts.discs")
 
 
 def off(Z, truth):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.fem.estimate import relative_difference
@@ -20,6 +20,7 @@ from rcskin.simulator.press.press import Press
 from rcskin.simulator.sweeps import parallel_capacitance
 
 
+@pytest.mark.kernel
 @given(steps=st.integers(1, 8), seed=st.integers(0, 2**32))
 def test_the_fraction_is_that_of_the_matrix_written_out(steps, seed):
     rng = np.random.default_rng(seed)
@@ -31,6 +32,7 @@ def test_the_fraction_is_that_of_the_matrix_written_out(steps, seed):
         )
 
 
+@pytest.mark.kernel
 @given(steps=st.integers(2, 8), seed=st.integers(0, 2**32))
 def test_the_last_change_is_that_of_Rs_or_Cp(steps, seed):
     rng = np.random.default_rng(seed)
@@ -88,6 +90,7 @@ def test_against_complex_solves_where_direct_current_may_flow(random, frequency_
     np.testing.assert_allclose(Z, sheet.impedance(Press(), frequency), rtol=1e-7)
 
 
+@settings(max_examples=10)
 @given(data=st.data())
 def test_lower_orders_are_nested_in_higher_ones(random, frequency_at, data):
     scene = data.draw(random.between())

@@ -1,8 +1,6 @@
 """Coefficients that vary within cells: orders of convergence on solutions that are chosen first."""
 
 import importlib
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +10,6 @@ from rcskin.simulator.fem.quadrature import gauss_rule, mass_terms, stiffness_te
 from skfem import MeshQuad
 from skfem.assembly import Dofs
 
-BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 ORDERS = (1, 2, 3, 4, 5, 6)
 EXPECTED = {"L2": lambda p: p + 1, "H1": lambda p: p, "current": lambda p: 2 * p}
 
@@ -20,9 +17,9 @@ EXPECTED = {"L2": lambda p: p + 1, "H1": lambda p: p, "current": lambda p: 2 * p
 @pytest.fixture(scope="module")
 def part():
     """A function from a name to that part of the verification, a script beside the packages."""
-    sys.path.insert(0, str(BENCHMARKS))
-    yield lambda name: importlib.import_module(f"verification_parts.{name}")
-    sys.path.remove(str(BENCHMARKS))
+    return lambda name: importlib.import_module(
+        f"rcskin.benchmarks.accuracy.verification_parts.{name}"
+    )
 
 
 @pytest.fixture(scope="module")

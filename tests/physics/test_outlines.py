@@ -71,7 +71,10 @@ def test_disc(varied, off, rtol, highest):
     assert_kept(solved(scene, rtol), disc(2j * np.pi * f), rtol, off)
 
 
-@pytest.mark.parametrize(("rtol", "highest"), [(1e-2, 1e4), (1e-3, 1e3), (1e-5, 1e1)])
+@pytest.mark.parametrize(
+    ("rtol", "highest"),
+    [pytest.param(1e-2, 1e4, marks=pytest.mark.slow), (1e-3, 1e3), (1e-5, 1e1)],
+)
 @pytest.mark.parametrize(
     ("edge", "fed", "other"), [("outline", RADIUS, INNER), ("hole1", INNER, RADIUS)]
 )

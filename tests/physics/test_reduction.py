@@ -93,6 +93,7 @@ def test_the_certificate_bounds_what_the_reduction_leaves_out(families, name):
     assert np.median(ratios) < 30
 
 
+@pytest.mark.kernel
 def test_the_kernel_and_its_readable_twin_agree(families):
     for reduced in families.values():
         own, cases = reduced.skin(None), drawn(reduced.scene, 4)

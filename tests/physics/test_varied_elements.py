@@ -1,8 +1,6 @@
 """Coefficients that vary, as tensors, on squares and on triangles: matrices and orders."""
 
 import importlib
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,7 +16,6 @@ from rcskin.simulator.press.press import Press, parse_press
 from skfem import BilinearForm, MeshTri
 from skfem.assembly import Basis, FacetBasis
 
-BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 EXPECTED = {"L2": lambda p: p + 1, "H1": lambda p: p, "current": lambda p: 2 * p}
 CASES = [(mesh, p) for mesh in ("squares", "bent") for p in (1, 2, 3, 4)]
 CASES += [("triangles", p) for p in (1, 2, 3, 4)]
@@ -39,9 +36,9 @@ MAPS = {
 @pytest.fixture(scope="module")
 def part():
     """A function from a name to that part of the verification, a script beside the packages."""
-    sys.path.insert(0, str(BENCHMARKS))
-    yield lambda name: importlib.import_module(f"verification_parts.{name}")
-    sys.path.remove(str(BENCHMARKS))
+    return lambda name: importlib.import_module(
+        f"rcskin.benchmarks.accuracy.verification_parts.{name}"
+    )
 
 
 @pytest.mark.parametrize(

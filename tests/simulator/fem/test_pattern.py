@@ -1,6 +1,7 @@
 """Sparsity patterns: the compiled searches against numpy's, and blocks against slices."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.fem.pattern import DROPPED, compressed, compressed_readable, pattern_of_pairs
@@ -14,12 +15,14 @@ def pairs(draw):
     return rng.integers(DROPPED, size, count), rng.integers(DROPPED, size, count), size
 
 
+@pytest.mark.kernel
 @given(pairs=pairs())
 def test_every_pair_has_the_slot_that_numpy_finds(pairs):
     for ours, plain in zip(compressed(*pairs), compressed_readable(*pairs), strict=True):
         np.testing.assert_array_equal(ours, plain)
 
 
+@pytest.mark.kernel
 @given(pairs=pairs(), data=st.data())
 def test_a_block_holds_the_values_of_the_whole(pairs, data):
     size = pairs[-1]

@@ -1,0 +1,121 @@
+"""Skins on which ways to Rs and Cp are judged, each with the impedance that is true of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rcskin.benchmarks.rivals import over_resolved
+from rcskin.benchmarks.rivals.cells import Cells
+from rcskin.benchmarks.rivals.scikit_fem_script import Elements
+from rcskin.simulator.models.line import Line
+from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.press.touch import Touch
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene import Scene
+
+FACTOR = 2.0
+AROUND_THE_KNEE = (0.1, 1.0, 10.0)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One skin and press; truth: Z in ohm at the scene's frequencies, shape (frequency,).
+
+    cells conform to the pixels, askew do not. line: whether the skin is one.
+    """
+
+    scene: Scene
+    press: Press
+    truth: NDArray[np.complex128]
+    cells: Cells
+    askew: Cells
+    line: bool
+
+    @property
+    def given(self) -> tuple[Scene, Press, NDArray[np.float64]]:
+        """What every way is given."""
+        return self.scene, self.press, self.scene.frequencies
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What is varied, over which values, and the case at each; told: values for the table."""
+
+    label: str
+    case: Callable[[float], Case]
+    values: tuple[float, ...]
+    told: tuple[float, ...]
+
+
+def varied(name: str, u: Iterable[float], changes: dict[str, Any]) -> Scene:
+    """A built-in scene with other tables, swept where omega (R_t + R_b) c L² is u."""
+    tables = load_scene(name).model_dump(by_alias=True, exclude_none=True) | changes
+    skin = Scene.model_validate(tables).skin
+    sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
+    RC = sheets * skin.foam.rest_capacitance_per_area * skin.length**2
+    frequencies = [each / (2 * np.pi * RC) for each in u]
+    return Scene.model_validate(tables | {"sweep": {"frequencies": frequencies}})
+
+
+def of_frequency(u: float) -> Case:
+    """The strip with its middle pixel pressed, at one frequency."""
+    scene, press = varied("strip-1x5", [u], {}), parse_press("1,3", FACTOR)
+    truth = Line(scene).impedance(press, scene.frequencies)[0]
+    return Case(scene, press, truth, Cells(320, 1), Cells(317, 1), line=True)
+
+
+def of_contact(fraction: float) -> Case:
+    """The sheet fed by foils in the middle of its left edge; true to some 1e-8."""
+    span = (0.5 - fraction / 2, 0.5 + fraction / 2)
+    foils = [foil.model_dump() | {"span": span} for foil in load_scene("sheet-5x5").contacts]
+    scene = varied("sheet-5x5", AROUND_THE_KNEE, {"contact": foils})
+    press = parse_press("2,3", FACTOR)
+    layers = 0 if fraction == 1 else 7
+    truth = over_resolved.impedance(scene, press, scene.frequencies, Elements(8, 1, layers))
+    return Case(scene, press, truth, Cells(60, 60), Cells(59, 59), line=False)
+
+
+def of_contrast(contrast: float) -> Case:
+    """A sheet fed from opposite ends: Z = R1 R2/R (1 + 2l/sinh(1/l)) + l (R1² + R2²)/R coth(1/l).
+
+    R1, R2: totals of the sheets, R their sum, l = 1/sqrt(s C R).
+    """
+    R = 100e3
+    R1, R2 = R / (1 + contrast), R * contrast / (1 + contrast)
+    skin = load_scene("sheet-5x5").skin.model_dump(exclude_none=True)
+    skin |= {"top": {"sheet_resistance": R1}, "bottom": {"sheet_resistance": R2}}
+    foils = [
+        {"name": f"{electrode}-left", "electrode": electrode, "edge": edge}
+        for electrode, edge in (("top", "left"), ("bottom", "right"))
+    ]
+    scene = varied("sheet-5x5", AROUND_THE_KNEE, {"skin": skin, "contact": foils})
+    q = np.sqrt(1j * np.array(AROUND_THE_KNEE))
+    Z = R1 * R2 / R * (1 + 2 / (q * np.sinh(q))) + (R1**2 + R2**2) / R / (q * np.tanh(q))
+    return Case(scene, Press(), Z.astype(np.complex128), Cells(160, 1), Cells(158, 1), line=False)
+
+
+def of_pixels(pixels: float) -> Case:
+    """A strip of which every second pixel is pressed."""
+    columns = int(pixels)
+    scene = varied("strip-1x5", AROUND_THE_KNEE, {"pixels": {"rows": 1, "columns": columns}})
+    press = Press(tuple(Touch(1, column, FACTOR) for column in range(1, columns + 1, 2)))
+    truth = Line(scene).impedance(press, scene.frequencies)[0]
+    cells = -(-320 // columns) * columns
+    return Case(scene, press, truth, Cells(cells, 1), Cells(317, 1), line=True)
+
+
+AXES = (
+    Axis(
+        "u = ωRCL²",
+        of_frequency,
+        tuple(10 ** (n / 2) for n in range(-18, 19)),
+        (1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9),
+    ),
+    Axis("foil / edge", of_contact, (0.01, 0.03, 0.1, 0.3, 0.6, 1.0), (0.01, 0.1, 1.0)),
+    Axis("R_b / R_t", of_contrast, tuple(10.0**n for n in range(7)), (1.0, 1e6)),
+    Axis("pixels", of_pixels, (1, 2, 3, 5, 8, 16, 32), (32,)),
+)

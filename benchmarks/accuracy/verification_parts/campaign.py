@@ -1,0 +1,142 @@
+"""Answers and estimates of scenes of every kind, as the last campaign recorded them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from rcskin.benchmarks.accuracy.campaign_parts.kinds import KINDS
+from rcskin.benchmarks.accuracy.campaign_parts.record import published
+from rcskin.benchmarks.accuracy.campaign_parts.verdict import Verdict
+from rcskin.benchmarks.accuracy.verification_parts.report import FAILED, PASSED, Check, Section
+from rcskin.benchmarks.bench import RESULTS, Run
+from rcskin.simulator.charts import AT_REST, COLOURS, chart
+
+TABLE, CHART = "campaign.csv", "campaign.png"
+COMMAND = (
+    ".venv/bin/python benchmarks/accuracy/campaign.py -o campaign.jsonl --workers 2 --timeout 150"
+)
+QUANTILES = (0.5, 0.95, 0.99, 1.0)
+LEAST_JUDGED = 0.9
+"""Of the scenes of all kinds."""
+MOST_BOASTED = 0.01
+"""Of those judged: the error that is told is an estimate, not a bound."""
+HEADER = (
+    "kind",
+    "judged",
+    "broke its tolerance",
+    "further off than told",
+    "true / told: 50, 95, 99 %, largest",
+    "not judged",
+    "refused",
+    "",
+)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """The verdicts on one kind of scenes."""
+
+    name: str
+    verdicts: tuple[Verdict, ...]
+
+    def count(self, outcome: str) -> int:
+        """How many ended so."""
+        return sum(each.outcome == outcome for each in self.verdicts)
+
+    @property
+    def broken(self) -> int:
+        """How many are further off than was asked."""
+        return sum(each.broken for each in self.verdicts)
+
+    @property
+    def boasted(self) -> int:
+        """How many are further off than was told."""
+        return sum(each.boasted for each in self.verdicts)
+
+    @property
+    def ratios(self) -> np.ndarray:
+        """True over told errors of all values that the references tell."""
+        return np.concatenate([np.empty(0), *(each.ratios for each in self.verdicts)])
+
+    def row(self) -> tuple[str, ...]:
+        """As HEADER names it."""
+        quantiles = np.quantile(self.ratios, QUANTILES) if self.ratios.size else ()
+        return (
+            self.name.replace("-", " "),
+            f"{self.count('judged')}",
+            f"{self.broken}",
+            f"{self.boasted}",
+            ", ".join(f"{each:.2g}" for each in quantiles),
+            f"{self.count('not judged')}",
+            f"{self.count('refused')}",
+        )
+
+
+@dataclass(frozen=True)
+class Kinds(Section):
+    """A section with one line for each kind of scenes."""
+
+    kinds: tuple[Kind, ...] = ()
+
+    def lines(self) -> Iterable[str]:
+        """The section in Markdown."""
+        yield from (f"### {self.title}", "", self.says, "")
+        verdicts = (PASSED if check.passed else FAILED for check in self.checks)
+        rows = ((*kind.row(), each) for kind, each in zip(self.kinds, verdicts, strict=True))
+        for row in (HEADER, ["---"] * len(HEADER), *rows):
+            yield f"| {' | '.join(row)} |"
+        yield from ("", f"![{self.title}](results/{self.chart})", "")
+
+
+def section(run: Run) -> Section:
+    """No answer may be further off than asked, and few further than told."""
+    found = published(RESULTS / TABLE)
+    kinds = [Kind(name, tuple(each for each in found if each.kind == name)) for name in KINDS]
+    draw(run.results / CHART, kinds)
+    whole = Kind("all", tuple(found))
+    return Kinds(
+        "Campaign",
+        f"{len(found)} scenes of {len(kinds)} kinds, of u = ωRCL² from 1e-3 to 1e3 and tolerances "
+        "from 1e-3 to 1e-6, all drawn at random, are answered and held against another route to "
+        "the truth that shares no mesh with the first: the rectangle as an outline, turned; "
+        "polygons for discs; formulas; other files of the same surface. Not judged are those whose "
+        "reference is not sure to a quarter of the tolerance or takes too long; refused those that "
+        f"the solver has no answer to at their tolerance. Recorded by `{COMMAND}`.",
+        (*(check(kind) for kind in kinds), check_of_all(whole)),
+        CHART,
+        (*kinds, whole),
+    )
+
+
+def check(kind: Kind) -> Check:
+    """That nothing is further off than was asked, and nothing failed."""
+    kept = not (kind.broken or kind.count("failed"))
+    return Check(kind.name, "none broken", ", ".join(kind.row()[1:]), kept)
+
+
+def check_of_all(whole: Kind) -> Check:
+    """The same, that few are further off than was told, and that enough are judged."""
+    judged = whole.count("judged")
+    enough = judged >= LEAST_JUDGED * len(whole.verdicts)
+    few = whole.boasted <= MOST_BOASTED * judged
+    expected = f"{LEAST_JUDGED:.0%} judged, {MOST_BOASTED:.0%} further off than told"
+    return replace(check(whole), expected=expected, passed=check(whole).passed and enough and few)
+
+
+def draw(path: Path, kinds: list[Kind]) -> None:
+    """True over told error of every value, kind by kind."""
+    with chart(path, 7, 0.19 * len(kinds) + 0.9) as figure:
+        axes = figure.subplots()
+        for number, kind in enumerate(kinds):
+            ratios = np.maximum(kind.ratios, 1e-4)
+            colours = np.where(ratios > 1, COLOURS[1], COLOURS[0])
+            axes.scatter(ratios, np.full(len(ratios), number), 9, colours, "|")
+        axes.axvline(1, color=AT_REST, linewidth=1)
+        axes.set_xscale("log")
+        axes.set_yticks(range(len(kinds)), [kind.name.replace("-", " ") for kind in kinds])
+        axes.invert_yaxis()
+        axes.set_xlabel("true over told relative error of Rs and Cp")
+        axes.set_title("Right of the line an answer is further off than was told")

@@ -1,0 +1,165 @@
+"""What a few touches of a skin teach: models before and after `rcskin adapt`, on another mounting.
+
+Each twin is mounted twice. The touches are of the first mounting, the questions of the second: of
+other leads and session errors, foam and sheets moved by 2 %. Twins are like those of `twin.py`,
+read by the scene's error model. None of this is a measurement.
+
+Run: python benchmarks/localization/adaptation.py [--quick]
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.localization.training_spread import spread_by
+from rcskin.benchmarks.localization.twin import CHANGE, RTOL, SEED, WHOLE, localizers, simulated
+from rcskin.benchmarks.localization.twin_parts.reading import read_at_once
+from rcskin.benchmarks.localization.twin_parts.scenes import built
+from rcskin.benchmarks.localization.twin_parts.skin import Twin
+from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, every_pixel
+from rcskin.localization.adaptation.adaptation import checked, taught
+from rcskin.localization.evaluation.evaluation import score
+from rcskin.localization.inputs.samples import Samples
+from rcskin.localization.model.model import Model
+from rcskin.localization.model.training import train
+from rcskin.simulator.dataset.model import reduced
+from rcskin.simulator.dataset.skins import DrawnSkin, drawn_skin
+from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.sweeps import concatenate
+
+MOUNTED = 103
+"""Kind of random numbers, beside those of `twin_parts.skin`."""
+MOVED = 0.02
+"""Standard deviation of what foam and sheets change by from one mounting to the next."""
+TOUCHES, FEW_TOUCHES = (2, 5, 10), (2,)
+"""Of each class."""
+TWINS, TRAINING, FEW_TRAINING = 20, 6000, 900
+NARROW = 0.33
+"""Of the spread of the twins: about that of scenes which say nothing of it."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is trained how, on skins of that spread over the twins'."""
+
+    trial: Trial
+    estimator: str
+    quantities: tuple[str, ...]
+    spread: float
+    twins: int = TWINS
+
+
+PIXELS = replace(TRIALS[3], order=every_pixel(10))
+CASES = (
+    Case(TRIALS[2], "ksvm-ovo", CHANGE, NARROW),
+    Case(TRIALS[2], "ksvm-ovo", ("Rs", "Cp"), NARROW),
+    Case(TRIALS[2], "ksvm-ovo", WHOLE, 1.0),
+    Case(TRIALS[2], "model-based", CHANGE, NARROW),
+    Case(TRIALS[2], "model-based", CHANGE, 1.0),
+    Case(PIXELS, "model-based", CHANGE, 1.0, 10),
+)
+
+
+@dataclass(frozen=True)
+class Mounted(Twin):
+    """A twin at one of its mountings."""
+
+    mounting: int = 0
+
+    @cached_property
+    def drawn(self) -> DrawnSkin:
+        """The same skin each time, but for what a mounting changes."""
+        grid, modes = self.family.grid, self.family.modes
+        own = drawn_skin(self.scene, self.seed, self.number, grid, modes).variation
+        new = drawn_skin(self.scene, self.seed + 1 + self.mounting, self.number, grid, modes)
+        c, R = np.exp(MOVED * self._random(MOUNTED).standard_normal(2))
+        moved = replace(
+            own, top=own.top / R, bottom=own.bottom / R, capacitance=own.capacitance * c
+        )
+        return DrawnSkin(moved, new.leads)
+
+    def _random(self, *purpose: int) -> np.random.Generator:
+        return np.random.default_rng([self.seed, self.number, self.mounting, *purpose])
+
+
+def recorded(trial: Trial, family: Reduced, number: int) -> xr.Dataset:
+    """Two sessions of a twin."""
+    parts = [
+        read_at_once(
+            Mounted(family_scene(trial), family, SEED, number, trial.hand, mounting=each),
+            trial.recording(np.random.default_rng([SEED, number, each])),
+            each,
+        )
+        for each in range(2)
+    ]
+    return concatenate(parts).assign_attrs(scene=scene_text(trial.believed))
+
+
+def family_scene(trial: Trial) -> Scene:
+    """The twins' own."""
+    return built(trial.believed)
+
+
+def few_of_each(samples: Samples, count: int) -> Samples:
+    """The first so many of each class."""
+    first = [np.flatnonzero(samples.y == each)[:count] for each in np.unique(samples.y)]
+    return samples.part(np.sort(np.concatenate(first)))
+
+
+def rows(case: Case, model: Model, sweeps: xr.Dataset, touches: tuple[int, ...]) -> list[dict]:
+    """Right of one twin's second mounting, by how many touches of each class of its first."""
+    samples = model.samples(sweeps)
+    known, asked = (samples.part(np.flatnonzero(samples.sessions == k)) for k in range(2))
+    pressed = ~np.isin(asked.y.astype(str), ("0", "0,0"))
+    asked, registry = asked.part(np.flatnonzero(pressed)), localizers()
+    found = {"before": score(model.learned, asked)}
+    for count in touches:
+        few = few_of_each(known, count)
+        better = taught(model, checked(model, few), few, registry)
+        found[f"{count} of each"] = score(better, asked)
+    return [
+        {
+            "question": case.trial.name,
+            "localizer": case.estimator,
+            "features": ",".join(case.quantities),
+            "spread of training": case.spread,
+            "touches": name,
+            "right": 100 * each.right.mean(),
+        }
+        for name, each in found.items()
+    ]
+
+
+def main(run: Run) -> None:
+    """All cases, mean and worst over twins."""
+    table = []
+    for case in run.sized(CASES, CASES[:1]):
+        scene = spread_by(case.trial.believed, case.spread)
+        sweeps = simulated(scene, reduced(scene, RTOL), run.sized(TRAINING, FEW_TRAINING))
+        target, registry = case.trial.target, localizers()
+        model = train(
+            sweeps, target, case.estimator, quantities=case.quantities, registry=registry
+        ).insisting()
+        family = reduced(family_scene(case.trial), RTOL)
+        for number in range(run.sized(case.twins, 1)):
+            sweeps = recorded(case.trial, family, number)
+            table += rows(case, model, sweeps, run.sized(TOUCHES, FEW_TOUCHES))
+        print(case.trial.name, case.estimator, case.quantities, case.spread, flush=True)
+    by = ["question", "localizer", "features", "spread of training"]
+    found = pd.DataFrame(table).groupby([*by, "touches"], sort=False)["right"].agg(["mean", "min"])
+    cells = [f"{mean:.1f} ({least:.0f})" for mean, least in found.to_numpy()]
+    wide = found.assign(cell=cells)["cell"].unstack("touches")
+    order = list(dict.fromkeys(row["touches"] for row in table))
+    title = "Right of another mounting, %, by touches that adapted; mean over twins (worst)"
+    publish(run.results, "adaptation", title, wide[order].reset_index())
+
+
+if __name__ == "__main__":
+    launch(main)

@@ -1,0 +1,258 @@
+"""Touches over time: what a user feels of live localization, with and without the filter.
+
+Twins are pressed by hands that come and go, and left at rest. They are read through the virtual
+meter on TCP, at the times that a meter takes, by the session of `rcskin live`. Whole sweeps are
+recorded once, and every way to answer them is asked the same ones; sweeps by `--adaptive`, which
+choose their frequencies, are read anew. None of this is a measurement of a skin.
+
+Run: python benchmarks/localization/filtering.py [--quick] [--skins N] [--touches N]
+     [--rest SECONDS]
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from joblib import Parallel, delayed
+from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.localization.twin import RTOL, SEED, equip, localizers, simulated
+from rcskin.benchmarks.localization.twin_parts.hands import Stage, Touch, visits
+from rcskin.benchmarks.localization.twin_parts.scenes import believed, built
+from rcskin.benchmarks.localization.twin_parts.skin import Twin
+from rcskin.benchmarks.localization.twin_parts.trials import ONE, SINGLE
+from rcskin.hardware.live.answer import NOTHING_PRESSED
+from rcskin.hardware.live.link import Link
+from rcskin.hardware.live.log import Log
+from rcskin.hardware.live.model import ModelLocalizer
+from rcskin.hardware.live.rest import Rest
+from rcskin.hardware.live.session import Moment, Session
+from rcskin.hardware.record.sweep import Sweep, Watch
+from rcskin.localization.filtering.asking import Asker, skin_at_hand
+from rcskin.localization.filtering.follower import Follower
+from rcskin.localization.model.model import Model
+from rcskin.localization.model.training import train
+from rcskin.simulator.dataset.model import reduced
+
+PIXELS, TRAINING = 5, 2000
+SKINS, TOUCHES, REST = 4, 30, 300.0
+"""Twins; touches of each; s at rest after them."""
+WAYS = (
+    ("model-adapted", False, False),
+    ("model-adapted", True, False),
+    ("ksvm-ovo", False, False),
+    ("ksvm-ovo", True, False),
+    ("model-adapted", False, True),
+    ("model-adapted", True, True),
+)
+"""Localizer, whether it filters, whether it chooses frequencies."""
+WHOLE = ("dlnZ", "dphase", "lnZ0", "phase0")
+LATE = 0.6
+"""s after a release, within which an answer of the touch is not false."""
+CERTAIN = 0.95
+
+
+@dataclass
+class Told:
+    """What is shown: answers with the times when they came, s."""
+
+    stage: Any
+
+    def __post_init__(self) -> None:
+        self.answers: list[tuple[float, str]] = []
+
+    def reading(self, frequency: float, reading: object) -> None:
+        """Not of interest."""
+
+    def answer(self, moment: Moment) -> None:
+        """An answer came."""
+        self.answers.append((self.stage.now, moment.answer.label))
+
+    def no_answer(self, why: str) -> None:
+        """Not of interest."""
+
+    def note(self, text: str) -> None:
+        """Not of interest."""
+
+
+class Replay:
+    """A link whose sweeps were measured before: (begun, ended, sweep). now: s."""
+
+    def __init__(self, link: Link, sweeps: list[tuple[float, float, Sweep]]) -> None:
+        self.judge, self.header, self.now = link.judge, link.header, 0.0
+        self.left = list(reversed(sweeps))
+
+    def ready(self) -> None:
+        """When the next sweep begins."""
+        self.now = self.left[-1][0]
+
+    def sweep(self, watch: Watch, frequencies: Iterable[float] | None = None) -> Sweep:
+        """The next."""
+        _, self.now, sweep = self.left.pop()
+        return sweep
+
+
+def localizer(model: Model, filters: bool, asks: bool) -> ModelLocalizer:
+    """As `rcskin live` makes it."""
+    certain = CERTAIN if asks else None
+    follower = Follower(model, certain=certain) if filters else None
+    asker = Asker(model, certain, follower) if asks else None
+    size = PIXELS, PIXELS, (120.0, 120.0)
+    return ModelLocalizer(model, *size, True, follower, asker, partial(skin_at_hand, model))
+
+
+def session(way: ModelLocalizer, link: Any, stage: Any) -> Session:
+    """Of live localization, in the meter's own time."""
+    return Session(way, link, Rest(3), Told(stage), Log(), clock=lambda: stage.now)
+
+
+def answers(model: Model, filters: bool, asks: bool, stage: Stage, whole: Any) -> list:
+    """(s, label) of every answer."""
+    way = localizer(model, filters, asks)
+    if not asks:
+        link, sweeps = whole
+        replay = Replay(link, sweeps)
+        live = session(way, replay, replay)
+        live.run(1)
+        while replay.left:
+            live.step()
+        return live.show.answers
+    ends = stage.touches[-1].ended + 2
+    with stage.link(way) as link:
+        live = session(way, link, stage)
+        live.run(1)
+        while stage.now < ends:
+            live.step()
+    return live.show.answers
+
+
+def recorded(stage: Stage, model: Model, seconds: float) -> tuple[Link, list]:
+    """Whole sweeps one after the other for so long: (begun, ended, sweep)."""
+    found = []
+    with stage.link(localizer(model, False, False)) as link:
+        link.ready()
+        while stage.now < seconds:
+            begun = stage.now
+            sweep = link.sweep(lambda frequency, reading: None)
+            found.append((begun, stage.now, sweep))
+    return link, found
+
+
+def felt(told: list[tuple[float, str]], touches: list[Touch], ends: float) -> dict[str, Any]:
+    """What a user feels: see the columns of the table. ends: s until which it is judged."""
+    times, labels = np.array([t for t, _ in told]), np.array([label for _, label in told])
+    waits, changes, wrong, held = [], 0, 0, 0
+    free = times < ends
+    for touch in touches:
+        right = f"column {touch.column}"
+        during = (times >= touch.begun) & (times < touch.ended + LATE)
+        free &= ~during
+        first = np.flatnonzero(during & (labels == right))
+        waits.append(times[first[0]] - touch.begun if first.size else np.nan)
+        inside = labels[during & (times < touch.ended)]
+        pressing = inside[(inside != "cannot tell") & (inside != NOTHING_PRESSED)]
+        wrong, held = wrong + int((pressing != right).sum()), held + pressing.size
+        if first.size:
+            after = labels[first[0] :][times[first[0] :] < touch.ended]
+            said = after[after != "cannot tell"]
+            changes += int((said[1:] != said[:-1]).sum())
+    resting = labels[free]
+    pressed = (resting != NOTHING_PRESSED) & (resting != "cannot tell")
+    begun = pressed & ~np.append(False, pressed[:-1])
+    hours = (np.diff(times, prepend=0)[free]).sum() / 3600
+    return {
+        "false": int(begun.sum()),
+        "hours": hours,
+        "waits": waits,
+        "changes": changes,
+        "wrong": wrong,
+        "held": held,
+        "answers": len(told),
+        "span": times[-1] - times[0],
+    }
+
+
+def of_skin(
+    number: int, models: dict[str, Model], family: Any, sizes: tuple, ways: tuple
+) -> list[dict]:
+    """Rows of every way to answer one twin."""
+    touches, rest = sizes
+    scene = believed(ONE, PIXELS, SINGLE)
+    for model in models.values():
+        equip(model)
+    hands = visits(np.random.default_rng([SEED, number, 77]), PIXELS, touches)
+    stage = Stage(Twin(built(scene), family, SEED, number), hands)
+    ends = hands[-1].ended + rest
+    whole = recorded(stage, models["model-adapted"], ends)
+    rows = []
+    for name, filters, asks in ways:
+        stage = replace(stage, now=0.0)
+        told = answers(models[name], filters, asks, stage, whole)
+        until = told[-1][0] if asks else ends
+        rows.append({"way": (name, filters, asks), **felt(told, hands, until)})
+    return rows
+
+
+def table(rows: list[dict]) -> pd.DataFrame:
+    """A line for each way, of all twins together."""
+    lines = []
+    for way in dict.fromkeys(row["way"] for row in rows):
+        some = [row for row in rows if row["way"] == way]
+        added = ("false", "hours", "changes", "wrong", "held", "answers", "span")
+        total = {key: sum(row[key] for row in some) for key in added}
+        waits = np.concatenate([row["waits"] for row in some])
+        name, filters, asks = way
+        lines.append(
+            {
+                "localizer": name + (", --adaptive" if asks else ""),
+                "--filter": "yes" if filters else "no",
+                "s per answer": f"{total['span'] / total['answers']:.2f}",
+                "false touches an hour": f"{total['false'] / total['hours']:.0f}"
+                f" ({total['false']} in {60 * total['hours']:.0f} min)",
+                "touches missed": f"{np.isnan(waits).sum()} of {waits.size}",
+                "s to the right answer, median": f"{np.nanmedian(waits):.2f}",
+                "s, 95 %": f"{np.nanquantile(waits, 0.95):.2f}",
+                "changes a touch after it": f"{total['changes'] / waits.size:.2f}",
+                "wrong while touched": f"{100 * total['wrong'] / max(1, total['held']):.1f} %",
+            }
+        )
+    return pd.DataFrame(lines)
+
+
+def main(run: Run) -> None:
+    """Train, let hands come and go, and publish."""
+    scene = believed(ONE, PIXELS, SINGLE)
+    family, plain = reduced(built(scene), RTOL), reduced(scene, RTOL)
+    sweeps = simulated(scene, plain, run.sized(TRAINING, 400))
+    names = ("model-adapted", "ksvm-ovo")
+    models = {
+        name: train(sweeps, "column", name, quantities=WHOLE, registry=localizers())
+        for name in names
+    }
+    sizes = run.sized((run.asked.touches, run.asked.rest), (2, 3.0))
+    skins = run.asked.skins or run.sized(SKINS, 1)
+    ways = run.sized(WAYS, WAYS[-3:])
+    work = (delayed(of_skin)(k, models, family, sizes, ways) for k in range(skins))
+    rows = [row for found in Parallel(n_jobs=run.asked.processes)(work) for row in found]
+    if not all(np.isfinite(row["waits"]).any() for row in rows):
+        raise AssertionError("a way to answer finds no touch at all")
+    publish(run.results, "filtering", "Touches over time, on twins over TCP", table(rows))
+
+
+def options() -> argparse.ArgumentParser:
+    """Of the command line."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--skins", type=int)
+    parser.add_argument("--touches", type=int, default=TOUCHES)
+    parser.add_argument("--rest", type=float, default=REST)
+    parser.add_argument("--processes", type=int, default=2)
+    return parser
+
+
+if __name__ == "__main__":
+    launch(main, options())

@@ -1,0 +1,259 @@
+"""The twin experiment: localizers trained on simulation alone, asked about skins they do not know.
+
+Every twin is drawn: sheets, foam, leads, contacts away from nominal and uneven, presses offset and
+of unequal strength, drift, and for one interface a floating pair of foils at the far edge. It is
+read through the virtual meter on TCP by the same driver and recorder as a skin would be. None of
+this is a measurement of a skin.
+
+Run: python benchmarks/localization/twin.py [--quick] [--skins N] [--only TRIAL]
+     [--localizers NAME,...]
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import tempfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from joblib import Parallel, delayed
+from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.localization.twin_parts.chart import draw
+from rcskin.benchmarks.localization.twin_parts.recording import recorded
+from rcskin.benchmarks.localization.twin_parts.scenes import built
+from rcskin.benchmarks.localization.twin_parts.skin import Twin
+from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, few_trials, quantile
+from rcskin.localization.inputs.reading import read_some
+from rcskin.localization.inversion.registered import model_based
+from rcskin.localization.learners.registry import Registry, estimators
+from rcskin.localization.model.model import Model
+from rcskin.localization.model.training import train
+from rcskin.simulator.calibration.choice import Options
+from rcskin.simulator.calibration.run import calibrate
+from rcskin.simulator.dataset.model import Training, reduced
+from rcskin.simulator.dataset.plan import Plan
+from rcskin.simulator.dataset.run import generate
+from rcskin.simulator.inversion.tables import templates
+from rcskin.simulator.models.reduced.file import load, save
+from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.scene.randomisation import Lognormal, Normal
+from rcskin.simulator.scene.scene import Scene
+
+SKINS, SEED, PROCESSES = 20, 2026, 2
+RTOL = 1e-3
+"""Of the simulated sweeps: a third of the meter's noise."""
+CHANGE, WHOLE = ("dlnZ", "dphase"), ("dlnZ", "dphase", "lnZ0", "phase0")
+"""Quantities that localizers look at: changes against the skin at rest, and its own curve too."""
+BY_CHANGE = ("model-based", "ksvm-components", "kernel-ridge", "gaussian-process")
+"""Localizers that do not take the curve, or whose few components have no room for it."""
+PLENTY = 20_000
+"""Simulated sweeps for localizers that are no networks, which are shown no more."""
+CALIBRATED_TO, CALIBRATED_TRAINING = 0.03, 4000
+"""Spread of training around a calibrated skin, and simulated sweeps of it."""
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A trial with the twins' family of skins, that which the localizers believe in, and these."""
+
+    trial: Trial
+    family: Reduced
+    believed: Reduced
+    models: dict[str, Model]
+
+
+def localizers() -> Registry:
+    """All that there are, with the one that inverts the simulator."""
+    return estimators(model_based(templates))
+
+
+def prepared(trial: Trial, registry: Registry) -> Prepared:
+    """Everything that is the same for all skins."""
+    family, believed = reduced(built(trial.believed), RTOL), reduced(trial.believed, RTOL)
+    asked = trial.training if "network" in trial.estimators else min(trial.training, PLENTY)
+    sweeps = simulated(trial.believed, believed, asked)
+    return Prepared(trial, family, believed, localized(trial, sweeps, registry))
+
+
+def simulated(scene: Scene, believed: Reduced, count: int) -> xr.Dataset:
+    """Sweeps of the scene's data set, by a family that was trained for it before."""
+    training = Training(lambda *_: believed, save, load)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "training.zarr"
+        generate(Plan(scene, count, SEED, RTOL), path, training=training)
+        return read_some(path, count)
+
+
+def localized(trial: Trial, sweeps: xr.Dataset, registry: Registry) -> dict[str, Model]:
+    """The trial's localizers, trained on sweeps."""
+    return {
+        name: train(
+            sweeps,
+            trial.target,
+            name,
+            quantities=CHANGE if name in BY_CHANGE else WHOLE,
+            registry=registry,
+        )
+        for name in trial.estimators
+    }
+
+
+def scores(ready: Prepared, number: int) -> list[dict[str, Any]]:
+    """Of one twin: a row for each localizer, and again after calibration where it is asked."""
+    trial = ready.trial
+    for model in ready.models.values():
+        equip(model)
+    twin = Twin(built(trial.believed), ready.family, SEED, number, trial.hand)
+    presses = trial.recording(np.random.default_rng([SEED, number]))
+    sweeps = recorded(twin, presses, [each.name for each in trial.believed.interfaces])
+    sweeps.attrs["scene"] = scene_text(trial.believed)
+    rows = [_row(trial, number, name, model, sweeps) for name, model in ready.models.items()]
+    if trial.touches:
+        rows += _after_calibration(ready, number, sweeps)
+    return rows
+
+
+def equip(model: Model) -> None:
+    """Give a model what it lost on its way to this process: who makes tables of skins."""
+    localizers()[model.estimator].equip(model.pipeline)
+
+
+def _row(
+    trial: Trial, number: int, name: str, model: Model, sweeps: xr.Dataset, calibrated: int = 0
+) -> dict[str, Any]:
+    found, answered = trial.score(model, sweeps)
+    return {
+        "trial": trial.name,
+        "localizer": name,
+        "calibrated with": calibrated,
+        "skin": number,
+        "score": found,
+        "answered": answered,
+        "unit": trial.unit,
+        "goal": trial.goal,
+    }
+
+
+def _after_calibration(ready: Prepared, number: int, sweeps: xr.Dataset) -> list[dict[str, Any]]:
+    """The touches that calibrate are not asked about again."""
+    trial = ready.trial
+    touched = np.flatnonzero(sweeps["press"].values != "none")
+    known = touched[:: touched.size // trial.touches][: trial.touches]
+    rest = np.flatnonzero(sweeps["press"].values == "none")
+    found = calibrate(trial.believed, sweeps.isel(sweep=np.union1d(rest, known)), Options())
+    around = _narrowed(trial.believed, found.values)
+    examples = simulated(around, ready.believed, CALIBRATED_TRAINING)
+    models = localized(trial, examples, localizers())
+    asked = sweeps.isel(sweep=np.setdiff1d(np.arange(sweeps.sizes["sweep"]), known))
+    return [
+        _row(trial, number, name, model, asked, trial.touches) for name, model in models.items()
+    ]
+
+
+def _narrowed(scene: Scene, values: dict[str, float]) -> Scene:
+    """Training around a skin of which the parameters are known, more or less."""
+    R, c = (math.exp(values[name]) for name in ("sheet_resistance", "capacitance"))
+    session = scene.dataset.session.model_copy(
+        update={
+            "sheet_resistance": Lognormal(median=R, spread=CALIBRATED_TO),
+            "capacitance": Normal(mean=c, deviation=CALIBRATED_TO * c),
+        }
+    )
+    return scene.model_copy(
+        update={"dataset": scene.dataset.model_copy(update={"session": session})}
+    )
+
+
+def summary(table: pd.DataFrame) -> pd.DataFrame:
+    """One row for each trial, localizer and calibration: the distribution over skins."""
+    rows = []
+    by = ["trial", "localizer", "calibrated with", "unit", "goal"]
+    for (trial, localizer, touches, unit, goal), group in table.groupby(by, sort=False):
+        found = group["score"].to_numpy()
+        distance, median = unit == "mm", quantile(found, 0.5)
+        reached = median <= goal if distance else median >= goal
+        rows.append(
+            {
+                "trial": trial,
+                "localizer": localizer,
+                "touches of calibration": touches,
+                "skins": len(found),
+                "worst": found.max() if distance else found.min(),
+                "10 %": quantile(found, 0.1),
+                "median": median,
+                "90 %": quantile(found, 0.9),
+                "answered": quantile(group["answered"].to_numpy(), 0.5),
+                "unit": unit,
+                "goal": goal,
+                "reached": "yes" if reached else "no",
+            }
+        )
+    return pd.DataFrame(rows).round(3).astype(object).fillna("-")
+
+
+def experiment(trial: Trial, skins: int, processes: int) -> pd.DataFrame:
+    """A row for each answer of each localizer on each skin."""
+    ready = prepared(trial, localizers())
+    work = (delayed(scores)(ready, number) for number in range(skins))
+    answers = Parallel(n_jobs=processes, return_as="generator")(work)
+    return pd.DataFrame([row for found in answers for row in found])
+
+
+def main(run: Run) -> None:
+    """Ask every trial and tell of it as soon as it is answered."""
+    asked, skins = run.asked, run.asked.skins or run.sized(SKINS, 1)
+    answers = run.results / "twin_skins.csv"
+    for trial in (limited(each, asked.localizers) for each in run.sized(TRIALS, few_trials())):
+        if trial.estimators and (not asked.only or asked.only in trial.name):
+            told(with_others(experiment(trial, skins, asked.processes), answers), run.results)
+
+
+def options() -> argparse.ArgumentParser:
+    """Of the command line."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--skins", type=int)
+    parser.add_argument("--only", help="Trials whose name holds this; the others stay as they are.")
+    parser.add_argument("--localizers", help="Only these of each trial, NAME,NAME.")
+    parser.add_argument("--processes", type=int, default=PROCESSES)
+    return parser
+
+
+def limited(trial: Trial, names: str | None) -> Trial:
+    """The trial with those of its localizers that are named; with all for None."""
+    if names is None:
+        return trial
+    return replace(trial, estimators=tuple(n for n in trial.estimators if n in names.split(",")))
+
+
+def told(table: pd.DataFrame, folder: Path) -> None:
+    """Write all answers, their distributions, and the picture."""
+    title = "Twin experiment: localizers trained on simulation alone"
+    publish(folder, "twin", title, summary(table))
+    table.to_csv(folder / "twin_skins.csv", index=False, lineterminator="\n")
+    draw(table, folder / "twin.png")
+
+
+def with_others(table: pd.DataFrame, answers: Path) -> pd.DataFrame:
+    """With the answers of localizers that were asked before and not now, in the order of TRIALS."""
+    known = pd.read_csv(answers) if answers.exists() else table.head(0)
+    by = ["trial", "localizer", "calibrated with"]
+    asked = pd.MultiIndex.from_frame(table[by])
+    whole = pd.concat([table, known[~pd.MultiIndex.from_frame(known[by]).isin(asked)]])
+    order = {
+        (trial.name, name): (place, number)
+        for place, trial in enumerate(TRIALS)
+        for number, name in enumerate(trial.estimators)
+    }
+    keys = [(*order[t, n], c, s) for t, n, c, s in whole[[*by, "skin"]].itertuples(index=False)]
+    whole.index = pd.MultiIndex.from_tuples(keys)
+    return whole.sort_index()
+
+
+if __name__ == "__main__":
+    launch(main, options())

@@ -1,0 +1,64 @@
+"""A twin recorded as a skin would be: through the virtual meter on TCP, by driver and recorder."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import xarray as xr
+from rcskin.benchmarks.localization.twin_parts.skin import Twin
+from rcskin.hardware.meter.accuracy import DERIVED, read_table
+from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.record.dataset import gather
+from rcskin.hardware.record.operators import Machine, pressing_virtually
+from rcskin.hardware.record.order import parse_step
+from rcskin.hardware.record.recorder import Task, record
+from rcskin.hardware.record.terminal import Screen
+from rcskin.hardware.scene_data import SceneData
+from rcskin.hardware.virtual.control import Control
+from rcskin.hardware.virtual.server import running
+from rcskin.hardware.virtual.serving import instrument, simulated
+from rcskin.simulator.measure.specimen import SessionErrors
+from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.sweeps import side_by_side
+from rich.console import Console
+
+TIMEOUT = 5.0
+
+
+def recorded(twin: Twin, presses: Sequence[str], interfaces: Sequence[str]) -> xr.Dataset:
+    """Sweeps of presses, given as text, at one interface after the other under the same hand."""
+    parts = [_at(twin, presses, name) for name in interfaces]
+    whole = side_by_side(parts).assign_attrs(twin=twin.number)
+    return whole.assign_coords(session=("sweep", [twin.number] * len(presses)))
+
+
+def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
+    scene = twin.scene
+    data = SceneData(
+        name=scene.name,
+        text=scene_text(scene),
+        frequencies=scene.sweep.frequencies,
+        rows=scene.pixels.rows,
+        columns=scene.pixels.columns,
+        interfaces=(interface,),
+    )
+    number = [each.name for each in scene.interfaces].index(interface)
+    errors = SessionErrors(scene, seed=1000 * twin.number + number)
+    skins = {interface: twin.at(interface)}
+    exhibit = simulated(data, skins, lambda Z, at_hand: errors.read(Z, at_hand.range))
+    meter = instrument(exhibit, pace=0.0)
+    steps = [parse_step(press, data.rows, data.columns) for press in presses]
+    with running(meter, Control(meter)) as ports, tempfile.TemporaryDirectory() as folder:
+        hand = pressing_virtually(f"{ports.host}:{ports.control}")
+        task = Task(
+            data,
+            steps,
+            Path(folder) / "twin.nc",
+            lambda: open_meter(ports.resource, TIMEOUT),
+            read_table(DERIVED),
+            {},
+        )
+        header, entries = record(task, Machine(hand, Screen(Console(quiet=True)), retries=0))
+    return gather(header, entries)

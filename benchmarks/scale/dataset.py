@@ -1,0 +1,126 @@
+"""Sweeps a second of `rcskin dataset` against workers, peak memory, and whether bytes agree.
+
+Run: python benchmarks/scale/dataset.py [--quick] [SWEEPS]
+
+Memory is the sum over all processes of what each has for itself and its share of common pages,
+sampled ten times a second.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from hashlib import sha256
+from pathlib import Path
+
+import pandas as pd
+import psutil
+from rcskin.benchmarks.bench import Run, launch, publish
+
+SCENE = "sheet-5x5"
+SWEEPS, FEW_SWEEPS = 200_000, 500
+PROCESSES = (1, 2)
+MEGABYTE = 2**20
+
+
+def measured(sweeps: int, options: list[str], output: Path) -> dict[str, float]:
+    """One run from start to end: seconds until the model is trained, in all, and peak memory."""
+    command = ["dataset", SCENE, "--sweeps", str(sweeps), "-o", str(output), *options]
+    start, trained, peak = time.perf_counter(), 0.0, 0
+    run = subprocess.Popen([sys.executable, "-m", "rcskin", *command], stdout=subprocess.DEVNULL)
+    plan = output.with_name(f".{output.name}.unfinished") / "plan.json"
+    while run.poll() is None:
+        if not trained and plan.exists():
+            trained = time.perf_counter() - start
+        peak = max(peak, memory())
+        time.sleep(0.1)
+    if run.returncode != 0:
+        raise RuntimeError(f"{' '.join(command)} ended with code {run.returncode}")
+    return {"start": trained, "all": time.perf_counter() - start, "peak": peak / MEGABYTE}
+
+
+def memory() -> int:
+    """Bytes that the processes started here take, without this one."""
+    return sum(_bytes_of(child) for child in psutil.Process().children(recursive=True))
+
+
+def _bytes_of(process: psutil.Process) -> int:
+    try:
+        return process.memory_full_info().pss
+    except psutil.Error:
+        return 0
+
+
+@contextmanager
+def cluster(workers: int) -> Iterator[list[str]]:
+    """Options that let a local Dask cluster of so many processes make the data set."""
+    from distributed import LocalCluster
+
+    with LocalCluster(
+        n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as made:
+        yield ["--scheduler", made.scheduler_address]
+
+
+@contextmanager
+def processes(workers: int) -> Iterator[list[str]]:
+    """Options for so many processes on this machine."""
+    yield ["--workers", str(workers)]
+
+
+def digest(folder: Path) -> str:
+    """Of all paths and bytes below a folder."""
+    found = sha256()
+    for path in sorted(path for path in folder.rglob("*") if path.is_file()):
+        found.update(str(path.relative_to(folder)).encode())
+        found.update(path.read_bytes())
+    return found.hexdigest()
+
+
+def rows(sweeps: int, counts: tuple[int, ...], folder: Path) -> Iterator[dict[str, str]]:
+    """A row of the table for each kind and number of workers."""
+    first = None
+    kinds: dict[str, Callable] = {"processes": processes, "Dask cluster": cluster}
+    for kind, made in kinds.items():
+        for workers in counts:
+            output = folder / "out.zarr"
+            with made(workers) as options:
+                run = measured(sweeps, options, output)
+            found = digest(output)
+            first = first or found
+            if found != first:
+                raise RuntimeError(f"{kind}: {workers} workers gave other bytes")
+            size = sum(path.stat().st_size for path in output.rglob("*") if path.is_file())
+            shutil.rmtree(output)
+            yield {
+                "made by": kind,
+                "workers": str(workers),
+                "sweeps": f"{sweeps:,}",
+                "all of it (s)": f"{run['all']:.1f}",
+                "of this until the model is trained (s)": f"{run['start']:.1f}",
+                "sweeps a second after that": f"{sweeps / (run['all'] - run['start']):,.0f}",
+                "peak memory (MB)": f"{run['peak']:.0f}",
+                "on disk (MB)": f"{size / MEGABYTE:.0f}",
+            }
+
+
+def main(run: Run) -> None:
+    """Measure, check and publish."""
+    sweeps = run.asked.sweeps or run.sized(SWEEPS, FEW_SWEEPS)
+    counts = run.sized(PROCESSES, PROCESSES[1:])
+    with tempfile.TemporaryDirectory() as folder:
+        table = pd.DataFrame(list(rows(sweeps, counts, Path(folder))))
+    title = f"Data sets of {SCENE} with readout noise: the same bytes each time"
+    publish(run.results, "dataset", title, table)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser()
+    parser.add_argument("sweeps", nargs="?", type=int, metavar="SWEEPS")
+    launch(main, parser)
