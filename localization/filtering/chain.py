@@ -34,7 +34,8 @@ class Evidence:
 
 @dataclass(frozen=True, eq=False)
 class Belief:
-    """Probability of each state, shape (state,); changed: that the state changed in mid-sweep."""
+    """Probability of each state, shape (state,); changed: that in mid-sweep one of another kind
+    followed."""
 
     states: NDArray[np.float64]
     changed: float = 0.0
@@ -43,10 +44,12 @@ class Belief:
 @dataclass(frozen=True, eq=False)
 class Chain:
     """stationary: chance of each state, (state,). flows: 1/s, from each to each and back, balanced:
-    symmetric, (state, state), of no meaning on the diagonal."""
+    symmetric, (state, state), of no meaning on the diagonal. kinds: number of each state's kind,
+    (state,); changes within a kind are no changes. Without them each is one of its own."""
 
     stationary: NDArray[np.float64]
     flows: NDArray[np.float64]
+    kinds: NDArray[np.int64] | None = None
 
     def moved(self, weights: NDArray[np.float64], seconds: float) -> NDArray[np.float64]:
         """Weights of states, so much later: w exp(Q t), shape (state,)."""
@@ -77,15 +80,25 @@ class Chain:
         top = max([evidence.whole.max(), *(c.before.max() + c.after.max() for c in evidence.cuts)])
         whole, share = np.exp(evidence.whole - top), 1 / (len(evidence.cuts) + 1)
         at_ends = changed(alpha) * whole + changed(alpha * whole)
-        within = np.zeros_like(alpha)
+        within, alike = np.zeros_like(alpha), 0.0
         for cut in evidence.cuts:
             last = cut.after.max()
-            within += changed(alpha * np.exp(cut.before + last - top)) * np.exp(cut.after - last)
+            early, late = alpha * np.exp(cut.before + last - top), np.exp(cut.after - last)
+            within += changed(early) * late
+            alike += sum((changed(early * kind) * late)[kind].sum() for kind in self._members)
         steady, within = alpha * stay * whole + share / 2 * at_ends, share * within
         total = (steady + within).sum()
         if not total > RARE:
             return Belief(_normal(self.moved(alpha, seconds)), 1.0)
-        return Belief((steady + within) / total, float(within.sum() / total))
+        return Belief((steady + within) / total, float((within.sum() - share * alike) / total))
+
+    @cached_property
+    def _members(self) -> list[NDArray[np.bool_]]:
+        """Of each kind of several states, which these are."""
+        if self.kinds is None:
+            return []
+        members = [self.kinds == kind for kind in np.unique(self.kinds)]
+        return [each for each in members if each.sum() > 1]
 
     @cached_property
     def _rates(self) -> NDArray[np.float64]:

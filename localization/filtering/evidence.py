@@ -1,8 +1,8 @@
 """What each sweep tells of the states of a chain, and what its early and late readings tell apart.
 
 A model that inverts the simulator knows how likely any part of a sweep is. Any other is asked about
-the early readings with the late ones of the sweep before: are these still as that was, the state
-changed in mid-sweep.
+the early readings with the late ones of the sweep before: are these still as that was, and is the
+whole sweep like none that is known, the state changed in mid-sweep.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ class Observer:
         first, before = self._before is None, X[:1] if self._before is None else self._before
         earlier = np.concatenate([before, X[:-1]])
         self._before = X[-1:].copy()
-        whole = self._likely(X)
-        spliced = self._likely(np.where(self._early(0.5, X.shape[1]), X, earlier))
-        nothing = np.zeros(whole.shape[1])
+        whole, novel = self._likely(X)
+        spliced, _ = self._likely(np.where(self._early(0.5, X.shape[1]), X, earlier))
+        late = np.log(np.where(novel, 1.0, self._usual))
         return [
-            Evidence(told, () if first and not k else (Cut(early, nothing),))
-            for k, (told, early) in enumerate(zip(whole, spliced, strict=True))
+            Evidence(told, () if first and not k else (Cut(early, np.full(told.size, after)),))
+            for k, (told, early, after) in enumerate(zip(whole, spliced, late, strict=True))
         ]
 
     def _by_tables(self, X: NDArray[np.float64]) -> list[Evidence]:
@@ -70,8 +70,9 @@ class Observer:
             for k in range(len(X))
         ]
 
-    def _likely(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
-        """ln likelihood of each state but for a constant of the sweep, shape (sweep, state)."""
+    def _likely(self, X: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+        """ln likelihood of each state but for a constant of the sweep, shape (sweep, state), and
+        whether it is like none that is known."""
         learned = self.model.learned
         novel = learned.novel(X)
         if isinstance(learned, Classifier):
@@ -80,7 +81,7 @@ class Observer:
             known, other, gated = self._places(X)
             novel = novel & gated
         known[novel] = DOUBT
-        return np.log(np.column_stack([known, np.where(novel, 1.0, other)]))
+        return np.log(np.column_stack([known, np.where(novel, 1.0, other)])), novel
 
     def _places(self, X: NDArray) -> tuple[NDArray, NDArray, NDArray[np.bool_]]:
         """Likelihoods of what is known and of more touches, and whether there is one, (sweep,)."""
@@ -96,6 +97,14 @@ class Observer:
         one, more = (chance[:, kind].sum(axis=1) for kind in (count == 1, count > 1))
         known = np.column_stack([chance[:, count == 0], cells * one[:, None]])
         return known, np.maximum(more, DOUBT), count[chance.argmax(axis=1)] == 1
+
+    @property
+    def _usual(self) -> float:
+        """Likelihood of any state by the late readings of a sweep that is like a known one: the
+        mean over what is told apart. Sweeps that change midway are mostly like none."""
+        if isinstance(self.model.learned, Classifier):
+            return 1 / len(self.model.classes)
+        return 1.0 if self.model.gate is None else 1 / len(self.model.gate.classes)
 
     @property
     def _readings(self) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +50,8 @@ def chain_of_places(
 ) -> Chain:
     """States: nothing pressed where that is told, a touch in each cell, then anything else.
 
-    Cells run along y first. cell: width and height in mm. rest: whether it is told.
+    Cells run along y first, and are of one kind. cell: width and height in mm. rest: whether it is
+    told.
     """
     count = rows * columns
     number = np.arange(count).reshape(columns, rows)
@@ -65,7 +67,9 @@ def chain_of_places(
         stationary = np.append(1.0, stationary)
         flows = np.pad(flows, (1, 0))
         flows[0, 1:] = flows[1:, 0] = 1 / touching.every / count
-    return _with_other(stationary, flows, touching, rest)
+    chain = _with_other(stationary, flows, touching, rest)
+    kinds = np.concatenate([[0] * rest, np.ones(count, dtype=np.int64), [2]]).astype(np.int64)
+    return replace(chain, kinds=kinds)
 
 
 def _counted(classes: list[int], touching: Touching) -> Chain:

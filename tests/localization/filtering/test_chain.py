@@ -1,6 +1,7 @@
 """The forward pass against every path that there is, and chains that balance as they should."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -73,6 +74,23 @@ def test_the_forward_pass_is_the_sum_over_all_paths(cuts):
                 weight = weight * between[k + 1][path[2 * k + 1], path[2 * k + 2]]
         sums[path[5]] += weight
     np.testing.assert_allclose(belief.states, sums / sums.sum(), rtol=1e-9)
+
+
+@pytest.mark.parametrize("kinds", [None, [0, 1, 1, 2]])
+def test_the_chance_of_a_change_is_summed_over_paths_to_states_of_another_kind(kinds):
+    random = np.random.default_rng(7)
+    chain = chain_of_classes("column", [0, 1, 2], PLAN, TOUCHING)
+    chain = replace(chain, kinds=None if kinds is None else np.array(kinds))
+    belief, seen = Belief(random.dirichlet(np.ones(4))), evidence(random, 4, 3)
+    paths = belief.states[:, None] * within(chain, seen, 0.4)
+    change = transitions(chain, 0.4) - np.diag(np.exp(np.diag(rates(chain)) * 0.4))
+    at_cuts = sum(np.exp(cut.before[:, None] + cut.after) for cut in seen.cuts) / 4
+    among = np.ones((4, 4), dtype=bool)
+    if kinds:
+        among[1:3, 1:3] = False
+    changing = belief.states[:, None] * change * at_cuts * among
+    found = chain.seen(belief, seen, 0.4).changed
+    assert found == pytest.approx(changing.sum() / paths.sum(), rel=1e-9)
 
 
 def test_modes_move_as_the_exponential_of_the_rates(chain):
