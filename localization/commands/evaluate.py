@@ -81,6 +81,7 @@ def evaluate_command(
         if by_model:
             model = model_for(sweeps, recordings, files[0], extra(), anyway=anyway)
             found = _by_model(model, sweeps, resting)
+            _tell_known(model, sweeps, files[0])
         else:
             asked = quantities.split(",")
             samples = samples_of(sweeps, target, asked, interfaces=interface, rest=resting)
@@ -96,6 +97,18 @@ def evaluate_command(
             typer.echo(f"evaluation: {len(found.score.truth)} sweeps -> {folder}")
 
     return evaluate
+
+
+def _tell_known(model: Model, sweeps: xr.Dataset, path: Path) -> None:
+    """A note where the model is asked about sweeps that it was trained on."""
+    import numpy as np
+
+    from ..inputs.marks import marks_of
+
+    known = int(np.isin(marks_of(sweeps), model.marks).sum())
+    if known:
+        told = f"{known} of these {sweeps.sizes['sweep']} sweeps are of its training"
+        typer.echo(f"rcskin: note: {path}: {told}; on others it is right less often", err=True)
 
 
 def _by_model(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -> Found:

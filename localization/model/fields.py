@@ -26,7 +26,7 @@ from ..trust.kinds import KindGuard
 from ..trust.novelty import NoveltyGuard
 from .model import Model
 
-LAYOUT = 6
+LAYOUT = 7
 """Counts up where files of a model can no longer be read as they were."""
 EARLIER = {"pipeline", "target", "quantities", "interfaces", "frequencies", "scene", "version"}
 """Fields of layout 1, which did not name itself."""
@@ -67,9 +67,10 @@ KINDS = {
     "versions": dict,
     "trained_on": int,
     "left_out": str,
+    "marks": np.ndarray,
     "gate": dict | None,
 }
-COPIED = ("estimator", "certain", "validation", "versions", "trained_on", "left_out")
+COPIED = ("estimator", "certain", "validation", "versions", "trained_on", "left_out", "marks")
 """Fields of a model that stand in the file as they are."""
 PROBLEM = {
     "target": str,

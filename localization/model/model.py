@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
@@ -51,6 +51,8 @@ class Model:
     """Sweeps."""
     left_out: str
     """Which sweeps were left out, as text."""
+    marks: NDArray[np.uint64] = field(compare=False)
+    """Of the sweeps that it was trained on, see `marks_of`."""
     gate: Model | None = None
     """Of positions: tells how many touches there are; None where the training showed only one."""
     anyway: bool = False

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..inputs.features import DEFAULT_QUANTITIES
+from ..inputs.marks import marks_of
 from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import has_target, labels
 from ..learners.registry import Registry, chosen
@@ -58,6 +59,7 @@ def train(
         versions=versions_here(),
         trained_on=min(len(samples.of_sessions(made.sessions).X), made.most),
         left_out=samples.left_out.told(target),
+        marks=marks_of(sweeps)[samples.rows],
         gate=gate,
     )
 

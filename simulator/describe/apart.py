@@ -14,6 +14,8 @@ from ..scene.skin import on_skin
 
 LOOKED_AT = 24
 """Places along each side of a pixel at which it is asked whether there is skin."""
+NAME_SHAPE = 1.8
+"""Of a name of a pixel: its width over its height."""
 
 
 def told_apart(scene: Scene, pixels: Sequence[Pixel]) -> str:
@@ -34,12 +36,20 @@ def told_apart(scene: Scene, pixels: Sequence[Pixel]) -> str:
 
 
 def middle(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], float]:
-    """Where a pixel's name may stand: on its skin, (x, y) in m, and how wide that is there, m."""
+    """Where a pixel's name may stand: on its skin, (x, y) in m, and how wide it may be, m.
+
+    In the middle of the largest ellipse of a name's shape in the pixel's part of the skin.
+    """
+    from scipy.ndimage import distance_transform_edt
+
     found, within = _places(pixel, scene)
-    found = found[:, within] if within.any() else found
-    off = found - found.mean(axis=1, keepdims=True)
-    at = found[:, np.hypot(*off).argmin()]
-    return at, float(np.ptp(found[0, found[1] == at[1]]))
+    on = within if within.any() else np.ones_like(within)
+    step = np.ptp(found, axis=1) / (LOOKED_AT - 1)
+    free = np.pad(on.reshape(LOOKED_AT, LOOKED_AT), 1)
+    half = distance_transform_edt(free, sampling=(NAME_SHAPE * step[1], step[0]))[1:-1, 1:-1]
+    off = found - found[:, on].mean(axis=1, keepdims=True)
+    at = int((half.ravel() - 1e-3 * np.hypot(*off)).argmax())
+    return found[:, at], float(2 * half.ravel()[at])
 
 
 def _places(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:

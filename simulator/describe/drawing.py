@@ -141,7 +141,7 @@ def _pixels(
     if max(rows, columns) <= MOST_NAMED:
         for row, column in pixels:
             (x, y), size = middle((row, column), scene)
-            points = float(np.clip(size / max(length, width) * LETTERS, 5, 9))
+            points = float(np.clip(size / max(length, width) * LETTERS, 3, 9))
             centred = {"ha": "center", "va": "center", "color": "0.25", "zorder": 3.5}
             axes.text(MM * x, MM * y, f"{row},{column}", size=points, **centred)
     before = MARGIN * max(length, width)

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import skops.io
-from rcskin.simulator.sweeps import concatenate, write
+from rcskin.simulator.sweeps import concatenate, read, write
 
 SCENE = "[skin]\nlength = 0.03\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 3\n"
 
@@ -41,6 +41,9 @@ def test_a_model_is_trained_evaluated_and_asked(run, files, tmp_path):
         "confusion.png",
         "belief.png",
     }
+    write(read(files / "known.nc").isel(sweep=slice(30, None)), tmp_path / "some.csv")
+    code, out, err = run("evaluate", model, tmp_path / "some.csv", "--rest", files / "known.nc")
+    assert code == 0 and err.startswith(f"rcskin: note: {model}: 41 of these 42 sweeps")
     code, out, err = run("localize", model, files / "unseen.nc")
     assert code == 0 and "note: 1 sweeps cannot be told: nothing at rest was measured before" in err
     header, first, second, *_ = out.splitlines()

@@ -40,6 +40,7 @@ def test_a_model_read_back_is_the_same_model(sheet, tmp_path, classifier, target
         again.pipeline.decision_function(X), model.pipeline.decision_function(X)
     )
     assert replace(again, learned=model.learned) == model
+    np.testing.assert_array_equal(again.marks, model.marks)
     assert (again.learned.sharpness, again.learned.threshold) == (
         model.learned.sharpness,
         model.learned.threshold,
