@@ -220,9 +220,12 @@ def random():
     )
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def chromium():
-    """A browser to open pages in, where Playwright and Chromium are installed."""
+    """A browser to open pages in, where Playwright and Chromium are installed.
+
+    Playwright runs an event loop in this thread: it is let go after each module.
+    """
     playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
     path = next(
         filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
