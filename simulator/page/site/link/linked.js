@@ -12,10 +12,12 @@ const line = new Line({
   changed: (up, left) => {
     section.classList.toggle("lost", !up);
     if (!up && shown instanceof Pressed) shown.forget();
-    const behind = left ? ` Frames left out, drawing being slower: ${left}.` : "";
     page.element("link").textContent = up
-      ? `Linked.${behind}`
+      ? "Linked."
       : "The link is lost; trying again. If the program was started anew, open the address that it tells.";
+    page.element("left").textContent = left
+      ? `Frames left out, drawing being slower: ${left}.`
+      : "";
   },
 });
 const shown = page.element("skin-press")

@@ -111,16 +111,19 @@ export class Measured {
   /** @param {any} measured @param {import("rcskin/fitted").Fit} found @param {import("rcskin/fitted").Residual} left */
   #inWords(measured, found, left) {
     const { rms, worst } = summary(left);
-    const { data, skin } = this.page;
+    const { data, skin, station } = this.page;
     const where = data.interfaces.length > 1 ? ` at ${data.interfaces[worst.drive].name}` : "";
     const press = found.row
       ? `row ${found.row}, column ${found.column} at ${(1 + found.rise).toFixed(2)} × C`
       : "nothing pressed";
+    const unit = station.noise.magnitude
+      ? "standard errors of the meter"
+      : "millionths (the scene's meter has no noise)";
     const against = measured.rests ? "against rest " : "";
     const clock = new Date(measured.at).toLocaleTimeString();
     return (
       `Sweep of ${clock}. Nearest simulated: ${press}. What is measured ${against}is ` +
-      `${rms.toPrecision(2)} standard errors of the meter from it (root mean square); the farthest is ` +
+      `${rms.toPrecision(2)} ${unit} from it (root mean square); the farthest is ` +
       `${worst.value.toPrecision(2)} at ${withPrefix(skin.frequencies[worst.at], "Hz")}${where}. ` +
       `The band holds 19 of 20 where the simulation is right.`
     );
