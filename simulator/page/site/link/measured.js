@@ -154,7 +154,7 @@ function inFigures(times, progress) {
   );
 }
 
-/** @param {string} text */
+/** Begun with a capital, where it begins with a word. @param {string} text */
 function sentence(text) {
-  return text.charAt(0).toUpperCase() + text.slice(1);
+  return text.replace(/^[a-z](?=[a-z])/, (first) => first.toUpperCase());
 }
