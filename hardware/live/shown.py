@@ -114,6 +114,7 @@ class Shown:
 
 def _told(answer: Answer) -> dict[str, Any]:
     return {
+        "label": answer.label,
         "words": answer.words,
         "pixels": None if answer.pixels is None else np.clip(answer.pixels, 0, 1).tolist(),
         "position": answer.position,

@@ -33,6 +33,7 @@ export class Measured {
   #draw() {
     const { answer, why, remarks, notes, measured, times, progress } = this.shown;
     this.#tell("answer", answer ? sentence(answer.words) : "");
+    this.#tell("spoken", answer ? answer.label : "");
     this.#tell("why", [why, ...remarks].filter(Boolean).map(sentence).join(". "));
     const told = notes.map((/** @type {string} */ note) => {
       const item = document.createElement("li");
