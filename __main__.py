@@ -189,9 +189,15 @@ def _plan(text: str) -> Plan | None:
     return Plan(outline, foils)
 
 
+def _linked_page(data: SceneData, kind: str, nonce: str) -> str:
+    from .simulator.page.linked import linked_page
+
+    return linked_page(data.text, data.name, data.frequencies, data.interfaces, kind, nonce)
+
+
 add_commands(app, on_terminal, _plan, _checked_ending, _model_based)
-app.command("live")(live_command(_live_localizer))
-meter = meter_app(Simulation(_scene_data, _skins, _readout))
+app.command("live")(live_command(_live_localizer, _linked_page))
+meter = meter_app(Simulation(_scene_data, _skins, _readout, _linked_page))
 app.add_typer(meter, name="meter")
 
 

@@ -13,7 +13,7 @@ from .record.output import gather_command
 from .virtual.simulation import Simulation
 
 if TYPE_CHECKING:
-    from .virtual.serving import Exhibit
+    from .virtual.serving import Exhibit, Paging
 
 CONTROL = "127.0.0.1:3501"
 
@@ -41,6 +41,12 @@ def meter_app(simulation: Simulation) -> typer.Typer:
         seed: Annotated[int, typer.Option(help="Of the session's errors and presses.")] = 1,
         pace: Annotated[float, typer.Option(help="Times of measuring: 1 as a meter, 0 none.")] = 1,
         accuracy: Accuracy = None,
+        page: Annotated[
+            bool, typer.Option("--page", help="Press the skin on a page: its address is told.")
+        ] = False,
+        page_port: Annotated[
+            int | None, typer.Option(help="TCP port of the page; else any free one.")
+        ] = None,
     ) -> None:
         """Serve a virtual IM3523 on TCP until interrupted."""
         from .meter.accuracy import DERIVED
@@ -50,6 +56,7 @@ def meter_app(simulation: Simulation) -> typer.Typer:
         pressing = serving.routines(exhibit, script, random, seed)
         meter = serving.instrument(exhibit, pace, accuracy or DERIVED)
         meter.tell = lambda text: typer.echo(f"rcskin: {text}", err=True)
+        paging = _paging(simulation, exhibit, page, page_port)
         serving.serve(
             meter,
             pressing,
@@ -57,6 +64,7 @@ def meter_app(simulation: Simulation) -> typer.Typer:
             host,
             port,
             control_port,
+            paging,
         )
 
     app.command()(record_command(simulation.scene))
@@ -160,3 +168,21 @@ def _exhibit(
     assert scene is not None
     data = simulation.scene(scene, interfaces)
     return serving.simulated(data, simulation.skins(data), simulation.readout(data, seed))
+
+
+def _paging(
+    simulation: Simulation, exhibit: Exhibit, page: bool, port: int | None
+) -> Paging | None:
+    """The page that was asked for. Raises InputError where there is none."""
+    from ..simulator.sweeps import InputError
+    from .page.document import Document
+    from .virtual import serving
+
+    if not page:
+        if port is not None:
+            raise InputError("--page-port needs --page")
+        return None
+    if exhibit.scene is None:
+        raise InputError("--page is of a simulated skin: it needs --scene, not --recorded")
+    document = Document.made(simulation.document, exhibit.scene, "skin")
+    return serving.Paging(document, port or 0, lambda address: typer.echo(f"page  {address.url}"))

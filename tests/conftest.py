@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import shutil
 import signal
 import subprocess
 import sys
@@ -217,3 +218,21 @@ def random():
         presses=presses,
         logarithmic=logarithmic,
     )
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    """A browser to open pages in, where Playwright and Chromium are installed.
+
+    Playwright runs an event loop in this thread: it is let go after each module.
+    """
+    playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
+    path = next(
+        filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+    )
+    if path is None:
+        pytest.skip("there is no Chromium to open the page in")
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        yield browser
+        browser.close()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
@@ -22,6 +22,7 @@ from ..options import (
 from ..record.output import check_free
 
 if TYPE_CHECKING:
+    from ..page.document import MakeDocument
     from ..record.journal import Journal
     from .answer import Localizer
     from .rest import Rest
@@ -42,8 +43,13 @@ class Manner(NamedTuple):
     certain: float | None = None
 
 
-def live_command(load: Callable[[Path, Manner], Localizer]) -> Callable[..., None]:
-    """The command, localizing by what `load` reads from a file (it raises InputError)."""
+def live_command(
+    load: Callable[[Path, Manner], Localizer], document: MakeDocument
+) -> Callable[..., None]:
+    """The command, localizing by what `load` reads from a file (it raises InputError).
+
+    document: of the page that shows it.
+    """
 
     def live(
         model: Annotated[Path, typer.Option(help="A trained model, .skops.")],
@@ -97,6 +103,12 @@ def live_command(load: Callable[[Path, Manner], Localizer]) -> Callable[..., Non
             float | None,
             typer.Option(help="Probability that --filter answers from and --adaptive reads up to."),
         ] = None,
+        page: Annotated[
+            bool, typer.Option("--page", help="Show it on a page, too: its address is told.")
+        ] = False,
+        port: Annotated[
+            int | None, typer.Option(help="TCP port of the page; else any free one.")
+        ] = None,
     ) -> None:
         """Localize presses as they come: time, answer, probability and latency in ms in a pipe."""
         from ...simulator.sweeps import InputError
@@ -115,6 +127,8 @@ def live_command(load: Callable[[Path, Manner], Localizer]) -> Callable[..., Non
             raise InputError("--log keeps whole sweeps, and --adaptive measures parts of them")
         if certain is not None and not (filtered or adaptive):
             raise InputError("--certain needs --filter or --adaptive; else `train` takes it")
+        if port is not None and not page:
+            raise InputError("--port is of the page: it needs --page")
         journal = _journal(log, overwrite) if log else None
         touching = (touch_lasts, touch_every, touch_speed) if filtered else None
         localizer = load(model, Manner(touching, adaptive, certain))
@@ -130,9 +144,10 @@ def live_command(load: Callable[[Path, Manner], Localizer]) -> Callable[..., Non
         )
         at_rest = _rest(localizer, rest, rest_file, anyway)
         kept = Log(journal)
+        paged = _paged(localizer, model, document, port or 0) if page else nullcontext(())
         try:
             with ending_in_order(), journal.lock() if journal else nullcontext():
-                with _showing(localizer, plain) as (show, key):
+                with paged as others, _showing(localizer, plain, others) as (show, key):
                     _run(Session(localizer, link, at_rest, show, kept, key), sweeps)
         finally:
             if kept.told:
@@ -165,7 +180,28 @@ def _run(session: Session, answers: int | None) -> None:
 
 
 @contextmanager
-def _showing(localizer: Localizer, plain: bool) -> Iterator[tuple[Show, Callable[[], str]]]:
+def _paged(
+    localizer: Localizer, model: Path, make: MakeDocument, port: int
+) -> Iterator[Sequence[Show]]:
+    """A page of the localizer's skin, served beside. Raises InputError where there is none."""
+    from ..page.document import Document
+    from ..page.thread import beside
+    from ..scene_data import SceneData
+    from .shown import Shown
+
+    shape = localizer.rows, localizer.columns
+    scene = SceneData(
+        str(model), localizer.scene, localizer.frequencies, *shape, localizer.interfaces
+    )
+    with beside(Document.made(make, scene, "live"), port) as (address, post):
+        typer.echo(f"rcskin: page {address.url}", err=True)
+        yield (Shown(localizer, post),)
+
+
+@contextmanager
+def _showing(
+    localizer: Localizer, plain: bool, others: Sequence[Show]
+) -> Iterator[tuple[Show, Callable[[], str]]]:
     import sys
 
     from rich.console import Console
@@ -173,13 +209,14 @@ def _showing(localizer: Localizer, plain: bool) -> Iterator[tuple[Show, Callable
     from .keys import keys
     from .plain import Plain
     from .screen import Screen
+    from .shown import Together
 
     console = Console()
     if plain or not console.is_terminal:
-        yield Plain(sys.stdout, sys.stderr), lambda: ""
+        yield Together((Plain(sys.stdout, sys.stderr), *others)), lambda: ""
         return
     with keys() as key, Screen(console, localizer) as screen:
-        yield screen, key
+        yield Together((screen, *others)), key
 
 
 def _rest(localizer: Localizer, wanted: int, files: list[Path] | None, anyway: bool) -> Rest:

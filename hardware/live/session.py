@@ -30,6 +30,15 @@ END_KEY, REST_KEY = "q", "r"
 
 
 @dataclass(frozen=True)
+class Seen:
+    """What an answer is of. frequencies: Hz, ascending. rest: sweeps of the skin at rest."""
+
+    sweep: Sweep
+    frequencies: tuple[float, ...]
+    rest: tuple[Sweep, ...] = ()
+
+
+@dataclass(frozen=True)
 class Moment:
     """One answer and how it came about.
 
@@ -39,6 +48,7 @@ class Moment:
     """
 
     answer: Answer
+    seen: Seen
     at: str
     measuring: float
     localizing: float
@@ -208,6 +218,7 @@ class Session:
         self.show.answer(
             Moment(
                 answer,
+                self._seen(measured),
                 now(),
                 measured.during,
                 ended - measured.ended,
@@ -224,6 +235,11 @@ class Session:
         )
         if self.rest.follow(sweep, answer):
             self.show.note("rest renewed by one sweep, to follow slow drift")
+
+    def _seen(self, measured: Measured) -> Seen:
+        part = measured.part
+        at = self.localizer.frequencies if part is None else tuple(part.frequencies.tolist())
+        return Seen(measured.sweep, at, tuple(self.rest.sweeps))
 
     def _take_rest(self, sweep: Sweep) -> None:
         moved = self._remarks(Measured(sweep), self.rest.first)

@@ -17,6 +17,7 @@ from ...simulator.sweeps import InputError
 from .clients import Client
 from .faults import Fault
 from .instrument import Instrument
+from .measurement import UNDERFLOW, WITHOUT_NUMBERS
 
 
 @dataclass
@@ -62,7 +63,7 @@ class Control:
             self.instrument.faults.add(fault)
             return fault.kind
         if do == "state":
-            return self._state()
+            return self.state()
         if do == "select":
             return self._select(**given)
         raise InputError(f"`do` must be press, select, misbehave or state, got {do!r}")
@@ -80,7 +81,8 @@ class Control:
             asyncio.get_running_loop().call_later(fault.seconds, meter.connect, interface)
         return interface
 
-    def _state(self) -> dict[str, Any]:
+    def state(self) -> dict[str, Any]:
+        """Press, interface, settings and faults to come."""
         settings = self.instrument.settings
         return {
             "press": self.instrument.press,
@@ -90,3 +92,13 @@ class Control:
             "trigger": settings.trigger,
             "faults": [fault.kind for fault in self.instrument.faults.waiting],
         }
+
+    def shown(self) -> dict[str, Any]:
+        """What a page shows: press and interface, and the latest reading where it is a number."""
+        meter, latest = self.instrument, self.instrument.latest
+        reading = None
+        if latest.status not in (*WITHOUT_NUMBERS, UNDERFLOW):
+            Z = latest.Z.real, latest.Z.imag
+            reading = {"frequency": latest.conditions.frequency, "Z": Z}
+        state = {"press": meter.press, "interface": meter.interface, "reading": reading}
+        return {"kind": "skin", "faults": self.state()["faults"], **state}

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import signal
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import AsyncExitStack
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,16 +24,23 @@ from .skin import Readout, Skin, exact
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ..page.address import Address
+    from ..page.document import Document
+
 
 @dataclass(frozen=True)
 class Exhibit:
-    """A skin at its interfaces, the grid of its pixels, and what the meter makes of it."""
+    """A skin at its interfaces, the grid of its pixels, and what the meter makes of it.
+
+    scene: of which it is a simulation, where it is one.
+    """
 
     skins: Mapping[str, Skin]
     readout: Readout
     rows: int
     columns: int
     frequency: float
+    scene: SceneData | None = None
 
     @property
     def skin(self) -> Skin:
@@ -43,7 +50,7 @@ class Exhibit:
 
 def simulated(scene: SceneData, skins: Mapping[str, Skin], readout: Readout) -> Exhibit:
     """The skin of a scene."""
-    return Exhibit(skins, readout, scene.rows, scene.columns, scene.frequencies[0])
+    return Exhibit(skins, readout, scene.rows, scene.columns, scene.frequencies[0], scene)
 
 
 def recorded(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> Exhibit:
@@ -89,6 +96,15 @@ def routines(
     return ()
 
 
+@dataclass(frozen=True)
+class Paging:
+    """A page on which the skin is pressed. tell: called with where it is."""
+
+    document: Document
+    port: int
+    tell: Callable[[Address], None]
+
+
 def serve(
     meter: Instrument,
     pressing: tuple[Routine, ...],
@@ -96,28 +112,50 @@ def serve(
     host: str = LOOPBACK,
     port: int = 3500,
     control_port: int = 3501,
+    paging: Paging | None = None,
 ) -> None:
     """Serve until the process is interrupted or told to end. tell: called when it listens.
 
     Raises InputError where a port cannot be had.
     """
-    asyncio.run(_serve(meter, pressing, tell, host, port, control_port))
+
+    async def open_(stack: AsyncExitStack) -> None:
+        control = Control(meter, pressing)
+        tell(await stack.enter_async_context(listening(meter, control, host, port, control_port)))
+        if paging:
+            paging.tell(await stack.enter_async_context(paged(control, paging)))
+
+    asyncio.run(_until_told_to_end(open_))
     meter.worker.end()
 
 
-async def _serve(
-    meter: Instrument,
-    pressing: tuple[Routine, ...],
-    tell: Callable[[Ports], None],
-    host: str,
-    port: int,
-    control_port: int,
-) -> None:
+@asynccontextmanager
+async def paged(control: Control, paging: Paging) -> AsyncIterator[Address]:
+    """The skin's page, while the block runs. Raises InputError where the port cannot be had."""
+    from ..page.board import Board
+    from ..page.server import Site
+    from ..page.watch import posted, watching
+
+    board = Board()
+
+    async def press(text: str) -> str:
+        full = await control.press(text)
+        posted(board, control.shown())
+        return full
+
+    async with Site(paging.document, board, press).served(paging.port) as address:
+        watch = asyncio.create_task(watching(board, control.shown))
+        try:
+            yield address
+        finally:
+            watch.cancel()
+
+
+async def _until_told_to_end(open_: Callable[[AsyncExitStack], Awaitable[None]]) -> None:
     stopped = asyncio.Event()
     loop = asyncio.get_running_loop()
     for end in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(end, stopped.set)
     async with AsyncExitStack() as stack:
-        control = Control(meter, pressing)
-        tell(await stack.enter_async_context(listening(meter, control, host, port, control_port)))
+        await open_(stack)
         await stopped.wait()

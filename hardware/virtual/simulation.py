@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ..scene_data import SceneData
 
 if TYPE_CHECKING:
+    from ..page.document import MakeDocument
     from .skin import Readout, Skin
 
 
@@ -16,9 +17,12 @@ if TYPE_CHECKING:
 class Simulation:
     """scene: by name or path, at interfaces (None: all). skins: of each. readout: by seed.
 
+    document: of the page on which a skin is pressed.
+
     Each raises InputError where it is given what does not exist.
     """
 
     scene: Callable[[str, list[str] | None], SceneData]
     skins: Callable[[SceneData], Mapping[str, Skin]]
     readout: Callable[[SceneData, int], Readout]
+    document: MakeDocument

@@ -5,25 +5,41 @@ from __future__ import annotations
 import base64
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 SITE = Path(__file__).parent / "site"
 
 
-def document(data: Mapping[str, Any]) -> str:
-    """The page of a skin, as HTML that needs nothing beside it. data: of `packed`."""
+@dataclass(frozen=True)
+class Link:
+    """What the page of a skin is linked to: `live` or `skin`. nonce: of its scripts and styles."""
+
+    kind: str
+    nonce: str
+
+
+def document(data: Mapping[str, Any], link: Link | None = None) -> str:
+    """The page of a skin, as HTML that needs nothing beside it. data: of `packed`.
+
+    link: of a page that is served; without it the page forbids itself any.
+    """
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     rooms = FileSystemLoader(Path(__file__).parent)
     pages = Environment(loader=rooms, autoescape=True, undefined=StrictUndefined)
-    modules = {f"rcskin/{path.stem}": _module(path) for path in sorted(SITE.glob("modules/*.js"))}
+    folders = ("modules", "link") if link else ("modules",)
+    paths = [path for folder in folders for path in sorted(SITE.glob(f"{folder}/*.js"))]
+    modules = {f"rcskin/{path.stem}": _module(path) for path in paths}
+    styles = [SITE / "style.css", *([SITE / "link" / "link.css"] if link else [])]
     return pages.get_template("page.jinja").render(
         name=data["name"],
         description=data["description"],
-        style=(SITE / "style.css").read_text(encoding="utf-8"),
+        style="".join(path.read_text(encoding="utf-8") for path in styles),
         modules=_within_script({"imports": modules}),
         data=_within_script(data),
+        link=link,
     )
 
 

@@ -1,6 +1,7 @@
 """Virtual meters on the skin of the rig, and scripted ones."""
 
 import asyncio
+import json
 import runpy
 import socket
 import subprocess
@@ -18,6 +19,7 @@ from rcskin.hardware.virtual.measurement import Bench
 from rcskin.hardware.virtual.server import running
 from rcskin.hardware.virtual.skin import exact
 from typer.testing import CliRunner
+from websockets.sync.client import connect
 
 RIG = Path(__file__).with_name("rig.py")
 _rig = runpy.run_path(str(RIG))
@@ -44,6 +46,50 @@ class Scripted:
 
     def close(self):
         self.closed = True
+
+
+class Looking:
+    """A viewer of a page that takes each frame, and may press."""
+
+    def __init__(self, socket):
+        self._socket = socket
+
+    def state(self):
+        """The next one that is shown."""
+        return self._next(lambda said: "frame" in said)["state"]
+
+    def until(self, true):
+        """The first state of which something is true."""
+        while not true(state := self.state()):
+            pass
+        return state
+
+    def press(self, text):
+        """What is answered."""
+        self._socket.send(json.dumps({"do": "press", "press": text}))
+        return self._next(lambda said: "do" in said)
+
+    def _next(self, wanted):
+        while True:
+            said = json.loads(self._socket.recv(timeout=20))
+            if "frame" in said:
+                self._socket.send(json.dumps({"do": "seen", "frame": said["frame"]}))
+            if wanted(said):
+                return said
+
+
+@pytest.fixture
+def look():
+    """A context with a viewer of the page at an address."""
+
+    @contextmanager
+    def look(url):
+        origin, _, token = url.partition("/?")
+        link = f"{origin.replace('http', 'ws')}/link?{token}"
+        with connect(link, origin=origin, compression=None) as socket:
+            yield Looking(socket)
+
+    return look
 
 
 @pytest.fixture

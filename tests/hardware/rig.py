@@ -52,7 +52,12 @@ def skins(data):
     return {name: SKINS[name] for name in data.interfaces}
 
 
-simulation = Simulation(scene, skins, lambda data, seed: exact)
+def document(data, kind, nonce):
+    """A page that says what it is of."""
+    return f'<title>{data.name}</title><script nonce="{nonce}">"{kind}";</script>'
+
+
+simulation = Simulation(scene, skins, lambda data, seed: exact, document)
 app = meter_app(simulation)
 
 if __name__ == "__main__":

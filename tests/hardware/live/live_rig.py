@@ -102,7 +102,12 @@ def load(path, manner):
     return Pixels() if Path(path).name == "two.skops" else Columns()
 
 
-command = live_command(load)
+def document(data, kind, nonce):
+    """A page that says what it is of."""
+    return f'<title>{data.name}</title><script nonce="{nonce}">"{kind}";</script>'
+
+
+command = live_command(load, document)
 
 if __name__ == "__main__":
     app.command("live")(command)

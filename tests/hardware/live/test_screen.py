@@ -11,7 +11,8 @@ from rcskin.hardware.live.answer import CANNOT_TELL, NOTHING_PRESSED, Answer, an
 from rcskin.hardware.live.grid import MARKER, Grid, fitting
 from rcskin.hardware.live.plain import Plain
 from rcskin.hardware.live.screen import Screen
-from rcskin.hardware.live.session import Moment
+from rcskin.hardware.live.session import Moment, Seen
+from rcskin.hardware.record.sweep import Sweep, Trace
 from rich.console import Console
 
 Columns = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))["Columns"]
@@ -163,7 +164,10 @@ def moment():
     pixels = np.zeros(SHAPE)
     pixels[:, 1] = 0.97
     answer = Answer("column 2", 0.97, pixels)
-    return Moment(answer, "2026-01-01T00:00:00.000+00:00", 0.4, 0.003, 0.81, 2.47, 3, ("drifts",))
+    trace = Trace(*[(1.0, 2.0, 3.0)] * 3, status=(0, 0, 0))
+    seen = Seen(Sweep((trace,)), Columns.frequencies)
+    at = "2026-01-01T00:00:00.000+00:00"
+    return Moment(answer, seen, at, 0.4, 0.003, 0.81, 2.47, 3, ("drifts",))
 
 
 def test_the_screen_tells_answer_times_failures_and_remarks(moment):

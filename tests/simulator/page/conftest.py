@@ -115,18 +115,3 @@ def in_node():
         return json.loads(done.stdout)
 
     return run
-
-
-@pytest.fixture(scope="session")
-def chromium():
-    """A browser to open pages in, where Playwright and Chromium are installed."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
-    path = next(
-        filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
-    )
-    if path is None:
-        pytest.skip("there is no Chromium to open the page in")
-    with playwright.sync_playwright() as started:
-        browser = started.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        yield browser
-        browser.close()

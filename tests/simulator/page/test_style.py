@@ -32,7 +32,7 @@ def contrast(one, other):
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_text_and_lines_stand_out(scheme):
     colours = schemes()[scheme]
-    for text in ("ink", "soft"):
+    for text in ("ink", "soft", "now"):
         for ground in ("paper", "card"):
             assert contrast(colours[text], colours[ground]) >= TEXT, (text, ground)
     assert contrast(colours["ink"], colours["button"]) >= TEXT

@@ -32,6 +32,9 @@ const gestures = new Gestures(element("skin"), skin, {
   changed: press,
 });
 
+/** For what the page is linked to. */
+export const page = { data, skin, station, gestures, element, state: () => state };
+
 /** @type {Touch[]} */
 let last = [];
 let measured = station.measure();
@@ -82,6 +85,7 @@ function refresh(cast) {
     }
     draw();
     performance.mark("rcskin-drawn");
+    window.dispatchEvent(new Event("rcskin-drawn"));
     clearTimeout(waiting.quiet);
     waiting.quiet = window.setTimeout(settle, PATIENCE);
   });

@@ -1,0 +1,169 @@
+"""`rcskin live --page` and `rcskin meter serve --page`: pace, slow viewers, hostile clients.
+
+The commands themselves, as a user starts them, at the virtual meter's own pace. In Chromium, a
+pixel is pressed on the skin's page, and the answer awaited on the live page.
+
+Run: python benchmarks/live/live_page.py [--quick]
+"""
+
+from __future__ import annotations
+
+import asyncio
+import tempfile
+import time
+from importlib.util import find_spec
+from pathlib import Path
+from shutil import which
+
+import numpy as np
+import pandas as pd
+from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.live.page_parts.commands import Linked, ended_in, linked, memory, run
+from rcskin.benchmarks.live.page_parts.hostile import Target, besieged, fuzzed
+from rcskin.benchmarks.live.page_parts.viewers import NEVER, Watching
+from rcskin.hardware.steer import ask
+from rcskin.simulator.scene.files import load_scene
+
+SEED = 5
+SLOW = 1.0
+MARGIN = 34
+"""Pixels of the screen around the skin on its canvas."""
+PATIENCE = 30.0
+FASTEST = 5e-3
+"""s that a sweep takes at least."""
+WATCH = """
+() => {
+  window.told = [];
+  const answer = document.getElementById("live-answer");
+  new MutationObserver(() => window.told.push([Date.now(), answer.textContent]))
+    .observe(answer, { childList: true });
+}
+"""
+
+
+def trained(scene: str, sweeps: int, folder: Path) -> Path:
+    """A model of columns against rest, of randomised skins."""
+    data, model = folder / "skins.zarr", folder / "columns.skops"
+    run("dataset", scene, "--sweeps", sweeps, "-o", data)
+    run("train", data, "--target", "column", "--features", "dlnZ,dphase", "-o", model)
+    return model
+
+
+def press_to_answer(pages: Linked, scene: str, presses: int, picture: Path) -> list[float] | None:
+    """s from a press on the one page to its answer on the other; None without a browser.
+
+    picture: of the last answer.
+    """
+    chromium = which("chromium") or which("chromium-browser")
+    if find_spec("playwright") is None or chromium is None:
+        print("playwright or chromium is not installed: nothing is pressed in a browser")
+        return None
+    from playwright.sync_api import sync_playwright
+
+    columns, random = load_scene(scene).pixels.columns, np.random.default_rng(SEED)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        skin, live = (browser.new_context().new_page() for _ in range(2))
+        skin.goto(pages.skin)
+        live.goto(pages.answers)
+        live.locator("#live-answer", has_text="Nothing").wait_for()
+        live.evaluate(WATCH)
+        times, before = [], 0
+        for _ in range(presses):
+            column = before = 1 + (before + int(random.integers(columns - 1))) % columns
+            begun = time.time()
+            click(skin, (column - 0.5) / columns)
+            times.append(answered(live, f"Column {column},") - begun)
+            live.wait_for_timeout(1000 * random.random())
+        live.set_viewport_size({"width": 1180, "height": 900})
+        live.wait_for_timeout(2000)
+        live.locator(".linked").screenshot(path=picture)
+        browser.close()
+    return times
+
+
+def click(skin, across: float) -> None:
+    """Press in a row in the middle. across: part of the skin's length."""
+    box = skin.locator("#skin").bounding_box()
+    x = box["x"] + MARGIN + across * (box["width"] - 2 * MARGIN)
+    skin.mouse.click(x, box["y"] + box["height"] / 2)
+
+
+def answered(live, wanted: str) -> float:
+    """When an answer was shown, s since 1970-01-01. Raises RuntimeError where it never is."""
+    end = time.time() + PATIENCE
+    since = live.evaluate("Date.now()") - 50
+    while time.time() < end:
+        for at, text in live.evaluate("window.told"):
+            if at >= since and text.startswith(wanted):
+                return at / 1e3
+        live.wait_for_timeout(20)
+    raise RuntimeError(f"no answer {wanted!r} in {PATIENCE:g} s")
+
+
+def left_out(pages: Linked, seconds: float) -> list[dict[str, str]]:
+    """What viewers of one page are sent that draw at once, in SLOW s, and never."""
+    before = memory(pages.live)
+    with Watching(pages.answers, 0.0, SLOW, NEVER) as viewers:
+        time.sleep(seconds)
+        grown = memory(pages.live) - before
+    quick, slow, stuck = viewers
+    if not len(stuck.frames) == 1 < len(slow.frames) < len(quick.frames):
+        raise AssertionError("frames wait for slow viewers")
+    told = f"{len(slow.frames)} of {len(quick.frames)} frames"
+    return [
+        row(f"sent to a viewer that draws for {SLOW:g} s, in {seconds:g} s", told),
+        row("by how much they were late there, at most", f"{1e3 * slow.age(quick):.0f} ms"),
+        row("sent to a viewer that never draws", f"{len(stuck.frames)} frame"),
+        row("memory of the session grew by", f"{grown:.1f} MB"),
+    ]
+
+
+def besiege(pages: Linked, clients: int, messages: int) -> list[dict[str, str]]:
+    """Hostile clients and messages at the skin's page, with a viewer that looks on."""
+    ask(pages.control, "press", press="none")
+    target, random = Target(pages.skin), np.random.default_rng(SEED)
+    before, begun = memory(pages.meter), time.monotonic()
+    with Watching(pages.skin, 0.0) as (viewer,):
+        asyncio.run(besieged(target, clients, random))
+        asyncio.run(fuzzed(target, messages, random))
+    lasted, grown = time.monotonic() - begun, memory(pages.meter) - before
+    if ask(pages.control, "state")["press"] != "none" or pages.live.poll() is not None:
+        raise AssertionError("the skin was touched, or the session ended")
+    return [
+        row(f"{clients} hostile clients and {messages} fuzzed messages", f"{lasted:.0f} s"),
+        row("longest wait of a viewer for a frame meanwhile", f"{1e3 * viewer.longest:.0f} ms"),
+        row("memory of the virtual meter grew by", f"{grown:.1f} MB"),
+        row("presses of the skin by them", "none"),
+    ]
+
+
+def row(what: str, figure: str) -> dict[str, str]:
+    """Of the table."""
+    return {"what": what, "measured": figure}
+
+
+def main(run: Run) -> None:
+    """Press, watch, besiege, end."""
+    scene = run.sized("sheet-5x5", "strip-1x3")
+    with tempfile.TemporaryDirectory() as folder:
+        model = trained(scene, run.sized(300, 60), Path(folder))
+        with linked(scene, model) as pages:
+            times = press_to_answer(pages, scene, run.sized(30, 2), run.results / "live_page.png")
+            rows = left_out(pages, run.sized(20.0, 4.0))
+            rows += besiege(pages, run.sized(1000, 60), run.sized(10_000, 100))
+            ends = [ended_in(pages.live), ended_in(pages.meter)]
+    if times is not None:
+        if min(times) < FASTEST:
+            raise AssertionError("an answer came before its sweep")
+        median, most = np.median(times), np.quantile(times, 0.95)
+        pressed = f"{median:.2f} s; 19 of 20 within {most:.2f} s"
+        rows.insert(0, row(f"press on the page to its answer, median of {len(times)}", pressed))
+    rows.append(
+        row("Ctrl-C to the end, session and meter", " and ".join(f"{s:.1f} s" for s in ends))
+    )
+    publish(run.results, "live_page", f"{scene} on its pages, live", pd.DataFrame(rows))
+
+
+if __name__ == "__main__":
+    launch(main)

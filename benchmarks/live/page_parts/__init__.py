@@ -1,0 +1,1 @@
+"""What a served page has to bear."""

@@ -1,0 +1,108 @@
+"""Serving a page on the loopback: its document, and a link to each viewer."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from functools import partial
+from http import HTTPStatus
+from urllib.parse import urlsplit
+
+from websockets.asyncio.server import Server, ServerConnection, serve
+from websockets.datastructures import Headers
+from websockets.http11 import Request, Response
+
+from ...simulator.sweeps import InputError
+from .address import LINK, LOOPBACK, Address
+from .board import Board
+from .document import Document
+from .door import Door, Guest
+from .messages import LONGEST
+from .viewer import PressSkin, Viewer
+
+PARTING = 0.3
+"""Seconds that viewers have to take leave."""
+ALWAYS = {
+    "Cache-Control": "no-store",
+    "Connection": "close",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
+
+
+class Site:
+    """One page at one address. press: as of `Viewer`."""
+
+    def __init__(self, document: Document, board: Board, press: PressSkin | None = None) -> None:
+        self._document, self._board, self._press = document, board, press
+        self._door, self._address = Door(), Address(0)
+
+    @asynccontextmanager
+    async def served(self, port: int = 0) -> AsyncIterator[Address]:
+        """Open while the block runs; port 0 takes any that is free.
+
+        Raises InputError where the port cannot be had.
+        """
+        server = await self._listening(port)
+        self._address = Address(next(iter(server.sockets)).getsockname()[1])
+        try:
+            yield self._address
+        finally:
+            server.close()
+            await asyncio.wait([asyncio.ensure_future(server.wait_closed())], timeout=PARTING)
+            self._door.clear()
+            await server.wait_closed()
+
+    async def _listening(self, port: int) -> Server:
+        try:
+            return await serve(
+                self._converse,
+                LOOPBACK,
+                port,
+                process_request=self._answered,
+                compression=None,
+                server_header=None,
+                max_size=LONGEST,
+                max_queue=2,
+                logger=_quiet(),
+                create_connection=partial(Guest, door=self._door),  # type: ignore[arg-type]
+            )
+        except (OSError, OverflowError) as error:
+            raise InputError(f"port {port} of {LOOPBACK} cannot be had: {error}") from error
+
+    def _answered(self, connection: ServerConnection, request: Request) -> Response | None:
+        """The answer to a request; None has a link opened."""
+        headers = request.headers
+        refusal = self._address.refusal(
+            request.path, headers.get_all("Host"), headers.get_all("Origin")
+        )
+        if refusal is not None:
+            return _response(refusal)
+        if urlsplit(request.path).path == LINK:
+            return _response(HTTPStatus.SERVICE_UNAVAILABLE) if self._door.full else None
+        return _response(HTTPStatus.OK, *self._document.sent())
+
+    async def _converse(self, connection: ServerConnection) -> None:
+        self._door.viewers.add(connection)
+        try:
+            await Viewer(connection, self._board, self._press).converse()
+        finally:
+            self._door.viewers.discard(connection)
+
+
+def _response(
+    status: HTTPStatus, headers: Mapping[str, str] | None = None, body: bytes | None = None
+) -> Response:
+    text = f"{status} {status.phrase}\n".encode() if body is None else body
+    plain = {"Content-Type": "text/plain; charset=utf-8"}
+    named = {"Content-Length": str(len(text)), **ALWAYS, **(headers or plain)}
+    return Response(status, status.phrase, Headers(named), text)
+
+
+def _quiet() -> logging.Logger:
+    """What clients do wrong is theirs to know."""
+    logger = logging.getLogger("rcskin.page")
+    logger.disabled = True
+    return logger

@@ -1,0 +1,44 @@
+"""The page of a skin that is linked to a meter: served, and not written to a file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from ..models.plain import folded, require_plain
+from ..progress import told_on_terminal
+from ..scene.files import parse_scene
+from ..scene.meter import Sweep
+from ..scene.scene import Scene
+from .document import Link, document
+from .packed import packed, reduced_for_page
+
+RTOL, CELLS = 1e-3, 2
+
+
+def linked_page(
+    text: str,
+    name: str,
+    frequencies: Sequence[float],
+    interfaces: Sequence[str],
+    kind: str,
+    nonce: str,
+) -> str:
+    """The page as HTML, of the scene in a text at some of its interfaces and at frequencies in Hz.
+
+    name: of the text, as errors call it. kind, nonce: of `Link`. Raises InputError where the scene
+    has no page.
+    """
+    scene = parse_scene(text, name)
+    asked = _read_at(require_plain(folded(scene, "a page"), "a page"), frequencies, interfaces)
+    with told_on_terminal() as tell:
+        reduced = reduced_for_page(asked, RTOL, CELLS, partial(tell, "reducing"))
+    return document(packed(asked, reduced), Link(kind, nonce))
+
+
+def _read_at(scene: Scene, frequencies: Sequence[float], interfaces: Sequence[str]) -> Scene:
+    """The scene as a meter reads it: its interfaces in their order, its frequencies."""
+    by_name = {each.name: each for each in scene.interfaces}
+    read = tuple(by_name[name] for name in interfaces)
+    sweep = Sweep(frequencies=tuple(frequencies))
+    return scene.model_copy(update={"interfaces": read, "sweep": sweep})

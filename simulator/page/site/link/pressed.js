@@ -1,0 +1,68 @@
+// The virtual skin: what is pressed on the page is pressed there, and what others press is shown.
+
+import { withPrefix } from "rcskin/charts";
+import { parsed } from "rcskin/presses";
+import { parallelCapacitance } from "rcskin/skin";
+import { pressText } from "rcskin/takeaway";
+
+export class Pressed {
+  /** @param {typeof import("rcskin/app").page} page @param {(message: any) => boolean} say */
+  constructor(page, say) {
+    this.page = page;
+    this.say = say;
+    /** @type {string | null} the page's touches when both were last the same; null before the first frame */
+    this.agreed = null;
+    /** @type {string | null} what was asked for and not yet answered */
+    this.asked = null;
+    window.addEventListener("rcskin-drawn", () => this.#ask());
+  }
+
+  /** The line was lost: what was asked may not have come through. */
+  forget() {
+    this.asked = null;
+    this.agreed = null;
+  }
+
+  /** @param {any} state of the virtual meter */
+  show({ press, interface: drive, reading, faults }) {
+    this.#tell("press", press === "none" ? "Nothing is pressed" : `Pressed: ${press}`);
+    const told = reading
+      ? `Latest reading: ${inWords(reading)}, at interface ${drive}.`
+      : `No reading yet, at interface ${drive}.`;
+    const coming = faults.length ? ` Faults to come: ${faults.join(", ")}.` : "";
+    this.#tell("reading", told + coming);
+    if (this.asked !== null || this.page.gestures.held.size) return;
+    const touches = parsed(press, this.page.skin) ?? [];
+    const text = pressText(touches);
+    if (text === this.agreed) return;
+    this.agreed = text;
+    this.page.gestures.set(touches);
+  }
+
+  /** @param {any} answer to a press */
+  told(answer) {
+    this.#tell("why", answer.do === "refused" ? answer.why : "");
+    this.agreed = this.asked;
+    this.asked = null;
+    this.#ask();
+  }
+
+  #ask() {
+    if (this.agreed === null || this.asked !== null) return;
+    const text = pressText(this.page.state().touches);
+    if (text === this.agreed) return;
+    if (this.say({ do: "press", press: text })) this.asked = text;
+  }
+
+  /** @param {string} id @param {string} text */
+  #tell(id, text) {
+    const element = this.page.element(`skin-${id}`);
+    if (element.textContent !== text) element.textContent = text;
+  }
+}
+
+/** @param {{frequency: number, Z: [number, number]}} reading */
+function inWords({ frequency, Z: [re, im] }) {
+  const Cp = parallelCapacitance({ re, im }, frequency);
+  return `${withPrefix(frequency, "Hz")}, Rs ${withPrefix(re, "Ω")}, Cp ${withPrefix(Cp, "F")}`;
+}

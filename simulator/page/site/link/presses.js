@@ -1,0 +1,35 @@
+// A press as rcskin's commands write it, read back as touches.
+
+/** @typedef {import("rcskin/skin").Touch} Touch */
+
+const MOST = 2; // touches that a page has at once
+const PIXEL = /^(\d+),(\d+)(?::([\d.]+))?$/;
+const RECTANGLE = /^rect\(([^()]*)\)(?::([\d.]+))?$/;
+
+/** The touches; null where they are none of a page's. @param {string} text @param {import("rcskin/skin").Skin} skin @returns {Touch[] | null} */
+export function parsed(text, skin) {
+  if (text === "none") return [];
+  const touches = text.split("+").map((each) => touch(each, skin));
+  return touches.length <= MOST && touches.every((each) => each !== null) ? touches : null;
+}
+
+/** @param {string} text @param {import("rcskin/skin").Skin} skin @returns {Touch | null} */
+function touch(text, skin) {
+  const { pixels, press, range } = skin.data;
+  const factor = (/** @type {string | undefined} */ told) =>
+    told === undefined ? press.capacitance_factor : Number(told);
+  const pixel = PIXEL.exec(text);
+  const rectangle = RECTANGLE.exec(text);
+  const strength = factor((pixel ?? [])[3] ?? (rectangle ?? [])[2]);
+  if (!(strength > 0 && strength <= 1 + range.rise[1])) return null;
+  if (pixel) {
+    const [row, column] = [Number(pixel[1]), Number(pixel[2])];
+    const there = row >= 1 && row <= pixels.rows && column >= 1 && column <= pixels.columns;
+    return there ? skin.pixel(row, column, strength) : null;
+  }
+  if (!rectangle) return null;
+  const sides = rectangle[1].split(",").map(Number);
+  if (sides.length !== 4 || !sides.every(Number.isFinite)) return null;
+  const [x, y, width, height] = sides;
+  return { x, y, width, height, factor: strength };
+}

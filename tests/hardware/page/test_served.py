@@ -1,0 +1,214 @@
+"""A served page: who is let in, what viewers are sent, and what they may say."""
+
+import asyncio
+import json
+import re
+import socket
+from http import HTTPStatus
+
+import pytest
+from rcskin.hardware.page.address import Address
+from rcskin.hardware.page.board import Board, written
+from rcskin.hardware.page.door import MOST_VIEWERS
+from rcskin.hardware.page.server import Site
+from rcskin.simulator.sweeps import InputError
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+OWN = {"hosts": ["127.0.0.1:8000"], "origins": ["http://127.0.0.1:8000"]}
+LATER = 100
+
+
+async def got(page, target=None, **headers):
+    """Status, headers and body that the page's port answers to a request."""
+    reader, writer = await asyncio.open_connection("127.0.0.1", page.address.port)
+    named = {"Host": f"127.0.0.1:{page.address.port}", **headers}
+    lines = [f"GET {target or f'/?token={page.address.token}'} HTTP/1.1"]
+    lines += [f"{name}: {value}" for name, value in named.items()]
+    writer.write(("\r\n".join(lines) + "\r\n\r\n").encode())
+    head, _, body = (await reader.read()).decode().partition("\r\n\r\n")
+    writer.close()
+    status, *fields = head.split("\r\n")
+    return int(status.split()[1]), dict(each.split(": ", 1) for each in fields), body
+
+
+@pytest.mark.parametrize(
+    ("target", "changed", "status"),
+    [
+        ("/?token=T", {}, None),
+        ("/link?token=T", {}, None),
+        ("/?token=T", {"origins": []}, None),
+        ("/?token=T", {"hosts": ["localhost:8000"]}, None),
+        ("/link?token=T", {"origins": []}, HTTPStatus.FORBIDDEN),
+        ("/link?token=T", {"origins": ["null"]}, HTTPStatus.FORBIDDEN),
+        ("/link?token=T", {"origins": ["http://127.0.0.1:8001"]}, HTTPStatus.FORBIDDEN),
+        ("/link?token=T", {"origins": 2 * OWN["origins"]}, HTTPStatus.FORBIDDEN),
+        ("/?token=T", {"hosts": ["evil.example:8000"]}, HTTPStatus.FORBIDDEN),
+        ("/?token=T", {"hosts": []}, HTTPStatus.FORBIDDEN),
+        ("/?token=T", {"hosts": 2 * OWN["hosts"]}, HTTPStatus.FORBIDDEN),
+        ("/", {}, HTTPStatus.FORBIDDEN),
+        ("/?token=t", {}, HTTPStatus.FORBIDDEN),
+        ("/?token=T&token=T", {}, HTTPStatus.FORBIDDEN),
+        ("/?token=%ff%00%f0", {}, HTTPStatus.FORBIDDEN),
+        ("//[/?token=T", {}, HTTPStatus.BAD_REQUEST),
+        ("/etc/passwd?token=T", {}, HTTPStatus.NOT_FOUND),
+    ],
+)
+def test_who_is_refused(target, changed, status):
+    assert Address(8000, "T").refusal(target, **{**OWN, **changed}) == status
+
+
+def test_every_run_has_a_token_that_is_not_guessed():
+    tokens = {Address(1).token for _ in range(100)}
+    assert len(tokens) == 100 and min(map(len, tokens)) >= 32
+    assert all(token not in repr(Address(1, token)) for token in tokens)
+
+
+def test_the_document_is_sent_under_a_policy_of_its_own(served):
+    async def act(page):
+        return await got(page), await got(page)
+
+    nonces = set()
+    for status, headers, body in served(act):
+        policy = headers["Content-Security-Policy"]
+        nonce = re.search(r"script-src 'nonce-([\w-]{20,})'", policy)[1]
+        assert status == 200 and "<title>skin</title>" in body
+        assert f'<script nonce="{nonce}">' in body
+        assert "default-src 'none'" in policy and "unsafe" not in policy
+        assert headers["Cache-Control"] == "no-store"
+        assert headers["Referrer-Policy"] == "no-referrer"
+        nonces.add(nonce)
+    assert len(nonces) == 2
+
+
+def test_without_the_token_nothing_is_told(served):
+    async def act(page):
+        answers = [await got(page, "/?token=wrong"), await got(page, Host="evil.example")]
+        for more in ({"origin": "http://evil.example"}, {"origin": None}):
+            with pytest.raises(InvalidStatus, match="403"):
+                await page.viewer(**more)
+        return answers
+
+    for status, _, body in served(act):
+        assert status == 403 and "skin" not in body
+
+
+def test_viewers_see_each_state_and_a_late_one_the_newest(served, frame):
+    async def act(page):
+        async with page.viewer() as first, page.viewer() as second:
+            page.post(why="one")
+            shown = [await frame(first), await frame(second)]
+            page.post(why="two")
+            shown += [await frame(first), await frame(second)]
+        async with page.viewer() as reloaded:
+            return [*shown, await frame(reloaded)]
+
+    shown = [(each["frame"], each["state"]["why"]) for each in served(act)]
+    assert shown == [(1, "one"), (1, "one"), (2, "two"), (2, "two"), (2, "two")]
+
+
+def test_a_slow_viewer_is_left_out_frames_and_then_sees_the_newest(served, frame):
+    async def act(page):
+        async with page.viewer() as slow, page.viewer() as quick:
+            numbers = []
+            for number in range(1, LATER + 1):
+                page.post(number=number)
+                numbers.append((await frame(quick))["frame"])
+            first = await frame(slow, seen=False)
+            with pytest.raises(TimeoutError):
+                await asyncio.wait_for(slow.recv(), 0.05)
+            await slow.send(json.dumps({"do": "seen", "frame": first["frame"]}))
+            return numbers, first["frame"], (await frame(slow))["state"]["number"]
+
+    numbers, first, then = served(act)
+    assert numbers == list(range(1, LATER + 1))
+    assert first == 1 and then == LATER
+
+
+def test_a_press_is_answered(served, said):
+    async def act(page):
+        async with page.viewer() as viewer:
+            fine = await said(viewer, {"do": "press", "press": "1,1"})
+            none = await said(viewer, {"do": "press", "press": "9,9"})
+        return fine, none, page.pressed
+
+    fine, none, pressed = served(act)
+    assert fine == {"do": "pressed", "press": "1,1:2.0"} and pressed == ["1,1"]
+    assert none == {"do": "refused", "why": "press '9,9': must be 1,1"}
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        "",
+        "{}",
+        b'{"do":"seen","frame":1}',
+        '{"do":"seen","frame":true}',
+        '{"do":"seen","frame":1,"more":1}',
+        '{"do":"press","press":"<b>"}',
+        '{"do":"press","press":"' + "1" * 500 + '"}',
+        '{"do":"press","press":"' + "1" * 5000 + '"}',
+    ],
+)
+def test_whoever_says_what_is_no_message_is_hung_up(served, message):
+    async def act(page):
+        async with page.viewer() as viewer:
+            await viewer.send(message)
+            with pytest.raises(ConnectionClosed) as closed:
+                await viewer.recv()
+        return closed.value.rcvd.code, page.pressed
+
+    code, pressed = served(act)
+    assert code == (1009 if len(message) > 1024 else 1008) and not pressed
+
+
+def test_a_page_that_only_shows_takes_no_press(served):
+    async def act(page):
+        async with page.viewer() as viewer:
+            await viewer.send('{"do":"press","press":"1,1"}')
+            with pytest.raises(ConnectionClosed, match="1008"):
+                await viewer.recv()
+
+    served(act, pressable=False)
+
+
+def test_no_more_viewers_than_there_is_room_for(served, frame):
+    async def act(page):
+        viewers = [await page.viewer() for _ in range(MOST_VIEWERS)]
+        with pytest.raises(InvalidStatus, match="503"):
+            await page.viewer()
+        await viewers.pop().close()
+        page.post(why="room")
+        async with page.viewer() as viewer:
+            shown = await frame(viewer)
+        for each in viewers:
+            await each.close()
+        return shown
+
+    assert served(act)["state"] == {"why": "room"}
+
+
+def test_a_port_in_use_is_told(served):
+    async def act(page):
+        async with Site(None, Board()).served(page.address.port):
+            raise AssertionError("the port was had twice")
+
+    with pytest.raises(InputError, match=r"port \d+ of 127\.0\.0\.1 cannot be had"):
+        served(act)
+
+
+def test_a_state_without_a_number_is_never_sent():
+    with pytest.raises(ValueError, match="JSON"):
+        written({"Z": float("nan")})
+
+
+def test_it_ends_though_clients_hang_on(served):
+    async def act(page):
+        there = "127.0.0.1", page.address.port
+        silent = [socket.create_connection(there) for _ in range(3)]
+        silent[0].sendall(b"GET / HTTP/1.1\r\n")
+        await asyncio.sleep(0.05)
+        return silent
+
+    for each in served(act):
+        with each:
+            assert each.recv(1) == b""
