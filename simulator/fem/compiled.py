@@ -45,10 +45,10 @@ def compiled(**options: Any) -> Callable[[Kernel], Kernel]:
     """`numba.njit` with these options, kept between runs."""
 
     def compile_once(function: Kernel) -> Kernel:
-        kernel = njit(**options)(function)
-        if hasattr(kernel, "_cache"):  # NUMBA_DISABLE_JIT leaves the function as it is
+        kernel: Any = njit(**options)(function)
+        if kernel is not function:  # NUMBA_DISABLE_JIT leaves it as it is
             try:
-                kernel._cache = Kept(kernel.py_func)
+                kernel._cache = Kept(function)
             except RuntimeError:  # no folder can be written
                 pass
         return kernel

@@ -32,7 +32,7 @@ def installed(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def swept(installed):
-    """A function that runs `rcskin sweep` there: the sweeps' bytes. settings: of the surroundings."""
+    """A function that runs `rcskin sweep` there: the bytes. settings: of the surroundings."""
 
     def bytes_of(output, **settings):
         surroundings = {
