@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from skfem import (
     BilinearForm,
@@ -25,29 +24,21 @@ from skfem.assembly.basis import AbstractBasis
 
 from ..mesh.rings import Cells
 from .pattern import DROPPED
+from .warming import Warming
 
 EXTRA_ORDER = 40
 
 
-@njit(cache=True)
-def fill(
-    values: NDArray, slots: NDArray, weights: NDArray, reference: NDArray
-) -> None:  # pragma: no cover
-    """values[slots[e, k]] += sum_m weights[e, m] reference[m, k], leaving out dropped slots."""
-    for element in range(slots.shape[0]):
-        for k in range(slots.shape[1]):
-            slot = slots[element, k]
-            if slot != DROPPED:
-                total = 0.0
-                for m in range(weights.shape[1]):
-                    total += weights[element, m] * reference[m, k]
-                values[slot] += total
-
-
 def fill_readable(values: NDArray, slots: NDArray, weights: NDArray, reference: NDArray) -> None:
-    """What `fill` does, in plain numpy."""
+    """What `fill` does, in plain numpy, terms and elements added in the same order."""
     kept = slots != DROPPED
-    np.add.at(values, slots[kept], (weights @ reference)[kept])
+    totals = np.zeros(slots.shape)
+    for weight, matrix in zip(weights.T, reference, strict=True):
+        totals += np.multiply.outer(weight, matrix)
+    np.add.at(values, slots[kept], totals[kept])
+
+
+fill = Warming(fill_readable, lambda values, slots, *_: 4e-8 * slots.size)
 
 
 def element_pairs(unknowns: NDArray) -> tuple[NDArray, NDArray]:

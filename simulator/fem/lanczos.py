@@ -13,27 +13,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from .estimate import LOST_SUSCEPTANCE, lost_digits
+from .warming import Warming
 
 MOST_STEPS = 60
 FEWEST_STEPS = 3
-
-
-@njit(cache=True)
-def continued_fraction(
-    t: complex, diagonal: NDArray, squared: NDArray, steps: int
-) -> complex:  # pragma: no cover
-    """1 / (1 + t a_1 - t² b_1² / (1 + t a_2 - ...)) to so many steps.
-
-    diagonal: a_1, a_2, ... squared: b_0², b_1², ...
-    """
-    value = 1.0 / (1.0 + t * diagonal[steps - 1])
-    for step in range(steps - 2, -1, -1):
-        value = 1.0 / (1.0 + t * diagonal[step] - t * t * squared[step + 1] * value)
-    return value
 
 
 def continued_fraction_readable(
@@ -45,26 +31,37 @@ def continued_fraction_readable(
     return complex(np.linalg.inv(np.eye(steps) + t * T)[0, 0])
 
 
-@njit(cache=True)
-def last_change(
-    s: NDArray, shift: float, at_once: NDArray, diagonal: NDArray, squared: NDArray, steps: int
-) -> tuple[NDArray, NDArray]:  # pragma: no cover
-    """Y(s) in S after so many steps, and how much the last one changed Rs or Cp, relatively.
+def last_change_readable(
+    s: NDArray[np.complex128],
+    shift: float,
+    at_once: NDArray[np.complex128],
+    diagonal: NDArray[np.float64],
+    squared: NDArray[np.float64],
+    steps: int,
+) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    """What `last_change` does, in the numbers of Python, which divides as numba does."""
+    a, b = diagonal[:steps].tolist(), squared[:steps].tolist()
 
-    at_once: Y(sigma) + t g'Mg in S. A susceptance below LOST_SUSCEPTANCE of |Y| counts as that.
-    """
+    def fraction(t: complex, steps: int) -> complex:
+        value = 1.0 / (1.0 + t * a[steps - 1])
+        for step in range(steps - 2, -1, -1):
+            value = 1.0 / (1.0 + t * a[step] - t * t * b[step + 1] * value)
+        return value
+
     Y, change = np.empty_like(s), np.empty(len(s))
-    for k in range(len(s)):
-        t = s[k] - shift
-        scale = t * t * squared[0]
-        before, now = at_once[k], at_once[k]
-        now -= scale * continued_fraction(t, diagonal, squared, steps)
+    for k, (each, first) in enumerate(zip(s.tolist(), at_once.tolist(), strict=True)):
+        t = each - float(shift)
+        scale = t * t * b[0]
+        before, now = first, first - scale * fraction(t, steps)
         if steps > 1:
-            before -= scale * continued_fraction(t, diagonal, squared, steps - 1)
+            before -= scale * fraction(t, steps - 1)
         B = max(abs(now.imag), LOST_SUSCEPTANCE * abs(now))
         Rs = abs((1.0 / before).real / (1.0 / now).real - 1.0)
         Y[k], change[k] = now, max(Rs, abs(before.imag - now.imag) / B)
     return Y, change
+
+
+last_change = Warming(last_change_readable, lambda s, *others: 6e-7 * len(s) * (4 + others[-1]))
 
 
 @dataclass(frozen=True)

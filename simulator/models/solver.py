@@ -30,16 +30,13 @@ from .line import Line
 from .lumped import Lumped, least_left_out
 from .outlook import Outlook
 from .plain import electrical, electrical_press, require_plain
-from .reduced.cases import pixel_touches
-from .reduced.greedy import reduce
-from .reduced.model import KRYLOV_SHARE as REDUCED_KRYLOV
-from .reduced.model import ReducedSkin
 from .resolution import Ladder
 from .sheet import Sheet
 from .varied.meshes import indented, meshes
 
 if TYPE_CHECKING:
     from .mechanics.pressed import Pressed
+    from .reduced.model import ReducedSkin
 
 ModelName = Literal["auto", "lumped", "line", "sheet", "reduced"]
 DEFAULT_RTOL = 1e-4
@@ -225,6 +222,8 @@ class Solver:
         return Rung(told, sheet.nested.inner, Z, error)
 
     def _reduced(self, press: Press, progress: Progress) -> None:
+        from .reduced.model import KRYLOV_SHARE
+
         if not all(isinstance(touch, Touch) for touch in press.touches):
             raise InputError(f"answers whole pixels, got {press}")
         _check_trained(press)
@@ -235,12 +234,15 @@ class Solver:
         if not skin.reduced.on_skin[cells].all():
             raise InputError(f"press {press}: there is no skin at that place")
         Z = skin.sweeps(cells, rises, np.array([0, len(cells)]))[0]
-        at_most = skin.certificate(cells, rises) + REDUCED_KRYLOV * self.rtol
+        at_most = skin.certificate(cells, rises) + KRYLOV_SHARE * self.rtol
         told = f"reduced to {skin.reduced.size} vectors, {skin.reduced.circuit.told}"
         return progress.offer(Rung(told, skin.reduced.size, Z, at_most + skin.reduced.mesh_error))
 
     @cached_property
     def _reduced_skin(self) -> ReducedSkin:
+        from .reduced.cases import pixel_touches
+        from .reduced.greedy import reduce
+
         return reduce(self._even, self.rtol, pixel_touches(self._even, TRAINED)).skin(None)
 
     def _sheet(self, resolution: Resolution) -> Sheet:

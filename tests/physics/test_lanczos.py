@@ -6,11 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.kernels import continued_fraction, last_change
 from rcskin.simulator.fem.lanczos import (
     Pencil,
-    continued_fraction,
     continued_fraction_readable,
-    last_change,
+    last_change_readable,
     respond,
 )
 from rcskin.simulator.mesh.quadrilaterals import Resolution
@@ -50,6 +50,16 @@ def test_the_last_change_is_that_of_Rs_or_Cp(steps, seed):
     np.testing.assert_allclose(Y, after, rtol=1e-12)
     expected = relative_difference(1 / before, 1 / after, s.imag).max(axis=0)
     np.testing.assert_allclose(change, expected, rtol=1e-6, atol=1e-13)
+
+
+@given(steps=st.integers(1, 12), seed=st.integers(0, 2**32))
+def test_python_reads_the_last_change_to_the_same_bits(steps, seed):
+    rng = np.random.default_rng(seed)
+    diagonal, squared = 10 ** rng.uniform(-9, 9, (2, steps))
+    s, shift = 1j * np.geomspace(1e-3, 1e7, 9), rng.uniform(0, 1e3)
+    given = s, shift, rng.normal(size=9) + 1j * rng.normal(size=9), diagonal, squared, steps
+    for compiled, read in zip(last_change(*given), last_change_readable(*given), strict=True):
+        np.testing.assert_array_equal(compiled, read)
 
 
 @given(data=st.data())

@@ -9,11 +9,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...fem.compiled import compiled
 from ...fem.estimate import LOST_SUSCEPTANCE
-from ...fem.lanczos import FEWEST_STEPS, MOST_STEPS, Pencil, continued_fraction, respond
+from ...fem.kernels import continued_fraction
+from ...fem.lanczos import FEWEST_STEPS, MOST_STEPS, Pencil, respond
 
 
 class Rest(NamedTuple):
@@ -43,7 +44,7 @@ class Feed(NamedTuple):
     common: NDArray[np.float64]
 
 
-@njit(cache=True)
+@compiled()
 def swept(
     rest: Rest,
     feed: Feed,
@@ -114,7 +115,7 @@ def dense_pencil(mass: NDArray[np.float64], feed: Feed) -> Pencil:
     return Pencil(start, mass.dot, inverse, feed.conductance, float(potential @ start), 0.0)
 
 
-@njit(cache=True)
+@compiled()
 def _respond(
     rest: Rest,
     feed: Feed,
@@ -165,7 +166,7 @@ def _respond(
         Y[k] = _admittance(feed, capacitance, s[k], diagonal, squared, steps)
 
 
-@njit(cache=True, fastmath={"reassoc"})
+@compiled(fastmath={"reassoc"})
 def _charge(
     rest: Rest, cells: NDArray, rises: NDArray, v: NDArray, charge: NDArray
 ) -> None:  # pragma: no cover
@@ -185,7 +186,7 @@ def _charge(
                 charge[column] += part * factor[row, column]
 
 
-@njit(cache=True, fastmath={"reassoc"})
+@compiled(fastmath={"reassoc"})
 def _dot(u: NDArray, v: NDArray) -> float:  # pragma: no cover
     total = 0.0
     for k in range(len(u)):
@@ -193,7 +194,7 @@ def _dot(u: NDArray, v: NDArray) -> float:  # pragma: no cover
     return total
 
 
-@njit(cache=True)
+@compiled()
 def _neutralise(feed: Feed, charge: NDArray, own: float, v: NDArray) -> None:  # pragma: no cover
     """Shift a floating sheet so that it keeps its charge; own: its capacitance, F."""
     shift = _dot(charge, v) / own
@@ -201,7 +202,7 @@ def _neutralise(feed: Feed, charge: NDArray, own: float, v: NDArray) -> None:  #
         v[k] -= shift * feed.common[0, k]
 
 
-@njit(cache=True)
+@compiled()
 def _solve(feed: Feed, y: NDArray, solution: NDArray) -> None:  # pragma: no cover
     """K^-1 y: 1 in the basis, and floating terminals by the conductance between them."""
     terminals = len(feed.driven)
@@ -216,14 +217,14 @@ def _solve(feed: Feed, y: NDArray, solution: NDArray) -> None:  # pragma: no cov
             solution[k] += potential * feed.tied[row, k]
 
 
-@njit(cache=True)
+@compiled()
 def _difference(Y: complex, other: complex) -> float:  # pragma: no cover
     """Of Rs and of Cp, relative to the other's."""
     Rs = abs((1.0 / Y).real / (1.0 / other).real - 1.0)
     return max(Rs, abs(Y.imag - other.imag) / max(abs(other.imag), LOST_SUSCEPTANCE * abs(other)))
 
 
-@njit(cache=True)
+@compiled()
 def _admittance(
     feed: Feed, capacitance: float, s: complex, diagonal: NDArray, squared: NDArray, steps: int
 ) -> complex:  # pragma: no cover

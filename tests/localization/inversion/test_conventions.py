@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import pytest
 from rcskin.localization.inversion.adapted import AdaptedClassifier, AdaptedPosition
 from rcskin.localization.inversion.classifier import ModelBased
 from rcskin.localization.inversion.position import ModelBasedPosition
@@ -100,11 +101,20 @@ class DoubledPosition(_Doubled, AdaptedPosition):
     pass
 
 
+def failing(estimator):
+    """Checks that cannot hold, with the reason."""
+    return FAILING | (dict.fromkeys(SCORED, PLACES) if is_regressor(estimator) else {})
+
+
 @parametrize_with_checks(
-    [WideClassifier(target="column"), WidePosition(), DoubledClassifier(), DoubledPosition()],
-    expected_failed_checks=lambda estimator: (
-        FAILING | (dict.fromkeys(SCORED, PLACES) if is_regressor(estimator) else {})
-    ),
+    [WideClassifier(target="column"), WidePosition(), DoubledClassifier()],
+    expected_failed_checks=failing,
 )
 def test_it_keeps_the_conventions_of_scikit_learn(estimator, check):
+    check(estimator)
+
+
+@pytest.mark.slow
+@parametrize_with_checks([DoubledPosition()], expected_failed_checks=failing)
+def test_places_on_the_skin_at_hand_keep_them_too(estimator, check):
     check(estimator)

@@ -18,7 +18,7 @@ def cluster(toy_importable):
 
 
 def test_a_worker_killed_half_way_changes_nothing(make, toy, cluster, tmp_path):
-    plan = toy.small_plan(600, block=2)
+    plan = toy.small_plan(300, block=2)
     output = tmp_path / "out.zarr"
     finished, killed = [], []
 

@@ -91,7 +91,7 @@ def test_bad_input_ends_with_one_line_and_code_2(run, tmp_path, monkeypatch, arg
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_ctrl_c_ends_with_one_line_and_leaves_a_data_set_that_goes_on(
     scene_file, tmp_path, workers
 ):

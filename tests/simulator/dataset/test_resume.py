@@ -40,7 +40,9 @@ def killed_after(sessions, tokens, process):
     process.wait()
 
 
-@pytest.mark.parametrize(("processes", "kills"), [(1, [0, 7, 1]), (2, [9])])
+@pytest.mark.parametrize(
+    ("processes", "kills"), [pytest.param(1, [0, 7, 1], marks=pytest.mark.slow), (2, [9])]
+)
 def test_killed_several_times_it_ends_with_the_same_bytes(
     make, toy, tmp_path, tokens, processes, kills
 ):

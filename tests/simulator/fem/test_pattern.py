@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.fem.pattern import DROPPED, compressed, compressed_readable, pattern_of_pairs
+from rcskin.simulator.fem.kernels import block, compressed
+from rcskin.simulator.fem.pattern import (
+    DROPPED,
+    block_readable,
+    compressed_readable,
+    pattern_of_pairs,
+)
 
 
 @st.composite
@@ -20,6 +26,7 @@ def pairs(draw):
 def test_every_pair_has_the_slot_that_numpy_finds(pairs):
     for ours, plain in zip(compressed(*pairs), compressed_readable(*pairs), strict=True):
         np.testing.assert_array_equal(ours, plain)
+        assert ours.dtype == plain.dtype
 
 
 @pytest.mark.kernel
@@ -29,7 +36,13 @@ def test_a_block_holds_the_values_of_the_whole(pairs, data):
     whole, _ = pattern_of_pairs(*pairs)
     kept = np.array(sorted(data.draw(st.sets(st.integers(0, size - 1), min_size=1))))
     values = np.arange(1.0, len(whole.indices) + 1)
-    block, entries = whole.within(kept)
+    part, entries = whole.within(kept)
     np.testing.assert_array_equal(
-        block.matrix(values[entries]).toarray(), whole.matrix(values).toarray()[np.ix_(kept, kept)]
+        part.matrix(values[entries]).toarray(), whole.matrix(values).toarray()[np.ix_(kept, kept)]
     )
+    number = np.full(size, DROPPED, dtype=np.int32)
+    number[kept] = np.arange(len(kept), dtype=np.int32)
+    given = whole.indices, whole.indptr, kept, number
+    for compiled, read in zip(block(*given), block_readable(*given), strict=True):
+        np.testing.assert_array_equal(compiled, read)
+        assert compiled.dtype == read.dtype

@@ -205,16 +205,16 @@ def test_strengths_of_the_experiment_follow_the_press(make_scene):
 
 
 def test_positions_are_tabulated_by_the_full_solver(scene, text, monkeypatch):
-    monkeypatch.setattr(templates_places, "NODES", 4)
+    monkeypatch.setattr(templates_places, "NODES", 3)
     tables = templates(text, "position")
-    x, y, f = (tables[name][2] for name in ("x", "y", "strength_nodes"))
+    x, y, f = (tables[name][1] for name in ("x", "y", "strength_nodes"))
     side, _ = templates_places.touch_size(scene)
     press = Press((Rectangle(x, y, side, side, f),))
-    off = tables["values"][2, 2, 2] - change(scene_with(scene, expected(scene)), press)
+    off = tables["values"][1, 1, 1] - change(scene_with(scene, expected(scene)), press)
     assert np.abs(off / tables["deviation"]).max() < 0.3
     ends = tables["x"][[0, -1]]
     np.testing.assert_allclose(ends, [side / 2, scene.skin.length - side / 2], rtol=1e-12)
-    assert tables["skin"].shape[:3] == (4, 4, 6)
+    assert tables["skin"].shape[:3] == (3, 3, 6)
 
 
 def test_a_meter_without_noise_is_refused(make_scene):

@@ -52,6 +52,7 @@ def accuracies(folder):
     return {target: told[target]["best_possible"] for target in ("column", "pixel")}
 
 
+@pytest.mark.slow
 def test_factor_and_size_reach_the_accuracies_too(run, tmp_path, scene_file):
     path, found = scene_file(frequencies=[1e4, 1e5]), {}
     for name, options in {

@@ -1,0 +1,134 @@
+"""The compiled kernels of the elements; each has a readable twin beside its callers.
+
+Imported by `warming` where the work is worth it, and by other kernels.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .compiled import compiled
+from .estimate import LOST_SUSCEPTANCE
+from .pattern import DROPPED
+
+
+@compiled()
+def compressed(
+    rows: NDArray, columns: NDArray, size: int
+) -> tuple[NDArray, NDArray, NDArray]:  # pragma: no cover
+    """Indices and column pointers of the distinct pairs, and the slot of each pair.
+
+    Two stable counting sorts: by row, then by column.
+    """
+    by_row = _counted(rows, np.arange(len(rows)), columns, size)
+    order = _counted(columns, by_row, rows, size)
+    indices, indptr = np.empty(len(order), np.int32), np.zeros(size + 1, np.int32)
+    slots = np.full(len(rows), DROPPED, np.int64)
+    count = 0
+    for k in range(len(order)):
+        pair = order[k]
+        new = k == 0
+        if not new:
+            before = order[k - 1]
+            new = rows[pair] != rows[before] or columns[pair] != columns[before]
+        if new:
+            indices[count] = rows[pair]
+            indptr[columns[pair] + 1] += 1
+            count += 1
+        slots[pair] = count - 1
+    for column in range(size):
+        indptr[column + 1] += indptr[column]
+    return indices[:count].copy(), indptr, slots
+
+
+@compiled()
+def _counted(
+    keys: NDArray, pairs: NDArray, others: NDArray, size: int
+) -> NDArray:  # pragma: no cover
+    """The pairs in order of their key, equal ones as they came; without those that are left out."""
+    start = np.zeros(size + 1, np.int64)
+    for pair in pairs:
+        if keys[pair] >= 0 and others[pair] >= 0:
+            start[keys[pair] + 1] += 1
+    for key in range(size):
+        start[key + 1] += start[key]
+    order = np.empty(start[size], np.int64)
+    for pair in pairs:
+        if keys[pair] >= 0 and others[pair] >= 0:
+            order[start[keys[pair]]] = pair
+            start[keys[pair]] += 1
+    return order
+
+
+@compiled()
+def block(
+    indices: NDArray, indptr: NDArray, kept: NDArray, number: NDArray
+) -> tuple[NDArray, NDArray, NDArray]:  # pragma: no cover
+    """Indices, column pointers and places in the whole of the block of kept rows and columns.
+
+    number: of each row in the block, negative where it is not kept.
+    """
+    new_indices, entries = np.empty(len(indices), np.int32), np.empty(len(indices), np.int64)
+    new_indptr = np.zeros(len(kept) + 1, np.int32)
+    count = 0
+    for column in range(len(kept)):
+        for entry in range(indptr[kept[column]], indptr[kept[column] + 1]):
+            row = number[indices[entry]]
+            if row >= 0:
+                new_indices[count] = row
+                entries[count] = entry
+                count += 1
+        new_indptr[column + 1] = count
+    return new_indices[:count].copy(), new_indptr, entries[:count].copy()
+
+
+@compiled()
+def continued_fraction(
+    t: complex, diagonal: NDArray, squared: NDArray, steps: int
+) -> complex:  # pragma: no cover
+    """1 / (1 + t a_1 - t² b_1² / (1 + t a_2 - ...)) to so many steps.
+
+    diagonal: a_1, a_2, ... squared: b_0², b_1², ...
+    """
+    value = 1.0 / (1.0 + t * diagonal[steps - 1])
+    for step in range(steps - 2, -1, -1):
+        value = 1.0 / (1.0 + t * diagonal[step] - t * t * squared[step + 1] * value)
+    return value
+
+
+@compiled()
+def last_change(
+    s: NDArray, shift: float, at_once: NDArray, diagonal: NDArray, squared: NDArray, steps: int
+) -> tuple[NDArray, NDArray]:  # pragma: no cover
+    """Y(s) in S after so many steps, and how much the last one changed Rs or Cp, relatively.
+
+    at_once: Y(sigma) + t g'Mg in S. A susceptance below LOST_SUSCEPTANCE of |Y| counts as that.
+    """
+    Y, change = np.empty_like(s), np.empty(len(s))
+    for k in range(len(s)):
+        t = s[k] - shift
+        scale = t * t * squared[0]
+        before, now = at_once[k], at_once[k]
+        now -= scale * continued_fraction(t, diagonal, squared, steps)
+        if steps > 1:
+            before -= scale * continued_fraction(t, diagonal, squared, steps - 1)
+        B = max(abs(now.imag), LOST_SUSCEPTANCE * abs(now))
+        Rs = abs((1.0 / before).real / (1.0 / now).real - 1.0)
+        Y[k], change[k] = now, max(Rs, abs(before.imag - now.imag) / B)
+    return Y, change
+
+
+@compiled()
+def fill(
+    values: NDArray, slots: NDArray, weights: NDArray, reference: NDArray
+) -> None:  # pragma: no cover
+    """values[slots[e, k]] += sum_m weights[e, m] reference[m, k], leaving out dropped slots."""
+    for element in range(slots.shape[0]):
+        for k in range(slots.shape[1]):
+            slot = slots[element, k]
+            if slot != DROPPED:
+                total = 0.0
+                for m in range(weights.shape[1]):
+                    total += weights[element, m] * reference[m, k]
+                values[slot] += total

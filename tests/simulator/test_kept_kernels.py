@@ -1,0 +1,128 @@
+"""Compiled kernels are kept where that can be done, and nothing ends a run where it cannot."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import rcskin
+
+PACKAGE = Path(rcskin.__file__).parent
+PARTS = ("__init__.py", "__main__.py", "py.typed", "simulator", "localization", "hardware")
+SWEEP = ("sweep", "strip-1x3", "--model", "reduced", "--press", "1,1")
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """The package where nothing can be written beside its kernels, by no user."""
+    root = tmp_path_factory.mktemp("installed")
+    for part in PARTS:
+        source, copy = PACKAGE / part, root / "rcskin" / part
+        if source.is_dir():
+            shutil.copytree(source, copy, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            copy.parent.mkdir(exist_ok=True)
+            shutil.copyfile(source, copy)
+    for module in (root / "rcskin").rglob("*.py"):
+        (module.parent / "__pycache__").touch()
+    return root
+
+
+@pytest.fixture(scope="module")
+def swept(installed):
+    """A function that runs `rcskin sweep` there: the bytes. settings: of the surroundings."""
+
+    def bytes_of(output, **settings):
+        surroundings = {
+            name: value
+            for name, value in os.environ.items()
+            if not name.startswith(("NUMBA", "XDG", "PYTHONPATH"))
+        }
+        done = subprocess.run(
+            [sys.executable, "-W", "error", "-m", "rcskin", *SWEEP, "-o", str(output)],
+            env={**surroundings, "PYTHONPATH": str(installed), **settings},
+            capture_output=True,
+            text=True,
+            timeout=300,
+        )
+        assert (done.returncode, done.stderr) == (0, "")
+        return output.read_bytes()
+
+    return bytes_of
+
+
+def kept(folder):
+    """Files of compiled kernels anywhere below."""
+    return sorted(folder.rglob("*.nb[ic]"))
+
+
+@pytest.mark.slow
+def test_a_cache_of_ones_own_is_kept_and_a_spoilt_one_is_made_again(swept, tmp_path):
+    """Of a package that only its owner can write: each user's kernels are in that user's cache."""
+    home, output = tmp_path / "home", tmp_path / "all.nc"
+    first = swept(output, HOME=str(home))
+    files = kept(home)
+    assert any("swept" in file.name for file in files)
+    before = {file: file.read_bytes() for file in files}
+    for file in files:
+        file.write_bytes(b"no kernel")
+    assert swept(output, HOME=str(home)) == first
+    assert {file.suffix for file in kept(home) if file.read_bytes() != b"no kernel"} == {
+        ".nbi",
+        ".nbc",
+    }
+    assert set(before) <= set(kept(home))
+
+
+@pytest.mark.slow
+def test_a_cache_that_cannot_be_written_is_done_without(swept, tmp_path):
+    (tmp_path / "file").touch()
+    beneath_a_file = str(tmp_path / "file" / "home")
+    output = tmp_path / "all.nc"
+    assert swept(output, HOME=beneath_a_file, NUMBA_CACHE_DIR=beneath_a_file)
+    assert not kept(tmp_path)
+
+
+KERNEL = """
+from rcskin.simulator.fem.compiled import compiled
+
+@compiled()
+def doubled(x):
+    return 2 * x
+
+assert doubled(21) == 42
+"""
+
+
+@pytest.fixture
+def doubled(tmp_path):
+    """A function that runs a script with a kernel in a process of its own."""
+    script = tmp_path / "script" / "doubled.py"
+    script.parent.mkdir()
+    script.write_text(KERNEL)
+
+    def ended(folder):
+        settings = {**os.environ, "NUMBA_CACHE_DIR": str(folder), "HOME": str(folder)}
+        command = [sys.executable, "-W", "error", str(script)]
+        done = subprocess.run(command, env=settings, capture_output=True, text=True, timeout=300)
+        assert (done.returncode, done.stderr) == (0, "")
+
+    return ended
+
+
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+def test_a_spoilt_file_of_a_kernel_is_as_none(doubled, tmp_path, ending):
+    doubled(tmp_path)
+    (spoilt,) = tmp_path.rglob(f"*.{ending}")
+    spoilt.write_bytes(b"no kernel")
+    doubled(tmp_path)
+    assert b"no kernel" not in {file.read_bytes() for file in kept(tmp_path)}
+
+
+def test_a_kernel_without_a_folder_is_compiled_each_time(doubled, tmp_path):
+    (tmp_path / "script" / "__pycache__").touch()
+    (tmp_path / "file").touch()
+    doubled(tmp_path / "file" / "cache")
+    assert not kept(tmp_path)
