@@ -145,7 +145,7 @@ def test_each_sheet_has_a_slider_of_its_own(page, tmp_path):
     settled(page)
     told = tomllib.loads(taken(page, "#toml").read_bytes().decode())["skin"]
     assert told["top"]["sheet_resistance"] == 20e3
-    assert told["bottom"]["sheet_resistance"] == pytest.approx(20e3 * 10**0.2, rel=0.02)
+    assert told["bottom"]["sheet_resistance"] == pytest.approx(35e3 * 10**0.2, rel=0.02)
 
 
 def test_keys_step_over_pixels_without_skin(chromium, paged_kind, tmp_path):
