@@ -77,7 +77,7 @@ def press_to_paint(browser, page: Page, presses: int) -> np.ndarray:
     """From press to paint, and of that the page's own work, ms, shape (press, 2)."""
     opened = browser.new_page(viewport={"width": 1300, "height": 1000})
     opened.goto(page.path.as_uri())
-    opened.wait_for_function("document.getElementById('answer').textContent !== ''")
+    opened.locator("#answer:not(:empty)").wait_for()
     opened.wait_for_timeout(1500)
     times = np.array(opened.evaluate(TIMED, [presses, 12345]))
     if not opened.locator("#answer").text_content().strip():

@@ -30,7 +30,7 @@ def page(
     from ..asked.scene import asked_scene, tell_if_noise_free
     from ..asked.telling import written
     from ..asked.tolerance import checked_rtol
-    from ..models.plain import folded, require_plain
+    from ..models.plain import folded
     from ..progress import told_on_terminal
     from ..sweeps import checked_output, whole_file
     from .document import document
@@ -38,11 +38,11 @@ def page(
 
     checked_output(output, (".html",))
     checked_rtol(rtol)
-    plain = require_plain(folded(asked_scene(scene), "a page"), "a page")
-    tell_if_noise_free(scene, plain)
+    skin = folded(asked_scene(scene), "a page")
+    tell_if_noise_free(scene, skin)
     with told_on_terminal() as tell:
-        reduced = reduced_for_page(plain, rtol, cells, partial(tell, "reducing"))
-    text = document(packed(plain, reduced))
+        reduced = reduced_for_page(skin, rtol, cells, partial(tell, "reducing"))
+    text = document(packed(skin, reduced))
     with whole_file(output) as path:
         path.write_text(text, encoding="utf-8")
-    written(f"page of {plain.name}, {len(text) / 1e6:.1f} MB", output)
+    written(f"page of {skin.name}, {len(text) / 1e6:.1f} MB", output)

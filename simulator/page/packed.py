@@ -2,39 +2,46 @@
 
 from __future__ import annotations
 
-import base64
+import math
 import tomllib
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..fem.lanczos import FEWEST_STEPS, MOST_STEPS
 from ..measure.experiment import own_presses
+from ..models.parameters import Variation
 from ..models.reduced.cases import Case
 from ..models.reduced.greedy import reduce, unseen
-from ..models.reduced.model import Reduced, ReducedSkin
-from ..scene.contacts import path
+from ..models.reduced.model import Reduced
+from ..models.varied.materials import gauged
+from ..models.varied.meshes import circuit_of
 from ..scene.files import scene_text
 from ..scene.meter import Sweep
-from ..scene.scene import Pixels, Scene
-from .raster import Raster, potentials
+from ..scene.scene import Scene
+from ..sweeps import InputError
+from . import base64_arrays
+from .model import packed_model
+from .plan import plan
+from .raster import Raster, pictured
 
 RESISTANCE, CAPACITANCE = (0.4, 2.5), (0.5, 2.0)
-"""Factors by which a page changes all resistances, and all capacitance."""
+"""Factors by which a page changes each sheet's resistance, and all capacitance."""
+APART = 2.0
+"""By how many times the sheets' factors may differ."""
 RISES = (-0.5, 3.0)
 """Of the capacitance under a touch, of that at rest."""
 FREQUENCIES = 24
 POINTS = 1024
 MOST_TOUCHES = 2
-KRYLOV_RTOL = 1e-12
-"""What Lanczos' method leaves on a page, of Rs and of Cp."""
 
 
 def pressed_anywhere(scene: Scene, cells: int) -> Callable[[np.random.Generator], Case]:
-    """Draws one or two rectangles on cells, up to two pixels on a side, or the skin at rest."""
-    shape = scene.pixels.rows, scene.pixels.columns
+    """Draws one or two rectangles on cells, up to two pixels on a side, or the skin at rest.
+
+    Where both sheets are fields of their own each has a resistance of its own.
+    """
+    shape, apart = scene.pixels.shape, circuit_of(scene).fields == 2
 
     def draw(random: np.random.Generator) -> Case:
         rises = np.zeros(shape)
@@ -44,9 +51,23 @@ def pressed_anywhere(scene: Scene, cells: int) -> Callable[[np.random.Generator]
             here = tuple(slice(a, a + n) for a, n in zip(first, size, strict=True))
             rises[here] = random.uniform(*RISES)
         touched = np.flatnonzero(rises)
-        return Case(None, touched, rises.ravel()[touched])
+        variation = _apart(scene, random) if apart else None
+        return Case(variation, touched, rises.ravel()[touched])
 
     return draw
+
+
+def _apart(scene: Scene, random: np.random.Generator) -> Variation:
+    """A skin whose sheets differ as far as sliders can make them, with their foils' contacts."""
+    half = random.uniform(-0.5, 0.5) * math.log(APART)
+    conductance = {"top": math.exp(-half), "bottom": math.exp(half)}
+    return Variation(
+        top=np.array([conductance["top"]]),
+        bottom=np.array([conductance["bottom"]]),
+        films=np.array([conductance[contact.electrode] for contact in scene.contacts]),
+        capacitance=np.ones(scene.pixels.shape),
+        loss=scene.skin.foam.loss,
+    )
 
 
 def reduced_for_page(
@@ -54,12 +75,20 @@ def reduced_for_page(
 ) -> Reduced:
     """The model of a scene with each pixel cut into cells x cells, for all that a page may change.
 
-    Raises InputError and ToleranceError as `reduce`.
+    Pixels that are groups of a mesh's elements are not cut. Raises InputError where a press changes
+    sheets in a way that a page does not know, else it and ToleranceError as `reduce`.
     """
+    if gauged(scene.skin) and scene.skin.foam.mechanics is not None:
+        raise InputError(
+            f"{scene.name}: a page cannot take `piezoresistance` with `skin.foam.mechanics`: it "
+            "knows strain of foam of constant permittivity only"
+        )
     slowest, fastest = (r * c for r, c in zip(RESISTANCE, CAPACITANCE, strict=True))
     f = scene.frequencies
     band = np.geomspace(f[0] * slowest, f[-1] * fastest, FREQUENCIES)
-    pixels = Pixels(rows=cells * scene.pixels.rows, columns=cells * scene.pixels.columns)
+    cells = 1 if scene.pixels.groups is not None else cells
+    rows, columns = (cells * count for count in scene.pixels.shape)
+    pixels = scene.pixels.model_copy(update={"rows": rows, "columns": columns})
     wide = scene.model_copy(
         update={"pixels": pixels, "sweep": Sweep(frequencies=tuple(band.tolist()))}
     )
@@ -69,9 +98,10 @@ def reduced_for_page(
 def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, Any]:
     """All that a page needs, for JSON: numbers, names, and arrays as base64.
 
-    scene: plain, as people press it; reduced: of `reduced_for_page`. points: of the field shown.
+    scene: as people press it; reduced: of `reduced_for_page`. points: of the field shown.
     """
     skin, raster = reduced.skin(None), Raster.over(scene, points)
+    picture = pictured(skin, raster)
     presses = own_presses(scene)
     return {
         "name": scene.name,
@@ -79,10 +109,7 @@ def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, An
         "rtol": reduced.rtol,
         "skin": {"length": scene.skin.length, "width": scene.skin.width},
         "pixels": {"rows": scene.pixels.rows, "columns": scene.pixels.columns},
-        "foils": [
-            {"name": c.name, "electrode": c.electrode, "path": path(c, scene.skin, 1).T.tolist()}
-            for c in scene.contacts
-        ],
+        "plan": plan(scene, reduced.family),
         "interfaces": [i.model_dump(include={"name", "high", "low"}) for i in scene.interfaces],
         "frequencies": scene.frequencies.tolist(),
         "press": {"low": presses.low, "high": presses.high}
@@ -96,41 +123,20 @@ def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, An
         "readout": scene.readout.model_dump(),
         "range": {
             "resistance": RESISTANCE,
+            "apart": APART,
             "capacitance": CAPACITANCE,
             "rise": RISES,
         },
-        "raster": {"rows": raster.rows, "columns": raster.columns},
+        "raster": {
+            "rows": raster.rows,
+            "columns": raster.columns,
+            "beside": np.flatnonzero(~picture.on_skin).tolist(),
+            "conductance": base64_arrays.pictured(picture.conductance),
+        },
         "sheets": [scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance],
-        "model": _model(skin),
-        "basis": _pictured(potentials(skin, raster).transpose(0, 2, 1)),
+        "model": packed_model(skin),
+        "basis": base64_arrays.pictured(picture.potential.transpose(0, 2, 1)),
         "scene": _tables(scene),
-    }
-
-
-def _model(skin: ReducedSkin) -> dict[str, Any]:
-    """M and the drives in the coordinates in which K is 1; see `kernel.Rest` and `kernel.Feed`."""
-    rest = skin.rest
-    full = np.abs(rest.factors).max(axis=2) > 0
-    rows, columns = skin.reduced.grid
-    return {
-        "grid": {"rows": rows, "columns": columns},
-        "steps": {"fewest": FEWEST_STEPS, "most": MOST_STEPS, "rtol": KRYLOV_RTOL},
-        "terminals": len(rest.rows),
-        "size": rest.rows.shape[1],
-        "rows": _array(rest.rows),
-        "diagonal": _array(rest.diagonal),
-        "ranks": full.sum(axis=1).tolist(),
-        "factors": _array(rest.factors[full]),
-        "feeds": [
-            {
-                "conductance": feed.conductance,
-                "driven": feed.driven.tolist(),
-                "tied": feed.tied.tolist(),
-                "tiedInverse": feed.tied_inverse.tolist(),
-                "common": feed.common.tolist(),
-            }
-            for feed in skin.feeds
-        ],
     }
 
 
@@ -143,18 +149,3 @@ def _tables(scene: Scene) -> dict[str, Any]:
     plain = foam.model_copy(update={**by_area, "relative_permittivity": None})
     skin = scene.skin.model_copy(update={"foam": plain})
     return tomllib.loads(scene_text(scene.model_copy(update={"skin": skin})))
-
-
-def _array(values: NDArray[np.float64]) -> dict[str, Any]:
-    """Little-endian, row after row, to 1.5e-11: the upper six of eight bytes, rounded."""
-    whole = np.ascontiguousarray(values, "<f8").view("<u8") + np.uint64(1 << 15)
-    return _text(whole.view("u1").reshape(-1, 8)[:, 2:], "float48")
-
-
-def _pictured(values: NDArray[np.float64]) -> dict[str, Any]:
-    """In single precision, little-endian, row after row."""
-    return _text(np.ascontiguousarray(values, "<f4").view("u1"), "float32")
-
-
-def _text(numbers: NDArray[np.uint8], kind: str) -> dict[str, Any]:
-    return {"type": kind, "base64": base64.b64encode(numbers.tobytes()).decode()}

@@ -7,13 +7,19 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
 from ..fem.assembly import quadrilateral
+from ..fem.quadrature import rule_at
 from ..mesh.quadrilaterals import pixel_mesh
 from ..models.reduced.even import EvenFamily
+from ..models.reduced.family import Family, Triangulation
 from ..models.reduced.model import ReducedSkin
+from ..models.varied.elements import triangles
+from ..models.varied.materials import Materials
 from ..scene.scene import Scene
+from .locating import located
 
 
 @dataclass(frozen=True)
@@ -40,18 +46,52 @@ class Raster:
         return np.stack([each.ravel() for each in np.meshgrid(x, y)])
 
 
-def potentials(skin: ReducedSkin, raster: Raster) -> NDArray[np.float64]:
-    """V of each field at the raster's points, 1 V in each of the skin's coordinates in turn.
+@dataclass(frozen=True)
+class Pictured:
+    """What a page shows at the points of a raster.
 
-    Of shape (field, point, coordinate). The field is that of both sheets' difference where the
-    circuit has one, of top and bottom where it has two.
+    potential: V of each field, 1 V in each of the skin's coordinates in turn, shape (field, point,
+    coordinate); of both sheets' difference where the circuit has one field, of top and bottom where
+    it has two. on_skin: shape (point,). Where there is no skin potentials are those of its nearest
+    place. conductance: of the top sheet, xx, yy and xy in S, shape (3, point).
     """
-    reduced = skin.reduced
-    family = reduced.family
-    assert isinstance(family, EvenFamily)
+
+    potential: NDArray[np.float64]
+    on_skin: NDArray[np.bool_]
+    conductance: NDArray[np.float64]
+
+
+def pictured(skin: ReducedSkin, raster: Raster) -> Pictured:
+    """The fields of a skin at the raster's points."""
+    family = skin.reduced.family
+    if isinstance(family, EvenFamily):
+        at_points, on_skin = _on_squares(family, raster), np.ones(raster.points.shape[1], bool)
+    else:
+        at_points, on_skin = _on_triangles(family, raster)
+    whole = family.space.spread(skin.reduced.coordinates @ skin.turn)
+    held = np.vstack([whole, np.zeros((1, whole.shape[1]))])
+    numbers = family.system.unknowns.number
+    top = Materials(family.scene).conductance("top", raster.points)
+    every = np.zeros(raster.points.shape[1])
+    return Pictured(
+        np.stack([at_points @ held[number] for number in numbers]), on_skin, top + every
+    )
+
+
+def _on_squares(family: EvenFamily, raster: Raster) -> csr_matrix:
     mesh = pixel_mesh(family.scene, family.circuit.contacts, family.mesh).mesh
     basis = CellBasis(mesh, quadrilateral(family.mesh.order), intorder=1)
-    at_points = basis.probes(raster.points).tocsr()
-    whole = family.space.spread(reduced.coordinates @ skin.turn)
-    held = np.vstack([whole, np.zeros((1, whole.shape[1]))])
-    return np.stack([at_points @ held[number] for number in family.system.unknowns.number])
+    return csr_matrix(basis.probes(raster.points))
+
+
+def _on_triangles(family: Family, raster: Raster) -> tuple[csr_matrix, NDArray[np.bool_]]:
+    """From coefficients of one field to its values at points, and which of them are on the skin."""
+    mesh = family.mesh
+    assert isinstance(mesh, Triangulation)
+    elements, points = triangles(mesh.domain, mesh.order), raster.points
+    found = located(mesh.domain, points)
+    values = rule_at(elements.element, found.places, np.ones(points.shape[1])).values
+    dofs = elements.trial.dofs.element_dofs[:, found.triangle]
+    every = np.broadcast_to(np.arange(points.shape[1]), dofs.shape)
+    shape = points.shape[1], elements.trial.dofs.N
+    return csr_matrix((values.ravel(), (every.ravel(), dofs.ravel())), shape=shape), found.on_skin

@@ -70,10 +70,9 @@ def written_mesh(path):
     return str(path)
 
 
-@pytest.fixture(scope="session")
-def kinds(tmp_path_factory):
-    """A scene of each kind by name."""
-    path = written_mesh(tmp_path_factory.mktemp("mesh") / "oblong.msh")
+def every_kind(folder):
+    """A scene of each kind by name. folder: for the file of a mesh."""
+    path = written_mesh(folder / "oblong.msh")
     hole = {"circle": [0.03, 0.03, 0.012]}
     groups = {"rows": 1, "columns": 2, "groups": [["near", "far"]]}
     scenes = (
@@ -91,3 +90,9 @@ def kinds(tmp_path_factory):
         build("draped", {"shape": {"kind": "sphere", "radius": 0.1}}, ("left", "bottom")),
     )
     return {scene.name: scene for scene in scenes}
+
+
+@pytest.fixture(scope="session")
+def kinds(tmp_path_factory):
+    """A scene of each kind by name."""
+    return every_kind(tmp_path_factory.mktemp("mesh"))

@@ -137,7 +137,7 @@ class ReducedSkin:
         own = nominal(reduced.scene, reduced.modes) if variation is None else variation
         self.loss, self.rest_factors = own.loss, own.foam(reduced.scene)
         self.s = laplace_variable(reduced.scene.frequencies, own.loss)
-        K = self._stiffness()
+        K = self.stiffness
         rows = (np.sqrt(self.rest_factors)[:, None, None] * reduced.factors).reshape(-1, len(K))
         M = rows.T @ rows
         conductance, self.turn = own_coordinates(K, M, reduced.terminal_field)
@@ -275,7 +275,8 @@ class ReducedSkin:
         found = [solved(driven, self.rest, cells, weights, s) for driven in self._drives]
         return [(self.turn @ u, Y) for u, Y in found]
 
-    def _stiffness(self) -> NDArray[np.float64]:
+    @property
+    def stiffness(self) -> NDArray[np.float64]:
         """K in the model's coordinates, S, shape (N + n, N + n)."""
         reduced = self.reduced
         terminals = len(reduced.conductance)

@@ -1,6 +1,7 @@
 """Pages of skins, and what runs them: node for their modules, a browser for the whole."""
 
 import json
+import runpy
 import shutil
 import subprocess
 from dataclasses import dataclass
@@ -72,10 +73,10 @@ class Paged:
     data: dict
 
 
-def paged(scene):
-    plain = folded(scene, "a page")
-    reduced = reduced_for_page(plain, 1e-3, 2)
-    return Paged(plain, reduced, packed(plain, reduced, points=300))
+def paged(scene, rtol=1e-3, cells=2):
+    skin = folded(scene, "a page")
+    reduced = reduced_for_page(skin, rtol, cells)
+    return Paged(skin, reduced, packed(skin, reduced, points=300))
 
 
 @pytest.fixture(scope="session")
@@ -86,7 +87,21 @@ def glove():
 @pytest.fixture(scope="session")
 def crossed():
     """Leads, contact resistance, losses, and a foil that floats at each of two interfaces."""
-    return paged(parse_scene(CROSSED, "crossed"))
+    return paged(parse_scene(CROSSED, "crossed"), rtol=1e-2)
+
+
+@pytest.fixture(scope="session")
+def paged_kind(tmp_path_factory):
+    """A function that gives the page of a skin that is not plain, by its name."""
+    skins = runpy.run_path(str(Path(__file__).parents[2] / "skins" / "conftest.py"))
+    kinds, known = skins["every_kind"](tmp_path_factory.mktemp("mesh")), {}
+
+    def of(name):
+        if name not in known:
+            known[name] = paged(kinds[name], rtol=1e-2, cells=1)
+        return known[name]
+
+    return of
 
 
 def node():

@@ -7,7 +7,7 @@ const { data, cases } = JSON.parse(readFileSync(0, "utf8"));
 const skin = new Skin(data);
 
 function answer({ touches, cast, at }) {
-  const Z = skin.responses(touches).map((each) => skin.frequencies.map((f) => skin.impedance(each, f, cast)));
+  const Z = skin.responses(touches, cast).map((each) => skin.frequencies.map((f) => skin.impedance(each, f, cast)));
   if (at === undefined) return { Z };
   const { across } = skin.field(0, touches, skin.frequencies[at], cast);
   return { Z, across: { re: [...across.re], im: [...across.im] } };

@@ -32,7 +32,7 @@ def page(chromium, file):
     opened.on("console", lambda message: opened.told.append(message.text))
     opened.on("pageerror", lambda error: opened.told.append(str(error)))
     opened.goto(file.as_uri())
-    opened.wait_for_function("document.getElementById('answer').textContent !== ''")
+    opened.locator("#answer:not(:empty)").wait_for()
     yield opened
     assert opened.told == []
     context.close()
@@ -71,7 +71,7 @@ def test_the_command_writes_one_file_that_asks_for_nothing(run, tmp_path):
     [
         (("sheet-3x3", "-o", "skin.png"), "must end in .html"),
         (("sheet-3x3", "-o", "nowhere/skin.html"), "folder nowhere does not exist"),
-        (("l-shape", "-o", "skin.html"), "outline"),
+        (("foam", "-o", "skin.html"), "press.depth"),
         (("sheet-3x3", "-o", "skin.html", "--rtol", "1"), "--rtol must be from"),
     ],
 )
@@ -131,17 +131,39 @@ def test_sheets_of_more_resistance_tell_columns_apart_further(page):
         return int(re.search(r"columns (\d+) %", text)[1])
 
     page.locator("#noise").fill("1")
-    page.locator("#resistance").fill("-0.39")
+    page.locator("#top").fill("-0.39")
     settled(page)
     worse = told()
-    page.locator("#resistance").fill("0.39")
+    page.locator("#top").fill("0.39")
     settled(page)
     assert told() > worse + 3
 
 
+def test_each_sheet_has_a_slider_of_its_own(page, tmp_path):
+    page.locator("#together").uncheck()
+    page.locator("#bottom").fill("0.2")
+    settled(page)
+    told = tomllib.loads(taken(page, "#toml").read_bytes().decode())["skin"]
+    assert told["top"]["sheet_resistance"] == 20e3
+    assert told["bottom"]["sheet_resistance"] == pytest.approx(35e3 * 10**0.2, rel=0.02)
+
+
+def test_keys_step_over_pixels_without_skin(chromium, paged_kind, tmp_path):
+    file = tmp_path / "l.html"
+    file.write_text(document(paged_kind("l with a hole").data), encoding="utf-8")
+    opened = chromium.new_page()
+    opened.goto(file.as_uri())
+    opened.locator("#skin").focus()
+    for key in ("ArrowRight", "ArrowRight", "ArrowUp", "Enter"):
+        opened.keyboard.press(key)
+    settled(opened)
+    assert opened.locator("#answer").text_content().startswith("Row 1, column 2")
+    opened.close()
+
+
 def test_what_is_taken_away_is_what_rcskin_simulates(page, tmp_path):
     press(page)
-    for slider, value in (("resistance", "0.3"), ("capacitance", "-0.2"), ("loss", "0.05")):
+    for slider, value in (("top", "0.3"), ("capacitance", "-0.2"), ("loss", "0.05")):
         page.locator(f"#{slider}").fill(value)
     page.locator("#noise").fill("-1")
     settled(page)
@@ -174,7 +196,7 @@ def test_a_link_shows_the_same_again(page):
 
 def test_a_spoilt_link_is_taken_as_far_as_it_can_be(page, file):
     page.goto("about:blank")
-    page.goto(file.as_uri() + "#resistance=-3&loss=%7B&drive=9&touches=%5B1%5D&factor=1.7")
+    page.goto(file.as_uri() + "#top=-3&loss=%7B&drive=9&touches=%5B1%5D&factor=1.7")
     settled(page)
     assert page.locator("#factor-value").text_content() == "1.70 × C"
     assert page.locator("#answer").text_content().startswith("Nothing pressed")

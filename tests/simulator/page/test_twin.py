@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from rcskin.simulator.models.fields import fields
+from rcskin.simulator.models.parameters import Variation
 from rcskin.simulator.models.reduced.kernel import swept
-from rcskin.simulator.page.raster import Raster, potentials
+from rcskin.simulator.page.raster import Raster, pictured
 from rcskin.simulator.press.capacitance import grid_map
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Rectangle, Touch
@@ -13,13 +14,14 @@ from rcskin.simulator.sweeps import parallel_capacitance
 from scipy.interpolate import LinearNDInterpolator
 
 AGREED = 1e-9
-PRESSES = 500
+PRESSES = 60
 ON_A_PAGE = 1e-12
+KINDS = ("hexagon", "l with a hole", "uneven", "piezoresistive", "mesh", "draped")
 
 
 def drawn(scene, random):
     """A press: pixels, or rectangles anywhere, up to two at once; as Python and as JavaScript."""
-    skin, pixels = scene.skin, scene.pixels
+    skin, pixels, grouped = scene.skin, scene.pixels, scene.pixels.groups is not None
     touches, shown = [], []
     cells = random.permutation(pixels.rows * pixels.columns)[:2]
     for cell in cells[: random.integers(0, 3)]:
@@ -27,48 +29,77 @@ def drawn(scene, random):
         row, column = int(cell) // pixels.columns + 1, int(cell) % pixels.columns + 1
         width, height = skin.length / pixels.columns, skin.width / pixels.rows
         x, y = (column - 0.5) * width, (row - 0.5) * height
-        pixel = random.random() < 0.5
+        pixel = grouped or random.random() < 0.5
         if not pixel:
             width, height = width * random.uniform(0.2, 1), height * random.uniform(0.2, 1)
         touches.append(
             Touch(row, column, factor) if pixel else Rectangle(x, y, width, height, factor)
         )
-        shown.append({"x": x, "y": y, "width": width, "height": height, "factor": factor})
+        place = {"x": x, "y": y, "width": width, "height": height, "factor": factor}
+        shown.append(place | ({"row": row, "column": column} if pixel else {}))
     return Press(tuple(touches)), shown
 
 
-def by_python(paged, skin, press, cast):
+def by_python(paged, press, cast):
     """Z in ohm at the meter's end, by the kernel, of a skin as it is cast."""
-    scene = paged.scene
-    above = grid_map(scene, press, *paged.reduced.grid).ravel() - 1
+    scene, reduced = paged.scene, paged.reduced
+    above = grid_map(scene, press, *reduced.grid).ravel() - 1
     cells = np.flatnonzero(above)
     rises = above[cells]
-    loss = Loss(cast["loss"], scene.skin.foam.phase_exponent)
-    s = laplace_variable(scene.frequencies, loss) * cast["resistance"] * cast["capacitance"]
+    conductance = {name: 1 / cast[name] for name in ("top", "bottom")}
+    common = 1.0
+    if reduced.circuit.fields == 1:
+        R = scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance
+        common = (R[0] * cast["top"] + R[1] * cast["bottom"]) / sum(R)
+        conductance = {"top": 1.0, "bottom": 1.0}
+    variation = Variation(
+        top=np.array([conductance["top"]]),
+        bottom=np.array([conductance["bottom"]]),
+        films=np.array([conductance[contact.electrode] for contact in scene.contacts]),
+        capacitance=np.ones(reduced.grid),
+        loss=Loss(cast["loss"], scene.skin.foam.phase_exponent),
+    )
+    s = laplace_variable(scene.frequencies, variation.loss) * common * cast["capacitance"]
     starts = np.array([0, len(cells)])
+    skin = reduced.skin(variation).under(cells, rises)
     Y = np.stack(
         [swept(skin.rest, feed, cells, rises, starts, s, ON_A_PAGE)[0] for feed in skin.feeds]
     )
-    return scene.leads.seen_through(cast["resistance"] / Y, scene.frequencies)
+    return scene.leads.seen_through(common / Y, scene.frequencies)
+
+
+def cast_at_random(ranges, random):
+    """What sliders may set; in half of all cases both sheets by the same factor."""
+    top, apart = float(random.uniform(*ranges["resistance"])), ranges["apart"]
+    return {
+        "top": top,
+        "bottom": top * float(random.choice([1, random.uniform(1 / apart, apart)])),
+        "capacitance": float(random.uniform(*ranges["capacitance"])),
+        "loss": float(random.uniform(0, 0.2)),
+    }
 
 
 @pytest.mark.parametrize("which", ["glove", "crossed"])
 def test_sweeps_are_those_of_python(which, request, in_node):
-    paged, random = request.getfixturevalue(which), np.random.default_rng(5)
+    agrees(request.getfixturevalue(which), in_node)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_sweeps_of_any_skin_are_those_of_python(kind, paged_kind, in_node):
+    agrees(paged_kind(kind), in_node)
+
+
+def agrees(paged, in_node):
+    random = np.random.default_rng(5)
     drawings = [drawn(paged.scene, random) for _ in range(PRESSES)]
-    ranges = paged.data["range"]
-    casts = [
-        {name: float(random.uniform(*ranges[name])) for name in ("resistance", "capacitance")}
-        | {"loss": float(random.uniform(0, 0.2))}
-        for _ in drawings
-    ]
+    casts = [cast_at_random(paged.data["range"], random) for _ in drawings]
     cases = [
         {"touches": shown, "cast": cast} for (_, shown), cast in zip(drawings, casts, strict=True)
     ]
     answers = in_node(paged.data, cases)
     Z = np.array([[[z["re"] + 1j * z["im"] for z in of] for of in each["Z"]] for each in answers])
-    skin, pressed = paged.reduced.skin(None), zip(drawings, casts, strict=True)
-    exact = np.stack([by_python(paged, skin, press, cast) for (press, _), cast in pressed])
+    pressed = zip(drawings, casts, strict=True)
+    exact = np.stack([by_python(paged, press, cast) for (press, _), cast in pressed])
     Cp, of_python = (parallel_capacitance(each, paged.scene.frequencies) for each in (Z, exact))
     assert np.abs(Z.real / exact.real - 1).max() < AGREED
     assert np.abs(Z.imag / exact.imag - 1).max() < AGREED
@@ -79,7 +110,7 @@ def test_fields_are_those_of_the_finite_elements(glove, in_node):
     scene, at = glove.scene, len(glove.scene.frequencies) - 1
     case = {
         "touches": [{"x": 0.05625, "y": 0.03, "width": 0.0225, "height": 0.02, "factor": 2.5}],
-        "cast": {"resistance": 1.0, "capacitance": 1.0, "loss": 0.0},
+        "cast": {"top": 1.0, "bottom": 1.0, "capacitance": 1.0, "loss": 0.0},
         "at": at,
     }
     (found,) = in_node(glove.data, [case])
@@ -92,10 +123,33 @@ def test_fields_are_those_of_the_finite_elements(glove, in_node):
     assert np.abs(shown).min() < 0.9 < np.abs(shown).max() < 1.01
 
 
+def test_fields_of_any_skin_are_those_of_the_finite_elements(paged_kind, in_node):
+    paged = paged_kind("l with a hole")
+    scene = paged.scene
+    case = {
+        "touches": [{"x": 0.09, "y": 0.03, "width": 0.06, "height": 0.06, "factor": 2.0}],
+        "cast": {"top": 2.0, "bottom": 0.5, "capacitance": 1.0, "loss": 0.0},
+        "at": 2,
+    }
+    (found,) = in_node(paged.data, [case])
+    sheets = {"skin.top.sheet_resistance": 100e3, "skin.bottom.sheet_resistance": 20e3}
+    exact = fields(scene.with_(sheets), parse_press("1,2:2", 2.0), [1e5], "meter")
+    across = exact.potential[0, 0] - exact.potential[1, 0]
+    raster = Raster(*scene.skin.sides, **{k: paged.data["raster"][k] for k in ("rows", "columns")})
+    on_skin = np.setdiff1d(np.arange(raster.points.shape[1]), paged.data["raster"]["beside"])
+    x, y = raster.points
+    assert not ((x > 0.06) & (y > 0.06))[on_skin].any()
+    assert np.hypot(x - 0.03, y - 0.03)[on_skin].min() > 0.012
+    assert len(on_skin) == pytest.approx(len(x) * (0.75 - np.pi * 0.1**2), rel=0.03)
+    expected = LinearNDInterpolator(exact.x.T, across)(raster.points.T)[on_skin]
+    shown = (np.array(found["across"]["re"]) + 1j * np.array(found["across"]["im"]))[on_skin]
+    assert np.abs(shown - expected).max() < 2e-2
+
+
 def test_at_rest_and_low_frequency_the_sheets_are_1_v_apart(glove):
     skin = glove.reduced.skin(None)
     none = np.empty(0, dtype=np.int64), np.empty(0)
     ((u, _),) = skin.solved(*none, np.array([1e-2j]))
-    at_points = potentials(skin, Raster.over(glove.scene, 200))
+    at_points = pictured(skin, Raster.over(glove.scene, 200)).potential
     own = np.linalg.solve(skin.turn, u[:, 0])
     assert at_points[0] @ own == pytest.approx(1.0, abs=1e-6)

@@ -26,7 +26,7 @@ const station = new Station(skin, () => state);
 const charts = new SpectraCharts(element, skin.frequencies);
 const controls = new Controls(data, () => state, set, setStrength);
 const gestures = new Gestures(element("skin"), skin, {
-  whole: () => state.whole,
+  whole: () => state.whole || skin.outline.groups !== null,
   factor: () => state.strength,
   strengthen: (by) => setStrength(state.strength + by),
   changed: press,
@@ -80,7 +80,7 @@ function refresh(cast) {
   waiting.picture = requestAnimationFrame(() => {
     waiting.picture = 0;
     if (waiting.cast) {
-      station.renew();
+      station.renew(true);
       tellApart(FEW_DRAWS);
     }
     draw();
@@ -93,6 +93,10 @@ function refresh(cast) {
 
 /** What takes longer, once nothing moves. */
 function settle() {
+  if (station.few) {
+    station.renew(false);
+    draw();
+  }
   if (waiting.cast) tellApart(MANY_DRAWS);
   waiting.cast = false;
   const text = written(state, first);
@@ -114,7 +118,7 @@ function draw() {
   charts.draw(spectra, station.noise, skin.frequencies[at]);
   element("reading").textContent = charts.told(spectra, at);
   const told = station.localizer.told(measured.Z, measured.rest);
-  drawBelief(element("belief"), data, station.localizer.classes, told.chances);
+  drawBelief(element("belief"), skin, station.localizer.classes, told.chances);
   element("belief").setAttribute("aria-label", told.words);
   if (element("answer").textContent !== told.words) element("answer").textContent = told.words;
 }
@@ -124,7 +128,7 @@ function drawField(phase) {
   const { high, low } = data.interfaces[state.drive];
   const { arrows, touches } = state;
   const shown = { phase, arrows, touches, cursor: gestures.pointed, driven: [...high, ...low] };
-  const { least, most } = drawSkin(element("skin"), data, field, shown);
+  const { least, most } = drawSkin(element("skin"), skin, field, shown);
   const volts = (/** @type {number} */ value) => withPrefix(value, "V");
   const colours =
     phase === null
@@ -176,7 +180,9 @@ function begin() {
   const { rows, columns } = skin.model.grid;
   element("honest").textContent =
     `Simulated by rcskin: Rs and Cp are within ${data.rtol} of the finite-element solver's. ` +
-    `Touches that are no whole pixels are laid on ${rows} x ${columns} cells.`;
+    (skin.outline.groups
+      ? "Pixels are groups of its mesh's elements."
+      : `Touches that are no whole pixels are laid on ${rows} x ${columns} cells.`);
   const clicks = {
     release: () => gestures.set([]),
     csv: takeSweep,

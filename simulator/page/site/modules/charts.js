@@ -2,7 +2,7 @@
 
 /** @typedef {{values: number[], kind: "rest" | "last" | "now", low?: number[], high?: number[]}} Curve */
 
-const ROOM = { left: 56, right: 10, top: 22, bottom: 30 };
+const ROOM = { left: 56, right: 26, top: 22, bottom: 30 };
 
 /** Numbers that people count in, about so many from low to high. @param {number} low @param {number} high @param {number} count */
 function round(low, high, count) {

@@ -1,12 +1,13 @@
 // Sliders, boxes and what stands beside them: they show the state, and change it.
 
 import { withPrefix } from "rcskin/charts";
+import { near } from "rcskin/state";
 
 /** @typedef {import("rcskin/state").State} State */
 
-const BY_DECADE = /** @type {const} */ (["resistance", "capacitance", "noise"]);
+const BY_DECADE = /** @type {const} */ (["top", "bottom", "capacitance", "noise"]);
 const AS_IT_IS = /** @type {const} */ (["loss", "factor"]);
-const TICKED = /** @type {const} */ (["whole", "arrows", "running"]);
+const TICKED = /** @type {const} */ (["whole", "arrows", "running", "together"]);
 
 /** @param {string} id @returns {any} */
 export const element = (id) => document.getElementById(id);
@@ -36,9 +37,11 @@ export class Controls {
     this.#on("at", "input", (box) => set({ at: Number(box.value) }, false));
     this.#on("drive", "change", (box) => set({ drive: Number(box.value) }, false));
     for (const name of BY_DECADE)
-      this.#on(name, "input", (box) =>
-        set({ [name]: Number((10 ** Number(box.value)).toPrecision(4)) }, true),
-      );
+      this.#on(name, "input", (box) => {
+        const value = Number((10 ** Number(box.value)).toPrecision(4));
+        set({ [name]: value, ...this.#besides(name, value) }, true);
+        this.show();
+      });
     for (const name of AS_IT_IS)
       this.#on(name, "input", (box) => set({ [name]: Number(box.value) }, true));
     for (const name of TICKED)
@@ -67,13 +70,14 @@ export class Controls {
   tell() {
     const { data } = this;
     const state = this.state();
-    const [top, bottom] = data.sheets.map((/** @type {number} */ R) =>
-      withPrefix(R * state.resistance, "Ω/sq"),
+    const [top, bottom] = [state.top, state.bottom].map((factor, k) =>
+      withPrefix(data.sheets[k] * factor, "Ω/sq"),
     );
     const told = {
       strength: `${state.strength.toFixed(2)} × C`,
       at: withPrefix(data.frequencies[state.at], "Hz"),
-      resistance: top === bottom ? top : `${top}, ${bottom}`,
+      top,
+      bottom,
       capacitance: withPrefix(data.foam.capacitance_per_area * state.capacitance, "F/m²"),
       loss: state.loss.toFixed(3),
       noise: `${Number((100 * state.noise * data.readout.magnitude_noise).toPrecision(2))} %`,
@@ -85,16 +89,25 @@ export class Controls {
     }
   }
 
+  /** What a sheet's slider does to the other sheet. @param {string} name @param {number} value @returns {Partial<State>} */
+  #besides(name, value) {
+    const other = { top: "bottom", bottom: "top" }[name];
+    if (other !== "top" && other !== "bottom") return {};
+    const { together, [other]: before } = this.state();
+    return { [other]: together ? value : near(before, value, this.data) };
+  }
+
   #limits() {
     const { range, interfaces, frequencies } = this.data;
     const strongest = 1 + range.rise[1];
     Object.assign(element("strength"), { min: 1, max: strongest });
     Object.assign(element("factor"), { max: strongest });
     Object.assign(element("at"), { max: frequencies.length - 1 });
-    for (const name of /** @type {const} */ (["resistance", "capacitance"])) {
-      const [min, max] = range[name].map(Math.log10);
+    for (const name of ["top", "bottom", "capacitance"]) {
+      const [min, max] = range[name === "capacitance" ? name : "resistance"].map(Math.log10);
       Object.assign(element(name), { min, max });
     }
+    element("whole-label").hidden = this.data.plan.groups !== null;
     for (const [k, each] of interfaces.entries())
       element("drive").append(new Option(each.name, String(k)));
     for (const id of ["drive-label", "read-interfaces"])

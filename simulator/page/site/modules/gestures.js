@@ -77,14 +77,9 @@ export class Gestures {
 
   /** @param {KeyboardEvent} event */
   #key(event) {
-    const { rows, columns } = this.skin.data.pixels;
     const step = KEYS[/** @type {keyof typeof KEYS} */ (event.key)];
     if (step) {
-      const { row, column } = this.cursor ?? { row: 1 - step[0], column: 1 - step[1] };
-      this.#point({
-        row: Math.min(Math.max(row + step[0], 1), rows),
-        column: Math.min(Math.max(column + step[1], 1), columns),
-      });
+      this.#point(this.skin.outline.next(this.cursor, step[0], step[1]));
     } else if (event.key === "+" || event.key === "=") this.of.strengthen(STEP);
     else if (event.key === "-") this.of.strengthen(-STEP);
     else if ((event.key === "Enter" || event.key === " ") && this.cursor)
@@ -118,19 +113,11 @@ export class Gestures {
       event.clientX - box.left,
       event.clientY - box.top,
     );
-    if (!(x >= 0 && x <= skin.length && y >= 0 && y <= skin.width)) return null;
-    const index = (
-      /** @type {number} */ at,
-      /** @type {number} */ side,
-      /** @type {number} */ count,
-    ) => Math.min(Math.floor((at / side) * count), count - 1) + 1;
     if (this.of.whole()) {
-      return this.skin.pixel(
-        index(y, skin.width, pixels.rows),
-        index(x, skin.length, pixels.columns),
-        this.of.factor(),
-      );
+      const pixel = this.skin.outline.pixelAt(x, y);
+      return pixel && this.skin.pixel(pixel.row, pixel.column, this.of.factor());
     }
+    if (!this.skin.outline.has(x, y)) return null;
     const [width, height] = [skin.length / pixels.columns, skin.width / pixels.rows];
     const within = (
       /** @type {number} */ at,

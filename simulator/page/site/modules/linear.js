@@ -67,6 +67,40 @@ export class Symmetric {
   }
 }
 
+/** A real symmetric matrix, positive: L L'. */
+export class Cholesky {
+  /** @param {Float64Array} K row after row @param {number} size of its rows @param {number} first from which row and column on it is meant */
+  constructor(K, size, first) {
+    const n = size - first;
+    this.n = n;
+    this.first = first;
+    this.L = new Float64Array(n * n);
+    const { L } = this;
+    for (let i = 0; i < n; i++) {
+      for (let j = 0; j <= i; j++) {
+        let left = K[(i + first) * size + j + first];
+        for (let k = 0; k < j; k++) left -= L[i * n + k] * L[j * n + k];
+        L[i * n + j] = i === j ? Math.sqrt(left) : left / L[j * n + j];
+      }
+    }
+  }
+
+  /** Solves for what comes after `first`, in place. @param {Float64Array} y */
+  solve(y) {
+    const { n, L, first } = this;
+    for (let i = 0; i < n; i++) {
+      let left = y[first + i];
+      for (let k = 0; k < i; k++) left -= L[i * n + k] * y[first + k];
+      y[first + i] = left / L[i * n + i];
+    }
+    for (let i = n - 1; i >= 0; i--) {
+      const found = y[first + i] / L[i * n + i];
+      y[first + i] = found;
+      for (let k = 0; k < i; k++) y[first + k] -= L[i * n + k] * found;
+    }
+  }
+}
+
 /** @param {ArrayLike<number>} u @param {ArrayLike<number>} v */
 export function dot(u, v) {
   let total = 0;

@@ -14,27 +14,26 @@ import { observed } from "rcskin/meter";
 
 export const RESTS = 6; // sweeps of the skin at rest, averaged, that readings are held against
 const STRENGTHS = [0.25, 0.35, 0.5, 0.7, 0.85, 1, 1.18, 1.42, 1.9, 2.5]; // of the usual rise
+const FEW_STRENGTHS = [0.35, 0.7, 1, 1.9]; // while a slider moves that changes every curve
 const QUANTILES = [-1.28, -0.52, 0, 0.52, 1.28]; // of a normal distribution: 10, 30, ... 90 %
 const ENOUGH = 0.9;
 
 export class Localizer {
-  /** @param {Skin} skin @param {Cast} cast @param {Readings} readings @param {number} factor usual, of capacitance */
-  constructor(skin, cast, readings, factor) {
+  /** @param {Skin} skin @param {Cast} cast @param {Readings} readings @param {number} factor usual, of capacitance @param {boolean} few whether a few strengths do */
+  constructor(skin, cast, readings, factor, few) {
     this.skin = skin;
     this.cast = cast;
     this.readings = readings;
     const most = skin.data.range.rise[1];
     const rise = factor - 1;
-    this.rises = STRENGTHS.map((part) => part * rise).filter((each) => each <= most);
+    this.strengths = (few ? FEW_STRENGTHS : STRENGTHS).filter((part) => part * rise <= most);
+    this.rises = this.strengths.map((part) => part * rise);
     this.rest = this.curve([]);
-    const { rows, columns } = skin.data.pixels;
     /** @type {Class[]} */
     this.classes = [{ row: 0, column: 0, curve: [new Float64Array(this.rest.length)] }];
-    for (let row = 1; row <= rows; row++) {
-      for (let column = 1; column <= columns; column++) {
-        const curve = this.rises.map((each) => this.changed([skin.pixel(row, column, 1 + each)]));
-        this.classes.push({ row, column, curve });
-      }
+    for (const { row, column } of skin.outline.held) {
+      const curve = this.rises.map((each) => this.changed([skin.pixel(row, column, 1 + each)]));
+      this.classes.push({ row, column, curve });
     }
   }
 
@@ -49,7 +48,7 @@ export class Localizer {
   /** Of a press without noise. @param {import("rcskin/skin").Touch[]} touches */
   curve(touches) {
     const { skin, cast } = this;
-    const found = skin.responses(touches);
+    const found = skin.responses(touches, cast, true);
     return this.seen(
       found.map((each) => skin.frequencies.map((f) => skin.impedance(each, f, cast))),
     );
@@ -78,7 +77,7 @@ export class Localizer {
 
   /** The place on the curves of a rise, as a part of the usual one. @param {number} part */
   #place(part) {
-    const known = STRENGTHS.slice(0, this.rises.length);
+    const known = this.strengths;
     const above = known.findIndex((each) => each >= part);
     if (above <= 0) return above === 0 ? 0 : known.length - 1;
     return above - 1 + (part - known[above - 1]) / (known[above] - known[above - 1]);

@@ -1,27 +1,23 @@
 // The reduced model of a skin: the twin in a browser of simulator/models/reduced/kernel.py.
 
-import { dot, inverted, padded, Symmetric, times } from "rcskin/linear";
+import { startsOf, unpacked } from "rcskin/arrays";
+import { dot, inverted, Symmetric, times } from "rcskin/linear";
+import { fedAtRest } from "rcskin/sheets";
 
-/** @typedef {{type: string, base64: string}} Packed */
-/** @typedef {{conductance: number, driven: number[], tied: number[][], tiedInverse: number[][], common: number[][]}} Feed */
+/** @typedef {import("rcskin/arrays").Packed} Packed */
+/** @typedef {import("rcskin/sheets").Feed} Feed */
+/** @typedef {import("rcskin/sheets").Fed} Fed */
 /**
  * @typedef {{grid: {rows: number, columns: number},
  *   steps: {fewest: number, most: number, rtol: number}, terminals: number, size: number,
- *   rows: Packed, diagonal: Packed, ranks: number[], factors: Packed, feeds: Feed[]}} PackedModel
+ *   rows: Packed, diagonal: Packed, ranks: number[], factors: Packed, feeds: Feed[],
+ *   fields: number[], conductance: number[][], top: Packed | null,
+ *   gauges: {piezoresistance: number[], ranks: number[], factors: Packed} | null}} PackedModel
  */
 /** @typedef {{cells: number[], rises: number[]}} Touched cells of the grid, and by how much c rises there */
 /** @typedef {{re: number, im: number}} Complex */
 
 const LOST_SUSCEPTANCE = 1e-9;
-
-/** Numbers from base64; of float48 the lowest two bytes are left out. @param {Packed} packed @returns {Float64Array | Float32Array} */
-export function unpacked(packed) {
-  const bytes = Uint8Array.from(atob(packed.base64), (letter) => letter.charCodeAt(0));
-  if (packed.type === "float32") return new Float32Array(bytes.buffer);
-  const whole = new Uint8Array((bytes.length / 6) * 8);
-  for (let k = 0; k < bytes.length; k++) whole[8 * Math.floor(k / 6) + (k % 6) + 2] = bytes[k];
-  return new Float64Array(whole.buffer);
-}
 
 /**
  * What a drive sees of one press at any s: Y = G + s C - s² b0² / (1 + s a1 - s² b1² / (1 + ...)).
@@ -70,13 +66,12 @@ export class Model {
     this.steps = packed.steps;
     this.terminals = packed.terminals;
     this.size = packed.size;
-    this.feeds = packed.feeds;
+    /** Of sheets as the model has them. */
+    this.fed = packed.feeds.map((feed) => fedAtRest(feed, packed.size));
     this.rows = unpacked(packed.rows);
     this.diagonal = unpacked(packed.diagonal);
     this.factors = unpacked(packed.factors);
-    /** Where the factors of each cell begin, in rows. @type {number[]} */
-    this.starts = [0];
-    for (const rank of packed.ranks) this.starts.push(this.starts[this.starts.length - 1] + rank);
+    this.starts = startsOf(packed.ranks);
   }
 
   /** M v in C. @param {Touched} touched @param {Float64Array} v @param {Float64Array} charge */
@@ -105,27 +100,27 @@ export class Model {
 
   /**
    * Lanczos' method for one drive, until two steps in a row change neither Rs nor Cp.
-   * @param {number} drive @param {Touched} touched @param {Complex} farthest s in rad/s, of all asked
-   * @returns {Response}
+   * @param {Fed} fed @param {Touched} touched @param {Complex} farthest s in rad/s, of all asked
+   * @param {number} rtol of Rs and Cp @returns {Response}
    */
-  response(drive, touched, farthest) {
+  response(fed, touched, farthest, rtol = this.steps.rtol) {
     const { size, terminals } = this;
-    const feed = this.feeds[drive];
-    const neutral = this.#neutral(feed, touched);
-    const potential = new Float64Array(size);
-    potential.set(feed.driven);
+    const neutral = this.#neutral(fed, touched);
+    const potential = Float64Array.from(fed.driven);
     neutral(potential);
     const residual = new Float64Array(size);
     this.charge(touched, potential, residual);
-    const found = new Response(feed.conductance, dot(potential, residual), [], []);
+    const found = new Response(fed.conductance, dot(potential, residual), [], []);
     const w = new Float64Array(size);
     const product = new Float64Array(size);
+    const solution = new Float64Array(size);
     let now = found.admittance(farthest);
     let changeBefore = Infinity;
     while (found.diagonal.length < this.steps.most) {
-      const solution = Float64Array.from(residual);
+      solution.set(residual);
       solution.fill(0, 0, terminals);
-      tie(feed, residual, solution);
+      fed.factors?.solve(solution);
+      tie(fed, residual, solution);
       neutral(solution);
       const square = dot(residual, solution);
       if (!(square > 0)) break;
@@ -143,7 +138,7 @@ export class Model {
       const before = now;
       now = found.admittance(farthest);
       const change = difference(before, now);
-      const { fewest, rtol } = this.steps;
+      const { fewest } = this.steps;
       if (found.diagonal.length >= fewest && change <= rtol && changeBefore <= rtol) break;
       changeBefore = change;
     }
@@ -152,18 +147,16 @@ export class Model {
 
   /**
    * Potentials at 1 V in the model's coordinates, by one dense complex system.
-   * @param {number} drive @param {Touched} touched @param {Complex} s rad/s
+   * @param {Fed} fed @param {Touched} touched @param {Complex} s rad/s
    * @returns {{re: Float64Array, im: Float64Array}}
    */
-  potentials(drive, touched, s) {
+  potentials(fed, touched, s) {
     const { size, terminals } = this;
-    const feed = this.feeds[drive];
-    const floating = [...feed.tied, ...feed.common].map((row) => padded(row, size));
-    const driven = padded(feed.driven, size);
+    const floating = [...fed.tied, ...fed.common];
     const M = this.#mass(touched);
     const charges = floating.map((v) => times(M, v));
-    const charge = times(M, driven);
-    const ties = inverted(feed.tiedInverse);
+    const charge = times(M, fed.driven);
+    const ties = inverted(fed.tiedInverse);
     const first = floating.length - terminals;
     const n = first + size;
     const system = new Symmetric(n);
@@ -173,14 +166,13 @@ export class Model {
         if (j >= floating.length) mass = M[(i - first) * size + j - first];
         else if (i >= floating.length) mass = charges[j][i - first];
         else mass = dot(floating[i], charges[j]);
-        const own = i < ties.length ? ties[i][j] : i >= floating.length && i === j ? 1 : 0;
-        system.set(i, j, own + s.re * mass, s.im * mass);
+        system.set(i, j, stiffness(i, j) + s.re * mass, s.im * mass);
       }
       const seen = i < floating.length ? dot(floating[i], charge) : charge[i - first];
       system.ask(i, -s.re * seen, -s.im * seen);
     }
     const found = system.solved();
-    const u = { re: driven, im: new Float64Array(size) };
+    const u = { re: Float64Array.from(fed.driven), im: new Float64Array(size) };
     for (let i = 0; i < n; i++) {
       if (i >= floating.length) {
         u.re[i - first] += found.re[i];
@@ -193,6 +185,13 @@ export class Model {
       }
     }
     return u;
+
+    /** @param {number} i @param {number} j */
+    function stiffness(i, j) {
+      if (i < ties.length) return ties[i][j];
+      if (j < floating.length) return 0;
+      return fed.K ? fed.K[(i - first) * size + j - first] : Number(i === j);
+    }
   }
 
   /** M of a press in F, row after row. @param {Touched} touched */
@@ -218,10 +217,10 @@ export class Model {
     return M;
   }
 
-  /** Shifts a sheet that floats as a whole so that it keeps its charge. @param {Feed} feed @param {Touched} touched */
-  #neutral(feed, touched) {
-    if (!feed.common.length) return () => {};
-    const common = padded(feed.common[0], this.size);
+  /** Shifts a sheet that floats as a whole so that it keeps its charge. @param {Fed} fed @param {Touched} touched */
+  #neutral(fed, touched) {
+    if (!fed.common.length) return () => {};
+    const [common] = fed.common;
     const charge = new Float64Array(this.size);
     this.charge(touched, common, charge);
     const own = dot(common, charge);
@@ -232,14 +231,12 @@ export class Model {
   }
 }
 
-/** Adds the potentials that floating terminals take. @param {Feed} feed @param {Float64Array} y @param {Float64Array} solution */
-function tie(feed, y, solution) {
-  const currents = feed.tied.map((row) => row.reduce((sum, each, k) => sum + each * y[k], 0));
-  feed.tiedInverse.forEach((row, i) => {
+/** Adds the potentials that floating terminals take. @param {Fed} fed @param {Float64Array} y @param {Float64Array} solution */
+function tie(fed, y, solution) {
+  const currents = fed.tied.map((row) => dot(row, y));
+  fed.tiedInverse.forEach((row, i) => {
     const potential = row.reduce((sum, each, j) => sum + each * currents[j], 0);
-    feed.tied[i].forEach((each, k) => {
-      solution[k] += potential * each;
-    });
+    for (let k = 0; k < solution.length; k++) solution[k] += potential * fed.tied[i][k];
   });
 }
 

@@ -1,6 +1,9 @@
 // The skin as it would be cast and read: what the sliders change, and what a meter then shows.
 
-import { Model, unpacked } from "rcskin/model";
+import { unpacked } from "rcskin/arrays";
+import { Model } from "rcskin/model";
+import { Outline } from "rcskin/outline";
+import { Sheets } from "rcskin/sheets";
 
 /** @typedef {import("rcskin/model").Complex} Complex */
 /** @typedef {import("rcskin/model").Touched} Touched */
@@ -10,38 +13,33 @@ import { Model, unpacked } from "rcskin/model";
  * @typedef {{x: number, y: number, width: number, height: number, factor: number, row?: number, column?: number}} Touch
  */
 /**
- * Factors on all resistances and on all capacitance, loss tangent.
- * @typedef {{resistance: number, capacitance: number, loss: number}} Cast
+ * Factors on the resistance of each sheet and of its foils' contacts, and on all capacitance; loss tangent.
+ * @typedef {{top: number, bottom: number, capacitance: number, loss: number}} Cast
  */
 
 const REFERENCE = 1e3; // Hz, where a constant-phase capacitance has the size that is named
+const ROUGHLY = 1e-8; // of Rs and of Cp: what beliefs may be off by
+const MOST_KNOWN = 3000;
 
 export class Skin {
   /** @param {any} data as `packed` writes it */
   constructor(data) {
     this.data = data;
     this.model = new Model(data.model);
+    this.sheets = new Sheets(data.model);
+    this.outline = new Outline(data);
     this.basis = unpacked(data.basis);
     /** @type {number[]} */
     this.frequencies = data.frequencies;
     /** @type {Map<string, Response[]>} */
     this.known = new Map();
+    /** @type {{ratio: number, fed: import("rcskin/sheets").Fed[]} | null} */
+    this.kept = null;
   }
 
   /** The touch of a whole pixel. @param {number} row @param {number} column @param {number} factor @returns {Touch} */
   pixel(row, column, factor) {
-    const { skin, pixels } = this.data;
-    const width = skin.length / pixels.columns;
-    const height = skin.width / pixels.rows;
-    return {
-      x: (column - 0.5) * width,
-      y: (row - 0.5) * height,
-      width,
-      height,
-      factor,
-      row,
-      column,
-    };
+    return { ...this.outline.box(row, column), factor, row, column };
   }
 
   /** Cells of which c rises; touches enter by the area that they cover of each. @param {Touch[]} touches @returns {Touched} */
@@ -50,6 +48,10 @@ export class Skin {
     const { length, width } = this.data.skin;
     const factors = new Float64Array(rows * columns).fill(1);
     for (const touch of touches) {
+      if (this.outline.groups) {
+        factors[((touch.row ?? 1) - 1) * columns + (touch.column ?? 1) - 1] *= touch.factor;
+        continue;
+      }
       const across = shares(touch.x, touch.width, length, columns);
       const up = shares(touch.y, touch.height, width, rows);
       for (let i = 0; i < rows; i++) {
@@ -63,27 +65,65 @@ export class Skin {
     return { cells, rises: cells.map((cell) => factors[cell] - 1) };
   }
 
-  /** Of every interface, good for all that may be cast. @param {Touch[]} touches @returns {Response[]} */
-  responses(touches) {
-    const key = JSON.stringify(touches);
+  /** The factor that stands for those of both sheets. @param {Cast} cast */
+  common({ top, bottom }) {
+    if (top === bottom) return top;
+    if (this.sheets.apart) return Math.sqrt(top * bottom);
+    const [ofTop, ofBottom] = this.data.sheets;
+    return (top * ofTop + bottom * ofBottom) / (ofTop + ofBottom);
+  }
+
+  /** Conductances of the sheets over those of the model, next to the common factor. @param {Cast} cast @returns {[number, number]} */
+  conductances(cast) {
+    const { top, bottom } = cast;
+    if (!this.sheets.apart || top === bottom) return [1, 1];
+    return [Math.sqrt(bottom / top), Math.sqrt(top / bottom)];
+  }
+
+  /** Whether this cast changes every curve, and not by scale alone. @param {Cast} cast */
+  anew(cast) {
+    return this.sheets.gauges !== null || this.conductances(cast)[0] !== 1;
+  }
+
+  /** Every drive of the skin as it is cast and pressed. @param {Cast} cast @param {Touched} touched */
+  fed(cast, touched) {
+    if (this.sheets.gauges) return this.#fedAnew(cast, touched);
+    const ratio = this.conductances(cast)[0];
+    if (this.kept?.ratio !== ratio) this.kept = { ratio, fed: this.#fedAnew(cast, touched) };
+    return this.kept.fed;
+  }
+
+  /** @param {Cast} cast @param {Touched} touched */
+  #fedAnew(cast, touched) {
+    return this.sheets.fed(this.conductances(cast), touched) ?? this.model.fed;
+  }
+
+  /** Of every interface, good for all capacitance and loss that may be cast. @param {Touch[]} touches @param {Cast} cast @param {boolean} roughly to 1e-8 @returns {Response[]} */
+  responses(touches, cast, roughly = false) {
+    const key = JSON.stringify([touches, this.conductances(cast)[0], roughly]);
     const known = this.known.get(key);
     if (known) return known;
     const { range } = this.data;
+    const most = range.resistance[1];
     const farthest = this.variable(this.frequencies[this.frequencies.length - 1], {
-      resistance: range.resistance[1],
+      top: most,
+      bottom: most,
       capacitance: range.capacitance[1],
       loss: 0,
     });
     const touched = this.touched(touches);
-    const found = this.model.feeds.map((_, drive) => this.model.response(drive, touched, farthest));
-    if (this.known.size > 2000) this.known.clear();
+    const rtol = roughly ? ROUGHLY : undefined;
+    const found = this.fed(cast, touched).map((fed) =>
+      this.model.response(fed, touched, farthest, rtol),
+    );
+    if (this.known.size > MOST_KNOWN) this.known.clear();
     this.known.set(key, found);
     return found;
   }
 
   /** s of the model in rad/s, for a skin as it is cast. @param {number} frequency Hz @param {Cast} cast @returns {Complex} */
   variable(frequency, cast) {
-    const scale = cast.resistance * cast.capacitance * 2 * Math.PI * frequency;
+    const scale = this.common(cast) * cast.capacitance * 2 * Math.PI * frequency;
     const exponent = this.data.foam.phase_exponent - 1;
     const size = scale * (frequency / REFERENCE) ** exponent;
     const turn = (Math.PI / 2) * exponent;
@@ -94,9 +134,10 @@ export class Skin {
   /** Z in ohm at the meter's end. @param {Response} response @param {number} frequency Hz @param {Cast} cast @returns {Complex} */
   impedance(response, frequency, cast) {
     const Y = response.admittance(this.variable(frequency, cast));
+    const common = this.common(cast);
     const { resistance, inductance, unguarded } = this.data.leads;
     const omega = 2 * Math.PI * frequency;
-    const seen = { re: Y.re / cast.resistance, im: Y.im / cast.resistance + omega * unguarded };
+    const seen = { re: Y.re / common, im: Y.im / common + omega * unguarded };
     const size = seen.re * seen.re + seen.im * seen.im;
     return { re: resistance + seen.re / size, im: omega * inductance - seen.im / size };
   }
@@ -106,7 +147,9 @@ export class Skin {
    * @param {number} drive @param {Touch[]} touches @param {number} frequency Hz @param {Cast} cast
    */
   field(drive, touches, frequency, cast) {
-    const u = this.model.potentials(drive, this.touched(touches), this.variable(frequency, cast));
+    const touched = this.touched(touches);
+    const fed = this.fed(cast, touched)[drive];
+    const u = this.model.potentials(fed, touched, this.variable(frequency, cast));
     const { rows, columns } = this.data.raster;
     const points = rows * columns;
     const fields = this.basis.length / points / this.model.size;
@@ -115,7 +158,7 @@ export class Skin {
       im: this.#spread(u.im, field, points),
     }));
     if (fields === 1) {
-      const [top, bottom] = this.data.sheets;
+      const [top, bottom] = [this.data.sheets[0] * cast.top, this.data.sheets[1] * cast.bottom];
       const share = top / (top + bottom);
       const part = (/** @type {Float64Array} */ values) => values.map((value) => share * value);
       return { across: each[0], top: { re: part(each[0].re), im: part(each[0].im) } };

@@ -2,10 +2,10 @@
 
 /** @typedef {import("rcskin/skin").Touch} Touch */
 /**
- * resistance, capacitance, noise: factors. loss: tangent. factor: of the usual press. strength: of the
+ * top, bottom: factors on each sheet's resistance, together: both changed at once. capacitance, noise: factors. loss: tangent. factor: of the usual press. strength: of the
  * next touch. drive: shown. at: the frequency shown, its number. used: which interfaces and frequencies
  * are read. seed: of the meter's errors, 0 for a meter without.
- * @typedef {{resistance: number, capacitance: number, loss: number, noise: number, factor: number, strength: number,
+ * @typedef {{top: number, bottom: number, together: boolean, capacitance: number, loss: number, noise: number, factor: number, strength: number,
  *   drive: number, at: number, seed: number, whole: boolean, arrows: boolean, running: boolean,
  *   drives: number[], frequencies: number[], touches: Touch[]}} State
  */
@@ -14,7 +14,9 @@
 export function initial(data) {
   const factor = data.press.capacitance_factor;
   return {
-    resistance: 1,
+    top: 1,
+    bottom: 1,
+    together: true,
     capacitance: 1,
     loss: data.foam.loss_tangent,
     noise: 1,
@@ -55,7 +57,13 @@ export function read(text, first, data) {
       // An address that was cut or mistyped: the rest of it still counts.
     }
   }
-  return state;
+  return { ...state, bottom: near(state.bottom, state.top, data) };
+}
+
+/** A sheet's factor, no farther from the other's than the model knows. @param {number} factor @param {number} other @param {any} data */
+export function near(factor, other, data) {
+  const { apart } = data.range;
+  return Math.min(Math.max(factor, other / apart), other * apart);
 }
 
 /** @param {string} name @param {any} value @param {State} first @param {any} data */
@@ -69,8 +77,8 @@ function fits(name, value, first, data) {
   if (name === "drive") return counted([value], data.interfaces.length);
   if (name === "at") return counted([value], data.frequencies.length);
   if (name === "touches") return Array.isArray(value) && value.length <= 2 && value.every(isTouch);
-  if (name === "resistance" || name === "capacitance") {
-    const [low, high] = data.range[name];
+  if (name === "top" || name === "bottom" || name === "capacitance") {
+    const [low, high] = data.range[name === "capacitance" ? name : "resistance"];
     return typeof value === "number" && value >= low && value <= high;
   }
   return (

@@ -18,13 +18,14 @@ export class Station {
   constructor(skin, state) {
     this.skin = skin;
     this.state = state;
+    this.few = false;
     this.localizer = this.#localizer();
   }
 
   /** The skin as the sliders have it. @returns {import("rcskin/skin").Cast} */
   get cast() {
-    const { resistance, capacitance, loss } = this.state();
-    return { resistance, capacitance, loss };
+    const { top, bottom, capacitance, loss } = this.state();
+    return { top, bottom, capacitance, loss };
   }
 
   /** Of one reading, |Z| as a fraction and the phase in rad. */
@@ -34,15 +35,16 @@ export class Station {
     return { magnitude: noise * magnitude_noise, phase: noise * phase_noise };
   }
 
-  /** To be called when the skin, the meter or what is read has changed. */
-  renew() {
+  /** To be called when the skin, the meter or what is read has changed. @param {boolean} moving whether it may change again at once */
+  renew(moving) {
+    this.few = moving && this.skin.anew(this.cast);
     this.localizer = this.#localizer();
   }
 
   /** Z in ohm by interface and frequency, without noise. @param {Touch[]} touches @returns {Complex[][]} */
   exact(touches) {
     const { skin, cast } = this;
-    const found = skin.responses(touches);
+    const found = skin.responses(touches, cast);
     return found.map((each) => skin.frequencies.map((f) => skin.impedance(each, f, cast)));
   }
 
@@ -74,7 +76,7 @@ export class Station {
     const magnitude = this.noise.magnitude || LEAST_NOISE;
     const phase = this.noise.phase || LEAST_NOISE;
     const readings = { drives, frequencies, magnitude, phase };
-    return new Localizer(this.skin, this.cast, readings, factor);
+    return new Localizer(this.skin, this.cast, readings, factor, this.few);
   }
 }
 

@@ -47,10 +47,11 @@ export function csv(data, sweeps) {
 /** The scene as the sliders have it. @param {any} data @param {State} state */
 export function toml(data, state) {
   const scene = structuredClone(data.scene);
-  for (const sheet of [scene.skin.top, scene.skin.bottom])
-    sheet.sheet_resistance *= state.resistance;
+  for (const name of /** @type {const} */ (["top", "bottom"]))
+    scene.skin[name].sheet_resistance *= state[name];
   for (const contact of scene.contact)
-    if (contact.resistance) contact.resistance *= state.resistance;
+    if (contact.resistance)
+      contact.resistance *= contact.electrode === "top" ? state.top : state.bottom;
   scene.skin.foam.capacitance_per_area *= state.capacitance;
   scene.skin.foam.loss_tangent = state.loss;
   scene.press = { ...scene.press, capacitance_factor: state.factor };

@@ -1,0 +1,68 @@
+"""Which triangle of a skin holds a place, and where in it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mesh.arcs import mapped
+from ..mesh.domain import Domain
+
+WITHIN = 1e-6
+"""Of a triangle: what is no farther beyond it is still in it."""
+NEWTON_STEPS = 5
+"""From the straight triangle to the one with arcs for edges."""
+
+
+class Located(NamedTuple):
+    """Of points, their triangles and places (a, b) in the unit triangle.
+
+    Those of points beside the skin are moved onto it; on_skin tells which are none. triangle,
+    on_skin: shape (point,). places: shape (2, point).
+    """
+
+    triangle: NDArray[np.int64]
+    places: NDArray[np.float64]
+    on_skin: NDArray[np.bool_]
+
+
+def located(domain: Domain, points: NDArray[np.float64]) -> Located:
+    """Of points as they are seen along z, m, shape (2, point)."""
+    each = [_nearest(domain, x) for x in points.T]
+    triangle = np.array([number for number, _ in each])
+    bends = domain.curvature
+    places = np.stack([place for _, place in each], axis=1)
+    for k in np.flatnonzero(bends[:, triangle].any(axis=0)):
+        here = domain.p[:2], domain.t[:, triangle[[k]]], bends[:, triangle[[k]]]
+        places[:, k] = _bent(*here, places[:, k], points[:, k])
+    corners = np.vstack([places, 1 - places.sum(axis=0)])
+    inside = np.maximum(corners, 0.0)
+    return Located(triangle, (inside / inside.sum(axis=0))[:2], corners.min(axis=0) >= -WITHIN)
+
+
+def _nearest(domain: Domain, x: NDArray[np.float64]) -> tuple[int, NDArray[np.float64]]:
+    """The triangle that holds x, or lies nearest, and (a, b) in it, by its corners alone."""
+    origin, along, across = domain.p[:2, domain.t].transpose(1, 0, 2)
+    along, across, off = along - origin, across - origin, x[:, None] - origin
+    area = along[0] * across[1] - along[1] * across[0]
+    a = (off[0] * across[1] - off[1] * across[0]) / area
+    b = (along[0] * off[1] - along[1] * off[0]) / area
+    beyond = -np.minimum(np.minimum(a, b), 1 - a - b) * domain.lengths
+    nearest = int(np.argmin(beyond))
+    return nearest, np.array([a[nearest], b[nearest]])
+
+
+def _bent(
+    p: NDArray[np.float64],
+    t: NDArray[np.int64],
+    bends: NDArray[np.float64],
+    place: NDArray[np.float64],
+    x: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Newton's method for (a, b) at x in a triangle with arcs; p, t, bends: as of `mapped`."""
+    for _ in range(NEWTON_STEPS):
+        at, along, across = (each[:, 0, 0] for each in mapped(p, t, bends, place[:, None]))
+        place = place + np.linalg.solve(np.stack([along, across], axis=1), x - at)
+    return place

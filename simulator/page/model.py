@@ -1,0 +1,98 @@
+"""A reduced skin as numbers for a page: M and the drives, and what its sheets add to K."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..fem.lanczos import FEWEST_STEPS, MOST_STEPS
+from ..fem.network import allowed_potentials
+from ..models.parameters import foam_parts
+from ..models.reduced.family import resistive
+from ..models.reduced.model import Reduced, ReducedSkin
+from ..models.varied.coefficients import ELECTRODES
+from ..models.varied.materials import gauged
+from .base64_arrays import exactly
+
+KRYLOV_RTOL = 1e-12
+"""What Lanczos' method leaves on a page, of Rs and of Cp."""
+ROUNDING = 1e-13
+
+
+def packed_model(skin: ReducedSkin) -> dict[str, Any]:
+    """M and the drives in the coordinates in which K is 1; see `kernel.Rest` and `kernel.Feed`."""
+    rest, reduced = skin.rest, skin.reduced
+    full = np.abs(rest.factors).max(axis=2) > 0
+    rows, columns = reduced.grid
+    return {
+        "grid": {"rows": rows, "columns": columns},
+        "steps": {"fewest": FEWEST_STEPS, "most": MOST_STEPS, "rtol": KRYLOV_RTOL},
+        "terminals": len(rest.rows),
+        "size": rest.rows.shape[1],
+        "rows": exactly(rest.rows),
+        "diagonal": exactly(rest.diagonal),
+        "ranks": full.sum(axis=1).tolist(),
+        "factors": exactly(rest.factors[full]),
+        "feeds": [
+            {
+                "conductance": feed.conductance,
+                "driven": feed.driven.tolist(),
+                "tied": feed.tied.tolist(),
+                "tiedInverse": feed.tied_inverse.tolist(),
+                "common": feed.common.tolist(),
+                "allowed": allowed[0].T.tolist(),
+                "allowedAtNoCurrent": allowed[1].tolist(),
+            }
+            for feed, allowed in zip(skin.feeds, _allowed(reduced), strict=True)
+        ],
+        "fields": reduced.terminal_field.tolist(),
+        "conductance": _conductance(skin).tolist(),
+        "top": exactly(_of_top(skin)) if reduced.circuit.fields == 2 else None,
+        "gauges": _gauges(skin) if gauged(reduced.scene.skin) else None,
+    }
+
+
+def _allowed(reduced: Reduced) -> list[tuple[NDArray[np.float64], NDArray[np.bool_]]]:
+    fields = tuple(reduced.terminal_field.tolist())
+    return [allowed_potentials(fields, drive) for drive in reduced.circuit.drives]
+
+
+def _conductance(skin: ReducedSkin) -> NDArray[np.float64]:
+    """Between terminals at zero frequency, S, shape (N, N)."""
+    terminals = len(skin.rest.rows)
+    return (skin.turn.T @ skin.stiffness @ skin.turn)[:terminals, :terminals]
+
+
+def _of_top(skin: ReducedSkin) -> NDArray[np.float64]:
+    """What the top sheet and its foils' films are of K, S, shape (m, m)."""
+    reduced = skin.reduced
+    films = resistive(reduced.circuit)
+    sheets = len(reduced.stiffness) - len(films)
+    of_top = [*range(sheets // 2)]
+    of_top += [sheets + k for k, contact in enumerate(films) if contact.electrode == "top"]
+    return skin.turn.T @ reduced.stiffness[of_top].sum(axis=0) @ skin.turn
+
+
+def _gauges(skin: ReducedSkin) -> dict[str, Any]:
+    """K of each field's sheet in each part of the foam by its factors, K = F'F in S.
+
+    piezoresistance: of each field's sheet.
+    """
+    reduced = skin.reduced
+    scene, fields = reduced.scene, reduced.circuit.fields
+    terms = reduced.stiffness[: fields * foam_parts(scene)]
+    factors = [_root(skin.turn.T @ term @ skin.turn) for term in terms]
+    return {
+        "piezoresistance": [scene.skin.sheet(name).piezoresistance for name in ELECTRODES[:fields]],
+        "ranks": [len(each) for each in factors],
+        "factors": exactly(np.concatenate(factors)),
+    }
+
+
+def _root(K: NDArray[np.float64]) -> NDArray[np.float64]:
+    """F with K = F'F to rounding."""
+    power, turn = np.linalg.eigh(K)
+    kept = power > ROUNDING * max(power.max(), 0.0)
+    return np.sqrt(power[kept])[:, None] * turn[:, kept].T

@@ -1,0 +1,145 @@
+"""What a page draws of a skin beside its field: its outline, its foils and its pixels."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mesh.domain import Domain
+from ..mesh.held import held
+from ..mesh.triangles import edges_of
+from ..models.reduced.family import Family, Triangulation
+from ..scene.contacts import Contact, path, section
+from ..scene.planar import Circle
+from ..scene.scene import Scene
+from ..scene.skin import Skin, curves
+
+ROUND = 96
+"""Sides that a circle is drawn with."""
+BESIDE = 1e-4
+"""Of the skin's longer side: how far off an edge it is looked at for skin."""
+DIGITS = 7
+"""Of places in m: a tenth of a micrometre."""
+
+Points = NDArray[np.float64]
+
+
+def plan(scene: Scene, family: Family) -> dict[str, Any]:
+    """Lines in m, as lists of (x, y). family: of the scene, its mesh has the pixels' groups.
+
+    outline: closed lines. foils: with pieces (x, y, x, y, away x, away y), the way off the skin of
+    length 1. held: the numbers from 0 of pixels that have any skin. middles: of that skin, of each
+    pixel. groups: closed lines around the skin of each pixel, where pixels are groups.
+    """
+    mesh = family.mesh.domain if isinstance(family.mesh, Triangulation) else None
+    of_file = mesh if scene.skin.mesh is not None else None
+    every = held(scene)
+    return {
+        "outline": _rounded(_outline(scene.skin) if of_file is None else around(of_file)),
+        "foils": [
+            {
+                "name": contact.name,
+                "electrode": contact.electrode,
+                "pieces": _rounded(
+                    _along_edge(contact, scene.skin)
+                    if of_file is None
+                    else _along_facets(of_file.foils[contact.name], of_file)
+                ),
+            }
+            for contact in scene.contacts
+        ],
+        "held": every.numbers.tolist(),
+        "middles": _rounded(every.middle.T),
+        "groups": None if scene.pixels.groups is None or mesh is None else _groups(scene, mesh),
+    }
+
+
+def around(mesh: Domain, within: NDArray[np.bool_] | None = None) -> list[Points]:
+    """The closed lines around some triangles, by default all, m, each of shape (point, 2)."""
+    t = mesh.t if within is None else mesh.t[:, within]
+    if not t.shape[1]:
+        return []
+    edges, of_triangle = edges_of(t)
+    rim = edges[:, np.bincount(of_triangle.ravel()) == 1]
+    return [mesh.p[:2, each].T for each in _chained(rim)]
+
+
+def _chained(edges: NDArray[np.int64]) -> list[list[int]]:
+    """Closed walks that take every edge once. edges: numbers of points, shape (2, edge)."""
+    beside: dict[int, list[int]] = {}
+    for a, b in edges.T.tolist():
+        beside.setdefault(a, []).append(b)
+        beside.setdefault(b, []).append(a)
+    walks = []
+    for start in beside:
+        while beside[start]:
+            walk, here = [start], start
+            while beside[here]:
+                following = beside[here].pop()
+                beside[following].remove(here)
+                walk.append(following)
+                here = following
+            walks.append(walk[:-1])
+    return walks
+
+
+def _outline(skin: Skin) -> list[Points]:
+    """Of a skin without mesh."""
+    angle = 2 * np.pi * np.arange(ROUND) / ROUND
+    shapes = [curve.shape for curve in curves(skin)]
+    return [each.at(angle) if isinstance(each, Circle) else each for each in shapes]
+
+
+def _along_edge(contact: Contact, skin: Skin) -> Points:
+    """Pieces of a foil on a skin without mesh."""
+    along = section(contact, skin)
+    curve = curves(skin)[along.curve]
+    if isinstance(curve.shape, Circle):
+        x = path(contact, skin, ROUND)
+    else:
+        between = [mark for mark in curve.marks if along.start < mark < along.stop]
+        x = np.array([curve.at(mark) for mark in (along.start, *between, along.stop)]).T
+    outline, *holes = curves(skin)
+    off = BESIDE * max(skin.sides) * _left(x[:, :-1], x[:, 1:])
+    beside = (x[:, :-1] + x[:, 1:]) / 2 + off
+    on_left = outline.holds(beside)
+    for hole in holes:
+        on_left &= ~hole.holds(beside)
+    away = np.where(on_left, -1, 1) * _left(x[:, :-1], x[:, 1:])
+    return np.concatenate([x[:, :-1], x[:, 1:], away]).T
+
+
+def _along_facets(facets: NDArray[np.int64], mesh: Domain) -> Points:
+    """Pieces of a foil on a mesh. facets: numbers of points, shape (2, facet)."""
+    start, stop = mesh.p[:2, facets[0]], mesh.p[:2, facets[1]]
+    of_edge = {(a, b): k for k, three in enumerate(mesh.t.T.tolist()) for a, b in _pairs(three)}
+    triangle = [of_edge[a, b] for a, b in np.sort(facets, axis=0).T.tolist()]
+    inwards = mesh.middles[:, triangle] - start
+    left = _left(start, stop)
+    away = -np.sign((inwards * left).sum(axis=0)) * left
+    return np.concatenate([start, stop, away]).T
+
+
+def _pairs(three: list[int]) -> list[tuple[int, int]]:
+    a, b, c = three
+    return [(a, b), (b, c), (a, c)]
+
+
+def _left(start: Points, stop: Points) -> Points:
+    """Of lines (2, line), the way to their left, of length 1."""
+    run = stop - start
+    return np.stack([-run[1], run[0]]) / np.maximum(np.linalg.norm(run, axis=0), 1e-300)
+
+
+def _groups(scene: Scene, mesh: Domain) -> list[list[list[list[float]]]]:
+    rows, columns = scene.pixels.shape
+    return [_rounded(around(mesh, mesh.pixel == number)) for number in range(rows * columns)]
+
+
+def _rounded(lines: Any) -> Any:
+    """Lists of numbers."""
+    if isinstance(lines, list):
+        return [_rounded(each) for each in lines]
+    return np.round(lines, DIGITS).tolist()
