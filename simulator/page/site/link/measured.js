@@ -48,15 +48,12 @@ export class Measured {
 
   /** @param {any} answer */
   #drawAnswer(answer) {
-    const { data } = this.page;
+    const { data, skin } = this.page;
     const canvas = this.page.element("live-pixels");
-    const { rows, columns } = data.pixels;
-    const known = answer?.pixels ?? Array.from({ length: rows }, () => Array(columns).fill(0));
-    const classes = known.flatMap((/** @type {number[]} */ row, /** @type {number} */ i) =>
-      row.map((_, j) => ({ row: i + 1, column: j + 1 })),
-    );
+    const { held } = skin.outline;
+    const chances = held.map(({ row, column }) => answer?.pixels?.[row - 1][column - 1] ?? 0);
     fit(canvas, data.skin);
-    drawBelief(canvas, data, classes, Float64Array.from(known.flat()));
+    drawBelief(canvas, skin, held, Float64Array.from(chances));
     if (answer?.position) drawPlace(canvas, data, answer.position, answer.deviation);
     canvas.setAttribute("aria-label", answer?.words ?? "no answer");
   }

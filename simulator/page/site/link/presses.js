@@ -15,7 +15,7 @@ export function parsed(text, skin) {
 
 /** @param {string} text @param {import("rcskin/skin").Skin} skin @returns {Touch | null} */
 function touch(text, skin) {
-  const { pixels, press, range } = skin.data;
+  const { press, range } = skin.data;
   const factor = (/** @type {string | undefined} */ told) =>
     told === undefined ? press.capacitance_factor : Number(told);
   const pixel = PIXEL.exec(text);
@@ -24,7 +24,7 @@ function touch(text, skin) {
   if (!(strength > 0 && strength <= 1 + range.rise[1])) return null;
   if (pixel) {
     const [row, column] = [Number(pixel[1]), Number(pixel[2])];
-    const there = row >= 1 && row <= pixels.rows && column >= 1 && column <= pixels.columns;
+    const there = skin.outline.holds(row, column);
     return there ? skin.pixel(row, column, strength) : null;
   }
   if (!rectangle) return null;
