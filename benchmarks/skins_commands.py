@@ -1,4 +1,4 @@
-"""Every command on every kind of skin that is not plain, as its user runs them: what each one takes.
+"""Every command on every kind of skin that is not plain, as its user runs it: what each takes.
 
 A command that fails ends the run with what it said. Sizes are small: what is asked is whether all
 of it works, and how long one waits.

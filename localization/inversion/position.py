@@ -155,7 +155,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         found_ground = ground(tables)
         if found_ground is not None:
             self.on_skin_, self.sides_ = found_ground.there, found_ground.sides
-            shares = np.repeat(_shares(found_ground, curve.bounds[:2]), GRID[2])
+            shares = np.repeat(_shares(found_ground, curve.bounds), GRID[2])
             self.beside_, entries = shares == 0, entries * np.maximum(shares, NOWHERE)
             entries /= entries.sum()
         found = mixture(curve.values(self.theta_), spread, entries)
@@ -205,7 +205,7 @@ def _cells(posterior: Posterior) -> NDArray[np.float64]:
 
 def _shares(ground: Ground, bounds: NDArray[np.float64]) -> NDArray[np.float64]:
     """Of each cell of GRID, y within x, the part that is skin, shape (cell,)."""
-    x, y = (_middles(*bounds[k], WITHIN * GRID[k]) for k in (0, 1))
+    x, y = (_middles(low, high, WITHIN * GRID[k]) for k, (low, high) in enumerate(bounds[:2]))
     there = ground.has(*np.meshgrid(x, y, indexing="ij"))
     return there.reshape(GRID[0], WITHIN, GRID[1], WITHIN).mean(axis=(1, 3)).ravel()
 
