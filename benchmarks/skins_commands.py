@@ -34,6 +34,7 @@ DRAWN = {
     "capacitance": {"distribution": "lognormal", "median": 1.0, "spread": 0.05},
 }
 QUICK = ("mesh with groups",)
+"""Skins of a quick pass."""
 
 
 def written_mesh(path: Path) -> str:
