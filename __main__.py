@@ -84,12 +84,19 @@ app.command("study")(study_command(_accuracy))
 
 
 def _scene_data(name: str, interfaces: list[str] | None) -> SceneData:
+    from itertools import product
+
     from .simulator.asked.scene import asked_scene
+    from .simulator.press.pixels import pixels_with_skin
     from .simulator.scene.files import scene_text
     from .simulator.scene.scene import checked_interface, interface_names
 
     scene = asked_scene(name)
     asked = dict.fromkeys(interfaces or interface_names(scene))
+    every, there = (
+        product(*(range(1, count + 1) for count in scene.pixels.shape)),
+        set(pixels_with_skin(scene)),
+    )
     return SceneData(
         name=scene.name,
         text=scene_text(scene),
@@ -97,6 +104,7 @@ def _scene_data(name: str, interfaces: list[str] | None) -> SceneData:
         rows=scene.pixels.rows,
         columns=scene.pixels.columns,
         interfaces=tuple(checked_interface(each, scene) for each in asked),
+        without_skin=tuple(each for each in every if each not in there),
     )
 
 

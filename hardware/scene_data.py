@@ -7,7 +7,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class SceneData:
-    """A scene at some of its interfaces. text: the scene's TOML. frequencies: Hz, ascending."""
+    """A scene at some of its interfaces.
+
+    text: the scene's TOML. frequencies: Hz, ascending. without_skin: (row, column) from 1 of the
+    pixels that cannot be pressed.
+    """
 
     name: str
     text: str
@@ -15,3 +19,4 @@ class SceneData:
     rows: int
     columns: int
     interfaces: tuple[str, ...]
+    without_skin: tuple[tuple[int, int], ...] = ()

@@ -92,7 +92,7 @@ def record_command(
         if not (interface or switch or switch_with):
             data = replace(data, interfaces=data.interfaces[:1])
         table = read_table(accuracy or DERIVED)
-        steps = _steps(order, data.rows, data.columns, repetitions)
+        steps = _steps(order, data, repetitions)
         settings = _settings(speed, averaging, level, amplitude, range_, delay, cable)
         several = len(data.interfaces) > 1
         screen, operator, ask = _operator(unattended, control, press_with, retries, steps, several)
@@ -120,10 +120,12 @@ def record_command(
     return record
 
 
-def _steps(order: Path | None, rows: int, columns: int, repetitions: int) -> list[Step]:
+def _steps(order: Path | None, data: SceneData, repetitions: int) -> list[Step]:
     from .order import read_order, standard_order
 
-    return read_order(order, rows, columns) if order else standard_order(rows, columns, repetitions)
+    if order:
+        return read_order(order, data.rows, data.columns)
+    return standard_order(data.rows, data.columns, repetitions, data.without_skin)
 
 
 def _settings(

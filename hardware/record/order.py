@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 from ...simulator.sweeps import UNPRESSED, InputError
@@ -37,14 +39,17 @@ def parse_step(text: str, rows: int, columns: int) -> Step:
     return Step(press, *written_pixel(press)) if touches else REST
 
 
-def standard_order(rows: int, columns: int, repetitions: int) -> list[Step]:
+def standard_order(
+    rows: int, columns: int, repetitions: int, without: Collection[tuple[int, int]] = ()
+) -> list[Step]:
     """Every pixel row by row, so many times, with the skin at rest between and after.
 
-    FIRST_RESTS begin it: later presses are told against their mean.
+    FIRST_RESTS begin it: later presses are told against their mean. without: pixels that are none.
     """
     if not 1 <= repetitions <= 10_000:
         raise InputError(f"`repetitions` must be in 1..10000, got {repetitions}")
-    pixels = [Step(f"{i + 1},{j + 1}", i + 1, j + 1) for i in range(rows) for j in range(columns)]
+    every = product(range(1, rows + 1), range(1, columns + 1))
+    pixels = [Step(f"{i},{j}", i, j) for i, j in every if (i, j) not in without]
     return [REST] * (FIRST_RESTS - 1) + [REST, *pixels] * repetitions + [REST]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -55,11 +55,10 @@ def scripted(steps: list[tuple[float, str]]) -> Routine:
     return routine
 
 
-def at_random(rows: int, columns: int, seconds: float, random: np.random.Generator) -> Routine:
-    """Every so many seconds a pixel drawn from all, or nothing pressed."""
+def at_random(pixels: Sequence[str], seconds: float, random: np.random.Generator) -> Routine:
+    """Every so many seconds a pixel drawn from these, or nothing pressed."""
     if not 0 < seconds <= 3600:
         raise InputError(f"`random` must be in (0, 3600] s, got {seconds:g}")
-    pixels = [f"{i + 1},{j + 1}" for i in range(rows) for j in range(columns)]
 
     async def routine(control: Control) -> None:
         while True:

@@ -7,6 +7,7 @@ import signal
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -46,6 +47,19 @@ class Exhibit:
     def skin(self) -> Skin:
         """At its first interface, which is connected in the beginning."""
         return next(iter(self.skins.values()))
+
+    @property
+    def pixels(self) -> list[str]:
+        """All that can be pressed."""
+        every = product(range(1, self.rows + 1), range(1, self.columns + 1))
+        return [f"{row},{column}" for row, column in every if self._takes(f"{row},{column}")]
+
+    def _takes(self, press: str) -> bool:
+        try:
+            self.skin.check(press)
+        except InputError:
+            return False
+        return True
 
 
 def simulated(scene: SceneData, skins: Mapping[str, Skin], readout: Readout) -> Exhibit:
@@ -92,7 +106,7 @@ def routines(
         import numpy as np
 
         generator = np.random.default_rng(seed)
-        return (at_random(exhibit.rows, exhibit.columns, random, generator),)
+        return (at_random(exhibit.pixels, random, generator),)
     return ()
 
 

@@ -12,6 +12,7 @@ from scipy.stats import norm
 from ...simulator.sweeps import InputError
 from ..inputs.touches import plan_of_scene
 from ..inversion.adapted import AdaptedPosition
+from ..inversion.ground import Ground
 from ..inversion.position import BLUR, GRID, ModelBasedPosition
 from ..inversion.region import Places
 from ..model.model import Model
@@ -22,10 +23,14 @@ LEAST = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Cells of a skin, GRID of them, y within x. bounds: least and largest x and y [mm], (2, 2)."""
+    """Cells of a skin, GRID of them, y within x. bounds: least and largest x and y [mm], (2, 2).
+
+    ground: where within them there is skin, None for all over.
+    """
 
     learned: Regressor
     bounds: NDArray[np.float64]
+    ground: Ground | None = None
 
     @property
     def cell(self) -> tuple[float, float]:
@@ -67,7 +72,7 @@ class Grid:
         covariance[silent] = np.diag(np.square(self.cell) / 12)
         kept = belief > LEAST * belief.max()
         share = belief[kept] / belief[kept].sum()
-        places = Places(share, mean[kept], covariance[kept], self.bounds)
+        places = Places(share, mean[kept], covariance[kept], self.bounds, self.ground)
         best = places.peak(BLUR)
         squares = (places.mean - best) ** 2 + np.einsum("eii->ei", places.covariance)
         return best, np.sqrt(share @ squares)
@@ -78,7 +83,7 @@ def grid_of(model: Model) -> Grid:
     assert isinstance(model.learned, Regressor)
     step = model.pipeline[-1]
     if isinstance(step, ModelBasedPosition | AdaptedPosition):
-        return Grid(model.learned, np.asarray(step.bounds_)[:2])
+        return Grid(model.learned, np.asarray(step.bounds_)[:2], step.ground)
     plan = plan_of_scene(model.scene)
     if plan is None:
         raise InputError(

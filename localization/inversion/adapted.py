@@ -158,6 +158,11 @@ class AdaptedPosition(RegressorMixin, _Adapted):
         """Lowest and highest x, y [mm] and strength, shape (3, 2)."""
         return self.mean_.bounds_
 
+    @property
+    def ground(self):
+        """Where there is skin; None where it is a rectangle."""
+        return self.mean_.ground
+
     def share_within(self, X, radius):
         """As of `ModelBasedPosition`, on whatever skin is at hand, shape (sweep,)."""
         return self._told(X, lambda inner, change: inner.share_within(change, radius))

@@ -12,6 +12,7 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from .classifier import Builder, without_builder
+from .ground import Ground, ground
 from .mixture import Mixture, mixture
 from .region import Places, Region, region_of
 from .surface import Surface, surface
@@ -21,6 +22,10 @@ GRID = (16, 16, 8)
 """Entries along x, y and strength."""
 OVERLAP = 0.5
 """Deviation that an entry stands for, over the step to the next."""
+NOWHERE = 1e-12
+"""Share that an entry beside the skin is taken to have of it."""
+WITHIN = 6
+"""Places along each side of an entry that are looked at for skin."""
 BLUR = 3.0
 """mm, of a posterior before its highest place is told."""
 
@@ -46,7 +51,8 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
     noise_: of a feature, shape (feature,). bounds_: as of `Surface`.
     theta_: of entries, (entry, 3). scale_: deviations that each stands for, (3,). slopes_: for one
     of them, (entry, feature, 3). mean_, directions_, along_, log_weight_: of the mixture. edge_:
-    squared distance beyond which a sweep is novel.
+    squared distance beyond which a sweep is novel. Where the skin is no rectangle, on_skin_ and
+    sides_: of its `Ground`; beside_: of entries, whether all of it is beside the skin, (entry,).
     """
 
     def __init__(
@@ -109,7 +115,17 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
 
     def novel(self, X):
         """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
-        return self._mixture().distances(self._scaled(X)).min(axis=1) > self.edge_
+        distances = self._mixture().distances(self._scaled(X))
+        if self.ground is not None:
+            distances[:, self.beside_] = np.inf
+        return distances.min(axis=1) > self.edge_
+
+    @property
+    def ground(self) -> Ground | None:
+        """Where there is skin; None where it is a rectangle."""
+        if not hasattr(self, "on_skin_"):
+            return None
+        return Ground(self.on_skin_, self.sides_)
 
     def __getstate__(self):
         """Numbers and text only, once it is fitted."""
@@ -136,6 +152,12 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         self.slopes_ = curve.slopes(self.theta_) * self.scale_
         spread = np.concatenate([self.slopes_, curve.skins(self.theta_)], axis=2)
         entries = np.tile(chance / chance.sum(), len(x) * len(y)) / (len(x) * len(y))
+        found_ground = ground(tables)
+        if found_ground is not None:
+            self.on_skin_, self.sides_ = found_ground.there, found_ground.sides
+            shares = np.repeat(_shares(found_ground, curve.bounds), GRID[2])
+            self.beside_, entries = shares == 0, entries * np.maximum(shares, NOWHERE)
+            entries /= entries.sum()
         found = mixture(curve.values(self.theta_), spread, entries)
         self.mean_, self.directions_, self.along_ = found.mean, found.directions, found.along
         self.log_weight_ = found.log_weight
@@ -159,7 +181,8 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
 
     def _places(self, posterior: Posterior) -> Places:
         covariance = posterior.covariance[:, :2, :2]
-        return Places(posterior.share, posterior.mean[:, :2], covariance, self.bounds_[:2])
+        mean = posterior.mean[:, :2]
+        return Places(posterior.share, mean, covariance, self.bounds_[:2], self.ground)
 
     def _told(self, posterior: Posterior) -> NDArray[np.float64]:
         strength = posterior.share @ posterior.mean[:, 2]
@@ -178,6 +201,13 @@ def _cells(posterior: Posterior) -> NDArray[np.float64]:
     middle = found[:, 1:3]
     found[:, 3:] -= (middle[:, :, None] * middle[:, None, :]).reshape(-1, 4)
     return found
+
+
+def _shares(ground: Ground, bounds: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of each cell of GRID, y within x, the part that is skin, shape (cell,)."""
+    x, y = (_middles(low, high, WITHIN * GRID[k]) for k, (low, high) in enumerate(bounds[:2]))
+    there = ground.has(*np.meshgrid(x, y, indexing="ij"))
+    return there.reshape(GRID[0], WITHIN, GRID[1], WITHIN).mean(axis=(1, 3)).ravel()
 
 
 def _distance(posterior: Posterior, theta: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
+from .ground import Ground
+
 LINES = 41
 NEGLIGIBLE = 1e-4
 FARTHEST = 4.0
@@ -24,12 +26,14 @@ class Places:
     """Posterior of a sweep's place: normal distributions within the skin, x and y in mm.
 
     weight: shape (entry,). mean: (entry, 2). covariance: (entry, 2, 2), mm². bounds: (2, 2).
+    ground: where within them there is skin, None for all over.
     """
 
     weight: NDArray[np.float64]
     mean: NDArray[np.float64]
     covariance: NDArray[np.float64]
     bounds: NDArray[np.float64]
+    ground: Ground | None = None
 
     def density(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         """1/mm², at places of the same shape."""
@@ -38,7 +42,8 @@ class Places:
         peak = self.weight[kept] * np.sqrt(np.linalg.det(inverse)) / (2 * np.pi)
         u, v = x[..., None] - self.mean[kept, 0], y[..., None] - self.mean[kept, 1]
         distance = inverse[:, 0, 0] * u**2 + inverse[:, 1, 1] * v**2 + 2 * inverse[:, 0, 1] * u * v
-        return np.exp(-distance / 2) @ peak
+        density = np.exp(-distance / 2) @ peak
+        return density if self.ground is None else density * self.ground.has(x, y)
 
     def peak(self, blur: float) -> NDArray[np.float64]:
         """Where most of the posterior lies around: its highest place once blurred, shape (2,).
@@ -63,7 +68,8 @@ class Places:
             place = moved
             if done:
                 break
-        return np.clip(place, *self.bounds.T)
+        within = np.clip(place, *self.bounds.T)
+        return within if self.ground is None else self.ground.nearest(within)
 
     def content(self, x: float, y: float) -> float:
         """Share of the smallest region that reaches a place: 0 at the peak, up to 1 far from it."""

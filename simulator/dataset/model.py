@@ -42,6 +42,10 @@ class SkinModel(Protocol):
         """Bound on the relative error of Rs and of Cp, shape (2, interface, frequency)."""
         ...
 
+    def by_mesh(self, cells: NDArray[np.int64], rises: NDArray[np.float64], /) -> float:
+        """Estimated error of the discretisation beside it, of one press, relatively."""
+        ...
+
     def exact(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], /
     ) -> NDArray[np.complex128]:

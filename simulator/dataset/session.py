@@ -76,8 +76,12 @@ def _not_finite(Z: NDArray[np.complex128]) -> list[int]:
 
 def _bounds(model: SkinModel, presses: Presses, which: Iterable[int]) -> dict[int, float]:
     """The largest bound of each press; infinite where it is not a number."""
-    largest = {press: float(np.max(model.certificate(*presses.one(press)))) for press in which}
+    largest = {press: _bound(model, *presses.one(press)) for press in which}
     return {press: b if np.isfinite(b) else np.inf for press, b in largest.items()}
+
+
+def _bound(model: SkinModel, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> float:
+    return float(np.max(model.certificate(cells, rises))) + model.by_mesh(cells, rises)
 
 
 @dataclass(frozen=True)

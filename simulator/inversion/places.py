@@ -12,6 +12,7 @@ from ..measure.readout import observed
 from ..press.press import Press
 from ..press.touch import Rectangle
 from ..scene.scene import Scene
+from ..scene.skin import covers
 from .unknown_skin import NOWHERE, UnknownSkin
 
 NODES, STRENGTH_NODES = 15, 4
@@ -20,6 +21,8 @@ CELLS_PER_TOUCH, MOST_CELLS = 3, 40
 SQUARE = math.sqrt(math.pi) / 2
 """Side of a square over the diameter of the disc of its area."""
 SIZE_STEP = 0.05
+GROUND = 96
+"""Cells along each side, of which is told whether they are skin."""
 QUANTILES = (np.arange(512) + 0.5) / 512
 
 
@@ -37,7 +40,8 @@ def place_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> dict[s
 
     x, y [m], strength_nodes: where; values (x, y, strength, number): what is observed against rest;
     skin (x, y, number, unknown): of the unknowns at the middle strength, the last two those of the
-    touch's own width and height; sides (2,): of the skin, m.
+    touch's own width and height; sides (2,): of the skin, m. Where the skin is no rectangle,
+    on_skin: of even cells over its sides, shape (y, x).
     """
     scene = unknown.forward.scene
     side, deviation = touch_size(scene)
@@ -72,7 +76,14 @@ def place_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> dict[s
         "values": on_nodes(np.stack(values, axis=1)),
         "skin": on_nodes(np.concatenate([skin, by_size], axis=-1)),
         "sides": np.array([scene.skin.length, scene.skin.width]),
+        **({} if scene.skin.rectangular else {"on_skin": _on_cells(scene)}),
     }
+
+
+def _on_cells(scene: Scene) -> NDArray[np.bool_]:
+    """Whether the middles of even cells lie on the skin, shape (y, x)."""
+    x, y = ((np.arange(GROUND) + 0.5) / GROUND * side for side in scene.skin.sides)
+    return covers(scene.skin, np.stack(np.meshgrid(x, y)))
 
 
 def touch_size(scene: Scene) -> tuple[float, float]:

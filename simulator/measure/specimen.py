@@ -10,8 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.solver import Solver
+from ..press.pixels import pixels_with_skin
 from ..press.press import Press, press_on
+from ..press.touch import Touch
 from ..scene.scene import Scene, interface_names
+from ..sweeps import InputError
 from .readout import Meter
 
 READINGS_KEPT = 4096
@@ -23,7 +26,7 @@ class Specimen:
     def __init__(self, scene: Scene, interface: str) -> None:
         self.scene = scene
         self._number = interface_names(scene).index(interface)
-        self._solver = Solver(scene)
+        self._solver, self._pixels = Solver(scene), set(pixels_with_skin(scene))
         self._impedances = lru_cache(READINGS_KEPT)(self._new_impedances)
 
     def at(self, interface: str) -> Self:
@@ -33,8 +36,15 @@ class Specimen:
         return other
 
     def check(self, press: str) -> str:
-        """The press in its full form. Raises InputError where it does not fit the scene."""
-        return str(press_on(self.scene, press))
+        """The press in its full form.
+
+        Raises InputError where it does not fit the scene, or a pixel has no skin.
+        """
+        found = press_on(self.scene, press)
+        for touch in found.touches:
+            if isinstance(touch, Touch) and (touch.row, touch.column) not in self._pixels:
+                raise InputError(f"press {touch}: there is no skin at that place")
+        return str(found)
 
     def impedance(self, press: str, frequency: float) -> complex:
         """Z in ohm at a frequency in Hz. Raises as `press_on` and `Solver.solve`."""

@@ -18,7 +18,7 @@ from .frequency import Loss, penetration_depth
 from .maps import Map
 from .mesh_file import absolute, read_surface
 from .outline import Curve, Outline, check_outline
-from .planar import Circle, Points, reach_into, sides
+from .planar import Circle, Points, inside, reach_into, sides
 from .shape import Shape, Stretch
 from .validation import Number, Table, Unit, above_zero, at_least_zero, single_line
 
@@ -37,6 +37,21 @@ def on_skin(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
     found = around.holds(x)
     for hole in holes:
         found = found & ~hole.holds(x)
+    return found
+
+
+def covers(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether there is skin at places x, m, shape (2, ...), as it is seen along z, shape (...)."""
+    if skin.mesh is None:
+        return on_skin(skin, x)
+    surface = read_surface(skin.mesh)
+    found = np.zeros(x.shape[1:], dtype=bool)
+    for corners in surface.p[:2, surface.t].transpose(2, 1, 0):
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        near = np.flatnonzero(
+            ((x[0] >= low[0]) & (x[0] <= high[0]) & (x[1] >= low[1]) & (x[1] <= high[1])).ravel()
+        )
+        found.ravel()[near] |= inside(corners, x.reshape(2, -1)[:, near])
     return found
 
 

@@ -50,7 +50,8 @@ def test_sweeps_are_those_of_the_full_model(kinds, tmp_path, name):
     solver, Z = Solver(scene, RTOL / 10), impedance(data)
     for k in (3, 17):
         truth = solver.solve(parse_press(str(data["press"].values[k]), np.nan)).Z
-        assert relative_difference(Z[k], truth, 2 * np.pi * scene.frequencies).max() <= RTOL
+        off = relative_difference(Z[k], truth, 2 * np.pi * scene.frequencies).max()
+        assert off <= data.attrs["audit_bound"] + RTOL / 10 <= 1.1 * RTOL
 
 
 def test_a_rectangle_drawn_as_an_outline_gives_the_data_of_a_rectangle(kinds, make_scene, tmp_path):

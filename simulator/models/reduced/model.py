@@ -218,6 +218,18 @@ class ReducedSkin:
             solved = ((self.reduced.coordinates @ u, Y) for u, Y in skin.solved(cells, rises, s))
             return certificate(family.space, skin.system, mass, solved, s, skin.least_conductance)
 
+    def by_mesh(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> float:
+        """Estimated error of Rs and Cp of one press by the mesh, relatively.
+
+        0 of plain scenes, whose mesh is held to its share of rtol for all presses at once.
+        """
+        reduced = self.reduced
+        if reduced.scene.plain:
+            return 0.0
+        asked = self.under(cells, rises).weights, self.loss, self.map_of(cells, rises)
+        with one_blas_thread():
+            return reduced.family.solved(*asked, reduced.rtol)[1]
+
     @property
     def system(self) -> System:
         """K of the skin in the full space."""

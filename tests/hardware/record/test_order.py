@@ -79,3 +79,8 @@ def test_any_text_is_a_press_or_refused(text):
     except InputError:
         return
     assert parse_step(step.press, 9, 9) == step
+
+
+def test_pixels_without_skin_are_not_pressed():
+    presses = [step.press for step in standard_order(2, 2, 1, [(2, 1)])]
+    assert presses == ["none", "none", "none", "1,1", "1,2", "2,2", "none"]

@@ -205,7 +205,7 @@ def test_a_bad_script_is_told_by_line(tmp_path, pillow, text, told):
 
 
 def test_random_presses_are_drawn_from_all_pixels(make_instrument, serve):
-    pressing = at_random(2, 2, 0.001, np.random.default_rng(1))
+    pressing = at_random(["1,1", "1,2", "2,1", "2,2"], 0.001, np.random.default_rng(1))
     every = {"none", "1,1", "1,2", "2,1", "2,2"}
     with serve(make_instrument(), pressing) as ports:
         seen = _states_until(ports, lambda seen: set(seen) == every)

@@ -40,6 +40,16 @@ def builder(scene, target, presses):
     }
 
 
+CUT = 0.03
+"""m: an L lacks what lies beyond it along both sides."""
+
+
+def builder_of_an_l(scene, target, presses):
+    middles = SIDE * (np.arange(96) + 0.5) / 96
+    x, y = np.meshgrid(middles, middles)
+    return builder(scene, target, presses) | {"on_skin": (x < CUT) | (y < CUT)}
+
+
 def touches(count, seed, noise=NOISE):
     rng = np.random.default_rng(seed)
     low = TOUCH / 2
@@ -125,3 +135,26 @@ def test_a_model_read_back_needs_no_simulator(own, tmp_path):
 def test_a_copy_is_made_anew(own):
     X, theta = touches(5, 6)
     np.testing.assert_array_equal(clone(own).fit(X, theta).predict(X), own.predict(X))
+
+
+def test_answers_and_regions_are_on_a_skin_that_is_no_rectangle(own):
+    l_shaped = ModelBasedPosition("", builder_of_an_l, rest_sweeps=REST).fit()
+    X, theta = touches(200, 5, noise=2 * NOISE)
+    x, y, _ = theta.T
+    near = (np.maximum(x, y) > 1e3 * CUT) & (np.abs(np.minimum(x, y) - 1e3 * CUT) < 6)
+    assert near.sum() > 10
+
+    def beside(places):
+        return (np.min(places, axis=0) > 1e3 * CUT + 0.7).any()
+
+    assert beside(own.predict(X[near]).T[:2])
+    assert not beside(l_shaped.predict(X[near]).T[:2])
+    for region in l_shaped.regions(X[near][:5]):
+        at = np.stack(np.meshgrid(region.x, region.y))[:, region.inside]
+        assert at.size and not beside(at)
+
+
+def test_what_only_a_touch_beside_the_skin_would_give_is_novel():
+    l_shaped = ModelBasedPosition("", builder_of_an_l, rest_sweeps=REST).fit()
+    X = np.array([change(0.06, 0.06, 2.5), change(0.02, 0.06, 2.5)])
+    assert l_shaped.novel(X).tolist() == [True, False]
