@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import platform
+import subprocess
 import sys
 import tempfile
 import time
@@ -87,9 +88,30 @@ def best_time(work: Callable[[], object], repetitions: int = 7) -> float:
 
 
 def machine(*more: str) -> str:
-    """Processor, Python and package versions, as one line. more: packages besides the usual."""
+    """Processor, Python, versions and commit, as one line. more: packages besides the usual."""
     packages = ", ".join(f"{name} {_version(name)}" for name in (*PACKAGES, *more))
-    return f"{_processor()}, {os.cpu_count()} cores; Python {platform.python_version()}, {packages}"
+    python = platform.python_version()
+    return f"{_processor()}, {os.cpu_count()} cores; Python {python}, {packages}; commit {commit()}"
+
+
+def commit() -> str:
+    """Of the code, short; marked where files differ from it that are no results or pages."""
+    try:
+        told = [
+            subprocess.run(
+                ["git", "-C", str(HERE.parent), *command],
+                capture_output=True,
+                text=True,
+                check=True,
+            ).stdout
+            for command in (
+                ("rev-parse", "--short=9", "HEAD"),
+                ("status", "--porcelain", "--", ":!benchmarks/results", ":!*.md", ":!*.jsonl"),
+            )
+        ]
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+    return told[0].strip() + (" and changes" if told[1] else "")
 
 
 def publish(folder: Path, name: str, title: str, table: pd.DataFrame) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -156,12 +157,10 @@ def _texts(
     factor: NDArray[np.float64],
 ) -> list[str]:
     """Each press as `Press` writes it."""
-    numbers = zip(touches.tolist(), row.tolist(), column.tolist(), factor.tolist(), strict=True)
-    return [_text(count, list(zip(i, j, f, strict=True))) for count, i, j, f in numbers]
-
-
-def _text(count: int, touches: Sequence[tuple[int, int, float]]) -> str:
-    return "+".join(f"{i},{j}:{f!r}" for i, j, f in touches[:count]) or UNPRESSED
+    there = np.arange(MOST_TOUCHES) < touches[:, None]
+    numbers = zip(row[there].tolist(), column[there].tolist(), factor[there].tolist(), strict=True)
+    told = iter([f"{i},{j}:{f!r}" for i, j, f in numbers])
+    return ["+".join(islice(told, count)) or UNPRESSED for count in touches.tolist()]
 
 
 LENGTH_DECIMALS = 6

@@ -43,24 +43,27 @@ def generate(
     with _locked(output) as folder:
         if _complete(plan, output):
             return advance(plan.sweeps)
-        workshop = _prepared(plan, Workshop(folder, plan.digest, training.load), training)
-        finished = workshop.finished(plan)
-        missing = [block for block in range(plan.blocks) if block not in finished]
-        advance(sum(_size(plan, block) for block in finished))
-        for block in _at_work(workshop, missing, processes, scheduler):
-            advance(_size(plan, block))
+        workshop = Workshop(folder, plan.digest, training.load)
+        missing = plan.blocks - len(workshop.finished(plan))
+        with workers.hired(min(processes, missing) if scheduler is None else 0) as hands:
+            _prepare(plan, workshop, training)
+            finished = workshop.finished(plan)
+            advance(sum(_size(plan, block) for block in finished))
+            blocks = [block for block in range(plan.blocks) if block not in finished]
+            for block in _at_work(workshop, blocks, hands, scheduler):
+                advance(_size(plan, block))
         _finish(workshop, plan, output)
 
 
 def _at_work(
-    workshop: Workshop, blocks: Sequence[int], processes: int, scheduler: str | None
+    workshop: Workshop,
+    blocks: Sequence[int],
+    hands: workers.Processes | None,
+    scheduler: str | None,
 ) -> Iterator[int]:
     if scheduler is not None:
         return workers.cluster(workshop, blocks, scheduler)
-    processes = min(processes, len(blocks))
-    if processes <= 1:
-        return workers.here(workshop, blocks)
-    return workers.processes(workshop, blocks, processes)
+    return workers.here(workshop, blocks) if hands is None else hands.make(workshop, blocks)
 
 
 def _size(plan: Plan, block: int) -> int:
@@ -95,10 +98,10 @@ def _told(output: Path) -> dict[str, object] | None:
         return None
 
 
-def _prepared(plan: Plan, workshop: Workshop, training: Training) -> Workshop:
-    """The folder of work: as an earlier run left it, or begun."""
+def _prepare(plan: Plan, workshop: Workshop, training: Training) -> None:
+    """Begin the folder of work, or take up what an earlier run left of it."""
     if workshop.plan_file.exists():
-        return _taken_up(workshop, plan)
+        return _take_up(workshop, plan)
     shutil.rmtree(workshop.data, ignore_errors=True)
     workshop.note(0).parent.mkdir(exist_ok=True)
     family = training.train(plan.scene, plan.rtol)
@@ -106,10 +109,9 @@ def _prepared(plan: Plan, workshop: Workshop, training: Training) -> Workshop:
     store.create(workshop.data, plan, family.grid, family.modes)
     with whole_file(workshop.plan_file) as unfinished:
         unfinished.write_text(plan.text(), encoding="utf-8")
-    return workshop
 
 
-def _taken_up(workshop: Workshop, plan: Plan) -> Workshop:
+def _take_up(workshop: Workshop, plan: Plan) -> None:
     told = json.loads(workshop.plan_file.read_text(encoding="utf-8"))
     different = first_difference(plan.told, told)
     if different is not None:
@@ -118,7 +120,6 @@ def _taken_up(workshop: Workshop, plan: Plan) -> Workshop:
             "finish it with its own options or remove the folder"
         )
     store.clear_left_overs(workshop.data)
-    return workshop
 
 
 def _finish(workshop: Workshop, plan: Plan, output: Path) -> None:

@@ -14,25 +14,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .chunks import LEFT_OVER, compression, put
 from .layout import SESSION, SWEEP, Variable, sizes, variables
 from .plan import Plan
 
 if TYPE_CHECKING:
     import zarr
 
-LEFT_OVER = "*.partial"
-LEVEL = 3
-
 
 def create(folder: Path, plan: Plan, grid: tuple[int, int], waves: int) -> None:
     """An empty store in `folder`; nothing happens to chunks of one that is there already."""
     group = _open(folder, "a")
     extent = sizes(plan, grid, waves)
-    chunks = {
-        **extent,
-        SWEEP: plan.block_sessions * plan.session_sweeps,
-        SESSION: plan.block_sessions,
-    }
+    chunks = {**extent, **_chunks(plan)}
     for variable in (*variables(plan), *(axis for axis, _ in _axes(plan))):
         _create(group, variable, extent, chunks)
     for axis, along in _axes(plan):
@@ -41,12 +35,20 @@ def create(folder: Path, plan: Plan, grid: tuple[int, int], waves: int) -> None:
 
 def write(folder: Path, plan: Plan, block: int, values: Mapping[str, NDArray]) -> None:
     """Write the arrays of one block."""
-    group = _open(folder, "r+")
-    sessions = plan.sessions_of(block)
-    along = {SWEEP: plan.sweeps_of(block), SESSION: slice(sessions.start, sessions.stop)}
+    extent, chunks = {SWEEP: plan.sweeps, SESSION: plan.sessions}, _chunks(plan)
     for variable in variables(plan):
-        here = along[variable.dimensions[0]]
-        array(group, variable.name)[here] = _converted(values[variable.name], variable)
+        along = variable.dimensions[0]
+        size = min(chunks[along], extent[along])
+        here = _converted(values[variable.name], variable)
+        put(folder / variable.name, block, here, size)
+
+
+def _chunks(plan: Plan) -> dict[str, int]:
+    """A block is a chunk of every array."""
+    return {
+        SWEEP: plan.block_sessions * plan.session_sweeps,
+        SESSION: plan.block_sessions,
+    }
 
 
 def finish(folder: Path, attributes: Mapping[str, str | int | float]) -> None:
@@ -103,12 +105,7 @@ def _create(
         dtype=str if text else variable.dtype,
         dimension_names=variable.dimensions,
         attributes=dict(variable.attributes),
-        compressors=BloscCodec(
-            cname="zstd",
-            clevel=LEVEL,
-            shuffle="noshuffle" if text else "bitshuffle",
-            typesize=size,
-        ),
+        compressors=BloscCodec(**compression(variable.dtype), typesize=size),
         fill_value="" if text else np.dtype(variable.dtype).type(0),
         config={"write_empty_chunks": True},
     )

@@ -11,7 +11,9 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
+from importlib import import_module
 from itertools import islice
 from multiprocessing.process import BaseProcess
 from typing import Any
@@ -35,15 +37,23 @@ def here(workshop: Workshop, blocks: Sequence[int]) -> Iterator[int]:
     return map(partial(make_block, workshop), blocks)
 
 
-def processes(workshop: Workshop, blocks: Sequence[int], workers: int) -> Iterator[int]:
-    """Make the blocks in so many processes on this machine; yields each when it is finished.
+@contextmanager
+def hired(workers: int) -> Iterator[Processes | None]:
+    """So many processes on this machine, which get ready while this one does something else.
 
-    Raises WorkerError where a process is killed. What is unfinished when this ends is given up.
+    None where one is asked for: there is work for this process alone. Raises WorkerError where a
+    process is killed. What is unfinished when this ends is given up.
     """
+    if workers <= 1:
+        yield None
+        return
     fresh, others = multiprocessing.get_context("spawn"), multiprocessing.active_children()
     with ProcessPoolExecutor(workers, fresh, _begin) as pool:
         try:
-            yield from _handed_out(partial(pool.submit, make_block, workshop), blocks, workers)
+            with _uninterrupted():
+                for _ in range(workers):
+                    pool.submit(_get_ready)
+            yield Processes(pool, workers)
         except BrokenProcessPool:
             raise WorkerError("a worker was killed; the same command goes on from here") from None
         except BaseException:
@@ -51,6 +61,24 @@ def processes(workshop: Workshop, blocks: Sequence[int], workers: int) -> Iterat
                 worker.terminate()
             pool.shutdown(wait=True, cancel_futures=True)
             raise
+
+
+@dataclass(frozen=True)
+class Processes:
+    """Processes on this machine, and how many."""
+
+    pool: ProcessPoolExecutor
+    workers: int
+
+    def make(self, workshop: Workshop, blocks: Sequence[int]) -> Iterator[int]:
+        """Make the blocks; yields each when it is finished."""
+        return _handed_out(partial(self.pool.submit, make_block, workshop), blocks, self.workers)
+
+
+def _get_ready() -> None:
+    """Import what every block needs."""
+    for name in ("numcodecs.blosc", "numcodecs.vlen", "rcskin.simulator.models.reduced.kernel"):
+        import_module(name)
 
 
 def _handed_out(submit: Callable, blocks: Sequence[int], workers: int) -> Iterator[int]:

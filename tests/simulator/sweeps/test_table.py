@@ -14,7 +14,10 @@ WITHOUT = """
 import sys
 sys.modules["xarray"] = sys.modules["pandas"] = None
 from rcskin.__main__ import main
-main()
+try:
+    main()
+finally:
+    assert "numba" not in sys.modules
 """
 
 
@@ -34,9 +37,9 @@ def test_the_files_are_those_of_xarray(table, tmp_path, ending):
 
 
 @pytest.mark.parametrize("ending", [".nc", ".csv"])
-def test_a_sweep_needs_neither_xarray_nor_pandas(tmp_path, ending):
+def test_a_sweep_needs_neither_xarray_nor_pandas_nor_numba(tmp_path, ending):
     command = [sys.executable, "-W", "error", "-c", WITHOUT]
-    asked = ["sweep", "strip-1x3", "-o", str(tmp_path / f"all{ending}")]
+    asked = ["sweep", "sheet-3x3", "-o", str(tmp_path / f"all{ending}")]
     done = subprocess.run([*command, *asked], capture_output=True, text=True, timeout=300)
     assert (done.returncode, done.stderr) == (0, "")
     assert (tmp_path / f"all{ending}").stat().st_size > 0

@@ -1,0 +1,145 @@
+"""Every benchmark that the pages quote, one after the other, and whether the pages are up to date.
+
+A benchmark that ended well is noted with its times in `results/all.csv`, and is not run again on
+the same commit: what was stopped goes on. A quick pass runs every script on its smallest sizes and
+keeps nothing. Ends with code 1 where a benchmark fails or a page quotes another table than the one
+that was written.
+
+Run: python benchmarks/all.py [--quick] [--only FOLDER/NAME] [--again]
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import pandas as pd
+from rcskin.benchmarks.bench import HERE, RESULTS, commit, publish
+from rcskin.benchmarks.quoted import differing
+
+NOTED = RESULTS / "all.csv"
+TITLE = "Every benchmark: how long it took"
+LINES = "campaign.jsonl"
+"""Of the campaign, which goes on where it was stopped; beside the pages."""
+
+
+class Benchmark(NamedTuple):
+    """A script and its options; quick: those of its quick pass."""
+
+    name: str
+    options: tuple[str, ...] = ()
+    quick: tuple[str, ...] = ()
+
+    @property
+    def script(self) -> Path:
+        """The file."""
+        return HERE / f"{self.name}.py"
+
+
+IN_ORDER = (
+    Benchmark("speed/assembly"),
+    Benchmark("speed/work_precision"),
+    Benchmark("speed/reduction"),
+    Benchmark("speed/skins"),
+    Benchmark("speed/skins_reduced"),
+    Benchmark("accuracy/stability"),
+    Benchmark("accuracy/campaign", ("-o", LINES, "--workers", "2", "--timeout", "150")),
+    Benchmark("accuracy/verification"),
+    Benchmark("accuracy/calibration_coverage"),
+    Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--twins", "200")),
+    Benchmark("scale/dataset"),
+    Benchmark("localization/localizers"),
+    Benchmark("localization/twin"),
+    Benchmark("localization/twin_limits"),
+    Benchmark("localization/training_spread"),
+    Benchmark("localization/adaptation"),
+    Benchmark("localization/filtering"),
+    Benchmark("live/live_interfaces"),
+    Benchmark("live/killed"),
+    Benchmark("pictures/gallery"),
+    Benchmark("pictures/page"),
+    Benchmark("pictures/wiring"),
+)
+
+
+class Times(NamedTuple):
+    """Of a benchmark: s on the clock, s of all its processes, and its exit code."""
+
+    clock: float
+    processor: float
+    code: int
+
+
+def timed(command: Sequence[str], folder: Path = HERE.parent) -> Times:
+    """Run a command in a folder, on one thread for each process."""
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    surroundings = {**os.environ, "OMP_NUM_THREADS": "1"}
+    code = subprocess.run(command, cwd=folder, env=surroundings).returncode
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return Times(time.perf_counter() - start, used, code)
+
+
+def command_of(benchmark: Benchmark, quick: bool) -> list[str]:
+    """Its command line."""
+    own = ("--quick", *benchmark.quick) if quick else benchmark.options
+    return [sys.executable, str(benchmark.script), *own]
+
+
+def noted() -> pd.DataFrame:
+    """Benchmarks that ended well on this commit."""
+    if not NOTED.exists():
+        return pd.DataFrame(columns=["benchmark", "clock (s)", "processor (s)", "commit"])
+    there = pd.read_csv(NOTED, dtype=str)
+    return there[there["commit"] == commit()]
+
+
+def _row(name: str, times: Times) -> dict[str, str]:
+    return {
+        "benchmark": name,
+        "clock (s)": f"{times.clock:.0f}",
+        "processor (s)": f"{times.processor:.0f}",
+        "commit": commit(),
+    }
+
+
+def main() -> int:
+    """Run what is asked for; returns the exit code."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--quick", action="store_true", help="smallest sizes, nothing is kept")
+    parser.add_argument("--only", metavar="FOLDER/NAME", help="one of them")
+    parser.add_argument("--again", action="store_true", help="also what has ended well")
+    asked = parser.parse_args()
+    done = noted()
+    known, failed = set(() if asked.quick or asked.again else done["benchmark"]), []
+    for benchmark in IN_ORDER:
+        name = " ".join([benchmark.name, *([] if asked.quick else benchmark.options)])
+        if name in known or asked.only not in (None, benchmark.name):
+            continue
+        print(f"== {name}", flush=True)
+        times = timed(command_of(benchmark, asked.quick))
+        print(f"== {name}: {times.clock:.0f} s, code {times.code}", flush=True)
+        known.add(name)
+        if times.code:
+            failed.append(name)
+        elif not asked.quick:
+            others = done[done["benchmark"] != name]
+            done = pd.concat([others, pd.DataFrame([_row(name, times)])])
+            publish(RESULTS, NOTED.stem, TITLE, done)
+    stale = [quote.told() for quote in differing()]
+    for told in stale:
+        print(f"another table was written: {told}")
+    for name in failed:
+        print(f"failed: {name}")
+    return int(bool(failed or stale))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

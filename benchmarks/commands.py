@@ -1,0 +1,60 @@
+"""Every command that a page shows, in its order, in a folder of its own: how long each takes.
+
+Commands that wait for somebody (the meter, `live`) are left out. Times of the processor do not
+change with what else the machine does, those of the clock do.
+
+Run: python benchmarks/commands.py [--quick] [--into FOLDER] [PAGE ...]    README.md by default
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import shlex
+import sys
+import tempfile
+from pathlib import Path
+
+import pandas as pd
+from rcskin.benchmarks.all import Times, timed
+from rcskin.benchmarks.bench import HERE, Run, launch, publish
+
+ROOT = HERE.parent
+TITLE = "Every command of the pages, one after the other"
+WAITING = re.compile(r"^rcskin (meter|live)\b|run\.nc|&$")
+"""Commands that wait, and those that take what a meter recorded."""
+FAILED = "failed with code {}"
+
+
+def shown(page: Path) -> list[str]:
+    """The lines of its blocks that call rcskin, without what is said of them."""
+    blocks = re.findall(r"^```\n(.*?)^```$", page.read_text(encoding="utf-8"), re.DOTALL | re.M)
+    lines = [line for block in blocks for line in block.splitlines()]
+    return [re.split(r" {2,}| +#", line)[0] for line in lines if line.startswith("rcskin ")]
+
+
+def measured(command: str, folder: Path) -> Times:
+    """Its times, run in a folder."""
+    return timed([sys.executable, "-m", "rcskin", *shlex.split(command)[1:]], folder)
+
+
+def main(run: Run) -> int:
+    """The table; returns 1 where a command fails."""
+    rows = []
+    for page in run.asked.pages:
+        asked = [line for line in shown(ROOT / page) if not WAITING.search(line)]
+        with tempfile.TemporaryDirectory() as folder:
+            for command in run.sized(asked, asked[:1]):
+                times = measured(command, Path(folder))
+                told = f"{times.processor:.1f}" if times.code == 0 else FAILED.format(times.code)
+                rows.append((page, f"`{command}`", told, f"{times.clock:.1f}"))
+                print(rows[-1], flush=True)
+    columns = ["page", "command", "processor (s)", "clock (s)"]
+    publish(run.results, "commands", TITLE, pd.DataFrame(rows, columns=columns))
+    return int(any("failed" in row[2] for row in rows))
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser()
+    parser.add_argument("pages", nargs="*", default=["README.md"], metavar="PAGE")
+    launch(main, parser)
