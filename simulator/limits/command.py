@@ -70,10 +70,10 @@ def limits(
     With --accuracy: the largest number of pixels for it, by target.
     """
     from ..asked.scene import asked_scene
+    from ..bounds.position import chosen_touch
     from ..charts import checked_ending
     from ..models.plain import folded
     from ..progress import on_terminal
-    from .position import chosen_touch
     from .survey import Question, with_factor, with_interfaces, with_sheets
 
     plain = folded(asked_scene(scene), "a limit")

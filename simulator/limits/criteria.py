@@ -15,14 +15,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds.fields import Answer, Fields
+from ..bounds.information import (
+    error_model,
+    in_noise,
+    pixel_maps,
+    session_errors,
+    summed,
+    variances,
+)
+from ..bounds.position import Slopes
+from ..bounds.readings import Hypothesis, hypotheses
 from ..measure.readout import ErrorModel, observed
 from ..progress import Track, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .fields import Answer, Fields
-from .information import error_model, in_noise, pixel_maps, session_errors, summed, variances
-from .position import Slopes
-from .readings import Hypothesis, hypotheses
 
 CRITERIA = ("position", "column", "pixel")
 TOLD_APART = 1.0

@@ -53,11 +53,11 @@ def frequencies(
     from rich.console import Console
 
     from ..asked.scene import asked_scene
+    from ..bounds.position import chosen_touch
     from ..models.plain import folded
     from ..progress import on_terminal
     from .criteria import checked_criterion
     from .design import check_design, design
-    from .position import chosen_touch
     from .sets import chosen_band
     from .survey import with_interfaces
 

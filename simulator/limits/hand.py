@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp, softmax
 
+from ..bounds.information import error_model
+from ..bounds.readings import CELLS, LARGEST_FACTOR, LEAST_FACTOR, Hypothesis
 from ..measure.readout import observed
 from ..models.reduced.cases import Case
 from ..models.reduced.greedy import reduce
@@ -20,8 +22,6 @@ from ..progress import Track, silent
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import CUT, AnyDistribution, truncated_normal
 from ..scene.scene import Pixels, Scene
-from .information import error_model
-from .readings import CELLS, LARGEST_FACTOR, LEAST_FACTOR, Hypothesis
 
 RTOL = 1e-3
 

@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds.exchange import best_choice
+from ..bounds.fields import Fields
+from ..bounds.position import Bounds, Slopes, TouchSize, places_on, position_slopes
 from ..progress import Track, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .criteria import position_criterion
-from .design import GRID, best_choice
-from .fields import Fields
-from .position import Bounds, Slopes, TouchSize, places_on, position_slopes
+from .design import GRID
 from .sets import OPTIMAL, compared, logarithmic, own_band, within
 
 FREQUENCIES, INTERFACES, SHEETS = "frequencies", "interfaces", "sheets"
