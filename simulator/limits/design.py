@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from ..bounds.exchange import best_choice
 from ..bounds.fields import CELLS_PER_PIXEL, Fields
 from ..bounds.position import TouchSize, places_on, position_slopes
+from ..bounds.sets import OPTIMAL, compared, logarithmic, within
 from ..progress import Track, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .criteria import Criterion, identity_criterion, position_criterion
-from .sets import OPTIMAL, compared, logarithmic, within
 
 GRID = 60
 

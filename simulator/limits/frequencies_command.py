@@ -54,11 +54,11 @@ def frequencies(
 
     from ..asked.scene import asked_scene
     from ..bounds.position import chosen_touch
+    from ..bounds.sets import chosen_band
     from ..models.plain import folded
     from ..progress import on_terminal
     from .criteria import checked_criterion
     from .design import check_design, design
-    from .sets import chosen_band
     from .survey import with_interfaces
 
     plain = folded(asked_scene(scene), "a limit")

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from ..bounds.exchange import best_choice
 from ..bounds.fields import Fields
 from ..bounds.position import Bounds, Slopes, TouchSize, places_on, position_slopes
+from ..bounds.sets import OPTIMAL, compared, logarithmic, own_band, within
 from ..progress import Track, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .criteria import position_criterion
 from .design import GRID
-from .sets import OPTIMAL, compared, logarithmic, own_band, within
 
 FREQUENCIES, INTERFACES, SHEETS = "frequencies", "interfaces", "sheets"
 DESIGN_PLACES = 64
