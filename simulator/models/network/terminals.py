@@ -1,0 +1,78 @@
+"""Every contact a terminal of its own: one trained model, and any reading of it.
+
+All contacts together make an N-terminal network. The lift of each terminal is among a model's
+coordinates already; that its basis holds what all of them charge takes training that drives all.
+Then any two disjoint sets of contacts are a reading, the others floating or tied, without further
+training: floating and tied terminals are eliminated in the small system, exactly.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ...fem.circuit import two_fields
+from ...scene.contacts import Contact, Interface
+from ...scene.scene import Scene
+from ...scene.wiring import check_wiring, joined
+from ...sweeps import InputError
+from ..plain import electrical
+from ..reduced.cases import Draw
+from ..reduced.greedy import Advance, reduce, unseen
+from ..reduced.model import Reduced
+
+
+def trained(
+    scene: Scene, rtol: float = 1e-5, draw: Draw | None = None, *, advance: Advance = unseen
+) -> Reduced:
+    """A model of a scene's skin that holds what any terminal charges; its own readings are `ring`.
+
+    rtol, draw, advance: as of `reduce`; so is what is raised.
+    """
+    driven = electrical(scene).model_copy(update={"interfaces": tuple(ring(scene))})
+    return reduce(driven, rtol, draw, alike=False, advance=advance)
+
+
+def read(reduced: Reduced, readings: Sequence[Interface]) -> Reduced:
+    """The same model read in other ways, without training. reduced: as `trained` gives it.
+
+    Raises InputError for contacts that there are not, shorts, and a model of one field.
+    """
+    scene = reduced.scene.model_copy(update={"interfaces": tuple(readings)})
+    if reduced.circuit.fields != 2:
+        raise InputError(f"{scene.name}: a model of one field has readings of its own alone")
+    try:
+        check_wiring(scene.contacts, scene.interfaces, scene.skin)
+    except ValueError as error:
+        raise InputError(f"{scene.name}: {error}") from error
+    circuit, family = two_fields(scene), copy.copy(reduced.family)
+    family.scene, family.circuit = scene, circuit
+    return replace(reduced, scene=scene, circuit=circuit, built=family)
+
+
+def ring(scene: Scene) -> list[Interface]:
+    """Readings that drive all terminals: pairs of one of each sheet in a ring, and all tied.
+
+    Where one sheet has none, its terminals one by one against the first of the other's.
+    """
+    leaders = _leaders(scene)
+    top, bottom = ([c for c in leaders if c.electrode == name] for name in ("top", "bottom"))
+    if not (top and bottom):
+        first, *others = top or bottom
+        return [_between([first], [other]) for other in others]
+    numbers = range(max(len(top), len(bottom)))
+    near = [(k % len(top), (k + step) % len(bottom)) for k in numbers for step in (0, 1)]
+    pairs = [_between([top[i]], [bottom[j]]) for i, j in dict.fromkeys(near)]
+    return pairs if len(leaders) == 2 else [*pairs, _between(top, bottom)]
+
+
+def _leaders(scene: Scene) -> list[Contact]:
+    """The first contact of each terminal."""
+    return [scene.contacts[k] for k in sorted(set(joined(scene.contacts, scene.skin)))]
+
+
+def _between(high: Sequence[Contact], low: Sequence[Contact]) -> Interface:
+    names = [tuple(contact.name for contact in side) for side in (high, low)]
+    told = " to ".join("+".join(side) for side in names)
+    return Interface(name=told, high=names[0], low=names[1])

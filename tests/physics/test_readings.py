@@ -1,0 +1,101 @@
+"""One trained model of all terminals: any reading of it, as the full system gives it."""
+
+import itertools
+
+import numpy as np
+import pytest
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.models.network.terminals import read, ring, trained
+from rcskin.simulator.models.reduced.greedy import reduce
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.contacts import Interface
+from rcskin.simulator.sweeps import InputError
+
+RTOL = 1e-4
+FOILS = {
+    "top-left": {"span": (0.005, 1.0)},
+    "bottom-left": {"span": (0.005, 1.0), "resistance": 900.0},
+    "top-bottom": {"span": (0.005, 1.0), "resistance": 300.0},
+    "bottom-bottom": {"span": (0.005, 1.0)},
+}
+READINGS = {
+    "left": (["top-left"], ["bottom-left"]),
+    "bottom": (["top-bottom"], ["bottom-bottom"]),
+    "crossed": (["top-left"], ["bottom-bottom"]),
+    "crossed back": (["top-bottom"], ["bottom-left"]),
+    "tied": (["top-left", "top-bottom"], ["bottom-left", "bottom-bottom"]),
+    "one sheet": (["top-left"], ["top-bottom"]),
+    "three to one": (["top-left", "top-bottom", "bottom-left"], ["bottom-bottom"]),
+}
+PRESS, CELLS, RISES = "1,1:2.0+2,3:0.7", np.array([0, 5]), np.array([1.0, -0.3])
+ONE_PRESS = np.array([0, 2])
+
+
+def interfaces(named):
+    return [Interface(name=name, high=high, low=low) for name, (high, low) in named.items()]
+
+
+@pytest.fixture(scope="module")
+def scene(make_scene):
+    pairs = {"meter": ("top-left", "bottom-left")}
+    bare = make_scene(FOILS, pairs, rows=2, columns=3)
+    return bare.model_copy(update={"interfaces": tuple(interfaces(READINGS))})
+
+
+@pytest.fixture(scope="module")
+def model(scene):
+    return trained(scene, RTOL)
+
+
+@pytest.fixture(scope="module")
+def impedance(scene, model):
+    return read(model, scene.interfaces).skin(None).sweeps(CELLS, RISES, ONE_PRESS)[0]
+
+
+def apart(Z, truth, scene):
+    return relative_difference(Z, truth, 2 * np.pi * scene.frequencies).max()
+
+
+def test_any_reading_is_that_of_the_full_solver(scene, impedance):
+    """Films on floating foils included: they short the sheet along the foil."""
+    truth = Solver(scene, 1e-6).solve(parse_press(PRESS, 2.0)).Z
+    assert apart(impedance, truth, scene) <= RTOL
+
+
+def test_the_certificate_bounds_every_reading(scene, model):
+    """Of the reduction alone: against the same mesh unreduced."""
+    skin = read(model, scene.interfaces).skin(None)
+    bound = skin.certificate(CELLS, RISES)
+    exact, Z = skin.exact(CELLS, RISES), skin.sweeps(CELLS, RISES, ONE_PRESS)[0]
+    off = relative_difference(Z, exact, 2 * np.pi * scene.frequencies)
+    assert (off <= bound + RTOL * 0.05).all()
+
+
+def test_sides_of_a_reading_are_exchangeable(scene, model, impedance):
+    swapped = interfaces({name: (low, high) for name, (high, low) in READINGS.items()})
+    Z = read(model, swapped).skin(None).sweeps(CELLS, RISES, ONE_PRESS)[0]
+    assert apart(Z, impedance, scene) <= RTOL * 0.05
+
+
+def test_a_reading_of_its_own_trained_model_is_the_same(scene, impedance):
+    alone = scene.model_copy(update={"interfaces": scene.interfaces[2:3]})
+    Z = reduce(alone, RTOL).skin(None).sweeps(CELLS, RISES, ONE_PRESS)[0]
+    assert apart(Z, impedance[2:3], scene) <= RTOL
+
+
+def test_every_pair_of_terminals_is_passive(scene, model):
+    pairs = itertools.combinations(FOILS, 2)
+    every = interfaces({f"{a} {b}": ([a], [b]) for a, b in pairs})
+    Z = read(model, every).skin(None).sweeps(CELLS, RISES, ONE_PRESS)
+    assert (Z.real > 0).all()
+
+
+def test_training_drives_every_terminal(scene):
+    driven = {name for each in ring(scene) for name in (*each.high, *each.low)}
+    assert driven == set(FOILS)
+
+
+def test_a_reading_of_contacts_that_there_are_not_is_told(model):
+    with pytest.raises(InputError, match="nowhere"):
+        read(model, interfaces({"wrong": (["nowhere"], ["top-left"])}))
