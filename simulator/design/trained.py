@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from ..measure.readout import ErrorModel, observed
 from ..measure.skins import DrawnSkin, drawn_skin
-from ..models.parameters import WAVES
+from ..models.network.terminals import read, ring
+from ..models.parameters import WAVES, nominal
 from ..models.plain import electrical
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced
-from ..models.reduced.terminals import read, ring
 from ..scene.contacts import Interface
 from ..scene.design import Design
 from ..scene.frequency import laplace_variable
@@ -171,6 +171,4 @@ class CastReadings:
 
 
 def _nominal(scene: Scene, modes: int) -> DrawnSkin:
-    from ..models.parameters import nominal
-
     return DrawnSkin(nominal(scene, modes), scene.leads)

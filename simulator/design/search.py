@@ -1,0 +1,218 @@
+"""The search itself: step by step, each judged by the exact bound."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..scene.scene import Scene
+from .bench import Asking, Bench, first_bench
+from .judged import Layout, tenth
+from .picking import Picked, sweep_time
+from .trained import Material, foam_bounds
+
+POINTS, CLOSER = 7, 6
+"""Values of a number over its bounds that are looked at, and then in closing in on the best."""
+DIGITS = 2
+"""Of sheet resistance and thickness: nobody mixes rubber closer."""
+ROUNDING = 1e-9
+GOLDEN = (math.sqrt(5) - 1) / 2
+WORTH = 1e-3
+"""Of the share by pairs, that a step must promise before it is judged."""
+
+Bounds = tuple[float, float]
+At = Callable[[Material], float]
+Move = Callable[[Material, float], Material]
+
+
+@dataclass(frozen=True)
+class Step:
+    """Where the search stood after a step, and what can be told then at best.
+
+    shares: of sweeps right, on the skin as it was meant and on each cast. taken: whether the step
+    was worth it, and within what was asked.
+    """
+
+    name: str
+    layout: Layout
+    shares: tuple[float, ...]
+    taken: bool
+
+    @property
+    def tenth(self) -> float:
+        """What nine of ten casts reach."""
+        return tenth(self.shares[1:])
+
+    @property
+    def nominal(self) -> float:
+        """Of the skin as it was meant."""
+        return self.shares[0]
+
+
+@dataclass(frozen=True)
+class Found:
+    """All steps, the first of them the scene as it was; what was picked last, with its bounds."""
+
+    bench: Bench
+    steps: tuple[Step, ...]
+    picked: Picked
+
+    @property
+    def before(self) -> Step:
+        """The scene as it was."""
+        return self.steps[0]
+
+    @property
+    def best(self) -> Step:
+        """The design."""
+        return [step for step in self.steps[1:] if step.taken][-1]
+
+
+def search(scene: Scene, asking: Asking) -> Found:
+    """The best design found. Raises InputError where what is asked does not suit the scene."""
+    bench = first_bench(scene, asking)
+    return _Walk(bench, asking).run()
+
+
+class _Walk:
+    """Steps one after the other, each from where the best one ended."""
+
+    def __init__(self, bench: Bench, asking: Asking) -> None:
+        self._bench, self._asking = bench, asking
+        self._steps: list[Step] = []
+
+    def run(self) -> Found:
+        """All steps."""
+        bench, own = self._bench, self._bench.own
+        self._judged("as it is", own)
+        readings, frequencies = bench.own_readings, _nearest(bench, own)
+        material, bounds = own.material, self._asking.asked.sheet_resistance
+
+        def told(sheets: float) -> float:
+            return bench.share_of(_sheets(material, sheets), readings, frequencies)
+
+        if readings:
+            self._tell("sheet resistance")
+            material = _sheets(material, best_along(told, bounds, _mean(material)))
+            self._judged("sheet resistance", replace(own, material=material))
+        self._tell("readings and frequencies")
+        picked = bench.picked(material, readings, frequencies)
+        self._judged("readings and frequencies", bench.layout(material, picked))
+        for name, limits, at, move in self._moves():
+            self._tell(name)
+            found = self._moved(material, picked, move, limits, at(material))
+            if found[1].share > picked.share + WORTH and self._judged(name, bench.layout(*found)):
+                material, picked = found
+        return Found(bench, tuple(self._steps), picked)
+
+    def _moves(self) -> list[tuple[str, Bounds, At, Move]]:
+        """Numbers of a material by name: their bounds, what one is, and a material with another."""
+        asked = self._asking.asked
+        ratio = asked.sheet_ratio
+        moves: list[tuple[str, Bounds, At, Move]] = [
+            ("sheet resistance again", asked.sheet_resistance, _mean, _sheets),
+            ("one sheet over the other", (1 / ratio, ratio), _ratio, _mismatched),
+            ("foam", foam_bounds(self._bench.scene, asked), _foam, _with_foam),
+        ]
+        return [move for move in moves if move[1][0] < move[1][1]]
+
+    def _moved(
+        self, material: Material, picked: Picked, move: Move, limits: Bounds, own: float
+    ) -> tuple[Material, Picked]:
+        """The best along one number, everything picked anew for each."""
+
+        def anew(value: float) -> Picked:
+            return self._bench.picked(move(material, value), picked.readings, picked.frequencies)
+
+        best = best_along(lambda value: anew(value).share, limits, own)
+        return move(material, best), anew(best)
+
+    def _judged(self, name: str, layout: Layout) -> bool:
+        """Whether it is worth it and within what was asked; a step either way."""
+        step = Step(name, layout, self._bench.shares(layout), self._allowed(layout))
+        best = max((s.tenth for s in self._steps[1:] if s.taken), default=0.0)
+        self._steps.append(replace(step, taken=step.taken and step.tenth >= best))
+        return self._steps[-1].taken
+
+    def _allowed(self, layout: Layout) -> bool:
+        asked, sheets = self._asking.asked, (layout.material.top, layout.material.bottom)
+        most = asked.frequencies or len(self._bench.scene.frequencies)
+        time = sweep_time(len(layout.readings), layout.frequencies)
+        low, high = asked.sheet_resistance
+        mean = math.sqrt(sheets[0] * sheets[1])
+        return (
+            len(layout.readings) <= asked.readings
+            and len(layout.frequencies) <= most
+            and (asked.seconds is None or time <= asked.seconds)
+            and low * (1 - ROUNDING) <= mean <= high * (1 + ROUNDING)
+        )
+
+    def _tell(self, name: str) -> None:
+        self._asking.tell(name)
+
+
+def best_along(told: Callable[[float], float], bounds: Bounds, own: float) -> float:
+    """The number within bounds of which most is told, to DIGITS: on an even grid of its logarithm,
+    then by golden section about the best of them. own: looked at as well, where it is within."""
+    low, high = bounds
+    grid = {float(each) for each in np.geomspace(low, high, POINTS)}
+    points = sorted(
+        _rounded(each, bounds) for each in grid | ({own} if low <= own <= high else set())
+    )
+    shares = {each: told(each) for each in points}
+    best = max(points, key=lambda each: shares[each])
+    place = points.index(best)
+    left, right = (
+        math.log(points[max(place - 1, 0)]),
+        math.log(points[min(place + 1, len(points) - 1)]),
+    )
+    for _ in range(CLOSER):
+        first, second = (
+            _rounded(math.exp(right - GOLDEN * (right - left)), bounds),
+            _rounded(math.exp(left + GOLDEN * (right - left)), bounds),
+        )
+        for each in (first, second):
+            shares[each] = shares[each] if each in shares else told(each)
+        if shares[first] >= shares[second]:
+            right = math.log(second)
+        else:
+            left = math.log(first)
+    return max(sorted(shares), key=lambda each: shares[each])
+
+
+def _rounded(value: float, bounds: Bounds) -> float:
+    return min(max(float(f"{value:.{DIGITS}g}"), bounds[0]), bounds[1])
+
+
+def _mean(material: Material) -> float:
+    return math.sqrt(material.top * material.bottom)
+
+
+def _sheets(material: Material, mean: float) -> Material:
+    return material.times(mean / _mean(material))
+
+
+def _ratio(material: Material) -> float:
+    return material.top / material.bottom
+
+
+def _mismatched(material: Material, ratio: float) -> Material:
+    return material.mismatched(ratio)
+
+
+def _foam(material: Material) -> float:
+    return material.foam
+
+
+def _with_foam(material: Material, foam: float) -> Material:
+    return replace(material, foam=foam)
+
+
+def _nearest(bench: Bench, layout: Layout) -> list[int]:
+    """Candidates nearest to the frequencies of a layout."""
+    at = np.log(bench.frequency)
+    numbers = [int(np.abs(at - math.log(f)).argmin()) for f in layout.frequencies]
+    return sorted(set(numbers))
