@@ -5,6 +5,8 @@ import itertools
 import numpy as np
 import pytest
 from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.models.network.kernel import admittances_readable
+from rcskin.simulator.models.network.skin import NetworkSkin
 from rcskin.simulator.models.network.terminals import read, ring, trained
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solver import Solver
@@ -99,3 +101,33 @@ def test_training_drives_every_terminal(scene):
 def test_a_reading_of_contacts_that_there_are_not_is_told(model):
     with pytest.raises(InputError, match="nowhere"):
         read(model, interfaces({"wrong": (["nowhere"], ["top-left"])}))
+
+
+def test_a_network_gives_all_readings_at_once(scene, model):
+    """One, two and so many touches that the kernel solves in the basis."""
+    skin = read(model, scene.interfaces).skin(None)
+    network = NetworkSkin(skin)
+    cells, rises = np.array([0, 5, 1, 0, 1, 2, 3, 4, 5]), np.array([1.0, -0.4, 2.0, *[0.5] * 6])
+    starts = np.array([0, 1, 3, 9, 9])
+    found = network.impedances(
+        network.wiring(scene.interfaces), network.admittances(cells, rises, starts)
+    )
+    assert apart(found, skin.sweeps(cells, rises, starts), scene) <= 1e-6
+
+
+def test_the_kernel_is_its_readable_twin(scene, model):
+    network = NetworkSkin(model.skin(None))
+    cells, rises, starts = np.array([3, 0, 5]), np.array([0.8, 1.5, -0.5]), np.array([0, 1, 3])
+    truth = admittances_readable(network.skin.rest, cells, rises, starts, network.s)
+    np.testing.assert_allclose(network.admittances(cells, rises, starts), truth, rtol=1e-10)
+
+
+def test_terminals_at_one_potential_are_in_parallel(scene, model):
+    """Y of tied pairs is the sum over both terminals' currents, each at 1 V."""
+    network = NetworkSkin(model.skin(None))
+    Y = network.conductance + network.admittances(CELLS, RISES, ONE_PRESS)[0]
+    tops = [k for k, foil in enumerate(scene.contacts) if foil.electrode == "top"]
+    tied = network.wiring(interfaces({"tied": READINGS["tied"]}))
+    Z = network.impedances(tied, network.admittances(CELLS, RISES, ONE_PRESS))[0, 0]
+    current = Y[:, tops][:, :, tops].sum(axis=(1, 2))
+    np.testing.assert_allclose(1 / Z, current, rtol=1e-9)
