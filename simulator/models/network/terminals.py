@@ -26,11 +26,11 @@ from ..reduced.model import Reduced
 def trained(
     scene: Scene, rtol: float = 1e-5, draw: Draw | None = None, *, advance: Advance = unseen
 ) -> Reduced:
-    """A model of a scene's skin that holds what any terminal charges; its own readings are `ring`.
+    """A model of a scene's skin that holds what any terminal charges; its own readings are a `chain`.
 
     rtol, draw, advance: as of `reduce`; so is what is raised.
     """
-    driven = electrical(scene).model_copy(update={"interfaces": tuple(ring(scene))})
+    driven = electrical(scene).model_copy(update={"interfaces": tuple(chain(scene))})
     return reduce(driven, rtol, draw, alike=False, advance=advance)
 
 
@@ -51,20 +51,23 @@ def read(reduced: Reduced, readings: Sequence[Interface]) -> Reduced:
     return replace(reduced, scene=scene, circuit=circuit, built=family)
 
 
-def ring(scene: Scene) -> list[Interface]:
-    """Readings that drive all terminals: pairs of one of each sheet in a ring, and all tied.
+def chain(scene: Scene) -> list[Interface]:
+    """Readings that drive all terminals, one fewer than those: each shares one with the next.
 
-    Where one sheet has none, its terminals one by one against the first of the other's.
+    Pairs of one terminal of each sheet, those of the same number first; where one sheet has none,
+    of the first terminal and each other.
     """
     leaders = _leaders(scene)
     top, bottom = ([c for c in leaders if c.electrode == name] for name in ("top", "bottom"))
     if not (top and bottom):
         first, *others = top or bottom
-        return [_between([first], [other]) for other in others]
-    numbers = range(max(len(top), len(bottom)))
-    near = [(k % len(top), (k + step) % len(bottom)) for k in numbers for step in (0, 1)]
-    pairs = [_between([top[i]], [bottom[j]]) for i, j in dict.fromkeys(near)]
-    return pairs if len(leaders) == 2 else [*pairs, _between(top, bottom)]
+        return [_between(first, other) for other in others]
+    same = [(k, k) for k in range(min(len(top), len(bottom)))]
+    next_to = [(min(k, len(top) - 1), min(k + 1, len(bottom) - 1)) for k, _ in same]
+    beyond = [(k, len(bottom) - 1) for k in range(len(same), len(top))]
+    beyond += [(len(top) - 1, k) for k in range(len(same), len(bottom))]
+    pairs = dict.fromkeys([*same, *next_to, *beyond])
+    return [_between(top[i], bottom[j]) for i, j in pairs]
 
 
 def _leaders(scene: Scene) -> list[Contact]:
@@ -72,7 +75,5 @@ def _leaders(scene: Scene) -> list[Contact]:
     return [scene.contacts[k] for k in sorted(set(joined(scene.contacts, scene.skin)))]
 
 
-def _between(high: Sequence[Contact], low: Sequence[Contact]) -> Interface:
-    names = [tuple(contact.name for contact in side) for side in (high, low)]
-    told = " to ".join("+".join(side) for side in names)
-    return Interface(name=told, high=names[0], low=names[1])
+def _between(high: Contact, low: Contact) -> Interface:
+    return Interface(name=f"{high.name} to {low.name}", high=(high.name,), low=(low.name,))
