@@ -15,7 +15,6 @@ from ...simulator.sweeps import InputError
 from ...simulator.sweeps.pace import reading_time
 
 
-
 @dataclass(frozen=True)
 class Conditions:
     """frequency: Hz. range: 1 to 10. level: open voltage at the terminals in V. cable: m."""

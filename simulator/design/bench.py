@@ -87,7 +87,7 @@ class Bench:
             return asdict(self._picker.picked(material, readings, frequencies))
 
         found = self._asking.journal.kept(asked, answer)
-        return Picked(**{k: tuple(v) if isinstance(v, list) else v for k, v in found.items()})
+        return Picked.of(found)
 
     def shares(self, layout: Layout) -> tuple[float, ...]:
         """As of `Judge`."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +42,12 @@ class Picked:
     share: float
     most_by_readings: float
     most_by_frequencies: float
+
+    @classmethod
+    def of(cls, answer: Mapping[str, Any]) -> Picked:
+        """From what a journal keeps of it."""
+        numbers = {name: tuple(answer[name]) for name in ("readings", "frequencies")}
+        return cls(**{**answer, **numbers})
 
 
 def candidate_frequencies(scene: Scene, band: tuple[float, float]) -> NDArray[np.float64]:

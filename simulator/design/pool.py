@@ -32,8 +32,10 @@ def pool(scene: Scene, wired: Sequence[str]) -> list[Interface]:
     own = {_sets(scene, each): each.name for each in scene.interfaces}
     found = []
     for high, low in _disjoint(wired):
-        sets = frozenset(high), frozenset(low)
-        name = own.get(sets) or own.get(sets[::-1]) or f"{'+'.join(high)} to {'+'.join(low)}"
+        one, other = frozenset(high), frozenset(low)
+        name = (
+            own.get((one, other)) or own.get((other, one)) or f"{'+'.join(high)} to {'+'.join(low)}"
+        )
         found.append(Interface(name=name, high=high, low=low))
     return found
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from ..measure.readout import ErrorModel, observed
 from ..measure.skins import DrawnSkin, drawn_skin
-from ..models.network.terminals import read, ring
+from ..models.network.skin import NetworkSkin
+from ..models.network.terminals import chain, read
 from ..models.parameters import WAVES, nominal
 from ..models.plain import electrical
 from ..models.reduced.cases import Case, pixel_touches
@@ -26,6 +27,9 @@ from ..scene.scene import Scene
 RTOL = 1e-2
 """Of Rs and Cp, certified for every reading; ln Z is then some ten times closer."""
 FACTORS = (0.5, 3.0)
+BEYOND = 2.0
+"""Times the bounds of sheets that training reaches, for what a cast may be off by."""
+BEYOND_LOG = math.log(BEYOND)
 
 
 @dataclass(frozen=True)
@@ -77,7 +81,7 @@ class Trained:
             capacitance=drawn.variation.capacitance * material.foam,
             beside=drawn.variation.beside * material.foam,
         )
-        return OnSkin(own, DrawnSkin(variation, drawn.leads))
+        return OnSkin(own, readings, DrawnSkin(variation, drawn.leads))
 
     @cached_property
     def reduced(self) -> Reduced:
@@ -87,7 +91,7 @@ class Trained:
             np.geomspace(*self._band, 12).tolist() if self._band[0] < self._band[1] else []
         )
         swept = even.sweep.model_copy(update={"frequencies": tuple(frequencies or self._band[:1])})
-        driven = even.model_copy(update={"interfaces": tuple(ring(even)), "sweep": swept})
+        driven = even.model_copy(update={"interfaces": tuple(chain(even)), "sweep": swept})
         return reduce(driven, RTOL, self._draw, modes=self.modes, alike=False)
 
     def _draw(self, random: np.random.Generator) -> Case:
@@ -97,8 +101,11 @@ class Trained:
         own = material_of(scene)
         least = np.log(min(*asked.sheet_resistance, own.top, own.bottom))
         most = np.log(max(*asked.sheet_resistance, own.top, own.bottom))
-        half = math.log(asked.sheet_ratio) / 2
-        mean, turn = random.uniform(least, most), random.uniform(-half, half)
+        half = math.log(BEYOND * asked.sheet_ratio) / 2
+        mean, turn = (
+            random.uniform(least - BEYOND_LOG, most + BEYOND_LOG),
+            random.uniform(-half, half),
+        )
         foam = random.uniform(*np.log(foam_bounds(scene, asked)))
         top, bottom = own.top / math.exp(mean + turn), own.bottom / math.exp(mean - turn)
         drawn = skin.variation
@@ -124,8 +131,8 @@ def foam_bounds(scene: Scene, asked: Design) -> tuple[float, float]:
 class OnSkin:
     """One skin under some readings: what the meter tells of presses on its pixels."""
 
-    def __init__(self, reduced: Reduced, drawn: DrawnSkin) -> None:
-        self.scene, self._leads = reduced.scene, drawn.leads
+    def __init__(self, reduced: Reduced, readings: Sequence[Interface], drawn: DrawnSkin) -> None:
+        self.scene, self._readings, self._leads = reduced.scene, readings, drawn.leads
         self._loss, self._skin = drawn.variation.loss, reduced.skin(drawn.variation)
 
     def observed(
@@ -137,7 +144,9 @@ class OnSkin:
     ) -> NDArray[np.float64]:
         """ln |Z| and phase of many presses, see `ReducedSkin.sweeps`; (press, 2 * readings)."""
         s = laplace_variable(frequency, self._loss)
-        Z = self._skin.sweeps(cells, rises, starts, s)
+        network = NetworkSkin(self._skin, s)
+        Y = network.admittances(cells, rises, starts)
+        Z = network.impedances(network.wiring(self._readings), Y)
         return observed(self._leads.seen_through(Z, frequency))
 
 
@@ -145,7 +154,8 @@ class CastReadings:
     """As `bounds.readings.Readings`, of one skin that is known at chosen frequencies in Hz."""
 
     def __init__(self, on: OnSkin, frequency: NDArray[np.float64], against_rest: int) -> None:
-        self.scene, self._on, self._frequency = on.scene, on, frequency
+        self.scene: Scene = on.scene
+        self._on, self._frequency = on, frequency
         readings = len(on.scene.interfaces)
         self.model = ErrorModel(
             on.scene.readout, readings, len(frequency), against_rest=against_rest

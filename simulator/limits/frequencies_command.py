@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .command import check_numbers
-
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -52,6 +50,7 @@ def frequencies(
     """
     from rich.console import Console
 
+    from ..asked.numbers import check_numbers
     from ..asked.scene import asked_scene
     from ..bounds.position import chosen_touch
     from ..bounds.sets import chosen_band

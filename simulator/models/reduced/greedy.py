@@ -185,7 +185,8 @@ class _Basis:
 def _done(error: float, begun: float, limit: float) -> float:
     """Share of the way down from an error to a limit, in decades."""
     left = np.nan_to_num(error, nan=begun)
-    return float(np.clip(np.log(begun / max(left, limit)) / np.log(begun / limit), 0.0, 1.0))
+    decades = np.log(begun) - np.log([max(left, limit), limit])
+    return float(np.clip(decades[0] / decades[1], 0.0, 1.0))
 
 
 def compressed(reduced: Reduced, cases: list[Case]) -> Reduced:
