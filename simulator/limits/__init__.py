@@ -133,11 +133,11 @@ def position_bound(
     Raises InputError for a size or factor out of range or a meter without noise.
     """
     from ..progress import silent
-    from .fields import Fields
+    from .fields import fields_of
     from .position import chosen_touch, places_on, position_slopes
 
     touch = chosen_touch(scene, size, factor)
-    fields = Fields(scene, float(scene.frequencies[-1]))
+    fields = fields_of(scene, float(scene.frequencies[-1]), touch)
     slopes = position_slopes(
         fields,
         places_on(scene, touch, fields.cells, most),

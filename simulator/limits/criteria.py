@@ -19,7 +19,7 @@ from ..measure.readout import ErrorModel, observed
 from ..progress import Track, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .fields import Answer, Fields
+from .fields import Answer, AnyFields
 from .information import error_model, in_noise, pixel_maps, session_errors, summed, variances
 from .position import Slopes
 from .readings import Hypothesis, hypotheses
@@ -80,7 +80,7 @@ def position_criterion(slopes: Slopes) -> Criterion:
 
 
 def identity_criterion(
-    fields: Fields,
+    fields: AnyFields,
     target: str,
     frequency: NDArray[np.float64],
     against_rest: int = 0,
@@ -113,7 +113,7 @@ def identity_criterion(
     return Criterion(frequency, information[told], np.diag(prior), 1, merit, left_out)
 
 
-def _pressed(fields: Fields, hypothesis: Hypothesis, frequency: NDArray[np.float64]) -> Answer:
+def _pressed(fields: AnyFields, hypothesis: Hypothesis, frequency: NDArray[np.float64]) -> Answer:
     """One pixel pressed as the scene does, and the derivative by its strength."""
     scene = fields.scene
     maps = list(pixel_maps(scene, fields.cells).values())

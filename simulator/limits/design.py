@@ -12,7 +12,7 @@ from ..progress import Track, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .criteria import Criterion, identity_criterion, position_criterion
-from .fields import CELLS_PER_PIXEL, Fields
+from .fields import CELLS_PER_PIXEL, fields_of
 from .position import TouchSize, places_on, position_slopes
 from .sets import OPTIMAL, compared, logarithmic, within
 
@@ -175,7 +175,7 @@ def _criterion(
 ) -> Criterion:
     of_groups = name != "position" and scene.pixels.groups is not None
     cells = 1 if of_groups else CELLS_PER_PIXEL
-    fields = Fields(scene, float(candidates[-1]), cells)
+    fields = fields_of(scene, float(candidates[-1]), touch, cells)
     if name != "position":
         return identity_criterion(fields, name, candidates, against_rest, track)
     places = places_on(scene, touch, fields.cells, PLACES)

@@ -13,7 +13,7 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 from .criteria import position_criterion
 from .design import GRID, best_choice
-from .fields import Fields
+from .fields import fields_of
 from .position import Bounds, Slopes, TouchSize, places_on, position_slopes
 from .sets import OPTIMAL, compared, logarithmic, own_band, within
 
@@ -114,7 +114,7 @@ def with_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
 def _slopes(
     scene: Scene, question: Question, frequency: NDArray[np.float64], track: Track
 ) -> Slopes:
-    fields = Fields(scene, float(frequency[-1]))
+    fields = fields_of(scene, float(frequency[-1]), question.touch)
     return position_slopes(
         fields,
         places_on(scene, question.touch, fields.cells),
