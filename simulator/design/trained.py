@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from ..measure.readout import ErrorModel, observed
 from ..measure.skins import DrawnSkin, drawn_skin
 from ..models.network.skin import NetworkSkin
-from ..models.network.terminals import chain, read
+from ..models.network.terminals import read, with_chain
 from ..models.parameters import WAVES, nominal
-from ..models.plain import electrical
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced
@@ -86,12 +85,11 @@ class Trained:
     @cached_property
     def reduced(self) -> Reduced:
         """The model, trained at first use on all that the bounds allow."""
-        even = electrical(self.scene)
         frequencies = (
             np.geomspace(*self._band, 12).tolist() if self._band[0] < self._band[1] else []
         )
         swept = even.sweep.model_copy(update={"frequencies": tuple(frequencies or self._band[:1])})
-        driven = even.model_copy(update={"interfaces": tuple(chain(even)), "sweep": swept})
+        driven = with_chain(self.scene).model_copy(update={"sweep": swept})
         return reduce(driven, RTOL, self._draw, modes=self.modes, alike=False)
 
     def _draw(self, random: np.random.Generator) -> Case:

@@ -132,12 +132,12 @@ def position_bound(
     side, by default every cell. Infinite where a coordinate is told no closer than its room.
     Raises InputError for a size or factor out of range or a meter without noise.
     """
-    from ..bounds.fields import Fields
+    from ..bounds.fields import fields_of
     from ..bounds.position import chosen_touch, places_on, position_slopes
     from ..progress import silent
 
     touch = chosen_touch(scene, size, factor)
-    fields = Fields(scene, float(scene.frequencies[-1]))
+    fields = fields_of(scene, float(scene.frequencies[-1]), touch)
     slopes = position_slopes(
         fields,
         places_on(scene, touch, fields.cells, most),

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds.fields import Answer, Fields
+from ..bounds.fields import Answer, AnyFields
 from ..bounds.information import (
     error_model,
     in_noise,
@@ -87,7 +87,7 @@ def position_criterion(slopes: Slopes) -> Criterion:
 
 
 def identity_criterion(
-    fields: Fields,
+    fields: AnyFields,
     target: str,
     frequency: NDArray[np.float64],
     against_rest: int = 0,
@@ -120,7 +120,7 @@ def identity_criterion(
     return Criterion(frequency, information[told], np.diag(prior), 1, merit, left_out)
 
 
-def _pressed(fields: Fields, hypothesis: Hypothesis, frequency: NDArray[np.float64]) -> Answer:
+def _pressed(fields: AnyFields, hypothesis: Hypothesis, frequency: NDArray[np.float64]) -> Answer:
     """One pixel pressed as the scene does, and the derivative by its strength."""
     scene = fields.scene
     maps = list(pixel_maps(scene, fields.cells).values())

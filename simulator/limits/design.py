@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.exchange import best_choice
-from ..bounds.fields import CELLS_PER_PIXEL, Fields
+from ..bounds.fields import CELLS_PER_PIXEL, fields_of
 from ..bounds.position import TouchSize, places_on, position_slopes
 from ..bounds.sets import OPTIMAL, compared, logarithmic, within
 from ..progress import Track, silent
@@ -115,7 +115,7 @@ def _criterion(
 ) -> Criterion:
     of_groups = name != "position" and scene.pixels.groups is not None
     cells = 1 if of_groups else CELLS_PER_PIXEL
-    fields = Fields(scene, float(candidates[-1]), cells)
+    fields = fields_of(scene, float(candidates[-1]), touch, cells)
     if name != "position":
         return identity_criterion(fields, name, candidates, against_rest, track)
     places = places_on(scene, touch, fields.cells, PLACES)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.exchange import best_choice
-from ..bounds.fields import Fields
+from ..bounds.fields import fields_of
 from ..bounds.position import Bounds, Slopes, TouchSize, places_on, position_slopes
 from ..bounds.sets import OPTIMAL, compared, logarithmic, own_band, within
 from ..progress import Track, silent
@@ -115,7 +115,7 @@ def with_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
 def _slopes(
     scene: Scene, question: Question, frequency: NDArray[np.float64], track: Track
 ) -> Slopes:
-    fields = Fields(scene, float(frequency[-1]))
+    fields = fields_of(scene, float(frequency[-1]), question.touch)
     return position_slopes(
         fields,
         places_on(scene, question.touch, fields.cells),

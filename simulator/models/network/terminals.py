@@ -21,17 +21,32 @@ from ..plain import electrical
 from ..reduced.cases import Draw
 from ..reduced.greedy import Advance, reduce, unseen
 from ..reduced.model import Reduced
+from ..varied.meshes import single_field
 
 
 def trained(
     scene: Scene, rtol: float = 1e-5, draw: Draw | None = None, *, advance: Advance = unseen
 ) -> Reduced:
-    """A model of a scene's skin that holds what any terminal charges; its own readings are a `chain`.
+    """A model of a scene's skin that holds what any terminal charges, read in a `chain`.
 
     rtol, draw, advance: as of `reduce`; so is what is raised.
     """
-    driven = electrical(scene).model_copy(update={"interfaces": tuple(chain(scene))})
-    return reduce(driven, rtol, draw, alike=False, advance=advance)
+    return reduce(with_chain(scene), rtol, draw, alike=False, advance=advance)
+
+
+def model_of(
+    scene: Scene, rtol: float = 1e-5, draw: Draw | None = None, *, advance: Advance = unseen
+) -> Reduced:
+    """A model for the scene's own interfaces, trained for all terminals where several of them need
+    two fields, as then it is fewer drives or as many. rtol, draw, advance: as of `reduce`."""
+    if len(scene.interfaces) == 1 or single_field(scene) is not None:
+        return reduce(scene, rtol, draw, advance=advance)
+    return read(trained(scene, rtol, draw, advance=advance), scene.interfaces)
+
+
+def with_chain(scene: Scene) -> Scene:
+    """The same, electrically, read in a `chain`."""
+    return electrical(scene).model_copy(update={"interfaces": tuple(chain(scene))})
 
 
 def read(reduced: Reduced, readings: Sequence[Interface]) -> Reduced:
