@@ -21,6 +21,7 @@ from ..models.reduced.model import Reduced
 from ..scene.contacts import Interface
 from ..scene.design import Design
 from ..scene.frequency import laplace_variable
+from ..scene.meter import Sweep
 from ..scene.scene import Scene
 
 RTOL = 1e-2
@@ -85,10 +86,7 @@ class Trained:
     @cached_property
     def reduced(self) -> Reduced:
         """The model, trained at first use on all that the bounds allow."""
-        frequencies = (
-            np.geomspace(*self._band, 12).tolist() if self._band[0] < self._band[1] else []
-        )
-        swept = even.sweep.model_copy(update={"frequencies": tuple(frequencies or self._band[:1])})
+        swept = Sweep(frequencies=tuple(sorted(set(self._band))))
         driven = with_chain(self.scene).model_copy(update={"sweep": swept})
         return reduce(driven, RTOL, self._draw, modes=self.modes, alike=False)
 
