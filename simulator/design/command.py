@@ -46,6 +46,16 @@ def design(
     foam_thickness: Annotated[
         str | None, typer.Option(help="LOW:HIGH in m, of a foam whose thickness the scene gives.")
     ] = None,
+    grading: Annotated[
+        float | None,
+        typer.Option(help="Sheet resistance at one edge over that at the other, 1 to 10, at most."),
+    ] = None,
+    foils: Annotated[
+        bool | None, typer.Option("--foils", help="Places and lengths of foils may change.")
+    ] = None,
+    foil_length: Annotated[
+        str | None, typer.Option(help="LOW:HIGH of a foil's length over that of its edge.")
+    ] = None,
     against_rest: Annotated[
         int | None, typer.Option(help="Sweeps at rest that each sweep is compared with.")
     ] = None,
@@ -88,6 +98,9 @@ def design(
         "sheet_resistance": _bounds("--sheet-resistance", sheet_resistance),
         "sheet_ratio": sheet_ratio,
         "foam_thickness": _bounds("--foam-thickness", foam_thickness),
+        "grading": grading,
+        "foils": foils,
+        "foil_length": _bounds("--foil-length", foil_length),
         "against_rest": against_rest,
         "casts": casts,
     }

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..scene.scene import Scene
 from .bench import Asking, Bench, first_bench
+from .geometry import geometries
 from .judged import Layout, tenth
 from .picking import Picked, sweep_time
 from .trained import Material, foam_bounds
@@ -106,7 +107,26 @@ class _Walk:
             found = self._moved(material, picked, move, limits, at(material))
             if found[1].share > picked.share + WORTH and self._judged(name, bench.layout(*found)):
                 material, picked = found
-        return Found(bench, tuple(self._steps), picked)
+        for name, others in geometries(bench.scene, self._asking.asked):
+            picked = self._elsewhere(name, others(self._bench.scene), material, picked)
+        return Found(self._bench, tuple(self._steps), picked)
+
+    def _elsewhere(
+        self, name: str, scenes: Sequence[Scene], material: Material, picked: Picked
+    ) -> Picked:
+        """What is picked on the best of other skins, if that is worth it; else what was."""
+        best, before = (picked, self._bench), self._bench
+        for number, scene in enumerate(scenes):
+            self._asking.tell(name, number / len(scenes))
+            bench = Bench(scene, self._asking, before.wired)
+            found = bench.picked(material, picked.readings, picked.frequencies)
+            if found.share > best[0].share + WORTH:
+                best = found, bench
+        self._bench = best[1]
+        if best[1] is before or self._judged(name, best[1].layout(material, best[0])):
+            return best[0]
+        self._bench = before
+        return picked
 
     def _moves(self) -> list[tuple[str, Bounds, At, Move]]:
         """Numbers of a material by name: their bounds, what one is, and a material with another."""

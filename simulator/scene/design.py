@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from .validation import Number, Table, Whole, above_zero
 
-Target = Literal["pixel", "column", "row", "pair", "position"]
+Target = Literal["pixel", "column", "row", "pair"]
 Ohms = Annotated[Number, above_zero("ohm/sq")]
 Metres = Annotated[Number, above_zero("m")]
 Hertz = Annotated[Number, above_zero("Hz")]
@@ -18,20 +18,19 @@ Part = Annotated[Number, Field(gt=0, le=1)]
 class Design(Table):
     """What `rcskin design` keeps to, and what it looks for; everything else stays as it is.
 
-    target, want: what is to be told, and for what share of sweeps; of position the median error
-    [m]. wires, readings, frequencies: at most so many foils are wired, so many pairs of sets of
-    them read, at so many frequencies each; as many as the scene has unless given. seconds: that a
-    sweep may take on the meter, at most. band: of the frequencies [Hz], else the scene's own.
-    sheet_resistance: bounds of both sheets [ohm/sq]; sheet_ratio: one over the other at most.
-    foam_thickness: bounds [m] of a foam whose thickness is given. grading: sheet resistance at one
-    edge over that at the opposite one, at most. foils: whether places and lengths of foils may
-    change; foil_length: bounds of their lengths over that of their edge. against_rest: sweeps at
-    rest that each sweep is compared with. casts: skins drawn as [dataset.session] says; the tenth
-    that is worst off counts.
+    target, want: what is to be told, and for what share of sweeps. wires, readings, frequencies: at
+    most so many foils are wired, so many pairs of sets of them read, at so many frequencies each;
+    as many as the scene has unless given. seconds: that a sweep may take on the meter, at most.
+    band: of the frequencies [Hz], else the scene's own. sheet_resistance: bounds of both sheets
+    [ohm/sq]; sheet_ratio: one over the other at most. foam_thickness: bounds [m] of a foam whose
+    thickness is given. grading: sheet resistance at one edge over that at the opposite one, at
+    most. foils: whether places and lengths of foils may change; foil_length: bounds of their
+    lengths over that of their edge. against_rest: sweeps at rest that each sweep is compared with.
+    casts: skins drawn as [dataset.session] says; the tenth that is worst off counts.
     """
 
     target: Target = "pixel"
-    want: Annotated[Number, Field(gt=0)] | None = None
+    want: Annotated[Number, Field(gt=0, lt=1)] | None = None
     wires: Annotated[Whole, Field(ge=2, le=8)] | None = None
     readings: Annotated[Whole, Field(ge=1, le=40)] = 5
     frequencies: Annotated[Whole, Field(ge=1, le=100)] | None = None
@@ -54,10 +53,4 @@ class Design(Table):
                 raise ValueError(
                     f"{name} must be a low and a high end, got {bounds[0]:g} and {bounds[1]:g}"
                 )
-        return self
-
-    @model_validator(mode="after")
-    def _share_below_one(self) -> Self:
-        if self.want is not None and self.target != "position" and not self.want < 1:
-            raise ValueError(f"want must be a share > 0 and < 1 of the sweeps, got {self.want:g}")
         return self

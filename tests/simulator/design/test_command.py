@@ -65,7 +65,7 @@ def _check_folder(run, folder):
 @pytest.mark.parametrize(
     ("given", "told"),
     [
-        (("--want", 1.5), "want must be a share"),
+        (("--want", 1.5), "`want` must be < 1"),
         (("--sheet-resistance", "5"), "--sheet-resistance must be LOW:HIGH, got '5'"),
         (("--sheet-resistance", "5e4:1e4"), "sheet_resistance must be a low and a high end"),
         (("--target", "colour"), "`target` must be 'pixel'"),
