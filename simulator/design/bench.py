@@ -42,7 +42,7 @@ class Bench:
         self.frequency = candidate_frequencies(scene, band)
         spanned = min(own[0], band[0]), max(own[1], band[1])
         self.wired, self.pool = tuple(wired), pool(scene, wired)
-        self._trained = Trained(scene, asked, spanned, asking.seed)
+        self._trained = Trained(scene, asked, spanned, asking.seed, asking.tell)
         among = hypotheses(scene, asked.target)
         self._judge = Judge(among, asked.against_rest, asked.casts, asking.draws, asking.seed)
         self._picker = Picker(self._trained, among, self.pool, self.frequency, asked)
@@ -76,6 +76,17 @@ class Bench:
             return {"share": self._picker.share_of(material, readings, frequencies)}
 
         return self._asking.journal.kept(asked, answer)["share"]
+
+    def readings_at(
+        self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
+    ) -> Picked:
+        """As of `Picker`."""
+        asked = {"readings at": [list(readings), list(frequencies)], **self._at(material)}
+
+        def answer() -> dict[str, object]:
+            return asdict(self._picker.readings_at(material, readings, frequencies))
+
+        return Picked.of(self._asking.journal.kept(asked, answer))
 
     def picked(
         self, material: Material, readings: Sequence[int], frequencies: Sequence[int]

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ..charts import AT_REST, COLOURS, chart
 from ..scene.contacts import Interface, path
 from ..scene.scene import Scene
@@ -17,7 +19,9 @@ if TYPE_CHECKING:
 
 IN_A_ROW = 5
 OTHER = {"top": 0.0, "bottom": -0.035}
-"""How far the foils of a sheet are drawn inside its edge, over the skin's longer side."""
+"""How far outside its edge the foils of a sheet are drawn, over its sides."""
+LETTERS = {"top": 0.08, "bottom": -0.08}
+"""How far outside its foil a letter stands, over the skin's longer side."""
 
 
 def draw_steps(steps: Sequence[Step], wanted: float | None, to: Path) -> None:
@@ -39,7 +43,8 @@ def draw_steps(steps: Sequence[Step], wanted: float | None, to: Path) -> None:
         axes.set_yticks(list(places), [step.name for step in steps])
         axes.invert_yaxis()
         axes.set_xlabel("right at most, nine of ten casts (%); grey: not taken")
-        axes.legend()
+        axes.set_axisbelow(True)
+        figure.legend(loc="outside upper right", ncols=2)
 
 
 def draw_flat(found: Sequence[Along], to: Path) -> None:
@@ -75,14 +80,16 @@ def _draw_reading(axes: Axes, scene: Scene, reading: Interface) -> None:
         side = "H" if contact.name in reading.high else "L" if contact.name in reading.low else ""
         colour = {"H": COLOURS[1], "L": COLOURS[0], "": "0.75"}[side]
         x, y = path(contact, scene.skin)
-        middle = [length / 2 for length in scene.skin.sides]
+        centre = np.array(scene.skin.sides) / 2
         shrunk = 1 + 2 * OTHER[contact.electrode]
-        x, y = (m + shrunk * (v - m) for v, m in zip((x, y), middle, strict=True))
+        x, y = (m + shrunk * (v - m) for v, m in zip((x, y), centre, strict=True))
         style = "-" if contact.electrode == "top" else (0, (2, 1))
         axes.plot(x, y, color=colour, linewidth=3, linestyle=style, solid_capstyle="butt")
         if side:
-            axes.annotate(side, (x.mean(), y.mean()), color=colour, ha="center", va="center")
+            away = LETTERS[contact.electrode] * longer * np.sign([x.mean(), y.mean()] - centre)
+            at_x, at_y = [x.mean(), y.mean()] + away * (np.abs([np.ptp(y), np.ptp(x)]) > 0)
+            axes.annotate(side, (at_x, at_y), color=colour, ha="center", va="center")
     axes.set_aspect("equal")
-    axes.set_xlim(-0.1 * longer, scene.skin.length + 0.1 * longer)
-    axes.set_ylim(-0.1 * longer, scene.skin.width + 0.1 * longer)
-    axes.set_title(reading.name, fontsize=6)
+    axes.set_xlim(-0.15 * longer, scene.skin.length + 0.15 * longer)
+    axes.set_ylim(-0.15 * longer, scene.skin.width + 0.15 * longer)
+    axes.set_title(reading.name.replace(" to ", "\nto "), fontsize=6)

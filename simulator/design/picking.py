@@ -125,6 +125,14 @@ class Picker:
         told = by_reading(own, self._ties)
         return told.slope(np.ones(told.candidates))[0]
 
+    def readings_at(
+        self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
+    ) -> Picked:
+        """The best readings at these frequencies, begun at some; as many as may be at most."""
+        most = max(count for count, _ in self._budgets)
+        by = self._readings(material, most, readings, frequencies)
+        return Picked(by.numbers, tuple(frequencies), by.share, by.most, by.share)
+
     def picked(
         self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
     ) -> Picked:
@@ -139,22 +147,15 @@ class Picker:
         readings: Sequence[int],
         frequencies: Sequence[int],
     ) -> Picked:
-        by, at = list(readings), list(frequencies)
-        picks = self._turn(material, budget, by, at)
+        picks = self._turn(material, budget, readings, frequencies)
         for _ in range(TURNS):
             again = self._turn(material, budget, picks[0].numbers, picks[1].numbers)
             if again[1].share <= picks[1].share:
                 break
             picks = again
-        of_readings, of_frequencies = picks
-        share = of_frequencies.share
-        return Picked(
-            of_readings.numbers,
-            of_frequencies.numbers,
-            share,
-            max(share, self._most_by_readings(material, budget, of_frequencies.numbers, picks)),
-            of_frequencies.most,
-        )
+        by, at = picks
+        others = self._readings(material, budget[0], by.numbers, at.numbers)
+        return Picked(by.numbers, at.numbers, at.share, max(at.share, others.most), at.most)
 
     def _turn(
         self,
@@ -163,24 +164,21 @@ class Picker:
         readings: Sequence[int],
         frequencies: Sequence[int],
     ) -> tuple[Choice, Choice]:
+        by = self._readings(material, budget[0], readings, frequencies)
         everything = self._pairs(material)
-        told = by_reading(everything.of(range(len(self._pool)), frequencies), self._ties)
-        by = chosen(told.score, told.slope, told.candidates, budget[0], [readings])
         told = by_frequency(everything.of(by.numbers, range(len(self.frequency))), self._ties)
         return by, chosen(told.score, told.slope, told.candidates, budget[1], [frequencies])
 
-    def _most_by_readings(
+    def _readings(
         self,
         material: Material,
-        budget: tuple[int, int],
+        count: int,
+        readings: Sequence[int],
         frequencies: Sequence[int],
-        picks: tuple[Choice, Choice],
-    ) -> float:
-        """At the frequencies that were picked last."""
-        everything = self._pairs(material)
-        told = by_reading(everything.of(range(len(self._pool)), frequencies), self._ties)
-        start = [picks[0].numbers]
-        return chosen(told.score, told.slope, told.candidates, budget[0], start).most
+    ) -> Choice:
+        everything = self._pairs(material).of(range(len(self._pool)), frequencies)
+        told = by_reading(everything, self._ties)
+        return chosen(told.score, told.slope, told.candidates, count, [readings])
 
     def _pairs(self, material: Material) -> Pairs:
         """Of all casts, each with its share of the weight."""

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,12 +23,19 @@ DIGITS = 2
 """Of sheet resistance and thickness: nobody mixes rubber closer."""
 ROUNDING = 1e-9
 GOLDEN = (math.sqrt(5) - 1) / 2
-WORTH = 1e-3
-"""Of the share by pairs, that a step must promise before it is judged."""
+WORTH = 3e-3
+"""Of the share, that sheets unlike each other, another foam or other foils must gain."""
 
 Bounds = tuple[float, float]
-At = Callable[[Material], float]
-Move = Callable[[Material, float], Material]
+
+
+class Move(NamedTuple):
+    """A number of a material: its bounds, what it is of one, and a material with another."""
+
+    name: str
+    bounds: Bounds
+    of: Callable[[Material], float]
+    to: Callable[[Material, float], Material]
 
 
 @dataclass(frozen=True)
@@ -96,16 +105,18 @@ class _Walk:
             return bench.share_of(_sheets(material, sheets), readings, frequencies)
 
         if readings:
-            self._tell("sheet resistance")
-            material = _sheets(material, best_along(told, bounds, _mean(material)))
+            best = best_along(self._counted("sheet resistance", told), bounds, _mean(material))
+            material = _sheets(material, best)
             self._judged("sheet resistance", replace(own, material=material))
-        self._tell("readings and frequencies")
+            readings = bench.readings_at(material, readings, frequencies).readings
+            picked = Picked(tuple(readings), tuple(frequencies), 0.0, 0.0, 0.0)
+            self._judged("readings", bench.layout(material, picked))
         picked = bench.picked(material, readings, frequencies)
-        self._judged("readings and frequencies", bench.layout(material, picked))
-        for name, limits, at, move in self._moves():
-            self._tell(name)
-            found = self._moved(material, picked, move, limits, at(material))
-            if found[1].share > picked.share + WORTH and self._judged(name, bench.layout(*found)):
+        self._judged("frequencies" if readings else "readings", bench.layout(material, picked))
+        for move in self._moves():
+            found = self._moved(material, picked, move)
+            worth = found[1].share > picked.share + WORTH
+            if worth and self._judged(move.name, bench.layout(*found), WORTH):
                 material, picked = found
         for name, others in geometries(bench.scene, self._asking.asked):
             picked = self._elsewhere(name, others(self._bench.scene), material, picked)
@@ -123,37 +134,61 @@ class _Walk:
             if found.share > best[0].share + WORTH:
                 best = found, bench
         self._bench = best[1]
-        if best[1] is before or self._judged(name, best[1].layout(material, best[0])):
+        if best[1] is before or self._judged(name, best[1].layout(material, best[0]), WORTH):
             return best[0]
         self._bench = before
         return picked
 
-    def _moves(self) -> list[tuple[str, Bounds, At, Move]]:
-        """Numbers of a material by name: their bounds, what one is, and a material with another."""
+    def _moves(self) -> list[Move]:
+        """Numbers of a material that may change."""
         asked = self._asking.asked
+        low, high = asked.sheet_resistance
         ratio = asked.sheet_ratio
-        moves: list[tuple[str, Bounds, At, Move]] = [
-            ("sheet resistance again", asked.sheet_resistance, _mean, _sheets),
-            ("one sheet over the other", (1 / ratio, ratio), _ratio, _mismatched),
-            ("foam", foam_bounds(self._bench.scene, asked), _foam, _with_foam),
-        ]
-        return [move for move in moves if move[1][0] < move[1][1]]
 
-    def _moved(
-        self, material: Material, picked: Picked, move: Move, limits: Bounds, own: float
-    ) -> tuple[Material, Picked]:
+        def mismatched(material: Material, by: float) -> Material:
+            """Both sheets within bounds, as near to the same mean as they can be."""
+            root = math.sqrt(by)
+            least, most = low * max(root, 1 / root), high * min(root, 1 / root)
+            mean = min(max(_mean(material), least), max(most, least))
+            return replace(
+                material,
+                top=_rounded(mean * root, asked.sheet_resistance),
+                bottom=_rounded(mean / root, asked.sheet_resistance),
+            )
+
+        moves = [
+            Move("sheet resistance again", asked.sheet_resistance, _mean, _sheets),
+            Move("one sheet over the other", (1 / ratio, ratio), _ratio, mismatched),
+            Move("foam", foam_bounds(self._bench.scene, asked), _foam, _with_foam),
+        ]
+        return [move for move in moves if move.bounds[0] < move.bounds[1]]
+
+    def _moved(self, material: Material, picked: Picked, move: Move) -> tuple[Material, Picked]:
         """The best along one number, everything picked anew for each."""
 
         def anew(value: float) -> Picked:
-            return self._bench.picked(move(material, value), picked.readings, picked.frequencies)
+            changed = move.to(material, value)
+            return self._bench.picked(changed, picked.readings, picked.frequencies)
 
-        best = best_along(lambda value: anew(value).share, limits, own)
-        return move(material, best), anew(best)
+        told = self._counted(move.name, lambda value: anew(value).share)
+        best = best_along(told, move.bounds, move.of(material))
+        return move.to(material, best), anew(best)
 
-    def _judged(self, name: str, layout: Layout) -> bool:
-        """Whether it is worth it and within what was asked; a step either way."""
+    def _counted(self, name: str, told: Callable[[float], float]) -> Callable[[float], float]:
+        """The same, that shows how far a search along a number has come."""
+        asked = itertools.count()
+
+        def counted(value: float) -> float:
+            self._asking.tell(name, min(next(asked) / (POINTS + CLOSER), 1.0))
+            return told(value)
+
+        return counted
+
+    def _judged(self, name: str, layout: Layout, worth: float = 0.0) -> bool:
+        """Whether it is within what was asked and gains what it is worth; a step either way."""
+        self._asking.tell(f"{name}: the exact bound")
         step = Step(name, layout, self._bench.shares(layout), self._allowed(layout))
-        best = max((s.tenth for s in self._steps[1:] if s.taken), default=0.0)
+        best = max((s.tenth + worth for s in self._steps[1:] if s.taken), default=0.0)
         self._steps.append(replace(step, taken=step.taken and step.tenth >= best))
         return self._steps[-1].taken
 
@@ -162,16 +197,13 @@ class _Walk:
         most = asked.frequencies or len(self._bench.scene.frequencies)
         time = sweep_time(len(layout.readings), layout.frequencies)
         low, high = asked.sheet_resistance
-        mean = math.sqrt(sheets[0] * sheets[1])
         return (
             len(layout.readings) <= asked.readings
             and len(layout.frequencies) <= most
             and (asked.seconds is None or time <= asked.seconds)
-            and low * (1 - ROUNDING) <= mean <= high * (1 + ROUNDING)
+            and low * (1 - ROUNDING) <= min(sheets)
+            and max(sheets) <= high * (1 + ROUNDING)
         )
-
-    def _tell(self, name: str) -> None:
-        self._asking.tell(name)
 
 
 def best_along(told: Callable[[float], float], bounds: Bounds, own: float) -> float:
@@ -217,10 +249,6 @@ def _sheets(material: Material, mean: float) -> Material:
 
 def _ratio(material: Material) -> float:
     return material.top / material.bottom
-
-
-def _mismatched(material: Material, ratio: float) -> Material:
-    return material.mismatched(ratio)
 
 
 def _foam(material: Material) -> float:

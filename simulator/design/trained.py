@@ -18,6 +18,7 @@ from ..models.parameters import WAVES, nominal
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced
+from ..progress import Tell, tell_nothing
 from ..scene.contacts import Interface
 from ..scene.design import Design
 from ..scene.frequency import laplace_variable
@@ -44,11 +45,6 @@ class Material:
         """Both sheets that many times as resistive."""
         return replace(self, top=factor * self.top, bottom=factor * self.bottom)
 
-    def mismatched(self, ratio: float) -> Material:
-        """The same mean of both, the top sheet that many times as resistive as the bottom one."""
-        mean = math.sqrt(self.top * self.bottom)
-        return replace(self, top=mean * math.sqrt(ratio), bottom=mean / math.sqrt(ratio))
-
 
 def material_of(scene: Scene) -> Material:
     """As a scene has it."""
@@ -58,9 +54,17 @@ def material_of(scene: Scene) -> Material:
 class Trained:
     """The skins that a scene's bounds allow, with the foils where they are."""
 
-    def __init__(self, scene: Scene, asked: Design, band: tuple[float, float], seed: int) -> None:
-        """band: of all frequencies that are asked for, Hz."""
+    def __init__(
+        self,
+        scene: Scene,
+        asked: Design,
+        band: tuple[float, float],
+        seed: int,
+        tell: Tell = tell_nothing,
+    ) -> None:
+        """band: of all frequencies that are asked for, Hz. tell: how far training has come."""
         self.scene, self._asked, self._band, self._seed = scene, asked, band, seed
+        self._tell = tell
         self.modes = len(WAVES) if scene.dataset.session.unevenness else 1
 
     def cast(self, number: int) -> DrawnSkin:
@@ -88,7 +92,12 @@ class Trained:
         """The model, trained at first use on all that the bounds allow."""
         swept = Sweep(frequencies=tuple(sorted(set(self._band))))
         driven = with_chain(self.scene).model_copy(update={"sweep": swept})
-        return reduce(driven, RTOL, self._draw, modes=self.modes, alike=False)
+
+        def advance(share: float) -> None:
+            self._tell("training", share)
+
+        advance(0.0)
+        return reduce(driven, RTOL, self._draw, modes=self.modes, alike=False, advance=advance)
 
     def _draw(self, random: np.random.Generator) -> Case:
         scene, asked = self.scene, self._asked
