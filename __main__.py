@@ -284,6 +284,7 @@ EXAMPLES = {
     "study": "rcskin study sheet-5x5 -o study.csv",
     "limits": "rcskin limits sheet-5x5 -o limits",
     "frequencies": "rcskin frequencies sheet-5x5 -n 8",
+    "design": "rcskin design sheet-5x5-two-interfaces --want 0.9 -o designed",
     "calibrate": "rcskin calibrate sheet-5x5 run.nc -o found",
     "gap": "rcskin gap all.nc run.nc -o gap",
     "train": "rcskin train skins.zarr --target column -o columns.skops",

@@ -17,6 +17,7 @@ from .check.command import check, import_sweeps, plot
 from .check.join_command import join
 from .dataset.command import dataset, export
 from .describe.command import describe
+from .design.command import design
 from .interrupt import INTERRUPTED, ending_soon, leave
 from .limits.command import limits
 from .limits.frequencies_command import frequencies
@@ -169,6 +170,7 @@ app.command()(export)
 app.command()(calibrate)
 app.command()(limits)
 app.command()(frequencies)
+app.command()(design)
 app.command()(view)
 app.command()(page)
 

@@ -28,7 +28,7 @@ from rcskin.localization.inputs.samples import Samples
 from rcskin.localization.model.model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.model import reduced
-from rcskin.simulator.dataset.skins import DrawnSkin, drawn_skin
+from rcskin.simulator.measure.skins import DrawnSkin, drawn_skin
 from rcskin.simulator.models.reduced.model import Reduced
 from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.scene.scene import Scene

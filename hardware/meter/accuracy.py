@@ -12,9 +12,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from ...simulator.sweeps import InputError
-
-PERIODS = {"FAST": 1, "MEDIUM": 2, "SLOW": 4, "SLOW2": 20}
-LEAST = {"FAST": 2e-3, "MEDIUM": 5e-3, "SLOW": 50e-3, "SLOW2": 200e-3}
+from ...simulator.sweeps.pace import reading_time
 
 
 @dataclass(frozen=True)
@@ -30,12 +28,8 @@ class Conditions:
 
     @property
     def seconds(self) -> float:
-        """Time of a measurement: some periods of the signal, but never less than LEAST.
-
-        Both tables are assumptions of the virtual meter: plausible, not the IM3523's own.
-        """
-        once = max(PERIODS[self.speed] / self.frequency, LEAST[self.speed])
-        return once * self.averaging
+        """Time of a measurement, see `reading_time`."""
+        return reading_time(self.frequency, self.speed) * self.averaging
 
 
 OUTPUT_RESISTANCE = 100.0

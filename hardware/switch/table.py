@@ -17,6 +17,7 @@ from pydantic import (
 )
 
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.pace import SETTLE
 from .relays import NUMERALS, Closed, Lcus, Numato, SerialLine
 from .scpi import ROUTINGS, Scpi, open_scpi
 from .switch import Turning
@@ -37,7 +38,7 @@ class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     interface: dict[str, Relays] = Field(min_length=1)
-    settle: Seconds = 0.02
+    settle: Seconds = SETTLE
     timeout: Positive = 1.0
     baud: Annotated[int, Field(gt=0)] = 9600
 

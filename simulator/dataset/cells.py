@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from ..fem.estimate import relative_difference
+from ..measure.streams import CELLS, stream
 from ..models.parameters import nominal
 from ..models.solver import Solver
 from ..press.press import parse_press
 from ..scene.scene import Scene
 from .model import Family
 from .presses import drawn_presses
-from .streams import CELLS, stream
 
 SAMPLE = 16
 

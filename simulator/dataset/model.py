@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..measure.skins import drawn_skin
 from ..models.parameters import WAVES, Variation
 from ..models.reduced.cases import Case
 from ..models.reduced.file import load, save
@@ -18,7 +19,6 @@ from ..models.reduced.model import Reduced
 from ..scene.randomisation import Session
 from ..scene.scene import Pixels, Scene
 from .presses import drawn_presses
-from .skins import drawn_skin
 
 TRAINED_TO = 0.5
 """Of the tolerance: a press that training has not met is then still within it."""

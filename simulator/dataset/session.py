@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.readout import Meter, displayed
+from ..measure.skins import DrawnSkin, drawn_skin
+from ..measure.streams import AUDIT, METER, PRESSES, stream
 from ..scene.scene import Scene
 from ..sweeps import ToleranceError, parallel_capacitance
 from .model import Family, SkinModel
 from .plan import Plan
 from .presses import Presses, drawn_presses
-from .skins import DrawnSkin, drawn_skin
-from .streams import AUDIT, METER, PRESSES, stream
 
 ONE_IN = 1000
 

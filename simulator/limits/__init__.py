@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ..bounds.position import Bounds
     from ..progress import Track
     from ..scene.randomisation import AnyDistribution
     from ..scene.scene import Scene
     from .hand import Between
-    from .position import Bounds
 
 
 def bayes_accuracy(
@@ -31,10 +31,10 @@ def bayes_accuracy(
     of the skin at rest, for then nothing is left of the meter's errors of the session. Raises
     InputError for another target, a meter without noise, or one with too little of it.
     """
+    from ..bounds.bayes import bayes
+    from ..bounds.readings import Readings, hypotheses
     from ..measure.experiment import own_presses
     from ..progress import silent
-    from .bayes import bayes
-    from .readings import Readings, hypotheses
 
     among = hypotheses(scene, target)
     factors = presses or own_presses(scene)
@@ -61,11 +61,11 @@ def hand_accuracy(
     on it with more of them, but for `error`. Raises InputError as `bayes_accuracy` does, and for an
     offset out of range.
     """
+    from ..bounds.readings import hypotheses
     from ..measure.experiment import own_presses
     from ..progress import silent
     from ..sweeps import InputError
     from .hand import Hand, accuracy_of_hand
-    from .readings import hypotheses
 
     if not 0 <= offset <= 0.5:
         raise InputError(f"`offset` must be in 0..0.5 of a pixel's side, got {offset:g}")
@@ -100,9 +100,9 @@ def hand_distance(
     posterior is told by; with few of them the distance comes out large. Raises InputError for a
     size out of range or a meter without noise.
     """
+    from ..bounds.position import chosen_touch
     from ..measure.experiment import own_presses
     from .hand import Hand, distance_of_hand
-    from .position import chosen_touch
 
     touch = chosen_touch(scene, size)
     hand = Hand(
@@ -132,12 +132,12 @@ def position_bound(
     side, by default every cell. Infinite where a coordinate is told no closer than its room.
     Raises InputError for a size or factor out of range or a meter without noise.
     """
+    from ..bounds.fields import fields_of
+    from ..bounds.position import chosen_touch, places_on, position_slopes
     from ..progress import silent
-    from .fields import Fields
-    from .position import chosen_touch, places_on, position_slopes
 
     touch = chosen_touch(scene, size, factor)
-    fields = Fields(scene, float(scene.frequencies[-1]))
+    fields = fields_of(scene, float(scene.frequencies[-1]), touch)
     slopes = position_slopes(
         fields,
         places_on(scene, touch, fields.cells, most),

@@ -69,11 +69,12 @@ def limits(
 
     With --accuracy: the largest number of pixels for it, by target.
     """
+    from ..asked.numbers import check_numbers
     from ..asked.scene import asked_scene
+    from ..bounds.position import chosen_touch
     from ..charts import checked_ending
     from ..models.plain import folded
     from ..progress import on_terminal
-    from .position import chosen_touch
     from .survey import Question, with_factor, with_interfaces, with_sheets
 
     plain = folded(asked_scene(scene), "a limit")
@@ -92,22 +93,6 @@ def limits(
         if accuracy is None or output is not None:
             folder = _made(output or FOLDER)
             _write(loaded, question, resistances, n, (seed, draws), folder, ending, track, side)
-
-
-def check_numbers(
-    *, draws: int = 2, against_rest: int = 0, seed: int = 0, n: int | None = None
-) -> None:
-    """Raises InputError where one is out of range."""
-    from ..sweeps import InputError
-
-    for name, value, least, most in (
-        ("--draws", draws, 2, 10**6),
-        ("--against-rest", against_rest, 0, 10**6),
-        ("--seed", seed, 0, 2**63),
-        ("-n", 1 if n is None else n, 1, 100),
-    ):
-        if not least <= value <= most:
-            raise InputError(f"{name} must be from {least} to {most}, got {value}")
 
 
 def _listed(text: str | None) -> list[float]:

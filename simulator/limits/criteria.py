@@ -15,14 +15,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds.fields import Answer, AnyFields
+from ..bounds.information import (
+    error_model,
+    in_noise,
+    pixel_maps,
+    session_errors,
+    summed,
+    variances,
+)
+from ..bounds.position import Slopes
+from ..bounds.readings import Hypothesis, hypotheses
 from ..measure.readout import ErrorModel, observed
 from ..progress import Track, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .fields import Answer, Fields
-from .information import error_model, in_noise, pixel_maps, session_errors, summed, variances
-from .position import Slopes
-from .readings import Hypothesis, hypotheses
 
 CRITERIA = ("position", "column", "pixel")
 TOLD_APART = 1.0
@@ -80,7 +87,7 @@ def position_criterion(slopes: Slopes) -> Criterion:
 
 
 def identity_criterion(
-    fields: Fields,
+    fields: AnyFields,
     target: str,
     frequency: NDArray[np.float64],
     against_rest: int = 0,
@@ -113,7 +120,7 @@ def identity_criterion(
     return Criterion(frequency, information[told], np.diag(prior), 1, merit, left_out)
 
 
-def _pressed(fields: Fields, hypothesis: Hypothesis, frequency: NDArray[np.float64]) -> Answer:
+def _pressed(fields: AnyFields, hypothesis: Hypothesis, frequency: NDArray[np.float64]) -> Answer:
     """One pixel pressed as the scene does, and the derivative by its strength."""
     scene = fields.scene
     maps = list(pixel_maps(scene, fields.cells).values())

@@ -2,79 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds.exchange import best_choice
+from ..bounds.fields import CELLS_PER_PIXEL, fields_of
+from ..bounds.position import TouchSize, places_on, position_slopes
+from ..bounds.sets import OPTIMAL, compared, logarithmic, within
 from ..progress import Track, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .criteria import Criterion, identity_criterion, position_criterion
-from .fields import CELLS_PER_PIXEL, Fields
-from .position import TouchSize, places_on, position_slopes
-from .sets import OPTIMAL, compared, logarithmic, within
-
-Score = Callable[[NDArray[np.int64]], NDArray[np.float64]]
-"""From choices, shape (choice, n), to what is to be small, shape (choice,)."""
-
-GAIN = 1e-9
-"""Of the score, that an exchange must gain."""
-
-
-def best_choice(
-    score: Score,
-    candidates: int,
-    n: int,
-    starts: Sequence[NDArray[np.int64]] = (),
-    *,
-    repeats: bool = False,
-) -> NDArray[np.int64]:
-    """n candidates of the least score, ascending: the best of exchanges from several starts.
-
-    starts: further choices to begin at, beside the one that grows by the best candidate each time.
-    repeats: whether one candidate may be chosen more than once.
-    """
-    begun = [_grown(score, candidates, n, repeats), *starts]
-    ended = [_exchanged(score, candidates, np.sort(start), repeats) for start in begun]
-    scores = score(np.array(ended))
-    return ended[int(np.argmin(scores))]
-
-
-def _grown(score: Score, candidates: int, n: int, repeats: bool) -> NDArray[np.int64]:
-    chosen = np.zeros(0, dtype=np.int64)
-    for _ in range(n):
-        options = _with_each(chosen, candidates, repeats)
-        chosen = options[int(np.argmin(score(options)))]
-    return chosen
-
-
-def _exchanged(
-    score: Score, candidates: int, chosen: NDArray[np.int64], repeats: bool
-) -> NDArray[np.int64]:
-    least = float(score(chosen[None])[0])
-    quiet, slot = 0, 0
-    while quiet < len(chosen):
-        options = _with_each(np.delete(chosen, slot), candidates, repeats)
-        scores = score(options)
-        best = int(np.argmin(scores))
-        if scores[best] < least * (1 - GAIN):
-            least, quiet = float(scores[best]), 0
-            chosen = np.insert(np.delete(chosen, slot), slot, options[best, -1])
-        else:
-            quiet += 1
-        slot = (slot + 1) % len(chosen)
-    return np.sort(chosen)
-
-
-def _with_each(chosen: NDArray[np.int64], candidates: int, repeats: bool) -> NDArray[np.int64]:
-    """The choice and one more, for every candidate, shape (option, n + 1)."""
-    more = np.arange(candidates)
-    if not repeats:
-        more = np.setdiff1d(more, chosen)
-    return np.column_stack([np.tile(chosen, (len(more), 1)), more]).astype(np.int64)
-
 
 GRID = 60
 
@@ -175,7 +115,7 @@ def _criterion(
 ) -> Criterion:
     of_groups = name != "position" and scene.pixels.groups is not None
     cells = 1 if of_groups else CELLS_PER_PIXEL
-    fields = Fields(scene, float(candidates[-1]), cells)
+    fields = fields_of(scene, float(candidates[-1]), touch, cells)
     if name != "position":
         return identity_criterion(fields, name, candidates, against_rest, track)
     places = places_on(scene, touch, fields.cells, PLACES)

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds.position import Bounds
 from ..charts import COLOURS, LINE_STYLES, chart
 from ..mesh.skin_mesh import domain
 from ..mesh.triangles import edges_of
 from ..press.press import Press
 from ..scene.scene import Scene
-from .position import Bounds
 from .survey import Variant
 
 if TYPE_CHECKING:

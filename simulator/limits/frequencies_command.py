@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .command import check_numbers
-
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -52,13 +50,14 @@ def frequencies(
     """
     from rich.console import Console
 
+    from ..asked.numbers import check_numbers
     from ..asked.scene import asked_scene
+    from ..bounds.position import chosen_touch
+    from ..bounds.sets import chosen_band
     from ..models.plain import folded
     from ..progress import on_terminal
     from .criteria import checked_criterion
     from .design import check_design, design
-    from .position import chosen_touch
-    from .sets import chosen_band
     from .survey import with_interfaces
 
     plain = folded(asked_scene(scene), "a limit")

@@ -12,16 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp, softmax
 
+from ..bounds.information import error_model
+from ..bounds.readings import CELLS, LARGEST_FACTOR, LEAST_FACTOR, Hypothesis
 from ..measure.readout import observed
+from ..models.network.terminals import model_of
 from ..models.reduced.cases import Case
-from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced
 from ..progress import Track, silent
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import CUT, AnyDistribution, truncated_normal
 from ..scene.scene import Pixels, Scene
-from .information import error_model
-from .readings import CELLS, LARGEST_FACTOR, LEAST_FACTOR, Hypothesis
 
 RTOL = 1e-3
 
@@ -111,7 +111,7 @@ class Hand:
             cells, rises, _ = self._laid(middles, random.uniform(*range_of, (1, touches)))
             return Case(None, cells, rises)
 
-        return reduce(divided, RTOL, draw)
+        return model_of(divided, RTOL, draw)
 
 
 def _covered(middle: Array, side: float, lines: Array) -> Array:

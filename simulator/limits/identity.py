@@ -14,13 +14,13 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial.distance import cdist
 from scipy.special import ndtr
 
+from ..bounds.bayes import Accuracy, bayes
+from ..bounds.readings import Hypothesis, Readings, hypotheses
 from ..measure.experiment import own_presses, quantiles, together
 from ..progress import Track, silent
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Pixels, Scene
 from ..sweeps import InputError
-from .bayes import Accuracy, bayes
-from .readings import Hypothesis, Readings, hypotheses
 
 STRENGTHS = 16
 """Equally likely ones that a hypothesis is told in."""

@@ -8,14 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds.exchange import best_choice
+from ..bounds.fields import fields_of
+from ..bounds.position import Bounds, Slopes, TouchSize, places_on, position_slopes
+from ..bounds.sets import OPTIMAL, compared, logarithmic, own_band, within
 from ..progress import Track, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .criteria import position_criterion
-from .design import GRID, best_choice
-from .fields import Fields
-from .position import Bounds, Slopes, TouchSize, places_on, position_slopes
-from .sets import OPTIMAL, compared, logarithmic, own_band, within
+from .design import GRID
 
 FREQUENCIES, INTERFACES, SHEETS = "frequencies", "interfaces", "sheets"
 DESIGN_PLACES = 64
@@ -114,7 +115,7 @@ def with_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
 def _slopes(
     scene: Scene, question: Question, frequency: NDArray[np.float64], track: Track
 ) -> Slopes:
-    fields = Fields(scene, float(frequency[-1]))
+    fields = fields_of(scene, float(frequency[-1]), question.touch)
     return position_slopes(
         fields,
         places_on(scene, question.touch, fields.cells),

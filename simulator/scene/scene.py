@@ -16,6 +16,7 @@ from pydantic import (
 
 from ..sweeps import InputError
 from .contacts import Contact, Interface, farthest
+from .design import Design
 from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
 from .randomisation import Randomisation
 from .skin import Metre, Name, Skin
@@ -101,6 +102,7 @@ class Scene(Table):
     readout: AnyReadout = Readout()
     experiment: Experiment = Experiment()
     dataset: Randomisation = Randomisation()
+    design: Design | None = None
 
     @property
     def frequencies(self) -> np.ndarray:

@@ -30,7 +30,9 @@ SELF_MADE = (
     "simulator/scene/pages/SKINS.md",
 )
 """Pages whose commands take built-in scenes and what earlier commands made."""
-OF_A_SCENE = {"sweep", "describe", "view", "dataset", "study", "limits", "frequencies", "calibrate"}
+OF_A_SCENE = {
+    *("sweep", "describe", "view", "dataset", "study", "limits", "frequencies", "design", "calibrate")
+}
 FILE = re.compile(r"[\w./-]+\.(toml|nc|csv|zarr|skops)")
 FOLDERS = ("limits", "judged")
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.bounds.position import chosen_touch, places_on
+from rcskin.simulator.bounds.readings import hypotheses
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.fem.estimate import relative_difference
 from rcskin.simulator.inversion.tables import templates
 from rcskin.simulator.limits import bayes_accuracy
-from rcskin.simulator.limits.fields import Fields
-from rcskin.simulator.limits.position import chosen_touch, places_on
-from rcskin.simulator.limits.readings import hypotheses
 from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from rcskin.simulator.dataset.skins import DrawnSkin, drawn_skin
+from rcskin.simulator.measure.skins import DrawnSkin, drawn_skin
 from rcskin.simulator.models.reduced.model import Reduced, ReducedSkin
 from rcskin.simulator.press.capacitance import touched_box, touched_cells
 from rcskin.simulator.press.press import Press, check_press, parse_press
@@ -20,7 +20,7 @@ from rcskin.simulator.scene.frequency import laplace_variable
 from rcskin.simulator.scene.scene import Scene, checked_interface, interface_names
 
 HAND, DRIFT = 101, 102
-"""Kinds of random numbers, beside those of `dataset.streams`."""
+"""Kinds of random numbers, beside those of `measure.streams`."""
 MOST = 3.0
 
 

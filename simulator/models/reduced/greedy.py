@@ -77,10 +77,10 @@ def reduce(
     with one_blas_thread():
         cases = [draw(random) for _ in range(MESH_DRAWS)]
         family, mesh_error = resolved(scene, circuit, modes, rtol, cases)
-        return _Basis(family, rtol, mesh_error).grow(draw, random, advance)
+        return Basis(family, rtol, mesh_error).grow(draw, random, advance)
 
 
-class _Basis:
+class Basis:
     """Vectors of a family's space, orthonormal in K, growing."""
 
     def __init__(self, family: Family, rtol: float, mesh_error: float) -> None:
@@ -92,15 +92,20 @@ class _Basis:
         self._shifts = np.abs(laplace_variable(np.geomspace(low, high, decades), loss))
         self._s = laplace_variable(np.geomspace(low, high, FREQUENCIES), loss)
 
-    def grow(self, draw: Draw, random: np.random.Generator, advance: Advance) -> Reduced:
-        """Until enough fresh draws in a row keep what the mesh leaves of the tolerance."""
+    def grow(
+        self, draw: Draw, random: np.random.Generator, advance: Advance, most: int = MOST_QUIET
+    ) -> Reduced:
+        """Until enough fresh draws in a row keep what the mesh leaves of the tolerance.
+
+        most: so many of them are always enough.
+        """
         pixels, left = self.family.scene.pixels, self.rtol - self.mesh_error
         limit, cells = CERTIFIED_SHARE * left, pixels.rows * pixels.columns
         first = sharing_skins(covering(draw, random, cells, IDLE_DRAWS), PRESSES_ON_SKIN)
         for start in range(0, len(first), AT_ONCE):
             self._add(first[start : start + AT_ONCE])
         quiet, reduced, roughly, begun = 0, self._reduced(), True, 0.0
-        while quiet < min(max(FEWEST_QUIET, cells // 2), MOST_QUIET):
+        while quiet < min(max(FEWEST_QUIET, cells // 2), most):
             cases = [draw(random) for _ in range(BATCH)]
             roughly = roughly and any(case.variation is not None for case in cases)
             cases = sharing_skins(cases, PRESSES_ON_SKIN) if roughly else cases

@@ -120,7 +120,8 @@ class ReducedSkin:
     """One skin of a family: answers any press on its pixels in microseconds.
 
     turn: from this skin's coordinates, in which K is 1 and M at rest diagonal but for terminals, to
-    those of the model, shape (N + n, N + n). rest_factors: c of each pixel over the scene's own.
+    those of the model, shape (N + n, N + n). conductance: between terminals, S, shape (N, N).
+    rest_factors: c of each pixel over the scene's own.
     """
 
     def __init__(
@@ -140,15 +141,15 @@ class ReducedSkin:
         K = self.stiffness
         rows = (np.sqrt(self.rest_factors)[:, None, None] * reduced.factors).reshape(-1, len(K))
         M = rows.T @ rows
-        conductance, self.turn = own_coordinates(K, M, reduced.terminal_field)
-        terminals, M = len(conductance), self.turn.T @ M @ self.turn
+        self.conductance, self.turn = own_coordinates(K, M, reduced.terminal_field)
+        terminals, M = len(self.conductance), self.turn.T @ M @ self.turn
         self.rest = Rest(
             np.ascontiguousarray(M[:terminals]),
             np.ascontiguousarray(M.diagonal()[terminals:]),
             np.ascontiguousarray(reduced.factors @ self.turn),
         )
         self._drives = [
-            driven_by(drive, reduced.terminal_field, conductance, np.eye(terminals))
+            driven_by(drive, reduced.terminal_field, self.conductance, np.eye(terminals))
             for drive in reduced.circuit.drives
         ]
         self.feeds = [feed_of(driven) for driven in self._drives]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.dataset.presses import drawn_presses
 from rcskin.simulator.dataset.session import Audit, audited, drawn_session, together
-from rcskin.simulator.dataset.streams import AUDIT, PRESSES, stream
+from rcskin.simulator.measure.streams import AUDIT, PRESSES, stream
 from rcskin.simulator.sweeps import ToleranceError, open_zarr
 
 

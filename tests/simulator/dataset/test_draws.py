@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.simulator.dataset.presses import cells_of_pixels, drawn_presses
-from rcskin.simulator.dataset.skins import drawn_skin
-from rcskin.simulator.dataset.streams import PRESSES, SKIN, stream
+from rcskin.simulator.measure.skins import drawn_skin
+from rcskin.simulator.measure.streams import PRESSES, SKIN, stream
 from rcskin.simulator.press.capacitance import capacitance_map, grid_map
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.touch import Touch

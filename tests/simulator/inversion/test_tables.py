@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.skins import drawn_skin
 from rcskin.simulator.inversion import places as templates_places
 from rcskin.simulator.inversion.tables import STRENGTHS, covered, strength_prior, templates
 from rcskin.simulator.inversion.unknown_skin import UnknownSkin, expected
 from rcskin.simulator.measure.readout import ErrorModel, observed
+from rcskin.simulator.measure.skins import drawn_skin
 from rcskin.simulator.models.parameters import WAVES, scene_with, session_spreads
 from rcskin.simulator.models.reduced.cases import Case
 from rcskin.simulator.models.reduced.forward import Forward

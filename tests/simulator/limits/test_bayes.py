@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.bounds.bayes import bayes
+from rcskin.simulator.bounds.readings import Readings, hypotheses
 from rcskin.simulator.limits import bayes_accuracy
-from rcskin.simulator.limits.bayes import bayes
 from rcskin.simulator.limits.identity import counts, distances, upper_bound, with_pixels
-from rcskin.simulator.limits.readings import Readings, hypotheses
 from rcskin.simulator.measure.experiment import own_presses, strengths
 from rcskin.simulator.scene.randomisation import Uniform
 from rcskin.simulator.sweeps import InputError
@@ -62,7 +62,7 @@ def test_the_pairwise_bound_is_one(noisy):
 def test_finer_steps_of_strength_change_nothing(noisy, monkeypatch):
     scene = noisy(readout=noise(0.01), spread=0.2, columns=3, **STRIP)
     coarse = bayes_accuracy(scene, "pair", draws=300)
-    monkeypatch.setattr("rcskin.simulator.limits.bayes.STEP", 0.5)
+    monkeypatch.setattr("rcskin.simulator.bounds.bayes.STEP", 0.5)
     assert bayes_accuracy(scene, "pair", draws=300)[0] == pytest.approx(coarse[0], abs=3e-4)
 
 

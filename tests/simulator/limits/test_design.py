@@ -4,11 +4,12 @@ import itertools
 
 import numpy as np
 import pytest
+from rcskin.simulator.bounds.exchange import best_choice
+from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.bounds.position import chosen_touch, places_on, position_slopes
+from rcskin.simulator.bounds.sets import LOGARITHMIC, chosen_band, equation_6, logarithmic
 from rcskin.simulator.limits.criteria import identity_criterion, position_criterion
-from rcskin.simulator.limits.design import best_choice, design
-from rcskin.simulator.limits.fields import Fields
-from rcskin.simulator.limits.position import chosen_touch, places_on, position_slopes
-from rcskin.simulator.limits.sets import LOGARITHMIC, chosen_band, equation_6, logarithmic
+from rcskin.simulator.limits.design import design
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.sweeps import InputError
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.limits.fields import Fields
-from rcskin.simulator.limits.position import Cells, TouchSize, covered
+from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.bounds.position import Cells, TouchSize, covered
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.parameters import scene_with
 from rcskin.simulator.models.solver import Solver

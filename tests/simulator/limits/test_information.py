@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.limits.information import (
+from rcskin.simulator.bounds.information import (
     covariances,
     error_model,
     session_errors,

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.bounds.information import error_model
+from rcskin.simulator.bounds.position import Slopes, chosen_touch, places_on, position_slopes
 from rcskin.simulator.limits import position_bound
-from rcskin.simulator.limits.fields import Fields
-from rcskin.simulator.limits.information import error_model
-from rcskin.simulator.limits.position import Slopes, chosen_touch, places_on, position_slopes
 from rcskin.simulator.measure.readout import observed
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.press.press import Press

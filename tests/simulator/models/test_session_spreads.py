@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.bounds.information import error_model
+from rcskin.simulator.bounds.position import SkinUnknowns
 from rcskin.simulator.calibration.measured import measured
 from rcskin.simulator.calibration.prior import priors
-from rcskin.simulator.dataset.skins import drawn_skin
 from rcskin.simulator.inversion.unknown_skin import UnknownSkin
-from rcskin.simulator.limits.fields import Fields
-from rcskin.simulator.limits.information import error_model
-from rcskin.simulator.limits.position import SkinUnknowns
 from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.measure.skins import drawn_skin
 from rcskin.simulator.models.parameters import session_spreads
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.bounds.fields import Fields
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.inversion.tables import strength_prior
-from rcskin.simulator.limits.fields import Fields
 from rcskin.simulator.measure.experiment import own_presses, planned_presses
 from rcskin.simulator.measure.simulate import resimulated, simulate
 from rcskin.simulator.models.solver import Solver

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.skins import drawn_skin
-from rcskin.simulator.limits.fields import Fields
+from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.measure.skins import drawn_skin
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.meter import Leads

@@ -21,7 +21,7 @@ from ..progress import Track, silent
 from ..scene.planar import SAME_LINE, shared
 from ..scene.scene import Pixels, Scene
 from ..sweeps import InputError
-from .fields import Answer, Fields
+from .fields import Answer, AnyFields, TouchSize
 from .information import (
     covariances,
     error_model,
@@ -32,15 +32,6 @@ from .information import (
 )
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class TouchSize:
-    """Sides along x and y in m, and the rise of capacitance over that at rest."""
-
-    width: float
-    height: float
-    rise: float
 
 
 @dataclass(frozen=True)
@@ -207,7 +198,7 @@ def _on_skin(
 
 
 def position_slopes(
-    fields: Fields,
+    fields: AnyFields,
     places: Sequence[Place],
     touch: TouchSize,
     frequency: NDArray[np.float64],
@@ -243,7 +234,9 @@ def position_slopes(
 class SkinUnknowns:
     """The skin's parameters and the foam of every pixel as unknowns with priors."""
 
-    def __init__(self, fields: Fields, frequency: NDArray[np.float64], model: ErrorModel) -> None:
+    def __init__(
+        self, fields: AnyFields, frequency: NDArray[np.float64], model: ErrorModel
+    ) -> None:
         scene = fields.scene
         self._model, self._pixels = model, pixel_maps(scene, fields.cells)
         rest = np.ones(fields.grid)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ..measure.experiment import strengths, together
 from ..progress import Track, silent
 from ..scene.randomisation import AnyDistribution
+from ..scene.scene import Scene
 from ..sweeps import InputError
 from .readings import Hypothesis, Pixel, Readings
 
@@ -28,6 +29,25 @@ MOST_TEMPLATES = 3_000_000
 AT_ONCE = 20_000_000
 LEFT_OUT = 0.03
 """Of the meter's error: what readings may lose to fewer numbers."""
+
+
+class Reads(Protocol):
+    """A known skin and its meter: see `readings.Readings`."""
+
+    @property
+    def scene(self) -> Scene:
+        """Of the skin."""
+        ...
+
+    def of(self, pixels: Sequence[Pixel], factors: NDArray[np.float64], /) -> NDArray[np.float64]:
+        """The same pixels pressed in many ways."""
+        ...
+
+    def of_each(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], starts: NDArray[np.int64], /
+    ) -> NDArray[np.float64]:
+        """Many presses."""
+        ...
 
 
 class Accuracy(NamedTuple):
@@ -74,7 +94,7 @@ def bayes(
 
 
 def templates(
-    readings: Readings,
+    readings: Reads,
     among: Sequence[Hypothesis],
     presses: AnyDistribution,
     track: Track = silent,
@@ -99,7 +119,7 @@ def templates(
 
 
 def drawn(
-    readings: Readings,
+    readings: Reads,
     among: Sequence[Hypothesis],
     presses: AnyDistribution,
     random: np.random.Generator,
@@ -138,7 +158,7 @@ def _pixels(among: Sequence[Hypothesis]) -> list[Pixel]:
     return sorted({pixel for each in among for pixel in each.pixels})
 
 
-def _steps(readings: Readings, pixel: Pixel, presses: AnyDistribution) -> int:
+def _steps(readings: Reads, pixel: Pixel, presses: AnyDistribution) -> int:
     """How many strengths of one pixel are no further apart than STEP of the meter's error."""
     look = strengths(presses, FIRST_LOOK).factor
     if look.size == 1:

@@ -9,41 +9,29 @@ trained: a sweep with its derivatives costs some tens of milliseconds.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from ..fem.circuit import Drive
-from ..fem.galerkin import Galerkin, one_blas_thread
-from ..fem.lanczos import Pencil, potentials, respond
-from ..models.parameters import of_parts
-from ..models.plain import require_factor
-from ..models.reduced.family import Weights, weights_under
-from ..models.reduced.resolving import unreduced
-from ..models.varied.materials import gauge_slopes, gauged
-from ..models.varied.meshes import circuit_of
-from ..scene.frequency import laplace_variable, slopes_of_s
-from ..scene.scene import Pixels, Scene
-from ..sweeps import InputError
+from ...fem.circuit import Drive
+from ...fem.galerkin import Galerkin, one_blas_thread
+from ...fem.lanczos import Pencil, potentials, respond
+from ...models.parameters import of_parts
+from ...models.plain import require_factor
+from ...models.reduced.family import Weights, weights_under
+from ...models.reduced.resolving import unreduced
+from ...models.varied.materials import gauge_slopes, gauged
+from ...models.varied.meshes import circuit_of
+from ...scene.frequency import laplace_variable, slopes_of_s
+from ...scene.scene import Pixels, Scene
+from ...sweeps import InputError
+from .answer import NONE, Answer, Maps, at_meter, by_sheets
 
 RTOL = 1e-3
 CELLS_PER_PIXEL = 4
 KRYLOV_RTOL = 1e-6
-Maps = Mapping[str, NDArray[np.float64]]
-
-
-@dataclass(frozen=True)
-class Answer:
-    """Z in ohm behind the leads, shape (interface, frequency), and its derivatives by name."""
-
-    Z: NDArray[np.complex128]
-    by: dict[str, NDArray[np.complex128]]
-
-
-NONE: Maps = {}
 
 
 class _Pressed(NamedTuple):
@@ -98,7 +86,7 @@ class Fields:
             found = [self._of_drive(drive, on, s, frequency) for drive in self._circuit.drives]
         Y = np.stack([own for own, _ in found])
         by = {name: np.stack([each[name] for _, each in found]) for name in found[0][1]}
-        return self._at_meter(1 / Y, by, frequency)
+        return at_meter(1 / Y, by, self.scene.leads, frequency)
 
     def _mass(self, change: NDArray[np.float64]) -> csc_matrix:
         return self._family.mass(self._parts(change, 0.0))
@@ -167,31 +155,9 @@ class Fields:
     def _by_resistance(
         self, u: NDArray[np.complex128], sheets: NDArray[np.complex128]
     ) -> dict[str, NDArray[np.complex128]]:
-        """dY by the logarithms of resistances and of top over bottom; see `parameters`.
-
-        sheets: energy of each field's sheet, W, shape (field, s).
-        """
-        family, skin = self._family, self.scene.skin
-        if len(sheets) == 2:
-            mismatch = (sheets[1] - sheets[0]) / 2
-        else:
-            top, bottom = skin.top.sheet_resistance, skin.bottom.sheet_resistance
-            mismatch = sheets[0] * (bottom - top) / (bottom + top) / 2
-        found = {"sheet_resistance": -np.sum(sheets, axis=0), "sheet_mismatch": mismatch}
+        """As `by_sheets`, and by contact resistance."""
+        family, found = self._family, by_sheets(sheets, self.scene.skin)
         if any(not contact.ideal for contact in self.scene.contacts):
             films = family.space.film_energy(u, family.system.films)  # pyright: ignore[reportArgumentType]
-            found["contact_resistance"] = -films.diagonal()
+            found["contact_resistance"] = np.asarray(-films.diagonal(), dtype=np.complex128)
         return found
-
-    def _at_meter(
-        self,
-        Z: NDArray[np.complex128],
-        by: Mapping[str, NDArray[np.complex128]],
-        frequency: NDArray[np.float64],
-    ) -> Answer:
-        """From admittance at the skin to impedance behind the leads."""
-        leads = self.scene.leads
-        by_skin, by_leads = leads.slopes(Z, frequency)
-        found = {name: -(Z**2) * by_skin * slope for name, slope in by.items()}
-        found |= {name: by_leads[name] for name in ("lead_resistance", "stray_capacitance")}
-        return Answer(leads.seen_through(Z, frequency).astype(np.complex128), found)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from ..measure.readout import observed
 from ..mesh.held import held
+from ..models.network.terminals import model_of
 from ..models.reduced.cases import Case, pixel_touches
-from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced
 from ..progress import Track, silent
 from ..scene.frequency import laplace_variable
@@ -164,14 +164,14 @@ class Readings:
     def _reduced(self) -> Reduced:
         touches = pixel_touches(self.scene, self._factors)
         if self._size is None:
-            return reduce(self.scene, RTOL, touches)
+            return model_of(self.scene, RTOL, touches)
 
         def laid(random: np.random.Generator) -> Case:
             case = touches(random)
             cells, rises, _ = self._laid(case.cells, case.rises, np.array([0, len(case.cells)]))
             return Case(None, cells, rises)
 
-        return reduce(self._divided, RTOL, laid)
+        return model_of(self._divided, RTOL, laid)
 
 
 def _parts(side: float, pixels: int, size: float) -> NDArray[np.float64]:

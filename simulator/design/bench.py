@@ -1,0 +1,132 @@
+"""A skin with its foils where they are: what it tells of any material, readings and frequencies.
+
+Answers are kept in a journal; the skin is trained at the first one that is not there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+
+from ..bounds.readings import hypotheses
+from ..progress import Tell
+from ..scene.design import Design
+from ..scene.files import scene_text
+from ..scene.scene import Scene
+from .journal import Journal
+from .judged import Judge, Layout
+from .picking import Picked, Picker, candidate_frequencies
+from .pool import own_readings, pool, terminals, wirings
+from .trained import Material, Trained, material_of
+
+
+@dataclass(frozen=True)
+class Asking:
+    """What a search is asked, and how: see `search.Search`."""
+
+    asked: Design
+    seed: int
+    draws: int
+    journal: Journal
+    tell: Tell
+
+
+class Bench:
+    """One scene's geometry. wired: the terminals with wires."""
+
+    def __init__(self, scene: Scene, asking: Asking, wired: Sequence[str]) -> None:
+        self.scene, self._asking, asked = scene, asking, asking.asked
+        own = float(scene.frequencies[0]), float(scene.frequencies[-1])
+        band = asked.band or own
+        self.frequency = candidate_frequencies(scene, band)
+        spanned = min(own[0], band[0]), max(own[1], band[1])
+        self.wired, self.pool = tuple(wired), pool(scene, wired)
+        self._trained = Trained(scene, asked, spanned, asking.seed, asking.tell)
+        among = hypotheses(scene, asked.target)
+        self._judge = Judge(among, asked.against_rest, asked.casts, asking.draws, asking.seed)
+        self._picker = Picker(self._trained, among, self.pool, self.frequency, asked)
+
+    @property
+    def own(self) -> Layout:
+        """The scene's own."""
+        frequencies = tuple(self.scene.frequencies.tolist())
+        return Layout(material_of(self.scene), self.scene.interfaces, frequencies)
+
+    @property
+    def own_readings(self) -> list[int]:
+        """Where the scene's own stand in the pool."""
+        return own_readings(self.scene, self.pool)
+
+    def layout(self, material: Material, picked: Picked) -> Layout:
+        """What was picked, of a material."""
+        return Layout(
+            material,
+            tuple(self.pool[k] for k in picked.readings),
+            tuple(float(self.frequency[k]) for k in picked.frequencies),
+        )
+
+    def share_of(
+        self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
+    ) -> float:
+        """As of `Picker`."""
+        asked = {"share of": [list(readings), list(frequencies)], **self._at(material)}
+
+        def answer() -> dict[str, float]:
+            return {"share": self._picker.share_of(material, readings, frequencies)}
+
+        return self._asking.journal.kept(asked, answer)["share"]
+
+    def readings_at(
+        self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
+    ) -> Picked:
+        """As of `Picker`."""
+        asked = {"readings at": [list(readings), list(frequencies)], **self._at(material)}
+
+        def answer() -> dict[str, object]:
+            return asdict(self._picker.readings_at(material, readings, frequencies))
+
+        return Picked.of(self._asking.journal.kept(asked, answer))
+
+    def picked(
+        self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
+    ) -> Picked:
+        """As of `Picker`."""
+        asked = {"picked from": [list(readings), list(frequencies)], **self._at(material)}
+
+        def answer() -> dict[str, object]:
+            return asdict(self._picker.picked(material, readings, frequencies))
+
+        found = self._asking.journal.kept(asked, answer)
+        return Picked.of(found)
+
+    def shares(self, layout: Layout) -> tuple[float, ...]:
+        """As of `Judge`."""
+        read = [[list(each.high), list(each.low)] for each in layout.readings]
+        asked = {
+            "shares": [read, list(layout.frequencies)],
+            **self._at(layout.material),
+        }
+
+        def answer() -> dict[str, list[float]]:
+            return {"shares": self._judge.shares(self._trained, layout)}
+
+        return tuple(self._asking.journal.kept(asked, answer)["shares"])
+
+    def _at(self, material: Material) -> dict[str, object]:
+        return {"scene": self._text, "wired": self.wired, "material": asdict(material)}
+
+    @cached_property
+    def _text(self) -> str:
+        return scene_text(self.scene)
+
+
+def first_bench(scene: Scene, asking: Asking) -> Bench:
+    """Of a scene with the wires that tell most of what it is, where not all foils may have one."""
+    wires = asking.asked.wires or len(terminals(scene))
+    benches = [Bench(scene, asking, wired) for wired in wirings(scene, wires)]
+    if len(benches) == 1:
+        return benches[0]
+    own = material_of(scene)
+    some = range(len(benches[0].frequency))
+    return max(benches, key=lambda each: each.picked(own, [], list(some)).share)

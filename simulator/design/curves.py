@@ -1,0 +1,114 @@
+"""What pairs of presses differ by, in the meter's errors, and how their strengths hide it."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..bounds.readings import Hypothesis
+from ..scene.scene import Scene
+from .trained import OnSkin
+
+NEAREST = 10
+"""Other hypotheses that each may be mistaken for; those further off hardly ever are."""
+SAME = 1e-3
+"""Of the meter's errors: presses that no candidates tell apart, mirror images above all."""
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Pairs of hypotheses with different answers, of one skin.
+
+    apart: from one to the other, then how either strength changes that, each by its standard
+    deviation, over the noise: shape (pair, reading, frequency, 2, 1 + strengths). weight: what
+    share of all sweeps is lost where a pair is always mistaken, shape (pair,).
+    """
+
+    apart: NDArray[np.float64]
+    weight: NDArray[np.float64]
+
+    def of(self, readings: Sequence[int], frequencies: Sequence[int]) -> Pairs:
+        """At some of the readings and frequencies."""
+        chosen = self.apart[:, list(readings)][:, :, list(frequencies)]
+        return Pairs(chosen, self.weight)
+
+
+def pairs(
+    on: OnSkin, among: Sequence[Hypothesis], frequency: NDArray[np.float64], noise: float
+) -> Pairs:
+    """All candidates of a skin; noise: of a reading over that of a single one."""
+    middle, slopes = _expected(on, among, frequency, noise)
+    chosen = _nearest(middle, slopes, [each.answer for each in among])
+    one, other = chosen.T
+    parts = [middle[one] - middle[other], *np.moveaxis(slopes[one], 1, 0)]
+    parts += list(-np.moveaxis(slopes[other], 1, 0))
+    chance = np.array([each.chance for each in among])
+    return Pairs(np.stack(parts, axis=-1), chance[one] + chance[other])
+
+
+def _expected(
+    on: OnSkin, among: Sequence[Hypothesis], frequency: NDArray[np.float64], noise: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Readings (hypothesis, reading, frequency, 2) and slopes (hypothesis, touch, ...) in noise.
+
+    All touches are pressed a standard deviation more or less, in all ways: means of these are the
+    reading, differences the slope.
+    """
+    touches = max(len(each.pixels) for each in among)
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=touches))).reshape(-1, touches)
+    cells, rises, starts = _presses(on.scene, among, signs)
+    found = on.observed(cells, rises, starts, frequency)
+    shape = len(among), len(signs), 2, -1, len(frequency)
+    readout = on.scene.readout
+    scale = noise * np.array([readout.magnitude_noise, readout.phase_noise])
+    each = np.moveaxis(found.reshape(shape), 2, -1) / scale
+    slopes = np.einsum("hs...,st->ht...", each, signs / len(signs))
+    return each.mean(axis=1), slopes
+
+
+def _presses(
+    scene: Scene, among: Sequence[Hypothesis], signs: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
+    """Cells, rises and starts, see `ReducedSkin.sweeps`; each hypothesis in all ways in turn."""
+    press, columns = scene.press, scene.pixels.columns
+    rise = press.capacitance_factor - 1
+    cells, rises, starts = [], [], [0]
+    for each in among:
+        for sign in signs:
+            cells += [i * columns + j for i, j in each.pixels]
+            rises += [rise * (1 + press.factor_spread * k) for k in sign[: len(each.pixels)]]
+            starts.append(len(cells))
+    return np.array(cells, dtype=np.int64), np.array(rises), np.array(starts)
+
+
+def _nearest(
+    middle: NDArray[np.float64], slopes: NDArray[np.float64], answers: Sequence[tuple[int, ...]]
+) -> NDArray[np.int64]:
+    """Pairs (one, other) by number, one < other: of each hypothesis those of its NEAREST others."""
+    count = len(middle)
+    flat, turned = middle.reshape(count, -1), slopes.reshape(count, slopes.shape[1], -1)
+    names = {answer: k for k, answer in enumerate(dict.fromkeys(answers))}
+    number = np.array([names[answer] for answer in answers])
+    kept = set[tuple[int, int]]()
+    for one in range(count):
+        apart = _profiled(flat[one] - flat, turned[one], turned)
+        apart[number == number[one]] = np.inf
+        for other in np.argsort(apart, kind="stable")[:NEAREST].tolist():
+            if np.isfinite(apart[other]) and apart[other] > SAME**2:
+                kept.add((min(one, other), max(one, other)))
+    return np.array(sorted(kept), dtype=np.int64).reshape(-1, 2)
+
+
+def _profiled(
+    apart: NDArray[np.float64], own: NDArray[np.float64], others: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Squares of distances at the strengths that bring each nearest, shape (other,)."""
+    slopes = np.concatenate([np.broadcast_to(own, others.shape), -others], axis=1)
+    gram = np.einsum("oak,obk->oab", slopes, slopes) + np.eye(slopes.shape[1])
+    along = np.einsum("oak,ok->oa", slopes, apart)
+    hidden = np.einsum("oa,oa->o", along, np.linalg.solve(gram, along[..., None])[..., 0])
+    return (apart**2).sum(axis=1) - hidden

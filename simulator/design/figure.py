@@ -1,0 +1,95 @@
+"""Charts of a design: what each step gained, how flat the optimum is, the wiring."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..charts import AT_REST, COLOURS, chart
+from ..scene.contacts import Interface, path
+from ..scene.scene import Scene
+from .flat import Along
+from .search import Step
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+IN_A_ROW = 5
+OTHER = {"top": 0.0, "bottom": -0.035}
+"""How far outside its edge the foils of a sheet are drawn, over its sides."""
+LETTERS = {"top": 0.08, "bottom": -0.08}
+"""How far outside its foil a letter stands, over the skin's longer side."""
+
+
+def draw_steps(steps: Sequence[Step], wanted: float | None, to: Path) -> None:
+    """The bound after each step: nine of ten casts, and the skin as it was meant."""
+    with chart(to, 7, 0.6 + 0.45 * len(steps)) as figure:
+        axes = figure.subplots()
+        places = range(len(steps))
+        shades = [COLOURS[0] if step.taken else "0.75" for step in steps]
+        axes.barh(list(places), [100 * step.tenth for step in steps], color=shades)
+        axes.plot(
+            [100 * step.nominal for step in steps],
+            list(places),
+            "o",
+            color=COLOURS[1],
+            label="as it was meant",
+        )
+        if wanted is not None:
+            axes.axvline(100 * wanted, color=AT_REST, linestyle="--", label="wanted")
+        axes.set_yticks(list(places), [step.name for step in steps])
+        axes.invert_yaxis()
+        axes.set_xlabel("right at most, nine of ten casts (%); grey: not taken")
+        axes.set_axisbelow(True)
+        figure.legend(loc="outside upper right", ncols=2)
+
+
+def draw_flat(found: Sequence[Along], to: Path) -> None:
+    """The bound where numbers are cast off by a factor."""
+    with chart(to, 6, 3.4) as figure:
+        axes = figure.subplots()
+        for each, colour in zip(found, COLOURS, strict=False):
+            shares = [100 * share for share in each.tenths]
+            axes.plot(each.factors, shares, "o-", color=colour, label=each.name)
+        axes.set_xscale("log")
+        axes.set_xticks(found[0].factors, [f"{factor:g}" for factor in found[0].factors])
+        axes.minorticks_off()
+        axes.set_xlabel("cast over designed")
+        axes.set_ylabel("right at most, nine of ten casts (%)")
+        axes.legend()
+
+
+def draw_wiring(scene: Scene, readings: Sequence[Interface], to: Path) -> None:
+    """The foils of a skin without mesh at each reading: H, L, or left open."""
+    rows = -(-len(readings) // IN_A_ROW)
+    columns = min(len(readings), IN_A_ROW)
+    with chart(to, 2.1 * columns, 2.3 * rows) as figure:
+        grid = figure.subplots(rows, columns, squeeze=False).ravel()
+        for axes in grid:
+            axes.set_axis_off()
+        for axes, reading in zip(grid, readings, strict=False):
+            _draw_reading(axes, scene, reading)
+
+
+def _draw_reading(axes: Axes, scene: Scene, reading: Interface) -> None:
+    longer = max(scene.skin.sides)
+    for contact in scene.contacts:
+        side = "H" if contact.name in reading.high else "L" if contact.name in reading.low else ""
+        colour = {"H": COLOURS[1], "L": COLOURS[0], "": "0.75"}[side]
+        x, y = path(contact, scene.skin)
+        centre = np.array(scene.skin.sides) / 2
+        shrunk = 1 + 2 * OTHER[contact.electrode]
+        x, y = (m + shrunk * (v - m) for v, m in zip((x, y), centre, strict=True))
+        style = "-" if contact.electrode == "top" else (0, (2, 1))
+        axes.plot(x, y, color=colour, linewidth=3, linestyle=style, solid_capstyle="butt")
+        if side:
+            away = LETTERS[contact.electrode] * longer * np.sign([x.mean(), y.mean()] - centre)
+            at_x, at_y = [x.mean(), y.mean()] + away * (np.abs([np.ptp(y), np.ptp(x)]) > 0)
+            axes.annotate(side, (at_x, at_y), color=colour, ha="center", va="center")
+    axes.set_aspect("equal")
+    axes.set_xlim(-0.15 * longer, scene.skin.length + 0.15 * longer)
+    axes.set_ylim(-0.15 * longer, scene.skin.width + 0.15 * longer)
+    axes.set_title(reading.name.replace(" to ", "\nto "), fontsize=6)

@@ -1,0 +1,198 @@
+"""Readings and frequencies picked for a material: turn by turn, until neither changes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..bounds.readings import Hypothesis
+from ..bounds.sets import logarithmic, within
+from ..measure.readout import ErrorModel
+from ..scene.contacts import Interface
+from ..scene.design import Design
+from ..scene.scene import Scene
+from ..sweeps import InputError
+from ..sweeps.pace import SETTLE, reading_time
+from .choosing import Choice, chosen
+from .curves import Pairs, pairs
+from .proxy import Ties, by_frequency, by_reading
+from .trained import Material, Trained
+
+GRID = 24
+"""Frequencies to pick from, beside the scene's own."""
+CASTS = 4
+"""Drawn skins that picks are made for, all together."""
+TURNS = 4
+
+
+@dataclass(frozen=True)
+class Picked:
+    """Numbers of readings in the pool and of frequencies among the candidates.
+
+    share: told right by the pairs of `proxy`. most_by_readings, most_by_frequencies: what no other
+    so many readings, or frequencies, exceed while the others stay.
+    """
+
+    readings: tuple[int, ...]
+    frequencies: tuple[int, ...]
+    share: float
+    most_by_readings: float
+    most_by_frequencies: float
+
+    @classmethod
+    def of(cls, answer: Mapping[str, Any]) -> Picked:
+        """From what a journal keeps of it."""
+        numbers = {name: tuple(answer[name]) for name in ("readings", "frequencies")}
+        return cls(**{**answer, **numbers})
+
+
+def candidate_frequencies(scene: Scene, band: tuple[float, float]) -> NDArray[np.float64]:
+    """Hz, ascending: the scene's own in the band, and evenly spaced ones over it."""
+    low, high = band
+    own = scene.frequencies[(scene.frequencies >= low) & (scene.frequencies <= high)]
+    even = within(logarithmic(band, GRID), band) if low < high else np.array([low])
+    return np.unique(np.concatenate([own, even]))
+
+
+def sweep_time(readings: int, frequencies: Sequence[float]) -> float:
+    """s that a meter takes for a sweep, with a switch between the readings."""
+    return readings * (SETTLE * (readings > 1) + sum(map(reading_time, frequencies)))
+
+
+def budgets(scene: Scene, asked: Design, low: float, pool: int) -> list[tuple[int, int]]:
+    """How many readings at how many frequencies each may be picked; low: of the band, Hz.
+
+    Within a time every frequency is taken to be as slow as the lowest. Raises InputError where not
+    even one fits.
+    """
+    most, each = min(asked.readings, pool), asked.frequencies or len(scene.frequencies)
+    if asked.seconds is None:
+        return [(most, each)]
+    found = []
+    for readings in range(1, most + 1):
+        count = each
+        while count and sweep_time(readings, [low] * count) > asked.seconds:
+            count -= 1
+        if count:
+            found.append((readings, count))
+    if not found:
+        raise InputError(
+            f"`design.seconds` must be >= {sweep_time(1, [low]):.3g} s, what one reading at "
+            f"{low:g} Hz takes, got {asked.seconds:g}"
+        )
+    return found
+
+
+class Picker:
+    """Picks from a pool of readings and some frequencies in Hz, for a skin and its casts."""
+
+    def __init__(
+        self,
+        trained: Trained,
+        among: Sequence[Hypothesis],
+        pool: Sequence[Interface],
+        frequency: NDArray[np.float64],
+        asked: Design,
+    ) -> None:
+        """Raises InputError for a meter without noise."""
+        scene = trained.scene
+        self._trained, self._among, self._pool = trained, among, list(pool)
+        self.frequency = frequency
+        self._budgets = budgets(scene, asked, float(frequency[0]), len(self._pool))
+        self._casts = min(CASTS, asked.casts)
+        model = ErrorModel(scene.readout, 1, 1, against_rest=asked.against_rest)
+        readout = scene.readout
+        self._noise = float(model.deviation[0] / readout.magnitude_noise)
+        self._ties = (
+            Ties()
+            if asked.against_rest
+            else Ties(
+                _known(readout.magnitude_noise, readout.magnitude_accuracy),
+                _known(readout.phase_noise, readout.phase_accuracy),
+            )
+        )
+        self._kept: tuple[Material, Pairs] | None = None
+
+    def share_of(
+        self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
+    ) -> float:
+        """Told right by pairs."""
+        own = self._pairs(material).of(readings, frequencies)
+        told = by_reading(own, self._ties)
+        return told.slope(np.ones(told.candidates))[0]
+
+    def readings_at(
+        self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
+    ) -> Picked:
+        """The best readings at these frequencies, begun at some; as many as may be at most."""
+        most = max(count for count, _ in self._budgets)
+        by = self._readings(material, most, readings, frequencies)
+        return Picked(by.numbers, tuple(frequencies), by.share, by.most, by.share)
+
+    def picked(
+        self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
+    ) -> Picked:
+        """The best within what is asked, begun at these readings and frequencies."""
+        every = [self._within(material, budget, readings, frequencies) for budget in self._budgets]
+        return max(every, key=lambda each: each.share)
+
+    def _within(
+        self,
+        material: Material,
+        budget: tuple[int, int],
+        readings: Sequence[int],
+        frequencies: Sequence[int],
+    ) -> Picked:
+        picks = self._turn(material, budget, readings, frequencies)
+        for _ in range(TURNS):
+            again = self._turn(material, budget, picks[0].numbers, picks[1].numbers)
+            if again[1].share <= picks[1].share:
+                break
+            picks = again
+        by, at = picks
+        others = self._readings(material, budget[0], by.numbers, at.numbers)
+        return Picked(by.numbers, at.numbers, at.share, max(at.share, others.most), at.most)
+
+    def _turn(
+        self,
+        material: Material,
+        budget: tuple[int, int],
+        readings: Sequence[int],
+        frequencies: Sequence[int],
+    ) -> tuple[Choice, Choice]:
+        by = self._readings(material, budget[0], readings, frequencies)
+        everything = self._pairs(material)
+        told = by_frequency(everything.of(by.numbers, range(len(self.frequency))), self._ties)
+        return by, chosen(told.score, told.slope, told.candidates, budget[1], [frequencies])
+
+    def _readings(
+        self,
+        material: Material,
+        count: int,
+        readings: Sequence[int],
+        frequencies: Sequence[int],
+    ) -> Choice:
+        everything = self._pairs(material).of(range(len(self._pool)), frequencies)
+        told = by_reading(everything, self._ties)
+        return chosen(told.score, told.slope, told.candidates, count, [readings])
+
+    def _pairs(self, material: Material) -> Pairs:
+        """Of all casts, each with its share of the weight."""
+        if self._kept is None or self._kept[0] != material:
+            found = []
+            for number in range(self._casts):
+                on = self._trained.on(self._trained.cast(number), material, self._pool)
+                found.append(pairs(on, self._among, self.frequency, self._noise))
+            apart = np.concatenate([each.apart for each in found])
+            weight = np.concatenate([each.weight for each in found]) / len(found)
+            self._kept = material, Pairs(apart, weight)
+        return self._kept[1]
+
+
+def _known(noise: float, accuracy: float) -> float:
+    """1/deviation² of what is alike in all readings of a session, over the noise of one."""
+    return (noise / accuracy) ** 2 if accuracy else np.inf

@@ -1,0 +1,208 @@
+"""The folder of a design: the scene, the wiring table, charts, numbers and the report."""
+
+from __future__ import annotations
+
+import json
+from base64 import b64encode
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ..scene.files import scene_text
+from ..scene.scene import Scene
+from ..sweeps import whole_file
+from .bench import Asking
+from .figure import draw_flat, draw_steps, draw_wiring
+from .flat import Along, along_all, worth
+from .judged import designed
+from .picking import sweep_time
+from .search import Found, Step
+from .wiring import Row, rows, write_wiring
+
+DESIGN = "design.toml"
+
+
+def scene_of(found: Found) -> Scene:
+    """The design as a scene."""
+    scene = found.bench.scene
+    told = {"name": f"{scene.name}-designed", "description": f"a design begun from {scene.name}"}
+    return designed(scene, found.best.layout).with_(told)
+
+
+def answer(found: Found, asking: Asking) -> str:
+    """What was found, and whether that is what was wanted, in one line."""
+    asked, best = asking.asked, found.best
+    told = (
+        f"{asked.target}s right at most {_percent(best.tenth)} % on nine of ten casts "
+        f"(as it was: {_percent(found.before.tenth)} %), "
+        f"{_counted(len(best.layout.readings), 'reading')} of "
+        f"{_counted(len(found.bench.wired), 'wire')}"
+    )
+    if asked.want is None:
+        return told
+    if best.tenth >= asked.want:
+        return f"{100 * asked.want:g} % is within reach: {told}"
+    return f"{100 * asked.want:g} % is not reached by any design found; the best: {told}"
+
+
+def write_folder(found: Found, asking: Asking, folder: Path) -> None:
+    """All files, each whole. Raises InputError as bounds do."""
+    scene, layout = scene_of(found), found.best.layout
+    asking.tell("how flat it is")
+    flat, lost = along_all(found.bench, layout), worth(found.bench, layout)
+    folder.mkdir(exist_ok=True)
+    with whole_file(folder / DESIGN) as unfinished:
+        unfinished.write_text(scene_text(scene), encoding="utf-8")
+    table = rows(scene, found.bench.wired, layout.readings)
+    write_wiring(table, folder / "wiring.csv")
+    draw_steps(found.steps, asking.asked.want, folder / "steps.png")
+    draw_flat(flat, folder / "flat.png")
+    draw_wiring(scene, layout.readings, folder / "wiring.png")
+    numbers = _numbers(found, flat, lost)
+    with whole_file(folder / "design.json") as unfinished:
+        unfinished.write_text(json.dumps(numbers, indent=2, allow_nan=False) + "\n")
+    _write_report(found, asking, flat, lost, table, folder)
+
+
+def _numbers(found: Found, flat: Sequence[Along], lost: Sequence[float]) -> dict[str, Any]:
+    picked, layout = found.picked, found.best.layout
+    return {
+        "steps": [
+            {
+                "step": step.name,
+                "nine_of_ten_casts": step.tenth,
+                "as_meant": step.nominal,
+                "top_ohm_sq": step.layout.material.top,
+                "bottom_ohm_sq": step.layout.material.bottom,
+                "readings": [each.name for each in step.layout.readings],
+                "frequencies_Hz": list(step.layout.frequencies),
+                "sweep_s": _time(step),
+                "taken": step.taken,
+            }
+            for step in found.steps
+        ],
+        "lost_without": dict(zip((each.name for each in layout.readings), lost, strict=False)),
+        "less_than_a_point_lost": {each.name: each.within for each in flat},
+        "by_pairs": {
+            "share": picked.share,
+            "most_by_other_readings": picked.most_by_readings,
+            "most_by_other_frequencies": picked.most_by_frequencies,
+        },
+    }
+
+
+def _write_report(
+    found: Found,
+    asking: Asking,
+    flat: Sequence[Along],
+    lost: Sequence[float],
+    table: Sequence[Row],
+    folder: Path,
+) -> None:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        keep_trailing_newline=True,
+    )
+    asked, best = asking.asked, found.best
+    text = environment.get_template("report.html.jinja").render(
+        name=found.bench.scene.name,
+        answer=answer(found, asking),
+        target=asked.target,
+        against=_against(asked.against_rest),
+        casts=asked.casts,
+        draws=asking.draws,
+        steps=_rows(found.steps),
+        wiring=[
+            row._asdict() | {"worth": part}
+            for row, part in zip(table, [f"{100 * part:.1f}" for part in lost] or [""], strict=True)
+        ],
+        frequencies=", ".join(f"{f:g}" for f in best.layout.frequencies),
+        time=f"{_time(best):.2f}",
+        cast=_cast(scene_of(found), flat),
+        flat=[_told(each) for each in flat],
+        far=_far(found),
+        pictures={
+            name: b64encode((folder / f"{name}.png").read_bytes()).decode("ascii")
+            for name in ("steps", "flat", "wiring")
+        },
+    )
+    with whole_file(folder / "report.html") as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+
+
+def _rows(steps: Sequence[Step]) -> list[dict[str, str]]:
+    before = (None, *steps[:-1])
+    return [_row(step, other) for step, other in zip(steps, before, strict=True)]
+
+
+def _row(step: Step, before: Step | None) -> dict[str, str]:
+    material = step.layout.material
+    gained = "" if before is None else f"{100 * (step.tenth - before.tenth):+.1f}"
+    return {
+        "name": step.name,
+        "tenth": _percent(step.tenth),
+        "gained": gained,
+        "nominal": _percent(step.nominal),
+        "sheets": f"{1e-3 * material.top:.3g}, {1e-3 * material.bottom:.3g}",
+        "readings": str(len(step.layout.readings)),
+        "frequencies": str(len(step.layout.frequencies)),
+        "time": f"{_time(step):.2f}",
+        "taken": "yes" if step.taken else "no",
+    }
+
+
+def _cast(scene: Scene, flat: Sequence[Along]) -> list[str]:
+    """What a person mixes: sheets with their tolerance, and the foam."""
+    low, high = flat[0].within
+    foam = scene.skin.foam
+    sheets = [
+        f"{name} sheet: {1e-3 * sheet.sheet_resistance:.3g} kohm/sq, {_between(sheet, low, high)}"
+        for name, sheet in (("top", scene.skin.top), ("bottom", scene.skin.bottom))
+    ]
+    thick = "" if foam.thickness is None else f", {1e3 * foam.thickness:.3g} mm thick"
+    return [*sheets, f"foam: {1e9 * foam.rest_capacitance_per_area:.3g} nF/m²{thick}"]
+
+
+def _between(sheet: Any, low: float, high: float) -> str:
+    ends = (1e-3 * sheet.sheet_resistance * end for end in (low, high))
+    return "from {:.3g} to {:.3g} kohm/sq less than a point is lost, both together".format(*ends)
+
+
+def _told(each: Along) -> str:
+    low, high = each.within
+    return f"{each.name}: less than a point is lost from {low:.2g} to {high:.2g} times"
+
+
+def _far(found: Found) -> str:
+    picked = found.picked
+    return (
+        "Readings and frequencies are picked by a share that pairs of presses give "
+        f"({_percent(picked.share)} % here), a concave function of what is read. At these "
+        f"frequencies no other so many readings exceed {_percent(picked.most_by_readings)} % of "
+        "it; of these readings no other so many candidates of frequencies exceed "
+        f"{_percent(picked.most_by_frequencies)} %. Both hold for that share, on the casts that "
+        "were picked for, and each while the other stays. Sheets are looked for along one number "
+        "at a time, and of those nothing is proven."
+    )
+
+
+def _against(rests: int) -> str:
+    if not rests:
+        return "a sweep alone, with the meter's errors of the session"
+    return f"a sweep against {_counted(rests, 'sweep')} at rest of the same session"
+
+
+def _time(step: Step) -> float:
+    return sweep_time(len(step.layout.readings), step.layout.frequencies)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.1f}"
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}{'' if count == 1 else 's'}"

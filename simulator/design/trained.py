@@ -1,0 +1,189 @@
+"""One skin trained for all that a search asks of it: any cast, sheets, foam and readings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..measure.readout import ErrorModel, observed
+from ..measure.skins import DrawnSkin, drawn_skin
+from ..models.network.skin import NetworkSkin
+from ..models.network.terminals import read, with_chain
+from ..models.parameters import WAVES, nominal
+from ..models.reduced.cases import Case, pixel_touches
+from ..models.reduced.greedy import reduce
+from ..models.reduced.model import Reduced
+from ..progress import Tell, tell_nothing
+from ..scene.contacts import Interface
+from ..scene.design import Design
+from ..scene.frequency import laplace_variable
+from ..scene.meter import Sweep
+from ..scene.scene import Scene
+
+RTOL = 1e-2
+"""Of Rs and Cp, certified for every reading; ln Z is then some ten times closer."""
+FACTORS = (0.5, 3.0)
+BEYOND = 2.0
+"""Times the bounds of sheets that training reaches, for what a cast may be off by."""
+BEYOND_LOG = math.log(BEYOND)
+
+
+@dataclass(frozen=True)
+class Material:
+    """Sheet resistances in ohm/sq, and the foam's capacitance over that of the scene."""
+
+    top: float
+    bottom: float
+    foam: float = 1.0
+
+    def times(self, factor: float) -> Material:
+        """Both sheets that many times as resistive."""
+        return replace(self, top=factor * self.top, bottom=factor * self.bottom)
+
+
+def material_of(scene: Scene) -> Material:
+    """As a scene has it."""
+    return Material(scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance)
+
+
+class Trained:
+    """The skins that a scene's bounds allow, with the foils where they are."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        asked: Design,
+        band: tuple[float, float],
+        seed: int,
+        tell: Tell = tell_nothing,
+    ) -> None:
+        """band: of all frequencies that are asked for, Hz. tell: how far training has come."""
+        self.scene, self._asked, self._band, self._seed = scene, asked, band, seed
+        self._tell = tell
+        self.modes = len(WAVES) if scene.dataset.session.unevenness else 1
+
+    def cast(self, number: int) -> DrawnSkin:
+        """One of the skins as [dataset.session] spreads them, as factors on the scene's."""
+        return drawn_skin(self.scene, self._seed, number, self.scene.pixels.shape, self.modes)
+
+    def on(
+        self, cast: DrawnSkin | None, material: Material, readings: Sequence[Interface]
+    ) -> OnSkin:
+        """One skin of a material under readings; None for the cast as it was meant."""
+        own = read(self.reduced, readings)
+        drawn = cast or _nominal(self.scene, self.modes)
+        top, bottom = self.scene.skin.top, self.scene.skin.bottom
+        variation = replace(
+            drawn.variation,
+            top=drawn.variation.top * (top.sheet_resistance / material.top),
+            bottom=drawn.variation.bottom * (bottom.sheet_resistance / material.bottom),
+            capacitance=drawn.variation.capacitance * material.foam,
+            beside=drawn.variation.beside * material.foam,
+        )
+        return OnSkin(own, readings, DrawnSkin(variation, drawn.leads))
+
+    @cached_property
+    def reduced(self) -> Reduced:
+        """The model, trained at first use on all that the bounds allow."""
+        swept = Sweep(frequencies=tuple(sorted(set(self._band))))
+        driven = with_chain(self.scene).model_copy(update={"sweep": swept})
+
+        def advance(share: float) -> None:
+            self._tell("training", share)
+
+        advance(0.0)
+        return reduce(driven, RTOL, self._draw, modes=self.modes, alike=False, advance=advance)
+
+    def _draw(self, random: np.random.Generator) -> Case:
+        scene, asked = self.scene, self._asked
+        press = pixel_touches(scene, FACTORS)(random)
+        skin = drawn_skin(scene, int(random.integers(2**62)), 0, scene.pixels.shape, self.modes)
+        own = material_of(scene)
+        least = np.log(min(*asked.sheet_resistance, own.top, own.bottom))
+        most = np.log(max(*asked.sheet_resistance, own.top, own.bottom))
+        half = math.log(BEYOND * asked.sheet_ratio) / 2
+        mean, turn = (
+            random.uniform(least - BEYOND_LOG, most + BEYOND_LOG),
+            random.uniform(-half, half),
+        )
+        foam = random.uniform(*np.log(foam_bounds(scene, asked)))
+        top, bottom = own.top / math.exp(mean + turn), own.bottom / math.exp(mean - turn)
+        drawn = skin.variation
+        variation = replace(
+            drawn,
+            top=drawn.top * top,
+            bottom=drawn.bottom * bottom,
+            capacitance=drawn.capacitance * math.exp(foam),
+            beside=drawn.beside * math.exp(foam),
+        )
+        return replace(press, variation=variation)
+
+
+def foam_bounds(scene: Scene, asked: Design) -> tuple[float, float]:
+    """Of capacitance over the scene's own, by the bounds of thickness at the same permittivity."""
+    thickness = scene.skin.foam.thickness
+    if asked.foam_thickness is None or thickness is None:
+        return 1.0, 1.0
+    low, high = asked.foam_thickness
+    return thickness / max(high, thickness), thickness / min(low, thickness)
+
+
+class OnSkin:
+    """One skin under some readings: what the meter tells of presses on its pixels."""
+
+    def __init__(self, reduced: Reduced, readings: Sequence[Interface], drawn: DrawnSkin) -> None:
+        self.scene, self._readings, self._leads = reduced.scene, readings, drawn.leads
+        self._loss, self._skin = drawn.variation.loss, reduced.skin(drawn.variation)
+
+    def observed(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        starts: NDArray[np.int64],
+        frequency: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """ln |Z| and phase of many presses, see `ReducedSkin.sweeps`; (press, 2 * readings)."""
+        s = laplace_variable(frequency, self._loss)
+        network = NetworkSkin(self._skin, s)
+        Y = network.admittances(cells, rises, starts)
+        Z = network.impedances(network.wiring(self._readings), Y)
+        return observed(self._leads.seen_through(Z, frequency))
+
+
+class CastReadings:
+    """As `bounds.readings.Readings`, of one skin that is known at chosen frequencies in Hz."""
+
+    def __init__(self, on: OnSkin, frequency: NDArray[np.float64], against_rest: int) -> None:
+        self.scene: Scene = on.scene
+        self._on, self._frequency = on, frequency
+        readings = len(on.scene.interfaces)
+        self.model = ErrorModel(
+            on.scene.readout, readings, len(frequency), against_rest=against_rest
+        )
+
+    def of_each(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], starts: NDArray[np.int64]
+    ) -> NDArray[np.float64]:
+        """Whitened, shape (press, number)."""
+        return self.model.whitened(self._on.observed(cells, rises, starts, self._frequency))
+
+    def of(
+        self, pixels: Sequence[tuple[int, int]], factors: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Of the same pixels, (row, column) from 0, pressed in many ways, shape (press, number).
+
+        factors: of each, shape (pixel, press).
+        """
+        columns, count = self.scene.pixels.columns, factors.shape[1]
+        cells = np.array([i * columns + j for i, j in pixels], dtype=np.int64)
+        starts = np.arange(count + 1) * len(cells)
+        return self.of_each(np.tile(cells, count), factors.T.ravel() - 1, starts)
+
+
+def _nominal(scene: Scene, modes: int) -> DrawnSkin:
+    return DrawnSkin(nominal(scene, modes), scene.leads)

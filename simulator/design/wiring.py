@@ -1,0 +1,46 @@
+"""The wiring table: which wires a switch connects to H and to L for each reading."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from ..scene.contacts import Interface
+from ..scene.scene import Scene
+from ..scene.wiring import joined
+from ..sweeps import whole_file
+
+
+class Row(NamedTuple):
+    """One reading: its name, wires on the high and the low side, and those that are left open."""
+
+    reading: str
+    high: str
+    low: str
+    open: str
+
+
+def rows(scene: Scene, wired: Sequence[str], readings: Sequence[Interface]) -> list[Row]:
+    """A row for each reading. wired: first foils of the terminals that have a wire."""
+    first = joined(scene.contacts, scene.skin)
+    leader = {c.name: scene.contacts[k].name for c, k in zip(scene.contacts, first, strict=True)}
+    found = []
+    for each in readings:
+        high, low = ({leader[name] for name in side} for side in (each.high, each.low))
+        sides = (
+            [name for name in wired if name in high],
+            [name for name in wired if name in low],
+            [name for name in wired if name not in high | low],
+        )
+        found.append(Row(each.name, *map(" + ".join, sides)))
+    return found
+
+
+def write_wiring(table: Sequence[Row], path: Path) -> None:
+    """As CSV."""
+    with whole_file(path) as unfinished, unfinished.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(Row._fields)
+        writer.writerows(table)

@@ -1,0 +1,234 @@
+"""Admittance between all terminals of a pressed skin, fused: a press is of low rank.
+
+In coordinates in which K is 1 and M at rest diagonal, P = 1 / (1 + s d), the terminals' potentials
+are T = [1; -s P B'] for the rows B of the terminals in M. A touch adds s U'WU with thin factors U,
+so by Woodbury's formula Y = Y_rest + s E'W (1 + s Q W)^-1 E, with E = U T and Q = U P U'. Touches
+of more factors than the basis has vectors are solved for in the basis instead.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ..reduced.kernel import Rest, written_out
+
+
+class AtRest(NamedTuple):
+    """What does not depend on the press, at each s.
+
+    damped: P, shape (s, n). admittance: beyond that at zero frequency, S, shape (s, N, N). seen: E
+    of each cell, shape (cell, s, rank, N). own: Q of each cell, shape (cell, s, rank, rank).
+    """
+
+    damped: NDArray[np.complex128]
+    admittance: NDArray[np.complex128]
+    seen: NDArray[np.complex128]
+    own: NDArray[np.complex128]
+
+
+class Wiring(NamedTuple):
+    """Potentials that readings allow the terminals, see `allowed_potentials`, the driven first.
+
+    potentials: shape (reading, N, most). conductance: between them at zero frequency, S, shape
+    (reading, most, most). counts: how many there are, shape (reading,).
+    """
+
+    potentials: NDArray[np.float64]
+    conductance: NDArray[np.float64]
+    counts: NDArray[np.int64]
+
+
+def at_rest(rest: Rest, s: NDArray[np.complex128]) -> AtRest:
+    """Of a skin. s: rad/s."""
+    N = len(rest.rows)
+    terminals, beside = rest.rows[:, :N], rest.rows[:, N:]
+    at, inside = rest.factors[..., :N], np.ascontiguousarray(rest.factors[..., N:])
+    P = 1 / (1 + s[:, None] * rest.diagonal)
+    each = s[:, None, None]
+    seen = np.empty((len(inside), len(s), inside.shape[1], N), dtype=complex)
+    own = np.empty((len(inside), len(s), inside.shape[1], inside.shape[1]), dtype=complex)
+    for k, (U, U_at) in enumerate(zip(inside, at, strict=True)):
+        damped = U * P[:, None]
+        seen[k] = U_at - each * (damped @ beside.T)
+        own[k] = damped @ U.T
+    Y = each * terminals - each**2 * ((beside * P[:, None]) @ beside.T)
+    return AtRest(P, Y, seen, own)
+
+
+@njit(cache=True)
+def admittances(
+    rest: Rest,
+    known: AtRest,
+    cells: NDArray,
+    weights: NDArray,
+    starts: NDArray,
+    s: NDArray,
+) -> NDArray:  # pragma: no cover
+    """Y in S beyond that at zero frequency, of many presses, shape (press, s, N, N).
+
+    Press k adds `weights` times M of the cells[starts[k]:starts[k + 1]]. s: rad/s.
+    """
+    N = len(rest.rows)
+    Y = np.empty((len(starts) - 1, len(s), N, N), np.complex128)
+    most = len(rest.diagonal)
+    for press in range(len(starts) - 1):
+        touched = cells[starts[press] : starts[press + 1]]
+        W = weights[starts[press] : starts[press + 1]]
+        if len(touched) * rest.factors.shape[1] <= most:
+            _by_touches(rest, known, touched, W, s, Y[press])
+        else:
+            _in_basis(rest, touched, W, s, Y[press])
+    return Y
+
+
+def admittances_readable(
+    rest: Rest,
+    cells: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    s: NDArray[np.complex128],
+) -> NDArray[np.complex128]:
+    """What `admittances` does, with matrices written out."""
+    N, found = len(rest.rows), []
+    for start, stop in zip(starts[:-1], starts[1:], strict=True):
+        M = written_out(rest, cells[start:stop], weights[start:stop])
+        inner, beside = np.eye(len(M) - N), M[N:, :N]
+        for each in s:
+            delayed = np.linalg.solve(inner + each * M[N:, N:], beside)
+            found.append(each * M[:N, :N] - each**2 * beside.T @ delayed)
+    return np.reshape(found, (len(starts) - 1, len(s), N, N))
+
+
+@njit(cache=True)
+def _by_touches(
+    rest: Rest, known: AtRest, cells: NDArray, W: NDArray, s: NDArray, Y: NDArray
+) -> None:  # pragma: no cover
+    N, rank = len(rest.rows), rest.factors.shape[1]
+    size = rank * len(cells)
+    A, E = np.empty((size, size), np.complex128), np.empty((size, N), np.complex128)
+    for k in range(len(s)):
+        for i in range(len(cells)):
+            here = i * rank
+            E[here : here + rank] = known.seen[cells[i], k]
+            for j in range(len(cells)):
+                there = j * rank
+                if i == j:
+                    A[here : here + rank, there : there + rank] = known.own[cells[i], k]
+                elif i < j:
+                    _between(rest, known.damped[k], cells[i], cells[j], A, here, there)
+        Y[k] = known.admittance[k]
+        _add_touches(A, E, W, rank, s[k], Y[k])
+
+
+@njit(cache=True)
+def _between(
+    rest: Rest, P: NDArray[np.complex128], one: int, other: int, A: NDArray, here: int, there: int
+) -> None:  # pragma: no cover
+    """Q between the factors of two cells."""
+    N, rank = len(rest.rows), rest.factors.shape[1]
+    U, V = rest.factors[one, :, N:], np.ascontiguousarray(rest.factors[other, :, N:].T)
+    A[here : here + rank, there : there + rank] = (U * P.real) @ V + 1j * ((U * P.imag) @ V)
+    A[there : there + rank, here : here + rank] = A[here : here + rank, there : there + rank].T
+
+
+@njit(cache=True)
+def _add_touches(
+    A: NDArray, E: NDArray, W: NDArray, rank: int, s: complex, Y: NDArray
+) -> None:  # pragma: no cover
+    """Y += s E'W (1 + s Q W)^-1 E; A: Q, overwritten."""
+    size, N = E.shape
+    solution = E.copy()
+    for row in range(size):
+        for column in range(size):
+            A[row, column] *= s * W[column // rank]
+        A[row, row] += 1.0
+    _solve(A, solution)
+    for i in range(N):
+        for j in range(N):
+            total = 0.0j
+            for row in range(size):
+                total += E[row, i] * W[row // rank] * solution[row, j]
+            Y[i, j] += s * total
+
+
+@njit(cache=True)
+def _in_basis(
+    rest: Rest, cells: NDArray, W: NDArray, s: NDArray, Y: NDArray
+) -> None:  # pragma: no cover
+    N, n = len(rest.rows), len(rest.diagonal)
+    M = np.zeros((N + n, N + n))
+    M[:N], M[N:, :N] = rest.rows, rest.rows[:, N:].T
+    for k in range(n):
+        M[N + k, N + k] = rest.diagonal[k]
+    for k in range(len(cells)):
+        M += W[k] * (rest.factors[cells[k]].T @ rest.factors[cells[k]])
+    for k in range(len(s)):
+        A = s[k] * M[N:, N:]
+        for i in range(n):
+            A[i, i] += 1.0
+        solution = M[N:, :N].astype(np.complex128)
+        _solve(A, solution)
+        for i in range(N):
+            for j in range(N):
+                delayed = 0.0j
+                for row in range(n):
+                    delayed += M[N + row, i] * solution[row, j]
+                Y[k, i, j] = s[k] * M[i, j] - s[k] * s[k] * delayed
+
+
+@njit(cache=True)
+def _solve(A: NDArray, B: NDArray) -> None:  # pragma: no cover
+    """B = A^-1 B without pivoting, as real parts of A's eigenvalues are above zero."""
+    size = len(A)
+    for k in range(size):
+        inverse = 1.0 / A[k, k]
+        for row in range(k + 1, size):
+            factor = A[row, k] * inverse
+            for column in range(k + 1, size):
+                A[row, column] -= factor * A[k, column]
+            for column in range(B.shape[1]):
+                B[row, column] -= factor * B[k, column]
+    for k in range(size - 1, -1, -1):
+        for column in range(B.shape[1]):
+            for row in range(k + 1, size):
+                B[k, column] -= A[k, row] * B[row, column]
+            B[k, column] /= A[k, k]
+
+
+@njit(cache=True)
+def impedances(Y: NDArray, wiring: Wiring) -> NDArray:  # pragma: no cover
+    """Z in ohm of every reading, shape (press, reading, s); Y: of `admittances`.
+
+    What floats is eliminated one potential after the other.
+    """
+    presses, count, N, _ = Y.shape
+    readings, _, most = wiring.potentials.shape
+    Z = np.empty((presses, readings, count), np.complex128)
+    A, through = np.empty((most, most), np.complex128), np.empty((N, most), np.complex128)
+    for press in range(presses):
+        for k in range(count):
+            for reading in range(readings):
+                allowed, m = wiring.potentials[reading], wiring.counts[reading]
+                for i in range(N):
+                    for b in range(m):
+                        total = 0.0j
+                        for j in range(N):
+                            total += Y[press, k, i, j] * allowed[j, b]
+                        through[i, b] = total
+                for a in range(m):
+                    for b in range(m):
+                        total = wiring.conductance[reading, a, b] + 0.0j
+                        for i in range(N):
+                            total += allowed[i, a] * through[i, b]
+                        A[a, b] = total
+                for last in range(m - 1, 0, -1):
+                    for a in range(last):
+                        factor = A[a, last] / A[last, last]
+                        for b in range(last):
+                            A[a, b] -= factor * A[last, b]
+                Z[press, reading, k] = 1.0 / A[0, 0]
+    return Z

@@ -1,0 +1,76 @@
+"""One skin as its terminals see it: any number of readings for little more than one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.circuit import Drive, two_fields
+from ...fem.network import allowed_potentials
+from ...scene.contacts import Interface
+from ...sweeps import InputError
+from ..reduced.model import ReducedSkin
+from ..varied.materials import gauged
+from .kernel import AtRest, Wiring, admittances, at_rest, impedances
+from .terminals import read
+
+
+class NetworkSkin:
+    """Admittance between all terminals of a skin at some s, and what any readings make of it.
+
+    Tens of microseconds for one press and all readings of it.
+    """
+
+    def __init__(self, skin: ReducedSkin, s: NDArray[np.complex128] | None = None) -> None:
+        """skin: of a model that was `trained` for all terminals. s: rad/s, by default of its scene.
+
+        Raises InputError for sheets that touches change: their skins are read one by one.
+        """
+        if gauged(skin.reduced.scene.skin):
+            raise InputError("a network that touches change has no terminals' view of its own")
+        self.skin, self.s = skin, skin.s if s is None else s
+
+    @cached_property
+    def _at_rest(self) -> AtRest:
+        return at_rest(self.skin.rest, self.s)
+
+    def admittances(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], starts: NDArray[np.int64]
+    ) -> NDArray[np.complex128]:
+        """Y in S beyond `conductance`, shape (press, s, N, N); arguments as of `ReducedSkin`."""
+        weights = rises * self.skin.rest_factors[cells]
+        return admittances(self.skin.rest, self._at_rest, cells, weights, starts, self.s)
+
+    @property
+    def conductance(self) -> NDArray[np.float64]:
+        """Between terminals at zero frequency, S, shape (N, N)."""
+        return self.skin.conductance
+
+    def wiring(self, readings: Sequence[Interface]) -> Wiring:
+        """Readings as the kernel takes them. Raises InputError as `read` does."""
+        circuit = two_fields(read(self.skin.reduced, readings).scene)
+        return wiring_of(circuit.drives, self.skin.reduced.terminal_field, self.conductance)
+
+    def impedances(self, wiring: Wiring, Y: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Z in ohm of every reading, shape (press, reading, s). Y: of `admittances`."""
+        return impedances(Y, wiring)
+
+
+def wiring_of(
+    drives: Sequence[Drive], terminal_field: NDArray[np.int64], conductance: NDArray[np.float64]
+) -> Wiring:
+    """Potentials that drives allow, and the conductance between them without rounding."""
+    found = [allowed_potentials(tuple(terminal_field.tolist()), drive) for drive in drives]
+    counts = np.array([len(common) for _, common in found])
+    potentials = np.zeros((len(drives), len(conductance), counts.max()))
+    between = np.zeros((len(drives), counts.max(), counts.max()))
+    for k, (modes, common) in enumerate(found):
+        potentials[k, :, : counts[k]] = modes
+        own = modes.T @ conductance @ modes
+        own[common, :] = 0.0
+        own[:, common] = 0.0
+        between[k, : counts[k], : counts[k]] = own
+    return Wiring(potentials, between, counts)

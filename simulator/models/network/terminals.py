@@ -1,0 +1,94 @@
+"""Every contact a terminal of its own: one trained model, and any reading of it.
+
+All contacts together make an N-terminal network. The lift of each terminal is among a model's
+coordinates already; that its basis holds what all of them charge takes training that drives all.
+Then any two disjoint sets of contacts are a reading, the others floating or tied, without further
+training: floating and tied terminals are eliminated in the small system, exactly.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ...fem.circuit import two_fields
+from ...scene.contacts import Contact, Interface
+from ...scene.scene import Scene
+from ...scene.wiring import check_wiring, joined
+from ...sweeps import InputError
+from ..plain import electrical
+from ..reduced.cases import Draw
+from ..reduced.greedy import Advance, reduce, unseen
+from ..reduced.model import Reduced
+from ..varied.meshes import single_field
+
+
+def trained(
+    scene: Scene, rtol: float = 1e-5, draw: Draw | None = None, *, advance: Advance = unseen
+) -> Reduced:
+    """A model of a scene's skin that holds what any terminal charges, read in a `chain`.
+
+    rtol, draw, advance: as of `reduce`; so is what is raised.
+    """
+    return reduce(with_chain(scene), rtol, draw, alike=False, advance=advance)
+
+
+def model_of(
+    scene: Scene, rtol: float = 1e-5, draw: Draw | None = None, *, advance: Advance = unseen
+) -> Reduced:
+    """A model for the scene's own interfaces, trained for all terminals where several of them need
+    two fields, as then it is fewer drives or as many. rtol, draw, advance: as of `reduce`."""
+    if len(scene.interfaces) == 1 or single_field(scene) is not None:
+        return reduce(scene, rtol, draw, advance=advance)
+    return read(trained(scene, rtol, draw, advance=advance), scene.interfaces)
+
+
+def with_chain(scene: Scene) -> Scene:
+    """The same, electrically, read in a `chain`."""
+    return electrical(scene).model_copy(update={"interfaces": tuple(chain(scene))})
+
+
+def read(reduced: Reduced, readings: Sequence[Interface]) -> Reduced:
+    """The same model read in other ways, without training. reduced: as `trained` gives it.
+
+    Raises InputError for contacts that there are not, shorts, and a model of one field.
+    """
+    scene = reduced.scene.model_copy(update={"interfaces": tuple(readings)})
+    if reduced.circuit.fields != 2:
+        raise InputError(f"{scene.name}: a model of one field has readings of its own alone")
+    try:
+        check_wiring(scene.contacts, scene.interfaces, scene.skin)
+    except ValueError as error:
+        raise InputError(f"{scene.name}: {error}") from error
+    circuit, family = two_fields(scene), copy.copy(reduced.family)
+    family.scene, family.circuit = scene, circuit
+    return replace(reduced, scene=scene, circuit=circuit, built=family)
+
+
+def chain(scene: Scene) -> list[Interface]:
+    """Readings that drive all terminals, one fewer than those: each shares one with the next.
+
+    Pairs of one terminal of each sheet, those of the same number first; where one sheet has none,
+    of the first terminal and each other.
+    """
+    leaders = _leaders(scene)
+    top, bottom = ([c for c in leaders if c.electrode == name] for name in ("top", "bottom"))
+    if not (top and bottom):
+        first, *others = top or bottom
+        return [_between(first, other) for other in others]
+    same = [(k, k) for k in range(min(len(top), len(bottom)))]
+    next_to = [(min(k, len(top) - 1), min(k + 1, len(bottom) - 1)) for k, _ in same]
+    beyond = [(k, len(bottom) - 1) for k in range(len(same), len(top))]
+    beyond += [(len(top) - 1, k) for k in range(len(same), len(bottom))]
+    pairs = dict.fromkeys([*same, *next_to, *beyond])
+    return [_between(top[i], bottom[j]) for i, j in pairs]
+
+
+def _leaders(scene: Scene) -> list[Contact]:
+    """The first contact of each terminal."""
+    return [scene.contacts[k] for k in sorted(set(joined(scene.contacts, scene.skin)))]
+
+
+def _between(high: Contact, low: Contact) -> Interface:
+    return Interface(name=f"{high.name} to {low.name}", high=(high.name,), low=(low.name,))

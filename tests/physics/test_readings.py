@@ -1,0 +1,143 @@
+"""One trained model of all terminals: any reading of it, as the full system gives it."""
+
+import itertools
+
+import numpy as np
+import pytest
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.models.network.kernel import admittances_readable
+from rcskin.simulator.models.network.skin import NetworkSkin
+from rcskin.simulator.models.network.terminals import chain, read, trained
+from rcskin.simulator.models.reduced.greedy import reduce
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.contacts import Interface
+from rcskin.simulator.sweeps import InputError
+
+RTOL = 1e-4
+FOILS = {
+    "top-left": {"span": (0.005, 1.0)},
+    "bottom-left": {"span": (0.005, 1.0), "resistance": 900.0},
+    "top-bottom": {"span": (0.005, 1.0), "resistance": 300.0},
+    "bottom-bottom": {"span": (0.005, 1.0)},
+}
+READINGS = {
+    "left": (["top-left"], ["bottom-left"]),
+    "bottom": (["top-bottom"], ["bottom-bottom"]),
+    "crossed": (["top-left"], ["bottom-bottom"]),
+    "crossed back": (["top-bottom"], ["bottom-left"]),
+    "tied": (["top-left", "top-bottom"], ["bottom-left", "bottom-bottom"]),
+    "one sheet": (["top-left"], ["top-bottom"]),
+    "three to one": (["top-left", "top-bottom", "bottom-left"], ["bottom-bottom"]),
+}
+PRESS, CELLS, RISES = "1,1:2.0+2,3:0.7", np.array([0, 5]), np.array([1.0, -0.3])
+ONE_PRESS = np.array([0, 2])
+
+
+def interfaces(named):
+    return [Interface(name=name, high=high, low=low) for name, (high, low) in named.items()]
+
+
+@pytest.fixture(scope="module")
+def scene(make_scene):
+    pairs = {"meter": ("top-left", "bottom-left")}
+    bare = make_scene(FOILS, pairs, rows=2, columns=3)
+    return bare.model_copy(update={"interfaces": tuple(interfaces(READINGS))})
+
+
+@pytest.fixture(scope="module")
+def model(scene):
+    return trained(scene, RTOL)
+
+
+@pytest.fixture(scope="module")
+def impedance(scene, model):
+    return read(model, scene.interfaces).skin(None).sweeps(CELLS, RISES, ONE_PRESS)[0]
+
+
+def apart(Z, truth, scene):
+    return relative_difference(Z, truth, 2 * np.pi * scene.frequencies).max()
+
+
+def test_any_reading_is_that_of_the_full_solver(scene, impedance):
+    """Films on floating foils included: they short the sheet along the foil."""
+    truth = Solver(scene, 1e-6).solve(parse_press(PRESS, 2.0)).Z
+    assert apart(impedance, truth, scene) <= RTOL
+
+
+def test_the_certificate_bounds_every_reading(scene, model):
+    """Of the reduction alone: against the same mesh unreduced."""
+    skin = read(model, scene.interfaces).skin(None)
+    bound = skin.certificate(CELLS, RISES)
+    exact, Z = skin.exact(CELLS, RISES), skin.sweeps(CELLS, RISES, ONE_PRESS)[0]
+    off = relative_difference(Z, exact, 2 * np.pi * scene.frequencies)
+    assert (off <= bound + RTOL * 0.05).all()
+
+
+def test_sides_of_a_reading_are_exchangeable(scene, model, impedance):
+    swapped = interfaces({name: (low, high) for name, (high, low) in READINGS.items()})
+    Z = read(model, swapped).skin(None).sweeps(CELLS, RISES, ONE_PRESS)[0]
+    assert apart(Z, impedance, scene) <= RTOL * 0.05
+
+
+def test_a_reading_of_its_own_trained_model_is_the_same(scene, impedance):
+    alone = scene.model_copy(update={"interfaces": scene.interfaces[2:3]})
+    Z = reduce(alone, RTOL).skin(None).sweeps(CELLS, RISES, ONE_PRESS)[0]
+    assert apart(Z, impedance[2:3], scene) <= RTOL
+
+
+def test_every_pair_of_terminals_is_passive(scene, model):
+    pairs = itertools.combinations(FOILS, 2)
+    every = interfaces({f"{a} {b}": ([a], [b]) for a, b in pairs})
+    Z = read(model, every).skin(None).sweeps(CELLS, RISES, ONE_PRESS)
+    assert (Z.real > 0).all()
+
+
+@pytest.mark.parametrize(("tops", "bottoms"), [(1, 1), (2, 2), (4, 1), (1, 3), (3, 2), (0, 3)])
+def test_training_drives_every_terminal_by_one_fewer_readings(make_scene, tops, bottoms):
+    """All of them are connected by readings, so that any reading is a sum of those."""
+    edges = ("left", "right", "bottom", "top")
+    names = [*(f"top-{edge}" for edge in edges[:tops])]
+    names += [f"bottom-{edge}" for edge in edges[:bottoms]]
+    foils = {name: {"span": (0.1, 0.9)} for name in names}
+    readings = chain(make_scene(foils, rows=1, columns=1))
+    together = {names[0]}
+    for _ in readings:
+        together |= {n for e in readings if {*e.high, *e.low} & together for n in (*e.high, *e.low)}
+    assert together == set(names)
+    assert len(readings) == len(names) - 1
+
+
+def test_a_reading_of_contacts_that_there_are_not_is_told(model):
+    with pytest.raises(InputError, match="nowhere"):
+        read(model, interfaces({"wrong": (["nowhere"], ["top-left"])}))
+
+
+def test_a_network_gives_all_readings_at_once(scene, model):
+    """One, two and so many touches that the kernel solves in the basis."""
+    skin = read(model, scene.interfaces).skin(None)
+    network = NetworkSkin(skin)
+    cells, rises = np.array([0, 5, 1, 0, 1, 2, 3, 4, 5]), np.array([1.0, -0.4, 2.0, *[0.5] * 6])
+    starts = np.array([0, 1, 3, 9, 9])
+    found = network.impedances(
+        network.wiring(scene.interfaces), network.admittances(cells, rises, starts)
+    )
+    assert apart(found, skin.sweeps(cells, rises, starts), scene) <= 1e-6
+
+
+def test_the_kernel_is_its_readable_twin(scene, model):
+    network = NetworkSkin(model.skin(None))
+    cells, rises, starts = np.array([3, 0, 5]), np.array([0.8, 1.5, -0.5]), np.array([0, 1, 3])
+    truth = admittances_readable(network.skin.rest, cells, rises, starts, network.s)
+    np.testing.assert_allclose(network.admittances(cells, rises, starts), truth, rtol=1e-10)
+
+
+def test_terminals_at_one_potential_are_in_parallel(scene, model):
+    """Y of tied pairs is the sum over both terminals' currents, each at 1 V."""
+    network = NetworkSkin(model.skin(None))
+    Y = network.conductance + network.admittances(CELLS, RISES, ONE_PRESS)[0]
+    tops = [k for k, foil in enumerate(scene.contacts) if foil.electrode == "top"]
+    tied = network.wiring(interfaces({"tied": READINGS["tied"]}))
+    Z = network.impedances(tied, network.admittances(CELLS, RISES, ONE_PRESS))[0, 0]
+    current = Y[:, tops][:, :, tops].sum(axis=(1, 2))
+    np.testing.assert_allclose(1 / Z, current, rtol=1e-9)

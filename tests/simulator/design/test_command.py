@@ -1,0 +1,86 @@
+"""`rcskin design`: its folder, a search that was killed, wishes out of reach, bad input."""
+
+import csv
+
+import pytest
+from rcskin.simulator.design.bench import Bench
+from rcskin.simulator.scene.files import load_scene
+
+QUICK = ("--casts", 1, "--draws", 40, "--sheet-ratio", 1)
+
+
+def test_a_killed_search_goes_on_to_the_same_bytes(run, strip_file, tmp_path, monkeypatch):
+    asked = ("design", strip_file, *QUICK, "--want", 0.999999)
+    code, out, err = run(*asked, "-o", tmp_path / "whole")
+    assert (code, err) == (0, "")
+    assert out.startswith("99.9999 % is not reached by any design found; the best: pixels right")
+    own, left = Bench.shares, [3]
+
+    def shares(bench, layout):
+        if not left[0]:
+            raise KeyboardInterrupt
+        left[0] -= 1
+        return own(bench, layout)
+
+    monkeypatch.setattr(Bench, "shares", shares)
+    assert run(*asked, "-o", tmp_path / "again")[0] != 0
+    assert not (tmp_path / "again").exists() and (tmp_path / ".again.search").is_dir()
+    monkeypatch.setattr(Bench, "shares", own)
+    monkeypatch.setattr("rcskin.simulator.design.trained.Trained.cast", _counted(kept := []))
+    assert run(*asked, "-o", tmp_path / "again")[0] == 0
+    assert kept and not (tmp_path / ".again.search").exists()
+    names = sorted(path.name for path in (tmp_path / "whole").iterdir())
+    assert {"design.toml", "design.json", "wiring.csv", "report.html"} < set(names)
+    for name in names:
+        one, other = ((tmp_path / folder / name).read_bytes() for folder in ("whole", "again"))
+        assert one == other, name
+    _check_folder(run, tmp_path / "whole")
+
+
+def _counted(kept):
+    from rcskin.simulator.design.trained import Trained
+
+    own = Trained.cast
+
+    def cast(trained, number):
+        kept.append(number)
+        return own(trained, number)
+
+    return cast
+
+
+def _check_folder(run, folder):
+    """Other commands take the scene, and the table says how it is wired."""
+    found = load_scene(folder / "design.toml")
+    rows = list(csv.DictReader((folder / "wiring.csv").read_text().splitlines()))
+    assert [row["reading"] for row in rows] == [each.name for each in found.interfaces]
+    assert [row["high"] for row in rows] == [" + ".join(each.high) for each in found.interfaces]
+    assert run("sweep", folder / "design.toml", "-o", folder / "all.csv")[0] == 0
+    assert run("describe", folder / "design.toml", "-o", folder / "drawn.png")[0] == 0
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    for told in ("What each step gained", "What to cast", "kohm/sq", "less than a point"):
+        assert told in page
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (("--want", 1.5), "`want` must be < 1"),
+        (("--sheet-resistance", "5"), "--sheet-resistance must be LOW:HIGH, got '5'"),
+        (("--sheet-resistance", "5e4:1e4"), "sheet_resistance must be a low and a high end"),
+        (("--target", "colour"), "`target` must be 'pixel'"),
+        (("--seconds", "1e-3"), "`design.seconds` must be >= 0.005 s"),
+        (("--wires", 1), "`wires` must be >= 2"),
+        (("--draws", 1), "--draws must be from 2 to"),
+        (("-o", "there/is/none"), "there/is/none: the folder there/is does not exist"),
+    ],
+)
+def test_bad_wishes_are_told_in_one_line(run, strip_file, given, told):
+    code, out, err = run("design", strip_file, *given)
+    assert (code, out) == (2, "")
+    assert told in err and err.count("\n") == 1
+
+
+def test_a_meter_without_noise_is_told(run, tmp_path):
+    code, _, err = run("design", "foam", "-o", tmp_path / "d")
+    assert code == 2 and err.count("\n") == 1

@@ -1,0 +1,56 @@
+"""Which readings wires allow, and what a sweep of them takes."""
+
+import itertools
+
+import pytest
+from rcskin.simulator.design.picking import budgets, sweep_time
+from rcskin.simulator.design.pool import own_readings, pool, terminals, wirings
+from rcskin.simulator.scene.design import Design
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.sweeps import InputError
+
+SHEET = load_scene("sheet-5x5-two-interfaces")
+
+
+def test_four_wires_have_twenty_five_readings_all_of_disjoint_foils():
+    found = pool(SHEET, terminals(SHEET))
+    assert len(found) == len({each.name for each in found}) == 25
+    assert all(not set(each.high) & set(each.low) for each in found)
+    sides = [frozenset([frozenset(each.high), frozenset(each.low)]) for each in found]
+    assert len(set(sides)) == 25
+
+
+def test_the_scenes_own_readings_keep_their_names():
+    found = pool(SHEET, terminals(SHEET))
+    assert [found[k].name for k in own_readings(SHEET, found)] == ["left", "bottom"]
+    turned = SHEET.with_({"interface.1.high": ["bottom-left"], "interface.1.low": ["top-left"]})
+    assert [found[k].name for k in own_readings(turned, found)] == ["left", "bottom"]
+    assert own_readings(SHEET, pool(SHEET, ["top-left", "bottom-left"])) == [0]
+
+
+def test_fewer_wires_are_tried_in_all_ways():
+    assert len(wirings(SHEET, 3)) == 4 and len(wirings(SHEET, 8)) == 1
+
+
+def test_foils_that_touch_take_one_wire():
+    corner = SHEET.with_(
+        {"contact.top-left.span": [0.0, 1.0], "contact.top-bottom.span": [0.0, 1.0]}
+    )
+    assert terminals(corner) == ["top-left", "bottom-left", "bottom-bottom"]
+
+
+def test_a_time_is_shared_by_readings_and_frequencies():
+    assert sweep_time(1, [1e4] * 20) == pytest.approx(0.1)
+    assert sweep_time(2, [1e4] * 20) == pytest.approx(0.24)
+    asked = Design(readings=3, frequencies=50, seconds=0.4)
+    for readings, count in budgets(SHEET, asked, 1e3, 25):
+        assert sweep_time(readings, [1e3] * count) <= 0.4
+        assert count == 50 or sweep_time(readings, [1e3] * (count + 1)) > 0.4
+    with pytest.raises(InputError, match=r"seconds` must be >= 0.005 s.*got 0.004"):
+        budgets(SHEET, Design(seconds=0.004), 1e3, 25)
+
+
+def test_slow_frequencies_take_their_periods():
+    each = [sweep_time(1, [f]) for f in (40, 100, 400, 1e5)]
+    assert each == pytest.approx([0.05, 0.02, 0.005, 0.005])
+    assert all(a >= b for a, b in itertools.pairwise(each))

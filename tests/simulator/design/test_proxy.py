@@ -1,0 +1,89 @@
+"""The share by pairs: its slopes, its concavity, and the bounds that follow from it."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from rcskin.simulator.design.choosing import bound, chosen
+from rcskin.simulator.design.curves import Pairs
+from rcskin.simulator.design.proxy import Ties, by_frequency, by_reading
+
+KNOWN, UNKNOWN = Ties(), Ties(gain=0.5, turn=2.0)
+
+
+def some_pairs(seed=1, pairs=30, readings=7, frequencies=9, size=0.6):
+    random = np.random.default_rng(seed)
+    apart = size * random.standard_normal((pairs, readings, frequencies, 2, 3))
+    return Pairs(apart, np.full(pairs, 1 / pairs))
+
+
+@pytest.mark.parametrize("told", [by_reading, by_frequency])
+@pytest.mark.parametrize("ties", [KNOWN, UNKNOWN])
+def test_slopes_are_those_of_differences(told, ties):
+    share, random = told(some_pairs(), ties), np.random.default_rng(2)
+    weights = random.random(share.candidates)
+    _, slope = share.slope(weights)
+    h = 1e-5
+    for k, step in enumerate(h * np.eye(share.candidates)):
+        difference = (share.slope(weights + step)[0] - share.slope(weights - step)[0]) / (2 * h)
+        assert slope[k] == pytest.approx(difference, rel=1e-5)
+
+
+@pytest.mark.parametrize("told", [by_reading, by_frequency])
+@pytest.mark.parametrize("ties", [KNOWN, UNKNOWN])
+def test_the_share_lies_below_all_its_tangents(told, ties):
+    share, random = told(some_pairs(), ties), np.random.default_rng(3)
+    for _ in range(20):
+        at, other = random.random((2, share.candidates))
+        value, slope = share.slope(at)
+        assert share.slope(other)[0] <= value + slope @ (other - at) + 1e-12
+
+
+@pytest.mark.parametrize("ties", [KNOWN, UNKNOWN])
+def test_errors_of_a_session_hide_what_all_frequencies_share(ties):
+    common = np.repeat(some_pairs(frequencies=1).apart, 5, axis=2)
+    pairs = Pairs(common, some_pairs().weight)
+    known = by_frequency(pairs, KNOWN).slope(np.ones(5))[0]
+    assert by_frequency(pairs, ties).slope(np.ones(5))[0] <= known
+    joint = by_reading(pairs, ties).slope(np.ones(7))[0]
+    assert joint == pytest.approx(by_frequency(pairs, ties).slope(np.ones(5))[0], rel=1e-12)
+
+
+@pytest.mark.parametrize("ties", [KNOWN, UNKNOWN])
+def test_a_score_is_what_the_slope_tells_of_a_choice(ties):
+    share = by_frequency(some_pairs(), ties)
+    choices = np.array([[0, 3, 5], [1, 2, 8]])
+    for choice, score in zip(choices, share.score(choices), strict=True):
+        weights = np.zeros(share.candidates)
+        weights[choice] = 1
+        assert 1 - score == pytest.approx(share.slope(weights)[0], abs=3e-6)
+
+
+def test_every_choice_is_looked_at_where_there_are_few_and_none_exceeds_the_bound():
+    share = by_reading(some_pairs(), KNOWN)
+    best = max(
+        share.slope(np.isin(range(7), choice).astype(float))[0]
+        for choice in itertools.combinations(range(7), 3)
+    )
+    found = chosen(share.score, share.slope, 7, 3)
+    assert (
+        found.every and found.share == pytest.approx(best, abs=2e-6) and found.most == found.share
+    )
+    told = bound(share.slope, np.array(found.numbers), 7)
+    assert best <= told < 1
+
+
+def test_exchanges_come_close_to_a_bound_that_holds(monkeypatch):
+    share = by_reading(some_pairs(size=0.3), KNOWN)
+    exact = chosen(share.score, share.slope, 7, 3)
+    monkeypatch.setattr("rcskin.simulator.design.choosing.ALL_AT_ONCE", 0)
+    found = chosen(share.score, share.slope, 7, 3)
+    assert not found.every
+    assert exact.share - 1e-3 < found.share <= exact.share + 1e-6 <= found.most + 1e-5
+
+
+def test_more_is_never_less():
+    share = by_reading(some_pairs(size=0.3), UNKNOWN)
+    shares = [chosen(share.score, share.slope, 7, n).share for n in range(1, 8)]
+    assert shares == sorted(shares) and not math.isclose(shares[0], shares[-1])

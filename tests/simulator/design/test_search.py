@@ -1,0 +1,102 @@
+"""Known optima of a line, and what holds of any search."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from rcskin.simulator.bounds.sets import equation_6
+from rcskin.simulator.design.bench import Asking, Bench
+from rcskin.simulator.design.journal import Journal
+from rcskin.simulator.design.judged import designed
+from rcskin.simulator.design.pool import terminals
+from rcskin.simulator.design.search import best_along, search
+from rcskin.simulator.design.trained import Material
+from rcskin.simulator.scene.design import Design
+
+SINGLE = {"frequencies": 1, "readings": 1, "casts": 1, "band": (300.0, 30e3), "sheet_ratio": 1.0}
+EVEN = {"sheet_resistance": 1.0, "capacitance": 1.0, "foam_spread": 0.0, "loss_tangent": 0.0}
+BARE = {"stray_capacitance": 0.0, "lead_resistance": 0.0}
+
+
+def asking(draws=100, **asked):
+    return Asking(Design(**{**SINGLE, **asked}), 1, draws, Journal(None, {}), lambda *_: None)
+
+
+def bench(scene, **asked):
+    return Bench(scene, asking(**asked), terminals(scene))
+
+
+def test_the_best_single_frequency_of_a_line_lies_between_those_of_equation_6(strip):
+    found = bench(strip(session=EVEN | BARE))
+    picked = found.picked(Material(50e3, 50e3), [0], [])
+    near, far = equation_6(found.scene, 4)[[0, -1]]
+    assert min(near, far) < found.frequency[picked.frequencies[0]] < max(near, far)
+
+
+def test_twice_the_sheets_tell_as_much_at_half_the_frequencies(strip):
+    frequencies = (500.0, 1e3, 2e3, 4e3, 8e3, 16e3)
+    clear = {"magnitude_noise": 0.005, "phase_noise": 0.005}
+    scene = strip(clear, EVEN | BARE, frequencies=frequencies)
+    found = bench(scene, frequencies=3, band=None)
+    numbers = [list(found.frequency).index(f) for f in frequencies]
+    told = found.share_of(Material(50e3, 50e3), [0], numbers[1:4])
+    assert 0.5 < told < 0.99
+    assert found.share_of(Material(100e3, 100e3), [0], numbers[:3]) == pytest.approx(told, abs=2e-3)
+    assert found.share_of(Material(25e3, 25e3), [0], numbers[2:5]) == pytest.approx(told, abs=2e-3)
+
+
+def test_a_search_ends_no_worse_than_any_of_its_steps_and_keeps_its_bounds(strip):
+    scene = strip()
+    asked = asking(frequencies=2, sheet_resistance=(20e3, 100e3), seconds=0.02, casts=3)
+    found = search(scene, asked)
+    assert found.before.name == "as it is" and found.best.taken
+    assert found.best.tenth == max(step.tenth for step in found.steps[1:] if step.taken)
+    material = found.best.layout.material
+    assert 20e3 <= math.sqrt(material.top * material.bottom) <= 100e3
+    assert len(found.best.layout.frequencies) <= 2
+    assert found.picked.share <= min(
+        found.picked.most_by_readings, found.picked.most_by_frequencies
+    )
+    again = search(scene, asked)
+    assert again.steps == found.steps
+    made = designed(scene, found.best.layout)
+    assert made.frequencies.tolist() == list(found.best.layout.frequencies)
+
+
+def test_the_exact_bound_of_more_readings_and_frequencies_is_never_less(strip):
+    both = {"top-left": {}, "bottom-left": {}, "bottom-right": {}}
+    scene = strip(contacts=both, session=EVEN | BARE)
+    found = bench(scene, readings=3, draws=4000)
+    material = Material(50e3, 50e3)
+    shares = []
+    for count in (1, 2, 3):
+        picked = found.picked(material, [], [3])
+        layout = found.layout(material, picked)
+        readings = tuple(found.pool[:count])
+        shares.append(found.shares(type(layout)(material, readings, (2e3, 8e3)))[0])
+    error = 4 * 0.5 / math.sqrt(4000)
+    assert all(more > less - error for less, more in itertools.pairwise(shares))
+
+
+def test_the_best_along_a_number_is_found_between_the_points_of_its_grid():
+    def told(value):
+        return -(math.log(value / 37.0) ** 2)
+
+    assert best_along(told, (1.0, 1000.0), 5.0) == pytest.approx(37, rel=0.03)
+    assert best_along(told, (100.0, 1000.0), 5.0) == 100
+    assert best_along(told, (1.0, 2.0), 5.0) == 2
+
+
+def test_model_and_exact_solution_agree_far_closer_than_the_meter_errs(strip):
+    from rcskin.simulator.models.solver import Solver
+    from rcskin.simulator.press.press import parse_press
+
+    scene = strip()
+    found = bench(scene, band=None)
+    on = found._trained.on(None, Material(50e3, 50e3), found.pool)
+    cells, rises = np.array([2]), np.array([1.0])
+    told = on.observed(cells, rises, np.array([0, 1]), scene.frequencies)[0]
+    Z = Solver(scene, 1e-6).solve(parse_press("1,3:2.0", default=2.0)).Z[0]
+    exact = np.concatenate([np.log(np.abs(Z)), np.angle(Z)])
+    assert np.abs(told - exact).max() < 2e-3
