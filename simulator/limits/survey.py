@@ -95,7 +95,9 @@ def with_sheets(scene: Scene, sheet_resistance: float) -> Scene:
 
 def with_factor(scene: Scene, factor: float) -> Scene:
     """The same scene pressed so many times the capacitance at rest."""
-    pressing = scene.press.model_copy(update={"capacitance_factor": factor})
+    by = {"capacitance_factor": factor} if scene.press.plain else {}
+    by = by or {"depth": scene.pressed_depth(factor)}
+    pressing = scene.press.model_copy(update=by)
     return scene.model_copy(update={"press": pressing})
 
 

@@ -66,7 +66,7 @@ class Membrane:
         """What holds each node in place, N, shape (node,)."""
         pressed = (self.elastic.stress(self._strain(w)) * self._dx) @ self._values.T
         load = np.bincount(self.nodes.T.ravel(), pressed.ravel(), self.places.shape[1])
-        return self.stretch @ w + load
+        return np.asarray(self.stretch @ w + load, dtype=np.float64)
 
     def tangent(self, w: NDArray[np.float64]) -> csr_matrix:
         """d residual / d w, N/m, shape (node, node)."""
@@ -99,7 +99,8 @@ class _Pattern:
 
     def values(self, matrices: NDArray[np.float64]) -> NDArray[np.float64]:
         """Those of each triangle, shape (triangle, node * node), added up."""
-        return np.bincount(self._slot, matrices.ravel(), len(self._indices))
+        found = np.bincount(self._slot, matrices.ravel(), len(self._indices))
+        return np.asarray(found, dtype=np.float64)
 
     def matrix(self, values: NDArray[np.float64]) -> csr_matrix:
         """With these values, shape (node, node)."""
