@@ -4,11 +4,15 @@ import numpy as np
 import pytest
 from rcskin.simulator.calibration.choice import Options
 from rcskin.simulator.calibration.run import calibrate
+from rcskin.simulator.dataset.plan import Plan
+from rcskin.simulator.dataset.run import generate
 from rcskin.simulator.fem.estimate import relative_difference
 from rcskin.simulator.limits import bayes_accuracy
 from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.measure.specimen import Specimen
 from rcskin.simulator.models.parameters import Variation
+from rcskin.simulator.models.plain import folded
 from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.forward import Forward
@@ -20,12 +24,21 @@ from rcskin.simulator.scene.frequency import Loss
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.study.point import Trial
 from rcskin.simulator.study.sharing import families, member_curves, solve, tasks
-from rcskin.simulator.sweeps import InputError
+from rcskin.simulator.sweeps import InputError, impedance, open_zarr
 
 RTOL, CLOSELY = 1e-3, 1e-4
 COLUMNS = 3
 FACTORS = 1.1, 4.0
 DEEP = Depth(2e-3)
+FACTORS_OF_SESSIONS = "sheet_resistance", "sheet_mismatch", "capacitance", "contact_resistance"
+SPREADS_OF_SESSIONS = (
+    "unevenness",
+    "foam_spread",
+    "loss_tangent",
+    "stray_capacitance",
+    "lead_resistance",
+)
+UNIFORM = {"distribution": "uniform", "low": 0.3e-3, "high": 2.2e-3}
 
 
 def foam_strip(tension=20.0, **tables):
@@ -51,6 +64,19 @@ def foam_strip(tension=20.0, **tables):
             **tables,
         }
     )
+
+
+SAME = {
+    **dict.fromkeys((f"dataset.session.{name}" for name in FACTORS_OF_SESSIONS), 1.0),
+    **dict.fromkeys((f"dataset.session.{name}" for name in SPREADS_OF_SESSIONS), 0.0),
+    **dict.fromkeys(("readout.magnitude_noise", "readout.phase_noise"), 0.0),
+    "readout.display_digits": 12,
+}
+
+
+def made_of(scene, path, sweeps):
+    generate(Plan(scene, sweeps, 1, RTOL), path)
+    return open_zarr(path).load()
 
 
 @pytest.fixture(scope="module")
@@ -194,3 +220,42 @@ def test_limits_and_studies_press_by_depth(scene):
     (Z,), truth = curves[(1, 2)].impedance([factor]), Solver(scene, CLOSELY)
     off = relative_difference(Z, truth.solve(parse_press("1,2", DEEP)).Z, 2 * np.pi * 1e4)
     assert off.max() <= RTOL
+
+
+def test_a_data_set_draws_depths_and_is_what_the_full_solver_says(scene, tmp_path):
+    drawn = {"dataset.press.touches": [0.2, 0.4, 0.4], "dataset.press.depth": UNIFORM}
+    own = scene.with_(SAME | drawn | {"dataset.session.sweeps_per_session": 20})
+    made, solver = made_of(own, tmp_path / "set.zarr", 20), Solver(own, CLOSELY)
+    for sweep in np.flatnonzero(made["touches"].values)[:3]:
+        press = parse_press(str(made["press"].values[sweep]), DEEP)
+        off = relative_difference(
+            impedance(made)[sweep], solver.solve(press).Z, 2 * np.pi * own.frequencies
+        )
+        assert off.max() <= RTOL + 2 * CLOSELY
+        depths = np.array([each.by.value for each in press.touches])
+        factors = made["touch_factor"].values[sweep, : len(depths)]
+        np.testing.assert_allclose(factors, own.pressed_factors(depths), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("changed", "reason"),
+    [
+        ({"dataset.press.depth": 2.6e-3}, r"`dataset.press.depth` must be <= 0.00241 m"),
+        ({"dataset.press.factor": 9.0}, "`dataset.press.factor` must be from 1 to 4"),
+        ({"dataset.press.place": "anywhere"}, "cannot be pressed by `press.depth`"),
+        ({"press.depth": None, "press.force": 1.0}, "cannot take `press.force`"),
+        ({"press.depth": None, "dataset.press.depth": 1e-3}, "`dataset.press.depth` needs"),
+    ],
+)
+def test_data_sets_refuse_in_one_line_what_they_cannot_press(scene, changed, reason):
+    with pytest.raises(InputError, match=reason):
+        Plan(folded(scene.with_(changed), "a data set"), 10, 1, RTOL)
+
+
+def test_the_virtual_meter_reads_one_press_at_all_frequencies(scene):
+    specimen, press = Specimen(scene, "meter"), "1,2:1mm"
+    truth = Solver(scene).solve(parse_press(press, DEEP)).Z[0]
+    found = [specimen.impedance(press, float(f)) for f in scene.frequencies]
+    np.testing.assert_allclose(found, truth, rtol=1e-9)
+    between = specimen.impedance(press, 3e3)
+    assert abs(found[1]) < abs(between) < abs(found[0])
