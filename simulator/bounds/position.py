@@ -167,7 +167,7 @@ def chosen_touch(scene: Scene, size: float | None = None, factor: float | None =
                 f"got {1e3 * size:g}"
             )
         width = height = size
-    factor = scene.press.capacitance_factor if factor is None else factor
+    factor = scene.pressed_factor if factor is None else factor
     if not (np.isfinite(factor) and factor > 0 and factor != 1):
         raise InputError(f"--factor must be finite, > 0 and not 1, got {factor:g}")
     return TouchSize(width, height, factor - 1)

@@ -14,6 +14,7 @@ from ..measure.readout import observed
 from ..mesh.held import held
 from ..models.network.terminals import model_of
 from ..models.reduced.cases import Case, pixel_touches
+from ..models.reduced.indented.draws import require_whole_pixels
 from ..models.reduced.model import Reduced
 from ..progress import Track, silent
 from ..scene.frequency import laplace_variable
@@ -99,6 +100,8 @@ class Readings:
         pixel, in place of the whole pixel. Raises InputError for a meter without noise."""
         if size is not None and scene.pixels.groups is not None:
             raise InputError(f"{scene.name}: touches of a size need pixels without `groups`")
+        if size is not None:
+            require_whole_pixels(scene, "a touch of a size")
         self.scene, self._size = scene, size
         self.model = error_model(scene, len(scene.frequencies), against_rest)
         self._factors = (

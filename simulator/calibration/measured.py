@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.readout import observed
-from ..press.press import Press, check_press, parse_press
-from ..press.touch import Touch
+from ..press.press import Press, press_on, pressed_factor
+from ..press.touch import Touch, place_of
 from ..scene.meter import Sweep
 from ..scene.scene import Scene
 from ..sweeps import InputError, impedance
@@ -132,9 +132,14 @@ def _presses(scene: Scene, texts: Sequence[str]) -> tuple[list[Press | None], tu
 
 
 def _whole_pixels(scene: Scene, text: str) -> Press:
-    press = check_press(parse_press(text, scene.press.capacitance_factor), scene)
-    if not all(isinstance(touch, Touch) for touch in press.touches):
+    press = press_on(scene, text)
+    if not all(isinstance(place_of(touch), Touch) for touch in press.touches):
         raise InputError(f"press {press}: only whole pixels can be fitted")
+    if bool(press.touches) and bool(press.indented) == scene.press.plain:
+        kind = "capacitance factors" if scene.press.plain else "depths"
+        raise InputError(f"press {press}: only {kind} can be fitted to {scene.name}")
+    for touch in press.touches:
+        pressed_factor(scene, touch)
     return press
 
 

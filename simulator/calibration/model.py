@@ -29,10 +29,12 @@ Model = Forward | LineModel
 def model_of(scene: Scene, rtol: float, tell: Tell = tell_nothing) -> Model:
     """The cheapest one that serves. rtol: largest relative error of Rs and Cp at the skin."""
     try:
-        return LineModel(scene)
+        if scene.press.plain:
+            return LineModel(scene)
     except InputError:
-        advance = partial(tell, "training a model of the scene")
-        return Forward(scene, rtol=rtol, advance=advance)
+        pass
+    advance = partial(tell, "training a model of the scene")
+    return Forward(scene, rtol=rtol, advance=advance)
 
 
 class Around:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..measure.readout import ErrorModel, observed, observed_slope
 from ..models.parameters import FACTORS, PARAMETERS
+from ..press.press import pressed_factor
 from ..scene.meter import Readout
 from .measured import Measured, Reading
 from .model import Around
@@ -84,12 +85,13 @@ class Asked:
     @cached_property
     def spreads(self) -> list[list[float]]:
         """Standard deviation of the rise of each touch of each reading that is unknown."""
-        relative = self.measured.scene.press.factor_spread
+        scene = self.measured.scene
+        relative = scene.press.factor_spread
         if not (self.strengths and relative > 0):
             return [[] for _ in self.measured.readings]
         return [
-            [relative * max(abs(touch.factor - 1), 1e-3) for touch in reading.press.touches]
-            for reading in self.measured.readings
+            [relative * max(abs(pressed_factor(scene, touch) - 1), 1e-3) for touch in press.touches]
+            for press in (reading.press for reading in self.measured.readings)
         ]
 
 
@@ -121,7 +123,8 @@ class Problem:
             low[k], high[k] = (np.array(limits) - prior.center) / prior.deviation
         rises, spreads = self._all_rises()
         of_touches = slice(len(self.asked.fitted), len(self.asked.fitted) + len(rises))
-        low[of_touches] = np.minimum((LEAST_RISE - rises) / spreads, -1e-3)
+        least = LEAST_RISE if self.asked.measured.scene.press.plain else 0.0
+        low[of_touches] = np.minimum((least - rises) / spreads, -1e-3)
         return low, high
 
     def rises(self, u: NDArray[np.float64], k: int) -> NDArray[np.float64]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..models.line_slopes import LineModel
 from ..models.parameters import own_values, scene_with
-from ..models.plain import require_factor
+from ..models.plain import folded
 from ..progress import Tell, tell_nothing
 from ..scene.scene import Scene
 from .choice import Options, candidates
@@ -88,7 +88,7 @@ def calibrate(
     training is the slow part. tell: is told what takes long.
     Raises InputError where sweeps and scene do not fit, ToleranceError where no model holds.
     """
-    require_factor(scene, "a calibration")
+    folded(scene, "a calibration")
     job = _Job(measured(scene, sweeps, options.band, options.session), options, model, tell)
     fit, noise = job.done()
     told = information(fit, job.held)

@@ -9,7 +9,11 @@ from functools import cached_property
 from hashlib import sha256
 from importlib.metadata import version
 
+import numpy as np
+
 from ..mesh.held import held
+from ..models.reduced.indented.applicators import deepest
+from ..models.reduced.indented.draws import require_whole_pixels
 from ..scene.files import parse_scene, scene_text
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -45,6 +49,7 @@ class Plan:
             raise InputError(f"`rtol` must be between 0 and 1, got {self.rtol}")
         _check_size(self.scene)
         _check_presses(self.scene)
+        _check_depths(self.scene)
 
     @property
     def session_sweeps(self) -> int:
@@ -132,6 +137,33 @@ def _check_size(scene: Scene) -> None:
         raise InputError(
             f"`dataset.session.sweeps_per_session` must be <= {MOST_VALUES // readings(scene)} on "
             f"{scene.name}, for a session to fit in memory, got {size // readings(scene)}"
+        )
+
+
+def _check_depths(scene: Scene) -> None:
+    """Raises InputError where presses by depth are drawn that the foam does not take."""
+    drawn = scene.dataset.press
+    if scene.press.plain:
+        if drawn.depth is not None:
+            raise InputError(
+                f"{scene.name}: `dataset.press.depth` needs `press.depth` in place of "
+                "`press.capacitance_factor`, and foam with mechanics"
+            )
+        return
+    if drawn.cells > 1:
+        require_whole_pixels(scene, "`dataset.press` beside whole pixels")
+    most = deepest(scene)
+    if drawn.depth is not None:
+        named, depth = "depth", drawn.depth.high
+        told = f"<= {most:.4g} m"
+    else:
+        named, high = "factor", float(scene.pressed_factors(np.array(most)))
+        told = f"from 1 to {high:.4g}"
+        depth = np.inf if drawn.factor.high > high or drawn.factor.low < 1 else most
+    if depth > most:
+        raise InputError(
+            f"{scene.name}: `dataset.press.{named}` must be {told} in every draw, which is how "
+            "deep applicators are known"
         )
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
-from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,15 +14,13 @@ from ..press.press import Press
 from ..press.touch import Disc, Rectangle
 from ..scene.randomisation import CUT, DrawnPress, truncated_normal
 from ..scene.scene import Pixels, Scene
-from ..sweeps import UNPRESSED
+from .strengths import drawn_strengths, texts, told
 
 MOST_TOUCHES = 2
 FIRST_RESTS = 3
 """Sweeps at rest that a session begins with where it promises any."""
 TRIES = 64
 """Places that are drawn for a touch until its middle is on the skin."""
-FACTOR_DECIMALS = 6
-"""Factors are drawn to so many decimals, so that a press as text is the press that was solved."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +57,7 @@ def drawn_presses(
     touches = _counts(drawn, random.random(count))
     touches[_at_rest(scene.dataset.session.rest_every, count)] = 0
     chances = random.random((4, count, MOST_TOUCHES))
-    factor = np.round(drawn.factor.at(random.random((count, MOST_TOUCHES))), FACTOR_DECIMALS)
+    factor = drawn_strengths(scene, random.random((count, MOST_TOUCHES)))
     if drawn.place == "anywhere":
         if not scene.skin.rectangular:
             again = random.random((2 * TRIES, count, MOST_TOUCHES))
@@ -103,7 +100,7 @@ def _on_pixels(
         cells=inside[pixel[there]].ravel(),
         rises=np.repeat(factor[there] - 1, inside.shape[1]),
         starts=np.concatenate([[0], np.cumsum(touches * inside.shape[1])]),
-        text=_texts(touches, row + 1, column + 1, factor),
+        text=texts(touches, row + 1, column + 1, *told(scene, factor)),
         row=single_label(touches, row[:, 0] + 1),
         column=single_label(touches, column[:, 0] + 1),
         touches=touches,
@@ -148,19 +145,6 @@ def cells_of_pixels(scene: Scene, grid: tuple[int, int]) -> NDArray[np.int64]:
 def single_label(touches: NDArray[np.int64], index: NDArray[np.int64]) -> NDArray[np.int64]:
     """Row or column of a single touch, 0 at rest, -1 where it is no single pixel."""
     return np.select([touches == 0, touches == 1], [0, index], -1)
-
-
-def _texts(
-    touches: NDArray[np.int64],
-    row: NDArray[np.int64],
-    column: NDArray[np.int64],
-    factor: NDArray[np.float64],
-) -> list[str]:
-    """Each press as `Press` writes it."""
-    there = np.arange(MOST_TOUCHES) < touches[:, None]
-    numbers = zip(row[there].tolist(), column[there].tolist(), factor[there].tolist(), strict=True)
-    told = iter([f"{i},{j}:{f!r}" for i, j, f in numbers])
-    return ["+".join(islice(told, count)) or UNPRESSED for count in touches.tolist()]
 
 
 LENGTH_DECIMALS = 6

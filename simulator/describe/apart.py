@@ -46,10 +46,11 @@ def middle(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], float]:
     on = within if within.any() else np.ones_like(within)
     step = np.ptp(found, axis=1) / (LOOKED_AT - 1)
     free = np.pad(on.reshape(LOOKED_AT, LOOKED_AT), 1)
-    half = distance_transform_edt(free, sampling=(NAME_SHAPE * step[1], step[0]))[1:-1, 1:-1]
+    far = distance_transform_edt(free, sampling=(NAME_SHAPE * step[1], step[0]))
+    half = np.asarray(far)[1:-1, 1:-1].ravel()
     off = found - found[:, on].mean(axis=1, keepdims=True)
-    at = int((half.ravel() - 1e-3 * np.hypot(*off)).argmax())
-    return found[:, at], float(2 * half.ravel()[at])
+    at = int((half - 1e-3 * np.hypot(*off)).argmax())
+    return found[:, at], float(2 * half[at])
 
 
 def _places(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:

@@ -104,8 +104,12 @@ def _unknown_skin(text: str, anywhere: bool) -> UnknownSkin:
 
 def strength_prior(scene: Scene, presses: str) -> tuple[NDArray, NDArray, float]:
     """Strengths, the chance of each, and the deviation that each stands for."""
-    drawn = own_presses(scene) if presses == "press" else scene.dataset.press.factor
-    return covered(drawn.at)
+    drawn, deep = scene.dataset.press.factor, scene.dataset.press.depth
+    if presses == "press":
+        return covered(own_presses(scene).at)
+    if scene.press.plain or deep is None:
+        return covered(drawn.at)
+    return covered(lambda chance: scene.pressed_factors(deep.at(chance)))
 
 
 def covered(quantile: Callable[[NDArray], NDArray]) -> tuple[NDArray, NDArray, float]:

@@ -82,7 +82,7 @@ def limits(
     side = None if size is None else 1e-3 * size
     touch = chosen_touch(plain, side, factor)
     loaded = with_factor(with_interfaces(plain, interface or []), 1 + touch.rise)
-    question = Question(touch, against_rest, unknown_skin)
+    question = Question(touch, against_rest, unknown_skin, not loaded.press.plain)
     ending = checked_ending(charts)
     resistances = _listed(sheet_resistance)
     for resistance in resistances:

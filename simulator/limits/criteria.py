@@ -124,7 +124,7 @@ def _pressed(fields: AnyFields, hypothesis: Hypothesis, frequency: NDArray[np.fl
     """One pixel pressed as the scene does, and the derivative by its strength."""
     scene = fields.scene
     maps = list(pixel_maps(scene, fields.cells).values())
-    columns, rise = scene.pixels.columns, scene.press.capacitance_factor - 1
+    columns, rise = scene.pixels.columns, scene.pressed_factor - 1
     pixels = [maps[i * columns + j] for i, j in hypothesis.pixels]
     pressed = sum(pixels, np.zeros(fields.grid))
     return fields.respond(1 + rise * pressed, {"strength": pressed}, frequency)
@@ -139,7 +139,7 @@ def _pair_slopes(
     levels = [np.moveaxis(observed(each.Z).reshape(shape), 0, -1) / deviation for each in answers]
     by_strength = [in_noise(each.Z, [each.by["strength"]], model)[..., 0] for each in answers]
     errors, known = session_errors(model)
-    spread = scene.press.factor_spread * abs(scene.press.capacitance_factor - 1)
+    spread = scene.press.factor_spread * abs(scene.pressed_factor - 1)
     strengths = 2 if spread else 0
     slopes = np.zeros((len(pairs), *levels[0].shape, 1 + strengths + errors.shape[-1]))
     for number, (one, other) in enumerate(pairs):

@@ -140,7 +140,7 @@ def _asked(scene: Scene, size: float | None) -> str:
     """What a classifier that errs so little knows, and what it does not."""
     press, rest = scene.press, " or none" if scene.experiment.unpressed else ""
     where = "whole" if size is None else f"{1e3 * size:.3g} mm about its middle"
-    factor = f"times {press.capacitance_factor:g}"
+    factor = f"times {scene.pressed_factor:g}"
     spread = f", give or take {100 * press.factor_spread:.3g} % of the rise"
     return (
         f"known are the skin, that one pixel{rest} is pressed, {where}, and how strongly, {factor}"

@@ -35,11 +35,15 @@ class Variant:
 
 @dataclass(frozen=True)
 class Question:
-    """A touch, how many sweeps at rest a sweep is compared with, whether the skin is unknown."""
+    """A touch, how many sweeps at rest a sweep is compared with, whether the skin is unknown.
+
+    by_depth: whether the scene presses by depth, of which places are told without what spreads.
+    """
 
     touch: TouchSize
     against_rest: int = 0
     unknown_skin: bool = False
+    by_depth: bool = False
 
     @property
     def told(self) -> str:
@@ -47,9 +51,10 @@ class Question:
         size = f"{1e3 * self.touch.width:.3g} x {1e3 * self.touch.height:.3g} mm"
         skin = "" if self.unknown_skin else "the skin and "
         unknown = " and the skin, but for dataset.session" if self.unknown_skin else ""
+        alone = "; of a press by depth, as if it ended at its edges" if self.by_depth else ""
         return (
             f"known are {skin}the touch's sides, {size}; unknown are x, y and strength, anywhere "
-            f"and any{unknown}"
+            f"and any{unknown}{alone}"
         )
 
 
@@ -96,7 +101,9 @@ def with_sheets(scene: Scene, sheet_resistance: float) -> Scene:
 
 def with_factor(scene: Scene, factor: float) -> Scene:
     """The same scene pressed so many times the capacitance at rest."""
-    pressing = scene.press.model_copy(update={"capacitance_factor": factor})
+    by = {"capacitance_factor": factor} if scene.press.plain else {}
+    by = by or {"depth": scene.pressed_depth(factor)}
+    pressing = scene.press.model_copy(update=by)
     return scene.model_copy(update={"press": pressing})
 
 

@@ -8,10 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.plain import require_factor
 from ..press.pixels import pixels_with_skin
-from ..press.press import Press
-from ..press.touch import Touch
+from ..press.press import Press, pixel_pressed
 from ..scene.randomisation import AnyDistribution, Fixed, Normal
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -32,7 +30,7 @@ def planned_presses(scene: Scene, random: np.random.Generator) -> list[Press]:
     drawn, planned = own_presses(scene), scene.experiment
     at_rest = [Press()] * (planned.repetitions if planned.unpressed else 0)
     return at_rest + [
-        Press((Touch(row, column, float(drawn.at(random.random()))),))
+        Press((pixel_pressed(scene, row, column, float(drawn.at(random.random()))),))
         for row, column in pixels_with_skin(scene)
         for _ in range(planned.repetitions)
     ]
@@ -53,10 +51,10 @@ def own_presses(scene: Scene) -> AnyDistribution:
 
     The rise of capacitance (factor - 1) is normal about the nominal one, with the scene's
     `factor_spread` as its relative standard deviation, and is cut as normal ones of data sets are.
-    Raises InputError where pixels are pressed by depth or force, or a factor might be 0 or less.
+    Where pixels are pressed by depth it is the factor under the applicator. Raises InputError where
+    they are by force, or a factor might be 0 or less.
     """
-    pressing = require_factor(scene, "a planned press").press
-    factor, spread = pressing.capacitance_factor, pressing.factor_spread
+    factor, spread = scene.pressed_factor, scene.press.factor_spread
     if spread == 0:
         return Fixed(value=factor)
     drawn = Normal(mean=factor, deviation=abs(factor - 1) * spread)

@@ -18,6 +18,7 @@ from ..sweeps import InputError
 from .readout import Meter
 
 READINGS_KEPT = 4096
+SWEEPS_KEPT = 256
 
 
 class Specimen:
@@ -28,6 +29,7 @@ class Specimen:
         self._number = interface_names(scene).index(interface)
         self._solver, self._pixels = Solver(scene), set(pixels_with_skin(scene))
         self._impedances = lru_cache(READINGS_KEPT)(self._new_impedances)
+        self._sweeps = lru_cache(SWEEPS_KEPT)(self._new_sweeps)
 
     def at(self, interface: str) -> Self:
         """The same specimen at another interface; what one has solved the other knows."""
@@ -52,7 +54,14 @@ class Specimen:
 
     def _new_impedances(self, press: Press, frequency: float) -> NDArray[np.complex128]:
         """At every interface."""
+        own = np.flatnonzero(self.scene.frequencies == frequency)
+        if press.indented and own.size:
+            return self._sweeps(press)[:, own[0]]
         return self._solver.solve(press, frequency).Z[:, 0]
+
+    def _new_sweeps(self, press: Press) -> NDArray[np.complex128]:
+        """At all frequencies of the scene: mechanics is solved once for them."""
+        return self._solver.solve(press).Z
 
 
 class SessionErrors:

@@ -14,7 +14,7 @@ from ..scene.frequency import Loss
 from ..scene.meter import Leads
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
-from ..scene.skin import Foam, Skin
+from ..scene.skin import Foam
 from ..sweeps import InputError
 
 WAVES = ((0, 0), (1, 0), (0, 1), (1, 1))
@@ -170,7 +170,7 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
         loss_tangent=values["loss_tangent"],
         phase_exponent=values["phase_exponent"],
         map=skin.foam.map,
-        **_kept_mechanics(skin),
+        **_kept_mechanics(scene),
     )
     film = math.exp(values["contact_resistance"])
     contacts = tuple(
@@ -183,9 +183,10 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
     )
 
 
-def _kept_mechanics(skin: Skin) -> dict[str, Any]:
-    """What tells the strain under a factor, where sheets hang on it."""
-    if not (skin.top.piezoresistance or skin.bottom.piezoresistance):
+def _kept_mechanics(scene: Scene) -> dict[str, Any]:
+    """What tells the strain under a factor, where sheets hang on it, or the factor of a depth."""
+    skin = scene.skin
+    if scene.press.plain and not (skin.top.piezoresistance or skin.bottom.piezoresistance):
         return {}
     return {"mechanics": skin.foam.mechanics, "thickness": skin.foam.thickness}
 

@@ -12,11 +12,11 @@ the coefficients of `materials`.
 
 from __future__ import annotations
 
-from typing import TypeVar
+from typing import NoReturn, TypeVar
 
 from ..press.press import Press
 from ..press.touch import AnyTouch, Rectangle, Touch
-from ..scene.scene import Scene
+from ..scene.scene import Pressing, Scene
 from ..scene.skin import Foam, Sheet, Skin
 from ..sweeps import InputError
 
@@ -52,10 +52,20 @@ def electrical_press(scene: Scene, press: Press) -> Press | None:
 def folded(scene: Scene, what: str) -> Scene:
     """The scene as it is electrically, for `what` that presses by factors.
 
-    Places in m are those of the skin as it is stretched, if that leaves it plain. Raises InputError
-    as `require_factor` does.
+    Places in m are those of the skin as it is stretched, if that leaves it plain. What a tension
+    spreads stays as it is; where none does, a depth is the factor that it leaves. Raises InputError
+    where `what` cannot take how pixels are pressed.
     """
-    return electrical(require_factor(scene, what))
+    if scene.press.plain:
+        return electrical(scene)
+    mechanics = scene.skin.foam.mechanics
+    if scene.press.force is not None:
+        return _by_depth_alone(scene, what)
+    if mechanics is not None and mechanics.tension:
+        return scene
+    factor, spread = scene.pressed_factor, scene.press.factor_spread
+    pressing = Pressing(capacitance_factor=factor, factor_spread=spread)
+    return electrical(scene.model_copy(update={"press": pressing}))
 
 
 def require_plain(scene: Scene, what: str) -> Scene:
@@ -72,18 +82,11 @@ def require_plain(scene: Scene, what: str) -> Scene:
     return scene
 
 
-def require_factor(scene: Scene, what: str) -> Scene:
-    """The same scene, for `what` that presses pixels by a capacitance factor.
-
-    Raises InputError naming the key by which the scene presses otherwise.
-    """
-    for key in ("depth", "force"):
-        if getattr(scene.press, key) is not None:
-            raise InputError(
-                f"{scene.name}: {what} cannot take `press.{key}`: it needs "
-                "`press.capacitance_factor`"
-            )
-    return scene
+def _by_depth_alone(scene: Scene, what: str) -> NoReturn:
+    raise InputError(
+        f"{scene.name}: {what} cannot take `press.force`: it needs `press.depth` or "
+        "`press.capacitance_factor`"
+    )
 
 
 def _evened(scene: Scene) -> Scene:

@@ -36,6 +36,7 @@ from .varied.meshes import indented, meshes
 
 if TYPE_CHECKING:
     from .mechanics.pressed import Pressed
+    from .reduced.indented.applied import Applied
     from .reduced.model import ReducedSkin
 
 ModelName = Literal["auto", "lumped", "line", "sheet", "reduced"]
@@ -99,6 +100,10 @@ class Solver:
         """The answer at the skin's own contacts."""
         saw = self._outlook.of(str(press))
         progress = Progress(len(self.scene.interfaces), frequency, self.rtol, saw)
+        if self._applicators_reduce(press):
+            self._under_applicators(press, progress)
+            if progress.done:
+                return progress.answer()
         sharp, pressed = indented(self.scene, press, self.rtol)
         even = None if pressed else electrical_press(self.scene, sharp)
         if even is None:
@@ -147,12 +152,33 @@ class Solver:
 
     def _reduced_first(self, press: Press, pressed: Pressed | None, progress: Progress) -> None:
         """What a reduced model answers of what is not plain."""
-        if pressed or not press.plain:
+        if pressed:
+            return None
+        if not press.plain:
             return progress.reject(f"reduced: answers pixels and rect by a factor, got {press}")
         try:
             return self._reduced(press, progress)
         except (InputError, ToleranceError) as reason:
             return progress.reject(f"reduced: {reason}")
+
+    def _applicators_reduce(self, press: Press) -> bool:
+        from .reduced.indented.draws import spreads
+
+        return self.model == "reduced" and bool(press.indented) and spreads(self.scene)
+
+    def _under_applicators(self, press: Press, progress: Progress) -> None:
+        """What a reduced model answers of pixels pressed by depth and force."""
+        try:
+            self._check_sweep(progress.frequency)
+            return progress.offer(self._applied.rung(press))
+        except (InputError, ToleranceError) as reason:
+            return progress.reject(f"reduced: {reason}")
+
+    @cached_property
+    def _applied(self) -> Applied:
+        from .reduced.indented.applied import Applied
+
+        return Applied(self.scene, self.rtol)
 
     def explain(self, press: Press, answer: Answer) -> str:
         """What answered a press at each frequency, its own estimated error, and what did not."""
@@ -227,8 +253,7 @@ class Solver:
         if not all(isinstance(touch, Touch) for touch in press.touches):
             raise InputError(f"answers whole pixels, got {press}")
         _check_trained(press)
-        if not np.array_equal(progress.frequency, self.scene.frequencies):
-            raise InputError("a reduced model answers the frequencies of its scene's sweep")
+        self._check_sweep(progress.frequency)
         skin = self._reduced_skin
         cells, rises = touched_cells(self._even, press)
         if not skin.reduced.on_skin[cells].all():
@@ -237,6 +262,10 @@ class Solver:
         at_most = skin.certificate(cells, rises) + KRYLOV_SHARE * self.rtol
         told = f"reduced to {skin.reduced.size} vectors, {skin.reduced.circuit.told}"
         return progress.offer(Rung(told, skin.reduced.size, Z, at_most + skin.reduced.mesh_error))
+
+    def _check_sweep(self, frequency: NDArray[np.float64]) -> None:
+        if not np.array_equal(frequency, self.scene.frequencies):
+            raise InputError("a reduced model answers the frequencies of its scene's sweep")
 
     @cached_property
     def _reduced_skin(self) -> ReducedSkin:

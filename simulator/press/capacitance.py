@@ -16,7 +16,7 @@ from ..scene.planar import NO_LINES, SAME_EDGE, SAME_LINE, Lines, disc_fraction,
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .pixels import pixel_lines
-from .press import Press, require_plain
+from .press import Press, pressed_factor, require_plain
 from .touch import AnyTouch, Box, Disc, Rectangle, Touch
 
 
@@ -77,9 +77,30 @@ Cells = tuple[NDArray[np.int64], NDArray[np.float64]]
 
 def touched_cells(scene: Scene, press: Press, grid: tuple[int, int] | None = None) -> Cells:
     """Cells of a uniform grid, by default the pixels, in which a press raises c; as `grid_map`."""
+    if press.indented:
+        return _under_applicators(scene, press)
     rises = grid_map(scene, press, *(grid or scene.pixels.shape)).ravel() - 1
     cells = np.flatnonzero(rises)
     return cells, rises[cells]
+
+
+def _under_applicators(scene: Scene, press: Press) -> Cells:
+    """Pixels, and by how much c rises under their applicators.
+
+    Raises InputError where touches are others, or a scene is pressed by factors and its skins'
+    tension spreads presses.
+    """
+    mechanics = scene.skin.foam.mechanics
+    spreads = mechanics is not None and bool(mechanics.tension)
+    places = [each.place for each in press.indented if isinstance(each.place, Touch)]
+    if len(places) < len(press.touches) or (spreads and scene.press.plain):
+        raise InputError(
+            f"press {press}: needs a capacitance factor here; depths of whole pixels alone serve "
+            "where `press.depth` of the scene says so"
+        )
+    cells = [(each.row - 1) * scene.pixels.columns + each.column - 1 for each in places]
+    rises = [pressed_factor(scene, each) - 1 for each in press.indented]
+    return np.array(cells, dtype=np.int64), np.array(rises)
 
 
 def laid_on_cells(

@@ -132,6 +132,25 @@ def strength_of(pressing: Pressing) -> Strength:
     return pressing.capacitance_factor if pressing.force is None else Force(pressing.force)
 
 
+def pixel_pressed(scene: Scene, row: int, column: int, factor: float) -> AnyTouch:
+    """A pixel with c so many times that at rest under it: by a depth where the scene presses so.
+
+    Raises InputError where the foam cannot be pressed so far.
+    """
+    if scene.press.plain:
+        return Touch(row, column, factor)
+    return touch_at(Touch(row, column, 1.0), Depth(scene.pressed_depth(factor)))
+
+
+def pressed_factor(scene: Scene, touch: AnyTouch) -> float:
+    """c under a touch over that at rest. Raises InputError for one by a force."""
+    if not isinstance(touch, Indentation):
+        return touch.factor
+    by = {"depth": touch.by.value} if isinstance(touch.by, Depth) else {"force": touch.by.value}
+    pressing = scene.press.model_copy(update={"depth": None, "force": None, **by})
+    return scene.model_copy(update={"press": pressing}).pressed_factor
+
+
 def every_press(scene: Scene) -> list[Press]:
     """The skin at rest, then every pixel alone that has a part of the skin in it, row by row."""
     strength = strength_of(scene.press)

@@ -191,7 +191,8 @@ class DrawnPress(Table):
 
     touches: chances of 0, 1, 2 touches. place: whole pixels, or anywhere on the skin. offset: how
     far the hand presses beside a pixel, along each side, a standard deviation over that side; the
-    press is told as that of the pixel. factor: capacitance over that at rest. shape and size [m]
+    press is told as that of the pixel. factor: capacitance over that at rest; where the
+    scene presses by depth, that under the applicator, unless depth [m] is drawn. shape and size [m]
     (sides of a rectangle, diameter of a disc) count only anywhere. cells_per_pixel: along each
     side, where touches are no whole pixels; each cell rises by the part of it that is covered.
     """
@@ -205,6 +206,7 @@ class DrawnPress(Table):
     size: Length = Uniform(low=0.01, high=0.02)
     cells_per_pixel: Annotated[Whole, Field(ge=1, le=20)] = 4
     factor: Factor = Uniform(low=1.3, high=3.0)
+    depth: Length | None = None
 
     @property
     def cells(self) -> int:

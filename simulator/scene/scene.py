@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import (
     Field,
     SerializerFunctionWrapHandler,
@@ -17,6 +18,7 @@ from pydantic import (
 from ..sweeps import InputError
 from .contacts import Contact, Interface, farthest
 from .design import Design
+from .foam_mechanics import Mechanics
 from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
 from .randomisation import Randomisation
 from .skin import Metre, Name, Skin
@@ -133,6 +135,58 @@ class Scene(Table):
     def plain(self) -> bool:
         """Whether uniform sheets and foam on a rectangle at rest are all there is."""
         return self.beyond_plain is None
+
+    @property
+    def pressed_factor(self) -> float:
+        """c under a pixel that is pressed as the scene says, over that at rest.
+
+        Raises InputError where it is pressed by a force: how deep that goes differs by pixel.
+        """
+        if self.press.force is not None:
+            raise InputError(
+                f"{self.name}: `press.force` presses pixels to different depths; give "
+                "`press.depth` here"
+            )
+        if self.press.depth is None:
+            return self.press.capacitance_factor
+        most = self._mechanics.elastic.greatest_strain * self._thickness
+        if self.press.depth > most:
+            raise InputError(
+                f"{self.name}: `press.depth` must be <= {most:.4g} m, where the foam's cells are "
+                f"closed, got {self.press.depth:g}"
+            )
+        return float(self.pressed_factors(np.array(self.press.depth)))
+
+    def pressed_factors(self, depth: NDArray[np.float64]) -> NDArray[np.float64]:
+        """c under applicators at depths in m that the foam can be pressed to, over that at rest."""
+        return self._mechanics.factor(depth / self._thickness)
+
+    def pressed_depths(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The other way round, 0 for factors of 1 and less, m."""
+        return self._mechanics.strain_at(factor) * self._thickness
+
+    def pressed_depth(self, factor: float) -> float:
+        """The depth in m of an applicator under which c is so many times that at rest.
+
+        Raises InputError where the foam cannot be pressed so far.
+        """
+        most = float(self._mechanics.factor(np.array(self._mechanics.elastic.greatest_strain)))
+        if not 1 <= factor <= most:
+            raise InputError(
+                f"{self.name}: c under an applicator must be from 1 to {most:.4g} times that at "
+                f"rest, got {factor:g}"
+            )
+        return float(self.pressed_depths(np.array(factor)))
+
+    @property
+    def _mechanics(self) -> Mechanics:
+        assert self.skin.foam.mechanics is not None
+        return self.skin.foam.mechanics
+
+    @property
+    def _thickness(self) -> float:
+        assert self.skin.foam.thickness is not None
+        return self.skin.foam.thickness
 
     @property
     def reach(self) -> float:

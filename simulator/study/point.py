@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..measure.experiment import METER, PRESSES, planned_presses
 from ..measure.readout import read_out
 from ..measure.symmetry import Pixel
-from ..press.press import Press, every_press
+from ..press.press import Press, every_press, pressed_factor
 from ..scene.scene import Scene
 from ..sweeps import InputError, build
 from .curve import Curve
@@ -73,7 +73,7 @@ class Trial:
         found: dict[Pixel, set[float]] = defaultdict(set)
         draws = (self.planned(scene, draw) for draw in range(self.draws))
         for press in [*self.nominal(scene), *(press for draw in draws for press in draw)]:
-            found[press.pixel].add(strength(press))
+            found[press.pixel].add(strength(scene, press))
         return found
 
 
@@ -85,9 +85,9 @@ class Findings:
     separation: Separation
 
 
-def strength(press: Press) -> float:
-    """The capacitance factor of a press of one pixel; 1 at rest."""
-    return press.touches[0].factor if press.touches else 1.0
+def strength(scene: Scene, press: Press) -> float:
+    """The capacitance factor under a press of one pixel; 1 at rest."""
+    return pressed_factor(scene, press.touches[0]) if press.touches else 1.0
 
 
 def judge(
@@ -99,7 +99,7 @@ def judge(
     """
     nominal = trial.nominal(scene)
     labels: list[Label] = [label_of(press.pixel, trial.target) for press in nominal]
-    readings = in_units_of_error(impedances(nominal, curves), scene.readout)
+    readings = in_units_of_error(impedances(scene, nominal, curves), scene.readout)
     return Findings(
         tuple(
             cross_validate(
@@ -111,7 +111,9 @@ def judge(
     )
 
 
-def impedances(presses: Sequence[Press], curves: Mapping[Pixel, Curve]) -> NDArray[np.complex128]:
+def impedances(
+    scene: Scene, presses: Sequence[Press], curves: Mapping[Pixel, Curve]
+) -> NDArray[np.complex128]:
     """Z in ohm, shape (press, interface, frequency)."""
     places: dict[Pixel, list[int]] = defaultdict(list)
     for index, press in enumerate(presses):
@@ -119,7 +121,7 @@ def impedances(presses: Sequence[Press], curves: Mapping[Pixel, Curve]) -> NDArr
     first = next(iter(curves.values()))
     Z = np.empty((len(presses), *first.logarithm.shape[1:]), dtype=complex)
     for pixel, indices in places.items():
-        Z[indices] = curves[pixel].impedance([strength(presses[index]) for index in indices])
+        Z[indices] = curves[pixel].impedance([strength(scene, presses[index]) for index in indices])
     return Z
 
 
@@ -127,7 +129,7 @@ def _measured(scene: Scene, trial: Trial, draw: int, curves: Mapping[Pixel, Curv
     presses = trial.planned(scene, draw)
     rows, columns = zip(*(press.pixel for press in presses), strict=True)
     exact = build(
-        impedances(presses, curves),
+        impedances(scene, presses, curves),
         scene.frequencies,
         interface=[interface.name for interface in scene.interfaces],
         press=[str(press) for press in presses],

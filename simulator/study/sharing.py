@@ -15,8 +15,7 @@ from ..fem.circuit import Circuit
 from ..measure.symmetry import AT_REST, Pixel, representative
 from ..models.solver import ModelName, Solver
 from ..models.varied.meshes import circuit_of
-from ..press.press import Press, every_press
-from ..press.touch import Touch
+from ..press.press import Press, every_press, pixel_pressed
 from ..scene.meter import Sweep
 from ..scene.scene import Scene
 from .curve import Curve, trace
@@ -49,6 +48,7 @@ class Skin:
     def __init__(self, scene: Scene) -> None:
         excluded: Any = {**COUNTED_BY_THE_LAW, **dict.fromkeys(NOT_OF_THE_SKIN, True)}
         self._shape = scene.model_dump(exclude=excluded)
+        self._shape |= {"spread": None if scene.press.plain else scene.skin.foam.thickness}
         self._resistances = _resistances(circuit_of(scene))
         self._capacitance = scene.skin.foam.rest_capacitance_per_area
         self._exponent = scene.skin.foam.phase_exponent
@@ -147,13 +147,13 @@ def tasks(family: Family, scenes: Sequence[Scene], trial: Trial, rtol: float) ->
             factors[of(pixel)] |= strengths
     rows: dict[int, dict[Pixel, list[float]]] = defaultdict(dict)
     for pixel in sorted(factors):
-        rows[pixel[0] if scene.plain else 0][pixel] = sorted(factors[pixel])
+        rows[0 if _trained(scene) else pixel[0]][pixel] = sorted(factors[pixel])
     return [Task(scene, row, rtol) for row in rows.values()]
 
 
 def solve(task: Task) -> Solution:
     """The curves of a task's pixels. Raises ToleranceError where the tolerance is not reached."""
-    model: ModelName = "auto" if task.scene.plain else "reduced"
+    model: ModelName = "reduced" if _trained(task.scene) else "auto"
     solver = Solver(task.scene, SOLVER_SHARE * task.rtol, model)
     solves = 0
 
@@ -161,13 +161,18 @@ def solve(task: Task) -> Solution:
         def impedance(factor: float) -> NDArray[np.complex128]:
             nonlocal solves
             solves += 1
-            touches = () if pixel == AT_REST else (Touch(*pixel, factor),)
+            touches = () if pixel == AT_REST else (pixel_pressed(task.scene, *pixel, factor),)
             return solver.solve(Press(touches)).Z
 
         return trace(impedance, factors, task.scene.frequencies, CURVE_SHARE * task.rtol)
 
     curves = {pixel: curve(pixel, factors) for pixel, factors in task.factors.items()}
     return Solution(curves, solves)
+
+
+def _trained(scene: Scene) -> bool:
+    """Whether a reduced model answers for it."""
+    return not (scene.plain and scene.press.plain)
 
 
 def member_curves(

@@ -19,7 +19,6 @@ from ...fem.circuit import Drive
 from ...fem.galerkin import Galerkin, one_blas_thread
 from ...fem.lanczos import Pencil, potentials, respond
 from ...models.parameters import of_parts
-from ...models.plain import require_factor
 from ...models.reduced.family import Weights, weights_under
 from ...models.reduced.resolving import unreduced
 from ...models.varied.materials import gauge_slopes, gauged
@@ -54,7 +53,6 @@ class Fields:
         self.grid = cells * pixels.rows, cells * pixels.columns
         finer = Pixels(rows=self.grid[0], columns=self.grid[1])
         divided = scene if cells == 1 else scene.model_copy(update={"pixels": finer})
-        require_factor(scene, "a limit")
         self._circuit = circuit_of(divided)
         self._family = unreduced(divided, self._circuit, RTOL, highest)
 

@@ -16,7 +16,6 @@ from ...fem.circuit import two_fields
 from ...fem.galerkin import one_blas_thread
 from ...models.network.skin import wiring_of
 from ...models.network.terminals import read, with_chain
-from ...models.plain import require_factor
 from ...models.reduced.cases import Case
 from ...models.reduced.greedy import Basis, unseen
 from ...models.reduced.model import Reduced
@@ -50,7 +49,6 @@ class ReducedFields:
     ) -> None:
         """cells: along each side of a pixel. highest: Hz. Raises ToleranceError where the scene
         does not reduce."""
-        require_factor(scene, "a limit")
         pixels = scene.pixels
         self.scene, self.cells = scene, cells
         self.grid = cells * pixels.rows, cells * pixels.columns

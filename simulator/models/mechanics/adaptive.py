@@ -46,13 +46,15 @@ class Solved:
     """A deflection, where and how what holds it pushes, and how little is known of it.
 
     error: of the factor, relatively, anywhere. unsure: of the deflection in m, averaged over each
-    triangle, shape (triangle,).
+    triangle, shape (triangle,). held: number of the applicator that holds each node, -1 for none.
     """
 
     surface: Surface
     rest: Rest
     error: float
     unsure: NDArray[np.float64]
+    membrane: Membrane
+    held: NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,16 @@ class _Level:
     def surface(self) -> Surface:
         """Its deflection anywhere."""
         return Surface(ELEMENT, self.ground.mesh.p, self.membrane.nodes, self.rest.w)
+
+    def solved(self, error: float) -> Solved:
+        """What is known of it."""
+        doubt = unsure(self.membrane, self.rest.w)
+        return Solved(self.surface, self.rest, error, doubt, self.membrane, self.held)
+
+
+def unsure(membrane: Membrane, w: NDArray[np.float64]) -> NDArray[np.float64]:
+    """By how much a deflection may be off, m, in the mean of each triangle, shape (triangle,)."""
+    return OF_TAIL * tails(membrane, w)
 
 
 def solved(
@@ -87,8 +99,7 @@ def solved(
         found = SAFETY * pressing.relative(level)
         if not (found > rtol).any():
             if level.refined:
-                unsure = OF_TAIL * tails(level.membrane, level.rest.w)
-                return Solved(level.surface, level.rest, float(found.max()), unsure)
+                return level.solved(float(found.max()))
             found *= HALF_AGAIN * rtol / found.max()
         _check_within_reach(level.ground, found / rtol)
         level = pressing.level(_refined(level.ground, found / rtol), level.surface)

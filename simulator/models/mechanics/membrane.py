@@ -10,7 +10,6 @@ from scipy.sparse import csr_matrix, diags_array
 from scipy.spatial import KDTree
 from skfem import (
     Basis,
-    BilinearForm,
     ElementH1,
     ElementTriP1,
     ElementTriP3,
@@ -18,7 +17,9 @@ from skfem import (
     LinearForm,
     MeshTri,
 )
+from skfem.assembly import Dofs
 from skfem.models.poisson import laplace
+from skfem.quadrature import get_quadrature
 
 from ...scene.foam_mechanics import Elastic
 
@@ -36,36 +37,74 @@ class Membrane:
 
     def __init__(self, mesh: MeshTri, tension: float, thickness: float, elastic: Elastic) -> None:
         self.thickness, self.elastic = thickness, elastic
-        self.basis = Basis(mesh, ELEMENT, intorder=EXACT)
-        self.stretch = (tension * laplace.assemble(self.basis)).tocsr()
-
-    @property
-    def nodes(self) -> NDArray[np.int64]:
-        """(node of the element, triangle): their numbers."""
-        return np.asarray(self.basis.element_dofs)
-
-    @property
-    def places(self) -> NDArray[np.float64]:
-        """(2, node) in m."""
-        return np.asarray(self.basis.doflocs)
+        dofs = Dofs(mesh, ELEMENT)
+        self.nodes: NDArray[np.int64] = np.asarray(dofs.element_dofs, dtype=np.int64)
+        corners = mesh.p[:, mesh.t]
+        origin, along, across = corners[:, 0], corners[:, 1], corners[:, 2]
+        along, across = along - origin, across - origin
+        self.places = np.empty((2, int(dofs.N)))
+        for node, (a, b) in zip(self.nodes, ELEMENT.doflocs, strict=True):
+            self.places[:, node] = origin + a * along + b * across
+        points, weights = get_quadrature(ELEMENT, EXACT)
+        values, slopes = zip(
+            *(ELEMENT.lbasis(points, k) for k in range(len(ELEMENT.doflocs))), strict=True
+        )
+        area = np.abs(along[0] * across[1] - along[1] * across[0])
+        self._values, self._dx = np.array(values), area[:, None] * weights
+        self._products = np.einsum("ip,jp->pij", self._values, self._values).reshape(
+            len(weights), -1
+        )
+        self._pattern = _Pattern(self.nodes, int(dofs.N))
+        metric = np.stack([across * across, -along * across, along * along]).sum(axis=1) / area
+        stretches = np.einsum("iap,jbp,p->abij", *2 * [np.array(slopes)], weights)
+        both = stretches[0, 1] + stretches[1, 0]
+        terms = np.stack([stretches[0, 0], both, stretches[1, 1]]).reshape(3, -1)
+        self._stretch = tension * self._pattern.values(metric.T @ terms)
+        self.stretch = self._pattern.matrix(self._stretch)
 
     def residual(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
         """What holds each node in place, N, shape (node,)."""
-        pressure = self.elastic.stress(self._strain(w))
-        return self.stretch @ w + _load.assemble(self.basis, pressure=pressure)
+        pressed = (self.elastic.stress(self._strain(w)) * self._dx) @ self._values.T
+        load = np.bincount(self.nodes.T.ravel(), pressed.ravel(), self.places.shape[1])
+        return np.asarray(self.stretch @ w + load, dtype=np.float64)
 
     def tangent(self, w: NDArray[np.float64]) -> csr_matrix:
         """d residual / d w, N/m, shape (node, node)."""
         stiffness = self.elastic.stiffness(self._strain(w)) / self.thickness
-        return (self.stretch + _foundation.assemble(self.basis, stiffness=stiffness)).tocsr()
+        foundation = self._pattern.values((stiffness * self._dx) @ self._products)
+        return self._pattern.matrix(self._stretch + foundation)
 
     def energy(self, w: NDArray[np.float64]) -> float:
         """J."""
-        compressed = np.sum(self.elastic.energy(self._strain(w)) * self.basis.dx)
+        compressed = np.sum(self.elastic.energy(self._strain(w)) * self._dx)
         return float(w @ (self.stretch @ w) / 2 + self.thickness * compressed)
 
     def _strain(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.asarray(self.basis.interpolate(w)) / self.thickness
+        """At points of the rule, shape (triangle, point)."""
+        return w[self.nodes].T @ self._values / self.thickness
+
+
+class _Pattern:
+    """Where matrices of triangles go that have nodes in common."""
+
+    def __init__(self, nodes: NDArray[np.int64], count: int) -> None:
+        """nodes: (node of the element, triangle) of so many."""
+        own, count_of = nodes.T, len(nodes)
+        rows = np.repeat(own, count_of, axis=1).ravel()
+        columns = np.tile(own, count_of).ravel()
+        keys, self._slot = np.unique(rows * count + columns, return_inverse=True)
+        self._indices = keys % count
+        self._indptr = np.searchsorted(keys, count * np.arange(count + 1))
+        self._shape = count, count
+
+    def values(self, matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Those of each triangle, shape (triangle, node * node), added up."""
+        found = np.bincount(self._slot, matrices.ravel(), len(self._indices))
+        return np.asarray(found, dtype=np.float64)
+
+    def matrix(self, values: NDArray[np.float64]) -> csr_matrix:
+        """With these values, shape (node, node)."""
+        return csr_matrix((values, self._indices, self._indptr), shape=self._shape)
 
 
 class Net:
@@ -113,11 +152,6 @@ def _load(v, w):
     return w.pressure * v
 
 
-@BilinearForm
-def _foundation(u, v, w):
-    return w.stiffness * u * v
-
-
 LOWER = ElementTriP3()
 
 
@@ -163,12 +197,18 @@ class Surface:
 
     def __call__(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """At flat positions x (2, ...) in m; beside the skin as at its nearest triangle."""
-        flat = np.reshape(x, (2, -1))
-        triangle, at = self._located(flat)
+        triangle, shares = self.located(x)
         found = np.zeros(len(triangle))
-        for k, node in enumerate(self.nodes):
-            found += self.element.lbasis(at, k)[0] * self.w[node[triangle]]
+        for share, node in zip(shares, self.nodes, strict=True):
+            found += share * self.w[node[triangle]]
         return np.reshape(found, x.shape[1:])
+
+    def located(self, x: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """The triangle (point,) of positions x (2, ...), and what share each of its nodes has of w
+        there, shape (node of the element, point)."""
+        triangle, at = self._located(np.reshape(x, (2, -1)))
+        shares = [self.element.lbasis(at, k)[0] for k in range(len(self.nodes))]
+        return triangle, np.array(shares).reshape(len(shares), -1)
 
     def in_triangles(
         self, values: NDArray[np.float64]

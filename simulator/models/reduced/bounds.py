@@ -39,7 +39,7 @@ def _on_skin(
     Y = np.stack([each for _, each in solved])
     potential = reduced.coordinates @ np.hstack([u.real, u.imag])
     current = family.space.currents(potential, skin.system.sheets, skin.system.films)
-    charge = _charges(family, [case.map_on(reduced.scene) for case in cases], potential)
+    charge = _charges(family, [family.foam_of(case) for case in cases], potential)
     s, (real, imag) = np.tile(s, len(solved)), np.split(charge, 2, axis=1)
     turned = np.hstack([s.real * real - s.imag * imag, s.real * imag + s.imag * real])
     residual = current + turned
@@ -65,7 +65,7 @@ def _solved(
     skin: ReducedSkin, case: Case, feed: Feed, s: NDArray[np.complex128]
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """Potentials of one drive at 1 V in the skin's coordinates, shape (N + n, s), and Y in S."""
-    mass = _mass(skin.rest, case.cells, case.rises * skin.rest_factors[case.cells])
+    mass = _mass(*skin.touched(case.cells, case.rises))
     at_zero = np.zeros(len(mass))
     at_zero[: len(feed.driven)] = feed.driven
     for common in feed.common:

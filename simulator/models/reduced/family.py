@@ -28,6 +28,7 @@ from ...scene.scene import Scene
 from ...sweeps import InputError
 from ..parameters import Variation, foam_parts, nominal
 from ..varied.materials import gauged, gauges
+from .cases import Case
 from .masses import Masses
 
 Weights = NDArray[np.float64] | None
@@ -122,6 +123,10 @@ class Family(ABC):
             sheets=self.system.pattern.matrix(sheets @ self._sheet_values),
             films=self.with_films(self.system.films, films - 1, self.film_terms),
         )
+
+    def foam_of(self, case: Case) -> NDArray[np.float64]:
+        """c of a case's foam as `mass` takes it."""
+        return case.map_on(self.scene)
 
     def mass(self, factors: NDArray[np.float64]) -> csc_matrix:
         """M in F, in the system's pattern. factors: c over that at rest, shape (part,)."""

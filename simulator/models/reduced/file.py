@@ -19,6 +19,8 @@ from ...scene.files import parse_scene, scene_text
 from ...sweeps import InputError, whole_file
 from ..varied.meshes import circuit_of
 from .family import Mesh, Triangulation
+from .indented.file import arrays_of, beside_from, with_beside
+from .indented.model import Indented
 from .model import Reduced
 
 OF_DOMAIN = ("p", "t", "pixel", "covered", "seams")
@@ -37,6 +39,7 @@ def save(reduced: Reduced, path: Path) -> None:
         "mesh_error": reduced.mesh_error,
     }
     arrays = {name: getattr(reduced, name) for name in ARRAYS} | of_mesh
+    arrays |= arrays_of(reduced) if isinstance(reduced, Indented) else {}
     with whole_file(path) as unfinished, unfinished.open("wb") as file:
         np.savez(file, allow_pickle=False, told=json.dumps(told), **arrays)
 
@@ -48,13 +51,14 @@ def load(path: Path) -> Reduced:
             told = json.loads(str(archive["told"]))
             arrays: dict[str, Any] = {name: archive[name] for name in ARRAYS}
             mesh = _mesh(told, archive)
+            beside = beside_from(archive)
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
         raise InputError(f"{path}: not a reduced model: {error}") from error
     scene = parse_scene(told["scene"], str(path))
     circuit = circuit_of(scene, told["fields"] == 1)
     if circuit.fields != told["fields"]:
         raise InputError(f"{path}: one field cannot tell what its scene's interfaces drive")
-    return Reduced(
+    model = Reduced(
         scene=scene,
         circuit=circuit,
         mesh=mesh,
@@ -63,6 +67,7 @@ def load(path: Path) -> Reduced:
         mesh_error=told["mesh_error"],
         **arrays,
     )
+    return model if beside is None else with_beside(model, beside)
 
 
 def _told_mesh(mesh: Mesh) -> tuple[dict[str, Any], dict[str, NDArray]]:

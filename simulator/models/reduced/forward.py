@@ -34,6 +34,7 @@ from ..varied.materials import gauge_slopes, gauged, gauges
 from ..varied.meshes import single_field
 from .cases import Case, Draw, pixel_touches, touched
 from .greedy import Advance, reduce, unseen
+from .indented.draws import require_whole_pixels
 from .model import Reduced, ReducedSkin
 
 
@@ -63,27 +64,25 @@ def sensitivity(
 
     beside: further terms of K, in the model's coordinates, S, shape (term, N + n, N + n).
     """
-    reduced, map_of_c = skin.reduced, skin.map_of(cells, rises).ravel()
-    own = reduced.stiffness
+    own = skin.reduced.stiffness
     stiffness = own if beside is None else np.concatenate([own, beside])
     found = [
-        _of_drive(reduced.factors, stiffness, map_of_c, u, s, Y)
+        _of_drive(skin.charges(cells, rises, u), stiffness, u, s, Y)
         for u, Y in skin.solved(cells, rises, s)
     ]
     return Sensitivity(*(np.stack(each) for each in zip(*found, strict=True)))
 
 
 def _of_drive(
-    factors: NDArray[np.float64],
+    charges: tuple[NDArray[np.complex128], NDArray[np.complex128]],
     stiffness: NDArray[np.float64],
-    map_of_c: NDArray[np.float64],
     u: NDArray[np.complex128],
     s: NDArray[np.complex128],
     Y: NDArray[np.complex128],
 ) -> tuple[NDArray[np.complex128], ...]:
-    squares = ((factors @ u) ** 2).sum(axis=1).T
+    by_cell, whole = charges
     by_weight = np.stack([((term @ u) * u).sum(axis=0) for term in stiffness], axis=1)
-    return Y, s[:, None] * squares, by_weight, squares @ map_of_c
+    return Y, s[:, None] * by_cell, by_weight, whole
 
 
 REACH = 3.0
@@ -130,6 +129,8 @@ class Forward:
             rows=cells_per_pixel * pixels.rows, columns=cells_per_pixel * pixels.columns
         )
         whole = cells_per_pixel == 1
+        if not whole:
+            require_whole_pixels(scene, "a touch on cells of pixels")
         self.divided = scene if whole else scene.model_copy(update={"pixels": divided})
         self._advance = advance
         self._kept: tuple[Mapping[str, float], ReducedSkin] | None = None

@@ -26,6 +26,10 @@ from ..varied.meshes import circuit_of
 from .bounds import bounds
 from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins
 from .family import Family
+from .indented.draws import apart, spreading
+from .indented.family import IndentedFamily
+from .indented.model import indented
+from .indented.resolving import resolved as resolved_under_applicators
 from .model import Reduced, ReducedSkin
 from .resolving import resolved, weights_of_case
 
@@ -70,13 +74,15 @@ def reduce(
     sheet's conductance, see `variation.WAVES`. alike: whether both sheets vary in the same way, so
     that one field may serve. Raises ToleranceError where mesh or basis do not get there.
     """
-    scene = electrical(scene)
-    draw = draw or pixel_touches(scene)
+    by_depth = spreading(scene)
+    scene = scene if by_depth else electrical(scene)
+    draw = apart(draw or pixel_touches(scene), scene) if by_depth else draw or pixel_touches(scene)
     circuit = circuit_of(scene, alike)
     random = np.random.default_rng(seed)
     with one_blas_thread():
         cases = [draw(random) for _ in range(MESH_DRAWS)]
-        family, mesh_error = resolved(scene, circuit, modes, rtol, cases)
+        resolve = resolved_under_applicators if by_depth else resolved
+        family, mesh_error = resolve(scene, circuit, modes, rtol, cases)
         return Basis(family, rtol, mesh_error).grow(draw, random, advance)
 
 
@@ -148,9 +154,7 @@ class Basis:
 
     def _at_shifts(self, space: Galerkin, drive: Drive, cases: list[Case]) -> NDArray[np.float64]:
         family, rtol = self.family, SNAPSHOT_SHARE * math.sqrt(DROPPED_SHARE * self.rtol)
-        pencils = [
-            space.pencil(family.mass(case.map_on(family.scene)), drive, 0.0) for case in cases
-        ]
+        pencils = [space.pencil(family.mass(family.foam_of(case)), drive, 0.0) for case in cases]
         found = [self._deviation(potentials(each, self._shifts, rtol)) for each in pencils]
         energies = [(each * (family.space.K @ each)).sum(axis=0) for each in found]
         unit = [each / np.sqrt(energy) for each, energy in zip(found, energies, strict=True)]
@@ -184,7 +188,9 @@ class Basis:
         W = reduced.coordinates
         terms = [family.space.sheet_energy(W, term) for term in family.sheet_terms]
         terms += [family.space.film_energy(W, term) for term in family.film_terms]
-        return replace(reduced, stiffness=np.stack(terms), factors=family.masses.factors(W))
+        factors = family.masses.factors(W)
+        reduced = replace(reduced, stiffness=np.stack(terms), factors=factors)
+        return indented(reduced) if isinstance(family, IndentedFamily) else reduced
 
 
 def _done(error: float, begun: float, limit: float) -> float:

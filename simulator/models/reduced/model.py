@@ -284,9 +284,22 @@ class ReducedSkin:
 
         One small complex system for each s. Sheets are as they are here, see `under`.
         """
-        weights = rises * self.rest_factors[cells]
-        found = [solved(driven, self.rest, cells, weights, s) for driven in self._drives]
+        touched = self.touched(cells, rises)
+        found = [solved(driven, *touched, s) for driven in self._drives]
         return [(self.turn @ u, Y) for u, Y in found]
+
+    def touched(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64]
+    ) -> tuple[Rest, NDArray[np.int64], NDArray[np.float64]]:
+        """What one press adds to M: which of which factors, and how much of each."""
+        return self.rest, cells, rises * self.rest_factors[cells]
+
+    def charges(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]
+    ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+        """u'Mu by c of each part over the scene's own, shape (s, part), and whole, (s,); F V²."""
+        squares = ((self.reduced.factors @ u) ** 2).sum(axis=1).T
+        return squares, squares @ self.map_of(cells, rises)
 
     @property
     def stiffness(self) -> NDArray[np.float64]:

@@ -74,8 +74,8 @@ def unreduced(scene: Scene, circuit: Circuit, rtol: float, highest: float) -> Fa
 
 def error_of(family: Family, case: Case, rtol: float) -> float:
     """By the mesh alone, of Rs and Cp, relatively."""
-    scene, loss = family.scene, (case.variation or family.scene.skin.foam).loss
-    return family.solved(weights_of_case(family, case), loss, case.map_on(scene), rtol)[1]
+    loss = (case.variation or family.scene.skin.foam).loss
+    return family.solved(weights_of_case(family, case), loss, family.foam_of(case), rtol)[1]
 
 
 def weights_of_case(family: Family, case: Case) -> Weights:

@@ -27,16 +27,17 @@ class UnevenFamily(Family):
     mesh: Triangulation
 
     def _built(self) -> tuple[System, int]:
-        elements = self._elements
+        elements = self.elements
         return pressed_system(self.circuit, elements, self._coefficients), elements.order
 
     @cached_property
-    def _elements(self) -> Elements:
+    def elements(self) -> Elements:
+        """On which it is discretised."""
         return triangles(self.mesh.domain, self.mesh.order)
 
     @cached_property
     def _coefficients(self) -> Coefficients:
-        at_rest = np.ones(self._elements.cells)
+        at_rest = np.ones(self.elements.cells)
         return Coefficients(Materials(self.scene), at_rest, None, self.circuit.fields)
 
     def finer(self, weights: Weights, factors: NDArray[np.float64]) -> Checking:
@@ -55,7 +56,7 @@ class UnevenFamily(Family):
     @cached_property
     def sheet_terms(self) -> list[csc_matrix]:
         """As of `Family`."""
-        x = self._elements.surface.x
+        x = self.elements.surface.x
         waves = mode_values(self.scene, x, self.modes)
         apart = self._cells_of_parts if gauged(self.scene.skin) else [None]
         return [
@@ -68,7 +69,7 @@ class UnevenFamily(Family):
     @cached_property
     def film_terms(self) -> list[Films]:
         """As of `Family`."""
-        unknowns, known = self.system.unknowns, (self.circuit, self._elements, self._coefficients)
+        unknowns, known = self.system.unknowns, (self.circuit, self.elements, self._coefficients)
         return [
             films(self.circuit, unknowns, film_of(*known, unknowns, only=contact))
             for contact in resistive(self.circuit)
@@ -83,7 +84,7 @@ class UnevenFamily(Family):
         self, field: int, S: NDArray[np.float64], within: NDArray[np.bool_] | None
     ) -> csc_matrix:
         values, alone = np.zeros(len(self.system.pattern.indices)), self.circuit.field_alone(field)
-        add_sheet(values, alone, self._elements, self.system.unknowns, S, within)
+        add_sheet(values, alone, self.elements, self.system.unknowns, S, within)
         return self.system.pattern.matrix(values)
 
     @property
@@ -93,7 +94,7 @@ class UnevenFamily(Family):
         return [part_of == part for part in range(foam_parts(self.scene))]
 
     def _parts(self) -> Iterator[Part]:
-        elements, unknowns = self._elements, self.system.unknowns
+        elements, unknowns = self.elements, self.system.unknowns
         c = self._coefficients.capacitance(elements.surface.x)
         values = np.zeros(len(self.system.pattern.indices))
         for within in self._cells_of_parts:

@@ -1,12 +1,12 @@
-"""Scenes whose pixels are pressed by a depth or a force, given to what presses by factors."""
+"""Scenes whose pixels are pressed by a depth or a force, given to what counts by factors."""
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import Fields
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.inversion.tables import strength_prior
 from rcskin.simulator.measure.experiment import own_presses, planned_presses
 from rcskin.simulator.measure.simulate import resimulated, simulate
+from rcskin.simulator.models.plain import folded
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.files import scene_text
@@ -17,22 +17,35 @@ def calibrated(scene):
     return calibrate(scene, simulate(Solver(scene), [parse_press("none", 2.0)]))
 
 
-@pytest.mark.parametrize("key", ["depth", "force"])
 @pytest.mark.parametrize(
     "asked",
     [
         calibrated,
-        lambda scene: Fields(scene, 1e4),
         lambda scene: planned_presses(scene, np.random.default_rng(1)),
         own_presses,
         lambda scene: strength_prior(scene, "press"),
     ],
-    ids=["calibrate", "limits", "planned", "own presses", "tables"],
+    ids=["calibrate", "planned", "own presses", "tables"],
 )
-def test_it_is_refused_by_its_key(foam_scene, key, asked):
-    scene = foam_scene(press={key: 1e-3})
-    with pytest.raises(InputError, match=rf"`press\.{key}`: it needs `press.capacitance_factor`"):
-        asked(scene)
+def test_a_force_is_refused_by_its_key(foam_scene, asked):
+    with pytest.raises(InputError, match=r"`press\.force`.*`press.depth`"):
+        asked(foam_scene(press={"force": 1.0}))
+
+
+def test_a_depth_is_counted_by_the_factor_under_its_applicator(foam_scene):
+    scene = foam_scene(press={"depth": 1e-3})
+    factor = float(scene.skin.foam.mechanics.factor(np.array(1e-3 / scene.skin.foam.thickness)))
+    assert own_presses(scene).low == own_presses(scene).high == pytest.approx(factor)
+    assert strength_prior(scene, "press")[0] == pytest.approx([factor])
+    press, *_ = planned_presses(scene, np.random.default_rng(1))[scene.experiment.repetitions :]
+    assert press.touches[0].by.value == pytest.approx(1e-3)
+
+
+def test_without_a_tension_a_depth_is_its_factor(foam_scene):
+    scene = foam_scene(tension=0.0, press={"depth": 1e-3})
+    factors = folded(scene, "a test")
+    assert factors.press.capacitance_factor == scene.pressed_factor
+    assert factors.press.plain
 
 
 def test_presses_that_do_not_say_how_strongly_are_pressed_as_the_scene_presses(foam_scene):

@@ -1,0 +1,49 @@
+"""How strongly presses of a data set are, and how their texts say it."""
+
+from __future__ import annotations
+
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.scene import Scene
+from ..sweeps import UNPRESSED
+
+FACTOR_DECIMALS = 6
+"""Factors are drawn to so many decimals, so that a press as text is the press that was solved."""
+DEPTH_DECIMALS = 9
+"""Depths in m are drawn to the nanometre, for the same reason."""
+
+
+def drawn_strengths(scene: Scene, chances: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Factors of c under touches, as they are told in decimals of factors or depths."""
+    drawn = scene.dataset.press
+    if scene.press.plain:
+        return np.round(drawn.factor.at(chances), FACTOR_DECIMALS)
+    if drawn.depth is not None:
+        depth = drawn.depth.at(chances)
+    else:
+        depth = scene.pressed_depths(drawn.factor.at(chances))
+    return scene.pressed_factors(np.round(depth, DEPTH_DECIMALS))
+
+
+def texts(
+    touches: NDArray[np.int64],
+    row: NDArray[np.int64],
+    column: NDArray[np.int64],
+    strength: NDArray[np.float64],
+    unit: str,
+) -> list[str]:
+    """Each press as `Press` writes it."""
+    there = np.arange(row.shape[1]) < touches[:, None]
+    numbers = zip(*(each[there].tolist() for each in (row, column, strength)), strict=True)
+    told = iter([f"{i},{j}:{f!r}{unit}" for i, j, f in numbers])
+    return ["+".join(islice(told, count)) or UNPRESSED for count in touches.tolist()]
+
+
+def told(scene: Scene, factor: NDArray[np.float64]) -> tuple[NDArray[np.float64], str]:
+    """How strongly touches press, as their texts say it, and the unit of that."""
+    if scene.press.plain:
+        return factor, ""
+    return np.round(scene.pressed_depths(factor), DEPTH_DECIMALS), "m"

@@ -1,0 +1,204 @@
+"""One applicator's press at all depths: the membrane on one mesh at Chebyshev's depths."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from ...press.press import Press
+from ...press.touch import Depth, Indentation, Touch
+from ...scene.foam_mechanics import Elastic, Mechanics
+from ...scene.scene import Scene
+from ...sweeps import ToleranceError
+from .adaptive import solved, unsure
+from .contact import Pushed, at_rest
+from .ground import straight_ground
+from .membrane import ELEMENT, Surface
+
+COUNTS = (9, 13, 17, 33)
+HELD, STEP = 1e-9, 1e-4
+SMALLEST = 1e-15
+"""m."""
+NEAREST = 4
+"""Known depths that the first guess at another is made from."""
+CHECKS = 4
+"""In-between depths at which interpolation is compared with the membrane itself."""
+DOUBT = 2.0
+"""What is taken for the error of interpolation, over the largest seen at those."""
+
+
+@dataclass(frozen=True)
+class Course:
+    """Deflections under one pixel's applicator by its depth.
+
+    p: (2, point) m, nodes: (node of the element, triangle), as of `Surface`. depth: Chebyshev's
+    extrema from 0 to the deepest, m, shape (depth,), then those between at which interpolation is
+    checked. count: how many are of the former. w: m, shape (depth, node). unsure: by how much w may
+    be off, m, shape (depth, triangle). force: N, shape (depth,).
+    """
+
+    p: NDArray[np.float64]
+    nodes: NDArray[np.int64]
+    depth: NDArray[np.float64]
+    count: int
+    w: NDArray[np.float64]
+    unsure: NDArray[np.float64]
+    force: NDArray[np.float64]
+
+    @property
+    def deepest(self) -> float:
+        """m."""
+        return float(self.depth[self.count - 1])
+
+    def weights(self, depth: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of each of Chebyshev's depths in others, m, shape (..., count)."""
+        return barycentric(self.depth[: self.count], depth)
+
+    def depth_under(self, force: float, elastic: Elastic, thickness: float) -> tuple[float, float]:
+        """Depth in m that a force in N takes, and by how much it may be off, m; inf beyond the
+        deepest.
+
+        Force over the foam's stress is interpolated; what that leaves is seen at the depths
+        between.
+        """
+
+        def stress(depth: NDArray[np.float64] | float) -> NDArray[np.float64]:
+            return elastic.stress(np.maximum(depth, SMALLEST) / thickness)
+
+        nodes, between = np.split(self.depth, [self.count])
+        area = self.force / stress(self.depth)
+        near = np.argsort(self.depth[1:])[:NEAREST] + 1
+        area[0] = lagrange(self.depth[near], 0.0) @ area[near]
+        own, seen = np.split(area, [self.count])
+        off = DOUBT * np.abs(barycentric(nodes, between) @ own / seen - 1).max()
+        if force > self.force[self.count - 1]:
+            return np.inf, np.inf
+
+        def excess(depth: float) -> float:
+            return float(stress(depth) * (barycentric(nodes, np.array(depth)) @ own)) - force
+
+        depth = float(brentq(excess, 0.0, nodes[-1], xtol=SMALLEST))  # pyright: ignore[reportArgumentType]
+        step = STEP * nodes[-1]
+        low, high = max(depth - step, 0.0), min(depth + step, nodes[-1])
+        slope = (excess(high) - excess(low)) / (high - low)
+        return depth, off * force / slope
+
+    def reach(self, far: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Least and largest x and y of places within a distance of the applicator, m."""
+        under = self.p[:, self.w[self.count - 1] >= self.deepest * (1 - HELD)]
+        return under.min(axis=1) - far, under.max(axis=1) + far
+
+    def deflection(self, depth: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """At flat positions x (2, point) in m, m, shape (point,)."""
+        w = self.weights(np.array(depth)) @ self.w[: self.count]
+        return np.clip(Surface(ELEMENT, self.p, self.nodes, w)(x), 0.0, depth)
+
+    def factors(
+        self, x: NDArray[np.float64], mechanics: Mechanics, thickness: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Capacitance over that at rest less 1 at flat positions x (2, point) in m, at all depths,
+        and the same where the deflection is larger by what it may be off; shape (depth, point)."""
+        triangle, shares = Surface(ELEMENT, self.p, self.nodes, self.w[0]).located(x)
+        w = np.zeros((len(self.depth), len(triangle)))
+        for share, node in zip(shares, self.nodes, strict=True):
+            w += share * self.w[:, node[triangle]]
+        most = self.depth[:, None]
+        known, raised = (
+            mechanics.factor(np.clip(each, 0.0, most) / thickness) - 1
+            for each in (w, w + self.unsure[:, triangle])
+        )
+        return known, raised
+
+
+def barycentric(nodes: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Weights of Lagrange's polynomials through Chebyshev's extrema, shape (..., node).
+
+    Source: J.-P. Berrut and L. N. Trefethen, SIAM Review 46 (2004) 501, eq. 5.4.
+    """
+    sign = (-1.0) ** np.arange(len(nodes))
+    sign[[0, -1]] /= 2
+    away = np.asarray(x)[..., None] - nodes
+    met = away == 0
+    shares = sign / np.where(met, 1.0, away)
+    shares = np.where(met.any(axis=-1, keepdims=True), met, shares)
+    return shares / shares.sum(axis=-1, keepdims=True)
+
+
+def lagrange(nodes: NDArray[np.float64], x: float) -> NDArray[np.float64]:
+    """Weights of Lagrange's polynomials through any few nodes, shape (node,)."""
+    others = ~np.eye(len(nodes), dtype=bool)
+    ratios = (x - nodes) / np.where(others, nodes[:, None] - nodes, 1.0)
+    return np.where(others, ratios, 1.0).prod(axis=1)
+
+
+def course(scene: Scene, pixel: Touch, deepest: float, factor_rtol: float, rtol: float) -> Course:
+    """Of a pixel, down to `deepest` in m.
+
+    factor_rtol: of the factor anywhere, for the mesh. rtol: of the factor between depths. Raises
+    InputError as `indentation.pressed`, ToleranceError where a tolerance is out of reach.
+    """
+    mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
+    assert mechanics is not None and thickness is not None
+    press = Press((Indentation(pixel, Depth(deepest)),))
+    ground = straight_ground(scene, [pixel], 0)
+    first = solved(press, ground, mechanics, thickness, factor_rtol)
+    known = {deepest: (first.rest.w, float(first.rest.force[0]))}
+    known[0.0] = np.zeros_like(first.rest.w), 0.0
+
+    def at(depth: float) -> tuple[NDArray[np.float64], float]:
+        if depth not in known:
+            near = sorted(known, key=lambda d: abs(d - depth))[:NEAREST]
+            shares = lagrange(np.array(near), depth)
+            start = shares @ np.stack([known[d][0] for d in near])
+            pushed = Pushed(np.array([depth]), np.array([np.nan]))
+            rest = at_rest(first.membrane, first.held, pushed, np.clip(start, 0.0, depth))
+            known[depth] = rest.w, float(rest.force[0])
+        return known[depth]
+
+    def found(depths: NDArray[np.float64], count: int) -> Course:
+        w, force = zip(*map(at, depths.tolist()), strict=True)
+        doubts = np.stack([unsure(first.membrane, each) for each in w])
+        surface = first.surface
+        p = first.membrane.places
+        return Course(p, surface.nodes, depths, count, np.stack(w), doubts, np.array(force))
+
+    for count in COUNTS:
+        nodes, between = _depths(deepest, count)
+        candidate = found(np.concatenate([nodes[::-1], between])[_order(count)], count)
+        if interpolated_error(candidate, mechanics, thickness) <= rtol:
+            return candidate
+    raise ToleranceError(f"the factor of pixel {pixel.where} does not interpolate to {rtol:.1e}")
+
+
+def _depths(deepest: float, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Chebyshev's extrema from 0 to deepest, and CHECKS of those between."""
+    angle = np.pi * np.arange(count) / (count - 1)
+    nodes = deepest * (1 - np.cos(angle)) / 2
+    nodes[0], nodes[-1] = 0.0, deepest
+    some = np.linspace(0, count - 2, CHECKS).round().astype(np.int64)
+    between = angle[some] + np.pi / (count - 1) / 2
+    return nodes, deepest * (1 - np.cos(between)) / 2
+
+
+def _order(count: int) -> NDArray[np.int64]:
+    """Of the deepest first to ascending, those between after them."""
+    return np.concatenate([np.arange(count)[::-1], count + np.arange(CHECKS)])
+
+
+def interpolated_error(course: Course, mechanics: Mechanics, thickness: float) -> float:
+    """Largest relative error of the factor at the nodes of the mesh, by depths between."""
+    factor = mechanics.factor(np.clip(course.w, 0, None) / thickness)
+    nodes, between = factor[: course.count], factor[course.count :]
+    told = course.weights(course.depth[course.count :]) @ nodes
+    return DOUBT * float(np.abs(told / between - 1).max())
+
+
+def spread(scene: Scene) -> float:
+    """The length over which a deflection falls off beside an applicator, m."""
+    mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
+    assert mechanics is not None and thickness is not None
+    return math.sqrt(mechanics.tension * thickness / mechanics.young)

@@ -1,0 +1,1 @@
+"""Reduced models of skins whose pixels are pressed by depth or force."""

@@ -1,0 +1,140 @@
+"""Every pixel of a skin as an applicator: how the foam under and beside it goes with its depth.
+
+On a rectangle pixels that lie alike with regard to its edges share one course of deflections.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....press.pixels import pixels_with_skin
+from ....press.touch import Touch
+from ....scene.foam_mechanics import Mechanics
+from ....scene.scene import Scene
+from ...mechanics.course import Course, course, spread
+
+REACH = 0.9
+"""Of the strain at which cells are closed: how deep applicators are known."""
+FACTOR_SHARE, COARSEST = 30.0, 1e-2
+"""Of the tolerance and at most: what a factor may be off by anywhere, at corners alone."""
+DEPTH_SHARE = 0.1
+"""Of the tolerance: what interpolation between depths may leave of the factor anywhere."""
+UNFELT = 0.1
+"""Of the tolerance: what the deflection falls to, over that of the applicator, where it is taken
+for nothing."""
+
+
+@dataclass(frozen=True)
+class Applicators:
+    """of_pixel: number of each pixel's course, -1 where there is no skin, shape (pixel,).
+
+    turn, shift: a place x of the skin is x turn + shift in the course's own, shape (pixel, 2).
+    far: distance in m beyond which an applicator is not felt.
+    """
+
+    scene: Scene
+    courses: tuple[Course, ...]
+    of_pixel: NDArray[np.int64]
+    turn: NDArray[np.float64]
+    shift: NDArray[np.float64]
+    far: float
+
+    @property
+    def mechanics(self) -> Mechanics:
+        """Of the foam."""
+        assert self.scene.skin.foam.mechanics is not None
+        return self.scene.skin.foam.mechanics
+
+    @property
+    def thickness(self) -> float:
+        """Of the foam, m."""
+        assert self.scene.skin.foam.thickness is not None
+        return self.scene.skin.foam.thickness
+
+    @cached_property
+    def deepest(self) -> float:
+        """m."""
+        return deepest(self.scene)
+
+    def depth(self, rises: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Depth in m at which the factor under an applicator is 1 + rises."""
+        strain = self.mechanics.strain_at(1 + np.asarray(rises, dtype=np.float64))
+        return np.minimum(strain * self.thickness, self.deepest)
+
+    def course(self, pixel: int) -> Course:
+        """Of a pixel with skin."""
+        return self.courses[self.of_pixel[pixel]]
+
+    def rises(
+        self, pixel: int, x: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """As `Course.factors` of one pixel, at places x (2, point) of the skin in m."""
+        own = self.turn[pixel][:, None] * x + self.shift[pixel][:, None]
+        return self.course(pixel).factors(own, self.mechanics, self.thickness)
+
+    def deflection(self, pixel: int, depth: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """At places x (2, point) of the skin, m, by one applicator at a depth in m."""
+        own, course = self.turn[pixel][:, None] * x + self.shift[pixel][:, None], self.course(pixel)
+        found = np.zeros(x.shape[1])
+        low, high = course.reach(self.far)
+        there = ((own >= low[:, None]) & (own <= high[:, None])).all(axis=0)
+        found[there] = course.deflection(depth, own[:, there])
+        return found
+
+
+def deepest(scene: Scene) -> float:
+    """How deep the applicators of a scene are known, m."""
+    mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
+    assert mechanics is not None and thickness is not None
+    return REACH * mechanics.elastic.greatest_strain * thickness
+
+
+def applicators(scene: Scene, rtol: float) -> Applicators:
+    """Of all pixels of a scene whose foam has mechanics and whose skins have a tension.
+
+    rtol: the tolerance asked of Rs and Cp. Raises as `course`.
+    """
+    rows, columns = scene.pixels.shape
+    count, lengths = rows * columns, np.array(scene.skin.sides)
+    of_pixel, turn, shift = np.full(count, -1), np.ones((count, 2)), np.zeros((count, 2))
+    known: dict[tuple[int, int], int] = {}
+    far = spread(scene) * math.log(1 / (UNFELT * rtol))
+    for row, column in pixels_with_skin(scene):
+        pixel, place = (row - 1) * columns + column - 1, (column - 1, row - 1)
+        alike = place
+        if scene.skin.rectangular:
+            pitch = lengths / (columns, rows)
+            alike = (
+                _alike(place[0], columns, pitch[0], far),
+                _alike(place[1], rows, pitch[1], far),
+            )
+            flipped = [k > n - 1 - k for k, n in zip(place, (columns, rows), strict=True)]
+            nearest = [min(k, n - 1 - k) for k, n in zip(place, (columns, rows), strict=True)]
+            turn[pixel] = np.where(flipped, -1.0, 1.0)
+            moved = (np.array(alike) - nearest) * pitch
+            shift[pixel] = np.where(flipped, lengths, 0.0) + moved
+        of_pixel[pixel] = known.setdefault(alike, len(known))
+    found = [_course(scene, place, rtol) for place in known]
+    return Applicators(scene, tuple(found), of_pixel, turn, shift, far)
+
+
+def _course(scene: Scene, place: Sequence[int], rtol: float) -> Course:
+    column, row = place
+    factor_rtol = min(COARSEST, FACTOR_SHARE * rtol)
+    pixel = Touch(row + 1, column + 1, 1.0)
+    return course(scene, pixel, deepest(scene), factor_rtol, DEPTH_SHARE * rtol)
+
+
+def _alike(index: int, count: int, pitch: float, far: float) -> int:
+    """The least index that lies as one does to both ends of a row, as far as that is felt."""
+    nearest = min(index, count - 1 - index)
+    enough = int(np.ceil(far / pitch))
+    if count - 1 - nearest < enough:
+        return nearest
+    return min(nearest, enough)

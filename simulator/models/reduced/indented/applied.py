@@ -1,0 +1,87 @@
+"""A scene's pixels pressed by depth or force, answered by its reduced model."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....press.press import Press
+from ....press.touch import Depth, Indentation, Touch
+from ....scene.scene import Scene
+from ....sweeps import InputError
+from ...answer import Rung
+from ..cases import pixel_touches
+from ..greedy import reduce
+from ..model import KRYLOV_SHARE
+from .applicators import deepest
+from .model import Indented, IndentedSkin
+
+SHALLOW = 0.05
+"""Of the deepest: from where on a model is trained."""
+
+
+class Applied:
+    """Trained at first use. rtol: of Rs and Cp."""
+
+    def __init__(self, scene: Scene, rtol: float) -> None:
+        pressing = scene.press.model_copy(update={"depth": deepest(scene), "force": None})
+        self.scene, self.rtol = scene.model_copy(update={"press": pressing}), rtol
+
+    def rung(self, press: Press) -> Rung:
+        """The answer at the scene's frequencies, and its error.
+
+        Raises InputError for touches that are no pixels or deeper than those that are known.
+        """
+        skin, (cells, rises, unsure) = self._skin, self.cells(press)
+        Z = skin.sweeps(cells, rises, np.array([0, len(cells)]))[0]
+        model = skin.reduced
+        at_most = skin.certificate(cells, rises) + KRYLOV_SHARE * self.rtol + unsure
+        told = f"reduced to {model.size} vectors, {model.circuit.told}"
+        return Rung(told, model.size, Z, at_most + model.mesh_error)
+
+    def cells(self, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64], float]:
+        """Pixels, rises of the factor under their applicators, and what a force leaves open of
+        that factor, relatively."""
+        columns, known = self.scene.pixels.columns, self._skin.reduced.applicators
+        assert known is not None
+        cells, depths, unsure = [], [], 0.0
+        for touch in press.touches:
+            if not isinstance(touch, Indentation) or not isinstance(touch.place, Touch):
+                raise InputError(f"answers pixels by depth or force alone, got {press}")
+            pixel = (touch.place.row - 1) * columns + touch.place.column - 1
+            if known.of_pixel[pixel] < 0:
+                raise InputError(f"press {press}: there is no skin at that place")
+            depth, off = touch.by.value, 0.0
+            if not isinstance(touch.by, Depth):
+                of_force = touch.by.value, known.mechanics.elastic, known.thickness
+                depth, off = known.course(pixel).depth_under(*of_force)
+            if not depth <= known.deepest:
+                raise InputError(f"trained on depths up to {known.deepest:.4g} m, got {touch}")
+            cells.append(pixel)
+            depths.append(depth)
+            strain = np.array(depth / known.thickness)
+            unsure += off / known.thickness * float(known.mechanics.gain(strain))
+        rises = known.mechanics.factor(np.array(depths) / known.thickness) - 1
+        self._check_forces(press, np.array(cells))
+        return np.array(cells, dtype=np.int64), rises, unsure
+
+    def _check_forces(self, press: Press, cells: NDArray[np.int64]) -> None:
+        """Raises InputError where a force meets another touch: how deep it goes hangs on that."""
+        by_force = any(not isinstance(touch.by, Depth) for touch in press.indented)
+        if by_force and self._skin.reduced.family.coupled(cells):
+            raise InputError(f"press {press}: touches of a given force feel others")
+
+    @cached_property
+    def _skin(self) -> IndentedSkin:
+        factors = (
+            self.scene.model_copy(
+                update={"press": self.scene.press.model_copy(update={"depth": depth})}
+            ).pressed_factor
+            for depth in (SHALLOW * deepest(self.scene), deepest(self.scene))
+        )
+        low, high = factors
+        model = reduce(self.scene, self.rtol, pixel_touches(self.scene, (low, high)))
+        assert isinstance(model, Indented)
+        return model.skin(None)

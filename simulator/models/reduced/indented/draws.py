@@ -1,0 +1,62 @@
+"""Which scenes are pressed by applicators that the skins' tension spreads, and what trains them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ....scene.scene import Scene
+from ....sweeps import InputError
+from ...varied.materials import gauged
+from ..cases import Case, Draw
+from .applicators import deepest
+
+
+def spreading(scene: Scene) -> bool:
+    """Whether pixels are pressed by depth or force, and that is felt beside them.
+
+    Raises InputError where this changes a sheet's resistance, too.
+    """
+    if scene.press.plain or not spreads(scene):
+        return False
+    if gauged(scene.skin):
+        raise InputError(
+            f"{scene.name}: sheets with `piezoresistance` do not reduce where tension spreads a "
+            "press; give `press.capacitance_factor`, or sweep without --model reduced"
+        )
+    return True
+
+
+def spreads(scene: Scene) -> bool:
+    """Whether a press by depth or force is felt beside its applicator."""
+    mechanics = scene.skin.foam.mechanics
+    return mechanics is not None and bool(mechanics.tension)
+
+
+def require_whole_pixels(scene: Scene, what: str) -> None:
+    """Raises InputError where `what`, which lays touches on cells, meets presses that spread."""
+    if spreading(scene):
+        raise InputError(
+            f"{scene.name}: {what} cannot be pressed by `press.depth`, which is for whole pixels; "
+            "it needs `press.capacitance_factor`"
+        )
+
+
+def apart(draw: Draw, scene: Scene) -> Draw:
+    """The same draws, no deeper than applicators are known, and no pull; of touches on pixels that
+    meet only the first is left."""
+    columns, deep = scene.pixels.columns, {"depth": deepest(scene), "force": None}
+    pressing = scene.press.model_copy(update=deep)
+    most = scene.model_copy(update={"press": pressing}).pressed_factor - 1
+
+    def drawn(random: np.random.Generator) -> Case:
+        case = draw(random)
+        row, column = np.divmod(case.cells, columns)
+        away = [
+            not any(max(abs(row[k] - row[m]), abs(column[k] - column[m])) <= 1 for m in range(k))
+            for k in range(len(case.cells))
+        ]
+        return replace(case, cells=case.cells[away], rises=np.clip(case.rises[away], 0.0, most))
+
+    return drawn

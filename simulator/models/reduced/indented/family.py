@@ -1,0 +1,170 @@
+"""The family of a skin whose pixels are pressed by applicators: what these do to M."""
+
+from __future__ import annotations
+
+from functools import cached_property, lru_cache
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+
+from ....fem.circuit import Circuit
+from ....press.press import Press
+from ....press.touch import Depth, Indentation, Touch
+from ....scene.scene import Scene
+from ...parameters import foam_parts
+from ...varied.system import add_foam
+from ..cases import Case
+from ..family import Triangulation
+from ..uneven import UnevenFamily
+from .applicators import COARSEST, FACTOR_SHARE, Applicators
+from .fields import LEAST_RISE, Field, field_of, near
+
+COUPLED = 0.1
+"""Of the tolerance: the rise of c that an applicator may cause under another unasked."""
+PRESSES_KEPT = 64
+
+
+class Together(NamedTuple):
+    """Rise of c of a whole press over that at rest, and by how much it may be off: in some cells,
+    shapes (cell,), (cell, point) and (cell, point)."""
+
+    cells: NDArray[np.int64]
+    rise: NDArray[np.float64]
+    doubt: NDArray[np.float64]
+
+
+class IndentedFamily(UnevenFamily):
+    """What it takes for c is that of parts at rest, then the rise of the factor under each pixel's
+    applicator, 0 where there is none; shape (part + pixel,)."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        circuit: Circuit,
+        mesh: Triangulation,
+        modes: int,
+        applicators: Applicators,
+        rtol: float,
+    ) -> None:
+        """rtol: of Rs and Cp, for applicators that feel each other."""
+        self.applicators, self.rtol = applicators, rtol
+        self.together = lru_cache(PRESSES_KEPT)(self._together)
+        self._known: dict[int, Field] = {}
+        super().__init__(scene, circuit, mesh, modes)
+
+    def foam_of(self, case: Case) -> NDArray[np.float64]:
+        """As of `Family`."""
+        rest = np.ones(self.parts) if case.variation is None else case.variation.foam(self.scene)
+        return self.pressed(rest, case.cells, case.rises)
+
+    def pressed(
+        self, rest: NDArray[np.float64], cells: NDArray[np.int64], rises: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Parts at rest, then rises under applicators."""
+        under = np.zeros(self.scene.pixels.rows * self.scene.pixels.columns)
+        under[cells] = rises
+        return np.concatenate([rest, under])
+
+    def mass(self, factors: NDArray[np.float64]) -> csc_matrix:
+        """M in F, in the system's pattern. factors: see the class."""
+        rest, under = factors[: self.parts], factors[self.parts :]
+        mass, cells = self.masses.mass(rest), np.flatnonzero(under)
+        if not cells.size:
+            return mass
+        c, found = np.zeros_like(self.at_rest), self.press(cells, under[cells])
+        for each in found:
+            of_parts = rest[self.part_of[each.cells]][:, None]
+            c[each.cells] += of_parts * self.at_rest[each.cells] * each.rise
+        within = np.zeros(len(c), dtype=bool)
+        within[np.concatenate([each.cells for each in found])] = True
+        values = np.zeros(len(self.system.pattern.indices))
+        unknowns, coupling = self.system.unknowns, self.circuit.coupling
+        add_foam(values, coupling, self.elements, unknowns, c, within)
+        return self.system.pattern.matrix(mass.data + values)
+
+    def press(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> list[Together]:
+        """What each touch does, or all that feel each other do together."""
+        if self.coupled(cells):
+            return [self.together(tuple(cells.tolist()), tuple(rises.tolist()))]
+        return [self._alone(*each) for each in zip(cells.tolist(), rises.tolist(), strict=True)]
+
+    def coupled(self, cells: NDArray[np.int64]) -> bool:
+        """Whether any two of these pixels' applicators feel each other."""
+        return any(
+            max(self.tails[k, m], self.tails[m, k]) > COUPLED * self.rtol
+            for k, m in combinations(np.asarray(cells).tolist(), 2)
+        )
+
+    def field(self, pixel: int) -> Field:
+        """Of a pixel with skin."""
+        if pixel not in self._known:
+            self._known[pixel] = field_of(self.applicators, pixel, self.elements, self.mesh.domain)
+        return self._known[pixel]
+
+    @cached_property
+    def tails(self) -> NDArray[np.float64]:
+        """Largest rise of c that each pixel's applicator causes under others, (pixel, pixel)."""
+        count = len(self.applicators.of_pixel)
+        found = np.zeros((count, count))
+        for pixel in self.pressable.tolist():
+            own = self.field(pixel)
+            rise = (own.coefficients[-1] @ own.modes.reshape(len(own.modes), -1)).reshape(
+                own.modes.shape[1:]
+            )
+            under = self.mesh.domain.pixel[own.cells]
+            known = under >= 0
+            np.maximum.at(found[pixel], under[known], rise.max(axis=1)[known])
+        return found
+
+    @property
+    def pressable(self) -> NDArray[np.int64]:
+        """Pixels with skin."""
+        return np.flatnonzero(self.applicators.of_pixel >= 0)
+
+    @property
+    def parts(self) -> int:
+        """See `foam_parts`."""
+        return foam_parts(self.scene)
+
+    @cached_property
+    def at_rest(self) -> NDArray[np.float64]:
+        """c in F/m² of the scene's own foam at rest at the points of the rule, (cell, point)."""
+        return self._coefficients.capacitance(self.elements.surface.x)
+
+    @cached_property
+    def part_of(self) -> NDArray[np.int64]:
+        """The part that each cell is of, shape (cell,)."""
+        pixel = self.mesh.domain.pixel
+        return np.where(pixel < 0, self.scene.pixels.rows * self.scene.pixels.columns, pixel)
+
+    @cached_property
+    def _finer(self) -> IndentedFamily:
+        finer = Triangulation(self.mesh.domain, self.mesh.order + 1)
+        known = self.applicators, self.rtol
+        return IndentedFamily(self.scene, self.circuit, finer, self.modes, *known)
+
+    def _alone(self, pixel: int, rise: float) -> Together:
+        own = self.field(pixel)
+        coefficients = own.at(float(self.applicators.depth(np.array(rise))))
+        found = np.tensordot(coefficients, own.modes, axes=1)
+        return Together(own.cells, found, max(rise, LEAST_RISE) * own.doubt)
+
+    def _together(self, pixels: tuple[int, ...], rises: tuple[float, ...]) -> Together:
+        """By the mechanics of the whole press."""
+        from ...mechanics.indentation import pressed
+
+        domain, columns = self.mesh.domain, self.scene.pixels.columns
+        depths = self.applicators.depth(np.array(rises)).tolist()
+        touches = tuple(
+            Indentation(Touch(k // columns + 1, k % columns + 1, 1.0), Depth(depth))
+            for k, depth in sorted(zip(pixels, depths, strict=True))
+        )
+        found = pressed(self.scene, Press(touches), min(COARSEST, FACTOR_SHARE * self.rtol))
+        far = self.applicators.far
+        cells = np.unique(np.concatenate([near(domain, domain.pixel == k, far) for k in pixels]))
+        x = self.elements.surface.x[:, cells]
+        rise = found.factor(x) - 1
+        return Together(cells, rise, found.deeper(1.0).factor(x) - 1 - rise)

@@ -1,0 +1,77 @@
+"""How c rises under and beside one applicator at the points of a mesh: few modes over depth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....mesh.domain import Domain
+from ...mechanics.course import DOUBT, barycentric
+from ...varied.elements import Elements
+from .applicators import Applicators
+
+DROPPED = 1e-8
+"""Of the largest singular value over depths: modes that are left out."""
+LEAST_RISE = 0.1
+"""Of the factor: what is left out between depths counts as that of no weaker press."""
+LEBESGUE = 3.0
+"""What interpolation at most makes of what is left out at Chebyshev's depths, of up to 33."""
+
+
+@dataclass(frozen=True)
+class Field:
+    """Rise of c over that at rest: sum of coefficients of depth times modes.
+
+    cells: where it is felt, shape (cell,). modes: shape (mode, cell, point). depth: Chebyshev's, m,
+    shape (depth,). coefficients: of the modes at those, shape (depth, mode). doubt: by how much the
+    rise may be off, over that under the applicator, of which LEAST_RISE counts at least, shape
+    (cell, point).
+    """
+
+    cells: NDArray[np.int64]
+    modes: NDArray[np.float64]
+    depth: NDArray[np.float64]
+    coefficients: NDArray[np.float64]
+    doubt: NDArray[np.float64]
+
+    def at(self, depth: NDArray[np.float64] | float) -> NDArray[np.float64]:
+        """Coefficients of the modes at depths in m, shape (..., mode)."""
+        return barycentric(self.depth, np.asarray(depth)) @ self.coefficients
+
+
+def field_of(known: Applicators, pixel: int, elements: Elements, domain: Domain) -> Field:
+    """Of a pixel with skin, at the points of the elements' rule."""
+    course, cells = known.course(pixel), near(domain, domain.pixel == pixel, known.far)
+    surface = elements.surface.some(cells)
+    shape = surface.x.shape[1:]
+    rise, raised = known.rises(pixel, surface.x.reshape(2, -1))
+    nodes, between = rise[: course.count], rise[course.count :]
+    weights = (surface.area * elements.rule.weights).ravel()
+    power, turn = np.linalg.eigh((nodes * weights) @ nodes.T)
+    kept = power > DROPPED**2 * power[-1]
+    turn = turn[:, kept][:, ::-1]
+    modes = turn.T @ nodes
+    left_out = LEBESGUE * np.abs(nodes - turn @ modes).max(axis=0)
+    told = course.weights(course.depth[course.count :]) @ nodes
+    left_out += DOUBT * np.abs(told - between).max(axis=0)
+    under = known.mechanics.factor(course.depth / known.thickness) - 1
+    pushed = under > 0
+    shares = ((raised - rise)[pushed] / under[pushed, None]).max(axis=0)
+    return Field(
+        cells,
+        modes.reshape(-1, *shape),
+        course.depth[: course.count],
+        turn,
+        (shares + left_out / LEAST_RISE).reshape(shape),
+    )
+
+
+def near(domain: Domain, own: NDArray[np.bool_], far: float) -> NDArray[np.int64]:
+    """Cells that lie within a distance of the box around some cells, m."""
+    corners = domain.p[:2][:, domain.t]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    first, last = low[:, own].min(axis=1) - far, high[:, own].max(axis=1) + far
+    there = (high >= first[:, None]).all(axis=0) & (low <= last[:, None]).all(axis=0)
+    return np.flatnonzero(there)

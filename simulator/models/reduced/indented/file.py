@@ -1,0 +1,59 @@
+"""What a file of a reduced model holds of applicators."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...mechanics.course import Course
+from ..model import Reduced
+from .applicators import Applicators
+from .model import Indented
+from .tables import Tables
+
+OF_PIXELS = ("of_pixel", "turn", "shift", "far")
+OF_TABLES = tuple(each.name for each in fields(Tables))
+OF_COURSE = tuple(each.name for each in fields(Course))
+
+
+def arrays_of(model: Indented) -> dict[str, NDArray]:
+    """By name in the file."""
+    known, own = model.applicators, model.tables
+    assert known is not None and own is not None
+    found = {f"applied_{name}": np.asarray(getattr(known, name)) for name in OF_PIXELS}
+    found |= {f"table_{name}": getattr(own, name) for name in OF_TABLES}
+    for number, course in enumerate(known.courses):
+        found |= {
+            f"course_{number}_{name}": np.asarray(getattr(course, name)) for name in OF_COURSE
+        }
+    return found
+
+
+Beside = tuple[dict[str, Any], Tables, tuple[Course, ...]]
+
+
+def beside_from(archive: Mapping[str, NDArray]) -> Beside | None:
+    """The same arrays from a file; None where it holds none. Raises KeyError where some lack."""
+    if "table_bases" not in archive:
+        return None
+    count = int(archive["applied_of_pixel"].max()) + 1
+    courses = []
+    for number in range(count):
+        own: dict[str, Any] = {name: archive[f"course_{number}_{name}"] for name in OF_COURSE}
+        own["count"] = int(own["count"])
+        courses.append(Course(**own))
+    of_pixels: dict[str, Any] = {name: archive[f"applied_{name}"] for name in OF_PIXELS}
+    of_pixels["far"] = float(of_pixels["far"])
+    return of_pixels, Tables(**{k: archive[f"table_{k}"] for k in OF_TABLES}), tuple(courses)
+
+
+def with_beside(model: Reduced, beside: Beside) -> Indented:
+    """The model with what its file holds of applicators."""
+    of_pixels, tables, courses = beside
+    known = Applicators(scene=model.scene, courses=courses, **of_pixels)
+    own = {name: getattr(model, name) for name in Reduced.__dataclass_fields__}
+    return Indented(**own, applicators=known, tables=tables)

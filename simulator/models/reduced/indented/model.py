@@ -1,0 +1,256 @@
+"""A reduced model of a skin whose pixels are pressed by applicators: by depth or force.
+
+A touch of pixel k by `rise` stands for the depth at which the factor under its applicator is 1 +
+rise; what it does beside it follows from the membrane. With thin factors of what each touch does to
+M a press costs what one of factors does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....fem.estimate import relative_difference
+from ....sweeps import InputError
+from ...parameters import Variation
+from ..cases import Case
+from ..family import Family
+from ..kernel import Rest, swept
+from ..model import KRYLOV_SHARE, Reduced, ReducedSkin
+from .applicators import Applicators
+from .family import IndentedFamily
+from .fields import LEAST_RISE
+from .resolving import family_on, finer_families
+from .tables import Seen, Tables, tables
+
+TOUCHES_AT_ONCE = 4096
+
+
+@dataclass(frozen=True)
+class Indented(Reduced):
+    """applicators: of all pixels. tables: what they do to M in the basis.
+
+    coefficients: of modes at Chebyshev's depths, shape (pixel, depth, mode).
+    """
+
+    applicators: Applicators | None = None
+    tables: Tables | None = None
+
+    @cached_property
+    def family(self) -> IndentedFamily:
+        """As of `Reduced`."""
+        if isinstance(self.built, IndentedFamily):
+            return self.built
+        assert self.applicators is not None
+        asked = self.scene, self.circuit, self.mesh, self.modes
+        return family_on(*asked, self.applicators, self.rtol)
+
+    def skin(self, variation: Variation | None) -> IndentedSkin:
+        """As of `Reduced`."""
+        return IndentedSkin(self, variation)
+
+    def skin_under(self, case: Case) -> IndentedSkin:
+        """As of `Reduced`."""
+        return IndentedSkin(self, case.variation)
+
+    @cached_property
+    def seen(self) -> Seen:
+        """What foam sees of the basis."""
+        return Seen(self.family, self.coordinates)
+
+
+def indented(reduced: Reduced) -> Indented:
+    """The model with tables of its applicators, of a family that has these."""
+    family = reduced.family
+    assert isinstance(family, IndentedFamily)
+    skin, none = ReducedSkin(reduced, None), np.zeros(0, dtype=np.int64)
+    at_rest = np.hstack([u for u, _ in skin.solved(none, np.zeros(0), skin.s)])
+    terminals = len(reduced.conductance)
+    size = np.full(len(at_rest), np.linalg.norm(at_rest[terminals:], axis=0).max())
+    size[:terminals] = 1.0
+    own = {name: getattr(reduced, name) for name in reduced.__dataclass_fields__}
+    found = tables(family, reduced.coordinates, size, reduced.rtol)
+    return Indented(**own, applicators=family.applicators, tables=found)
+
+
+class IndentedSkin(ReducedSkin):
+    """One skin of the family, see `ReducedSkin`: its cells are applicators of pixels."""
+
+    reduced: Indented
+
+    def __init__(self, reduced: Indented, variation: Variation | None) -> None:
+        super().__init__(reduced, variation)
+        assert reduced.tables is not None and reduced.applicators is not None
+        self._tables, self._applicators = reduced.tables, reduced.applicators
+        of_parts = self.rest_factors[self._tables.parts]
+        self._matrices = np.einsum("kp,kpjrs->kjrs", of_parts, self._tables.matrices)
+        self._bases = self._tables.bases @ self.turn
+
+    def touched(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64]
+    ) -> tuple[Rest, NDArray[np.int64], NDArray[np.float64]]:
+        """As of `ReducedSkin`."""
+        self._check(cells, rises)
+        if self.reduced.family.coupled(cells):
+            (press,) = self.reduced.family.press(cells, rises)
+            F = self.reduced.seen.thin(press, self.rest_factors, press.rise) @ self.turn
+            factors = F[None]
+        else:
+            factors = self._factors(cells, rises)
+        rest = Rest(self.rest.rows, self.rest.diagonal, np.ascontiguousarray(factors))
+        return rest, np.arange(len(factors)), np.ones(len(factors))
+
+    def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
+        """As the family takes it."""
+        return self.reduced.family.pressed(self.rest_factors, cells, rises)
+
+    def certificate(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        s: NDArray[np.complex128] | None = None,
+    ) -> NDArray[np.float64]:
+        """As of `ReducedSkin`, and by how little the foam under applicators is known."""
+        self._check(cells, rises)
+        s = self.s if s is None else s
+        found = super().certificate(cells, rises, s)
+        return found + self.doubt(cells, rises, s)
+
+    def doubt(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
+    ) -> NDArray[np.float64]:
+        """Of Rs and Cp, relatively, where c is higher by all that it may be off by."""
+        found = self.solved(cells, rises, s)
+        Y = np.stack([each for _, each in found])
+        more = s * np.stack([self._doubted(cells, rises, u) for u, _ in found])
+        Z, raised = (each.astype(np.complex128) for each in (1 / Y, 1 / (Y + more)))
+        off = relative_difference(raised, Z, np.abs(s.imag))
+        return np.sqrt(off * off.max(axis=0))
+
+    def charges(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]
+    ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+        """As of `ReducedSkin`; of touched pixels by the rise under their applicators, over c there
+        at rest. Where two feel each other it is as if each were alone."""
+        squares = ((self.reduced.factors @ u) ** 2).sum(axis=1).T
+        rest, _, _ = self.touched(cells, rises)
+        seen = (rest.factors @ np.linalg.solve(self.turn, u)) ** 2
+        whole = squares @ self.rest_factors + seen.sum(axis=(0, 1))
+        for cell, rise in zip(cells.tolist(), rises.tolist(), strict=True):
+            y, step = self._tables.bases[cell] @ u, SLOPE_STEP * (1 + rise)
+            ends = np.clip([rise - step, rise + step], 0.0, self._most - 1)
+            C = np.diff(self._summed(np.array([cell, cell]), ends), axis=0)[0]
+            by_rise = np.einsum("rs,rf,sf->f", C, y, y) / np.ptp(ends)
+            squares[:, cell] = by_rise / self.rest_factors[cell]
+        return squares, whole
+
+    def _swept(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        starts: NDArray[np.int64],
+        s: NDArray[np.complex128],
+    ) -> NDArray[np.complex128]:
+        self._check(cells, rises)
+        found = np.empty((len(starts) - 1, len(self.feeds), len(s)), dtype=np.complex128)
+        own = np.split(cells, starts[1:-1])
+        coupled = np.array([self._feel_each_other(each) for each in own], dtype=bool)
+        together = np.flatnonzero(coupled)
+        for press in together:
+            here = slice(starts[press], starts[press + 1])
+            rest, which, weights = self.touched(cells[here], rises[here])
+            found[[press]] = self._by_kernel(rest, which, weights, np.array([0, len(which)]), s)
+        alone = np.flatnonzero(~coupled)
+        for some in _batches(alone, starts):
+            ends = zip(starts[some].tolist(), starts[some + 1].tolist(), strict=True)
+            of = np.concatenate([np.arange(*each) for each in ends])
+            ends = np.concatenate([[0], np.cumsum(starts[some + 1] - starts[some])])
+            factors = self._factors(cells[of], rises[of])
+            rest = Rest(self.rest.rows, self.rest.diagonal, factors)
+            found[some] = self._by_kernel(rest, np.arange(len(of)), np.ones(len(of)), ends, s)
+        return found
+
+    def _by_kernel(
+        self,
+        rest: Rest,
+        cells: NDArray[np.int64],
+        weights: NDArray[np.float64],
+        starts: NDArray[np.int64],
+        s: NDArray[np.complex128],
+    ) -> NDArray[np.complex128]:
+        rtol = KRYLOV_SHARE * self.reduced.rtol
+        Y = [swept(rest, feed, cells, weights, starts, s, rtol) for feed in self.feeds]
+        return (1 / np.stack(Y, axis=1)).astype(np.complex128)
+
+    def _feel_each_other(self, cells: NDArray[np.int64]) -> bool:
+        return len(cells) > 1 and self.reduced.family.coupled(cells)
+
+    def _factors(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
+        """F of each touch, M rises by F'F, shape (touch, rank, N + n)."""
+        power, turn = np.linalg.eigh(self._summed(cells, rises))
+        roots = np.sqrt(np.maximum(power, 0.0))
+        thin = (turn * roots[:, None, :]).transpose(0, 2, 1)
+        return np.ascontiguousarray(thin @ self._bases[cells])
+
+    def _summed(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
+        """C of each touch, F, shape (touch, rank, rank)."""
+        weights = np.zeros((len(cells), self._matrices.shape[1]))
+        depth = self._applicators.depth(rises)
+        for number in np.unique(cells):
+            here = cells == number
+            found = self.reduced.family.field(int(number)).at(depth[here])
+            weights[here, : found.shape[1]] = found
+        return np.einsum("tj,tjrs->trs", weights, self._matrices[cells])
+
+    def _doubted(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]
+    ) -> NDArray[np.complex128]:
+        """u'Eu with E what M may rise by unknown, F, shape (s,)."""
+        if self._feel_each_other(cells):
+            (press,) = self.reduced.family.press(cells, rises)
+            F = self.reduced.seen.thin(press, self.rest_factors, press.doubt)
+            return ((F @ u) ** 2).sum(axis=0)
+        found, most = np.zeros(u.shape[1], dtype=complex), self.rest_factors.max()
+        for cell, rise in zip(cells, rises, strict=True):
+            y = self._tables.bases[cell] @ u
+            E = max(rise, LEAST_RISE) * most * self._tables.doubts[cell]
+            found += np.einsum("rs,rf,sf->f", E, y, y)
+        return found
+
+    def _check(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> None:
+        """Raises InputError for a press that applicators are not known for."""
+        known, most = self._applicators, self._most
+        if len(rises) and not (rises.min() >= 0 and rises.max() <= (most - 1) * (1 + ROUNDING)):
+            raise InputError(
+                f"{self.reduced.scene.name}: the factor under an applicator must be from 1 to "
+                f"{most:.4g}, at {known.deepest:.4g} m, got {1 + rises.min():.4g} to "
+                f"{1 + rises.max():.4g}"
+            )
+
+    @cached_property
+    def _most(self) -> float:
+        """The factor under the deepest applicator."""
+        known = self._applicators
+        return float(known.mechanics.factor(np.array(known.deepest / known.thickness)))
+
+    def _families(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> Iterator[Family]:
+        yield self.reduced.family
+        yield from finer_families(self.reduced.family, cells, rises)
+
+
+SLOPE_STEP = 1e-5
+ROUNDING = 1e-9
+
+
+def _batches(presses: NDArray[np.int64], starts: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
+    """Presses of about so many touches at a time."""
+    if not len(presses):
+        return
+    touches = np.cumsum(starts[presses + 1] - starts[presses])
+    number = touches // TOUCHES_AT_ONCE
+    for each in np.unique(number):
+        yield presses[number == each]

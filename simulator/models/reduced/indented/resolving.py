@@ -1,0 +1,128 @@
+"""The coarsest triangles that hold what applicators do, and finer ones for a press."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....fem.circuit import Circuit
+from ....mesh.domain import Domain
+from ....mesh.refining.untangled import finer
+from ....press.press import Press
+from ....scene.scene import Scene
+from ....sweeps import ToleranceError
+from ...mechanics.pressed import Pressed
+from ...varied.discretised import indicators, most
+from ...varied.triangles import MOST_TRIANGLES, Triangles
+from ..cases import Case
+from ..family import Mesh, Triangulation
+from .applicators import Applicators, applicators
+from .family import IndentedFamily
+
+SHARE = 0.5
+"""Of the tolerance, for the mesh; the rest is for the basis."""
+MOST_ALONE = 12
+TURNS = 2
+
+
+def family_on(
+    scene: Scene, circuit: Circuit, mesh: Mesh, modes: int, known: Applicators, rtol: float
+) -> IndentedFamily:
+    """The family on a mesh."""
+    assert isinstance(mesh, Triangulation)
+    return IndentedFamily(scene, circuit, mesh, modes, known, rtol)
+
+
+def resolved(
+    scene: Scene, circuit: Circuit, modes: int, rtol: float, cases: Sequence[Case]
+) -> tuple[IndentedFamily, float]:
+    """The coarsest family whose discretisation keeps its share of the tolerance, and its error.
+
+    Raises ToleranceError where none does, InputError as `applicators`.
+    """
+    known, found = applicators(scene, rtol), np.inf
+    rise = float(known.mechanics.factor(np.array(known.deepest / known.thickness))) - 1
+    pixels = np.flatnonzero(known.of_pixel >= 0)
+    some = np.unique(np.linspace(0, len(pixels) - 1, MOST_ALONE).round().astype(np.int64))
+    alone = [Case(None, pixels[[k]], np.array([rise])) for k in some]
+    in_turns = [_in_turns(known, turn) for turn in np.ndindex(TURNS, TURNS)]
+    for mesh in _triangulations(scene, circuit, rtol, [each for each in in_turns if each]):
+        family, found = family_on(scene, circuit, mesh, modes, known, rtol), 0.0
+        for case in [*cases, *alone]:
+            found = max(found, error_of(family, case, rtol))
+            if found > SHARE * rtol:
+                break
+        else:
+            return family, found
+    raise ToleranceError(f"the mesh of the reduced model does not reach {rtol:g}: {found:.1e}")
+
+
+def error_of(family: IndentedFamily, case: Case, rtol: float) -> float:
+    """By the mesh alone, of Rs and Cp, relatively."""
+    from ..resolving import weights_of_case
+
+    loss = (case.variation or family.scene.skin.foam).loss
+    return family.solved(weights_of_case(family, case), loss, family.foam_of(case), rtol)[1]
+
+
+def finer_families(
+    family: IndentedFamily, cells: NDArray[np.int64], rises: NDArray[np.float64]
+) -> Iterator[IndentedFamily]:
+    """On finer and finer meshes, for a press."""
+    depth = family.applicators.depth(rises)
+    press = _pressed(family.applicators, dict(zip(cells.tolist(), depth.tolist(), strict=True)))
+    asked = family.scene, family.circuit
+    for mesh in _triangulations(*asked, family.rtol, [press], family.mesh.domain):
+        yield family_on(*asked, mesh, family.modes, family.applicators, family.rtol)
+
+
+def _triangulations(
+    scene: Scene,
+    circuit: Circuit,
+    rtol: float,
+    presses: Sequence[Pressed],
+    domain: Domain | None = None,
+) -> Iterator[Triangulation]:
+    """Each refined where any of the presses was least certain on the one before; from a domain on,
+    where one is given, without that itself."""
+    ends = np.unique(scene.frequencies[[0, -1]])
+    bare = Triangles(scene, circuit, Press(), rtol)
+    each = [Triangles(scene, circuit, Press(), rtol, press) for press in presses]
+
+    def refined(domain: Domain) -> Domain:
+        marked = [most(indicators(press.discretised(domain), ends)) for press in each]
+        return finer(domain, np.unique(np.concatenate(marked)))
+
+    domain = bare.coarsest(float(ends[-1])) if domain is None else refined(domain)
+    while domain.t.shape[1] <= MOST_TRIANGLES:
+        yield Triangulation(domain, bare.order)
+        domain = refined(domain)
+
+
+def _in_turns(known: Applicators, turn: tuple[int, ...]) -> Pressed | None:
+    """Every second pixel each way, as deep as applicators are known."""
+    columns = known.scene.pixels.columns
+    pixels = np.flatnonzero(known.of_pixel >= 0)
+    row, column = np.divmod(pixels, columns)
+    own = pixels[(row % TURNS == turn[0]) & (column % TURNS == turn[1])]
+    if not len(own):
+        return None
+    return _pressed(known, dict.fromkeys(own.tolist(), known.deepest))
+
+
+def _pressed(known: Applicators, depth: dict[int, float]) -> Pressed:
+    """Pixels to depths in m, each as if it were alone."""
+
+    def w(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        flat = np.reshape(x, (2, -1))
+        found = np.zeros(flat.shape[1])
+        for pixel, own in depth.items():
+            np.maximum(found, known.deflection(pixel, own, flat), out=found)
+        return found.reshape(x.shape[1:])
+
+    deepest = tuple(depth.values())
+    return Pressed(
+        known.mechanics, known.thickness, w, deepest, (0.0,) * len(deepest), 0.0, (), None
+    )

@@ -1,0 +1,120 @@
+"""What applicators do to M in a reduced basis: small matrices by modes of depth and parts of foam.
+
+Of each applicator the basis keeps the few combinations that are felt where it presses, y = U u.
+There M rises by y'Cy with C a sum over modes, weighed by coefficients of depth, and over parts of
+the foam, weighed by their c at rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .family import IndentedFamily, Together
+
+DROPPED = 5e-3
+"""Of the tolerance: the share of the energy in an applicator's foam that combinations left out
+have of that of the first."""
+
+
+@dataclass(frozen=True)
+class Tables:
+    """Filled up with zeros where applicators have fewer than others.
+
+    bases: U, shape (pixel, rank, N + n). parts: of the foam that each is felt in, shape (pixel,
+    part). matrices: C in F, shape (pixel, part, mode, rank, rank). doubts: the same of what a rise
+    may be off by, in all parts together, shape (pixel, rank, rank).
+    """
+
+    bases: NDArray[np.float64]
+    parts: NDArray[np.int64]
+    matrices: NDArray[np.float64]
+    doubts: NDArray[np.float64]
+
+
+def tables(
+    family: IndentedFamily, W: NDArray[np.float64], size: NDArray[np.float64], rtol: float
+) -> Tables:
+    """Of all pixels. W: the basis in the full space, shape (inner + N, N + n). size: how large
+    coordinates are, V, shape (N + n,). rtol: the tolerance."""
+    seen = Seen(family, W)
+    found = {k: _of_pixel(family, seen, k, size, rtol) for k in family.pressable.tolist()}
+    count, m = len(family.applicators.of_pixel), W.shape[1]
+    rank, parts, modes = (
+        max(each[which].shape[axis] for each in found.values())
+        for which, axis in ((0, 0), (1, 0), (2, 1))
+    )
+    bases, doubts = np.zeros((count, rank, m)), np.zeros((count, rank, rank))
+    of_parts = np.zeros((count, parts), dtype=np.int64)
+    matrices = np.zeros((count, parts, modes, rank, rank))
+    for k, (U, own, C, E) in found.items():
+        r = len(U)
+        bases[k, :r], doubts[k, :r, :r], of_parts[k, : len(own)] = U, E, own
+        matrices[k, : len(own), : C.shape[1], :r, :r] = C
+    return Tables(bases, of_parts, matrices, doubts)
+
+
+def _of_pixel(
+    family: IndentedFamily, seen: Seen, pixel: int, size: NDArray[np.float64], rtol: float
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+    field = family.field(pixel)
+    weights = seen.weights(field.cells)
+    D = seen.potentials(field.cells) * size
+    most = np.tensordot(field.coefficients[-1], field.modes, axes=1)
+    heavy = D * np.sqrt(weights * np.maximum(most, 0.0))[..., None]
+    flat = heavy.reshape(-1, len(size))
+    power, turn = np.linalg.eigh(flat.T @ flat)
+    turn = turn[:, power > DROPPED * rtol * power[-1]]
+    local = D @ turn
+    parts, place = np.unique(family.part_of[field.cells], return_inverse=True)
+    matrices = np.zeros((len(parts), len(field.modes), turn.shape[1], turn.shape[1]))
+    for part in range(len(parts)):
+        a = local[place == part].reshape(-1, turn.shape[1])
+        for mode, g in enumerate(field.modes):
+            weight = (weights * g)[place == part].ravel()
+            matrices[part, mode] = (a.T * weight) @ a
+    a = local.reshape(-1, turn.shape[1])
+    doubts = (a.T * (weights * field.doubt).ravel()) @ a
+    return turn.T / size, parts, matrices, doubts
+
+
+class Seen:
+    """What foam sees of a basis at the points of a family's rule."""
+
+    def __init__(self, family: IndentedFamily, W: NDArray[np.float64]) -> None:
+        """W: shape (inner + N, N + n)."""
+        self._family = family
+        spread = family.space.spread(W)
+        self._held = np.vstack([spread, np.zeros((1, W.shape[1]))])
+
+    def potentials(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Across the foam, V, shape (cell, point, N + n)."""
+        family = self._family
+        elements, number = family.elements, family.system.unknowns.number
+        dofs = elements.trial.dofs.element_dofs[:, cells]
+        first, *others = (self._held[of_field[dofs]] for of_field in number)
+        across = first - others[0] if others else first
+        return np.einsum("fp,fcm->cpm", elements.rule.values, across, optimize=True)
+
+    def weights(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Capacitance of points at rest, F, shape (cell, point)."""
+        family = self._family
+        area = family.elements.surface.some(cells).area * family.elements.rule.weights
+        return family.at_rest[cells] * area
+
+    def thin(
+        self, press: Together, rest: NDArray[np.float64], values: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """F with F'F what M rises by, F, shape (rank, N + n). values: of c, (cell, point)."""
+        of_parts = rest[self._family.part_of[press.cells]][:, None]
+        weights = self.weights(press.cells) * of_parts * np.maximum(values, 0.0)
+        D = self.potentials(press.cells) * np.sqrt(weights)[..., None]
+        flat = D.reshape(-1, D.shape[-1])
+        power, turn = np.linalg.eigh(flat.T @ flat)
+        kept = power > ROUNDING * power[-1]
+        return np.sqrt(power[kept])[:, None] * turn[:, kept].T
+
+
+ROUNDING = 1e-15

@@ -1,0 +1,261 @@
+"""Skins whose pixels are pressed by depth or force: reduced, and all that uses reduced models."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.calibration.choice import Options
+from rcskin.simulator.calibration.run import calibrate
+from rcskin.simulator.dataset.plan import Plan
+from rcskin.simulator.dataset.run import generate
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.limits import bayes_accuracy
+from rcskin.simulator.measure.experiment import planned_presses
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.measure.specimen import Specimen
+from rcskin.simulator.models.parameters import Variation
+from rcskin.simulator.models.plain import folded
+from rcskin.simulator.models.reduced.cases import pixel_touches
+from rcskin.simulator.models.reduced.file import load, save
+from rcskin.simulator.models.reduced.forward import Forward
+from rcskin.simulator.models.reduced.greedy import reduce
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import every_press, parse_press
+from rcskin.simulator.press.touch import Depth
+from rcskin.simulator.scene.frequency import Loss
+from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.study.point import Trial
+from rcskin.simulator.study.sharing import families, member_curves, solve, tasks
+from rcskin.simulator.sweeps import InputError, impedance, open_zarr
+
+RTOL, CLOSELY = 1e-3, 1e-4
+COLUMNS = 3
+FACTORS = 1.1, 4.0
+DEEP = Depth(2e-3)
+FACTORS_OF_SESSIONS = "sheet_resistance", "sheet_mismatch", "capacitance", "contact_resistance"
+SPREADS_OF_SESSIONS = (
+    "unevenness",
+    "foam_spread",
+    "loss_tangent",
+    "stray_capacitance",
+    "lead_resistance",
+)
+UNIFORM = {"distribution": "uniform", "low": 0.3e-3, "high": 2.2e-3}
+
+
+def foam_strip(tension=20.0, **tables):
+    mechanics = {"porosity": 0.67, "solid_permittivity": 2.79, "modulus": 30e3, "tension": tension}
+    return Scene.model_validate(
+        {
+            "name": "foam strip",
+            "skin": {
+                "length": 0.09,
+                "width": 0.03,
+                "top": {"sheet_resistance": 50e3},
+                "bottom": {"sheet_resistance": 40e3},
+                "foam": {"thickness": 4e-3, "mechanics": mechanics},
+            },
+            "contact": [
+                {"name": sheet, "electrode": sheet, "edge": "left"} for sheet in ("top", "bottom")
+            ],
+            "interface": [{"name": "meter", "high": ["top"], "low": ["bottom"]}],
+            "pixels": {"rows": 1, "columns": COLUMNS},
+            "press": {"depth": 2e-3, "factor_spread": 0.1},
+            "sweep": {"frequencies": [1e3, 1e4, 1e5]},
+            "readout": dict.fromkeys(("magnitude_noise", "phase_noise"), 1e-3),
+            **tables,
+        }
+    )
+
+
+SAME = {
+    **dict.fromkeys((f"dataset.session.{name}" for name in FACTORS_OF_SESSIONS), 1.0),
+    **dict.fromkeys((f"dataset.session.{name}" for name in SPREADS_OF_SESSIONS), 0.0),
+    **dict.fromkeys(("readout.magnitude_noise", "readout.phase_noise"), 0.0),
+    "readout.display_digits": 12,
+}
+
+
+def made_of(scene, path, sweeps):
+    generate(Plan(scene, sweeps, 1, RTOL), path)
+    return open_zarr(path).load()
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return foam_strip()
+
+
+@pytest.fixture(scope="module")
+def reduced(scene):
+    return reduce(scene, RTOL, pixel_touches(scene, FACTORS))
+
+
+def as_text(scene, cells, rises):
+    depths = scene.pressed_depths(1 + np.asarray(rises)).tolist()
+    touched = sorted(zip(np.asarray(cells).tolist(), depths, strict=True))
+    return "+".join(f"1,{cell + 1}:{depth!r}m" for cell, depth in touched)
+
+
+@pytest.mark.parametrize("cells", [[0], [1], [0, 2], [0, 1]])
+def test_the_full_solver_agrees_within_what_is_told(scene, reduced, cells):
+    """Single touches, two that do not feel each other, and two that meet."""
+    random, own, omega = np.random.default_rng(len(cells)), reduced.skin(None), 2 * np.pi
+    cells, rises = np.array(cells), random.uniform(0.1, 2.9, len(cells))
+    Z = own.sweeps(cells, rises, np.array([0, len(cells)]))[0]
+    truth = Solver(scene, CLOSELY).solve(parse_press(as_text(scene, cells, rises), DEEP)).Z
+    off = relative_difference(Z, truth, omega * scene.frequencies)
+    told = own.certificate(cells, rises) + reduced.mesh_error + 0.03 * RTOL
+    assert (off <= told + CLOSELY).all()
+    assert told.max() <= RTOL
+    assert reduced.family.coupled(cells) == (np.diff(cells) == 1).any()
+
+
+def test_presses_answer_alike_one_by_one_and_together(reduced):
+    own = reduced.skin(None)
+    cells, rises = np.array([0, 1, 0, 1, 2]), np.array([0.5, 2.0, 1.0, 0.7, 1.5])
+    starts = np.array([0, 1, 1, 3, 4, 5])
+    together = own.sweeps(cells, rises, starts)
+    for press, (a, b) in enumerate(zip(starts[:-1], starts[1:], strict=True)):
+        alone = own.sweeps(cells[a:b], rises[a:b], np.array([0, b - a]))[0]
+        np.testing.assert_allclose(alone, together[press], rtol=1e-9)
+
+
+def test_the_certificate_holds_on_skins_that_it_was_not_trained_on(reduced):
+    """Against the same mesh in full, with pixels of other foam under and beside the applicator."""
+    skin = Variation(
+        np.array([1.2]), np.array([1.2]), np.ones(2), np.array([[0.7, 1.3, 1.0]]), Loss(0.02)
+    )
+    own, omega = reduced.skin(skin), 2 * np.pi * reduced.scene.frequencies
+    for cells, rises in (([1], [2.8]), ([0, 2], [0.4, 2.2]), ([1, 2], [1.0, 2.0])):
+        press = np.array(cells), np.array(rises)
+        Z = own.sweeps(*press, np.array([0, len(cells)]))[0]
+        off = relative_difference(Z, own.exact(*press), omega)
+        bound = own.certificate(*press)
+        assert (off <= bound + 0.03 * RTOL).all()
+        assert bound.max() > 1e-6
+
+
+def test_what_is_left_out_between_depths_covers_the_membrane_itself(scene, reduced):
+    """c at the mesh's points between Chebyshev's depths, against mechanics far more closely."""
+    from rcskin.simulator.models.mechanics.indentation import pressed
+
+    family = reduced.family
+    for depth in (0.21e-3, 1.13e-3, 2.3e-3):
+        rise = float(scene.pressed_factors(np.array(depth))) - 1
+        (told,) = family.press(np.array([1]), np.array([rise]))
+        truth = pressed(scene, parse_press(f"1,2:{depth!r}m", DEEP), 1e-4)
+        x = family.elements.surface.x[:, told.cells]
+        off, weights = np.abs(truth.factor(x) - 1 - told.rise), family.elements.rule.weights
+        area = family.elements.surface.some(told.cells).area * weights
+        assert (off * area).sum() <= (told.doubt * area).sum()
+        assert (told.doubt * area).sum() <= 0.01 * (told.rise * area).sum()
+
+
+def test_a_model_is_the_same_from_its_file(reduced, tmp_path):
+    save(reduced, tmp_path / "model.npz")
+    again = load(tmp_path / "model.npz")
+    press = np.array([1]), np.array([1.5])
+    found = [each.skin(None) for each in (reduced, again)]
+    np.testing.assert_array_equal(*(each.certificate(*press) for each in found))
+    np.testing.assert_array_equal(*(each.sweeps(*press, np.array([0, 1])) for each in found))
+
+
+def test_sweeps_by_depth_and_force_are_reduced_where_that_serves(scene):
+    solver, full = Solver(scene, RTOL, "reduced"), Solver(scene, CLOSELY)
+    for text in ("1,2:1mm", "1,1:2N"):
+        press = parse_press(text, DEEP)
+        answer, truth = solver.solve(press), full.solve(press)
+        assert answer.model.startswith("reduced to")
+        off = relative_difference(answer.Z, truth.Z, 2 * np.pi * scene.frequencies)
+        assert (off <= np.stack(answer.relative_errors) + CLOSELY).all()
+    for text, reason in (
+        ("1,2:2.6mm", "trained on depths up to"),
+        ("1,2:9N", "trained on depths up to"),
+        ("1,1:1N+1,2:1N", "touches of a given force feel others"),
+        ("disc(0.045,0.015,0.01):1mm", "answers pixels by depth or force alone"),
+    ):
+        with pytest.raises(InputError, match=reason):
+            solver._applied.rung(parse_press(text, DEEP))
+    answer = solver.solve(parse_press("disc(0.045,0.015,0.01):1mm", DEEP))
+    assert answer.rejected[0].startswith("reduced: answers pixels")
+
+
+def test_slopes_of_a_reduced_model_are_those_of_its_answers(scene):
+    forward, step = Forward(scene, rtol=RTOL), 1e-4
+    cells, rises = np.array([1]), np.array([0.8])
+    found = forward.respond(cells, rises)
+
+    def slope(parameter=None):
+        def at(step):
+            if parameter is None:
+                return forward.respond(cells, rises + step).Z
+            return forward.respond(cells, rises, {parameter: step}).Z
+
+        return (at(step) - at(-step)) / (2 * step)
+
+    by_rise = found.by_cell[..., 1]
+    np.testing.assert_allclose(by_rise, slope(), rtol=1e-3, atol=1e-4 * np.abs(by_rise).max())
+    for parameter in ("sheet_resistance", "capacitance"):
+        own, scale = found.by_parameter[parameter], 1e-4 * np.abs(found.Z).max()
+        np.testing.assert_allclose(own, slope(parameter), rtol=1e-3, atol=scale)
+
+
+def test_a_calibration_finds_the_sheets_of_a_twin_pressed_by_depth(scene):
+    twin = scene.with_({"skin.top.sheet_resistance": 60e3})
+    sweeps = simulate(Solver(twin, CLOSELY), every_press(twin))
+    found = calibrate(scene, sweeps, Options(fit=("sheet_resistance", "capacitance")))
+    sheets = (found.scene.skin.top, found.scene.skin.bottom)
+    assert sum(each.sheet_resistance for each in sheets) == pytest.approx(100e3, rel=2e-3)
+    assert found.scene.press.depth == scene.press.depth
+
+
+def test_limits_and_studies_press_by_depth(scene):
+    planned = scene.with_({"experiment": {"repetitions": 5}})
+    assert 0.6 < bayes_accuracy(planned, "pixel", draws=100, seed=1).share <= 1.0
+    presses = planned_presses(planned, np.random.default_rng(1))
+    assert all(touch.by.unit == "m" for press in presses for touch in press.touches)
+    (family,) = families([planned])
+    (task,) = tasks(family, [planned], Trial(draws=1), RTOL)
+    curves = dict(member_curves(family, [planned], solve(task).curves))[0]
+    factor = scene.pressed_factor
+    (Z,), truth = curves[(1, 2)].impedance([factor]), Solver(scene, CLOSELY)
+    off = relative_difference(Z, truth.solve(parse_press("1,2", DEEP)).Z, 2 * np.pi * 1e4)
+    assert off.max() <= RTOL
+
+
+def test_a_data_set_draws_depths_and_is_what_the_full_solver_says(scene, tmp_path):
+    drawn = {"dataset.press.touches": [0.2, 0.4, 0.4], "dataset.press.depth": UNIFORM}
+    own = scene.with_(SAME | drawn | {"dataset.session.sweeps_per_session": 20})
+    made, solver = made_of(own, tmp_path / "set.zarr", 20), Solver(own, CLOSELY)
+    for sweep in np.flatnonzero(made["touches"].values)[:3]:
+        press = parse_press(str(made["press"].values[sweep]), DEEP)
+        off = relative_difference(
+            impedance(made)[sweep], solver.solve(press).Z, 2 * np.pi * own.frequencies
+        )
+        assert off.max() <= RTOL + 2 * CLOSELY
+        depths = np.array([each.by.value for each in press.touches])
+        factors = made["touch_factor"].values[sweep, : len(depths)]
+        np.testing.assert_allclose(factors, own.pressed_factors(depths), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("changed", "reason"),
+    [
+        ({"dataset.press.depth": 2.6e-3}, r"`dataset.press.depth` must be <= 0.00241 m"),
+        ({"dataset.press.factor": 9.0}, "`dataset.press.factor` must be from 1 to 4"),
+        ({"dataset.press.place": "anywhere"}, "cannot be pressed by `press.depth`"),
+        ({"press.depth": None, "press.force": 1.0}, "cannot take `press.force`"),
+        ({"press.depth": None, "dataset.press.depth": 1e-3}, "`dataset.press.depth` needs"),
+    ],
+)
+def test_data_sets_refuse_in_one_line_what_they_cannot_press(scene, changed, reason):
+    with pytest.raises(InputError, match=reason):
+        Plan(folded(scene.with_(changed), "a data set"), 10, 1, RTOL)
+
+
+def test_the_virtual_meter_reads_one_press_at_all_frequencies(scene):
+    specimen, press = Specimen(scene, "meter"), "1,2:1mm"
+    truth = Solver(scene).solve(parse_press(press, DEEP)).Z[0]
+    found = [specimen.impedance(press, float(f)) for f in scene.frequencies]
+    np.testing.assert_allclose(found, truth, rtol=1e-9)
+    between = specimen.impedance(press, 3e3)
+    assert abs(found[1]) < abs(between) < abs(found[0])
