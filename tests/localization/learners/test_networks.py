@@ -44,7 +44,9 @@ def test_a_network_tells_sweeps_never_seen_and_is_the_same_from_its_file(
     for kinds, network in zip((classifiers, regressors), small, strict=True):
         monkeypatch.setattr(kinds, type(network).__name__, partial(clone, network))
     model = train(mountings, target, "network", quantities=SEEN)
-    unseen = make_sweeps(1, 6, 8, noise=0.006, rests=3, session=9, seed=13).assign_attrs(scene=SCENE)
+    unseen = make_sweeps(1, 6, 8, noise=0.006, rests=3, session=9, seed=13).assign_attrs(
+        scene=SCENE
+    )
     samples = model.samples(unseen)
     answers = model.pipeline.predict(samples.X)
     if target == "column":
