@@ -84,8 +84,6 @@ app.command("study")(study_command(_accuracy))
 
 
 def _scene_data(name: str, interfaces: list[str] | None) -> SceneData:
-    from itertools import product
-
     from .simulator.asked.scene import asked_scene
     from .simulator.press.pixels import pixels_with_skin
     from .simulator.scene.files import scene_text
@@ -93,16 +91,14 @@ def _scene_data(name: str, interfaces: list[str] | None) -> SceneData:
 
     scene = asked_scene(name)
     asked = dict.fromkeys(interfaces or interface_names(scene))
-    every, there = (
-        product(*(range(1, count + 1) for count in scene.pixels.shape)),
-        set(pixels_with_skin(scene)),
-    )
+    there, (rows, columns) = set(pixels_with_skin(scene)), scene.pixels.shape
+    every = [(i, j) for i in range(1, rows + 1) for j in range(1, columns + 1)]
     return SceneData(
         name=scene.name,
         text=scene_text(scene),
         frequencies=scene.sweep.frequencies,
-        rows=scene.pixels.rows,
-        columns=scene.pixels.columns,
+        rows=rows,
+        columns=columns,
         interfaces=tuple(checked_interface(each, scene) for each in asked),
         without_skin=tuple(each for each in every if each not in there),
     )

@@ -22,6 +22,10 @@ from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
 
 RTOL, CELLS = 1e-3, 2
+UNEVEN = {
+    f"skin.{sheet}.map": {"kind": "random", "deviation": 0.2, "correlation_length": 0.03, "seed": k}
+    for k, sheet in enumerate(("top", "bottom"))
+}
 MOVIE = {"width": 1180, "height": 1480}
 PATH = [(0.25, 0.5), (0.35, 0.5), (0.45, 0.48), (0.55, 0.45), (0.65, 0.4), (0.75, 0.35), (0.8, 0.3)]
 TIMED = """
@@ -109,7 +113,9 @@ def scenes(run: Run) -> list[Scene]:
     """What pages are made of."""
     two = load_scene("sheet-5x5-two-interfaces")
     larger = {"name": "sheet-6x6-two-interfaces", "pixels.rows": 6, "pixels.columns": 6}
-    return run.sized([load_scene("sheet-5x5"), two.with_(larger)], [load_scene("strip-1x3")])
+    uneven = load_scene("sheet-5x5").with_({"name": "uneven", **UNEVEN})
+    kinds = [load_scene("sheet-5x5"), two.with_(larger), load_scene("l-shape"), uneven]
+    return run.sized(kinds, [load_scene("strip-1x3")])
 
 
 def main(run: Run) -> None:

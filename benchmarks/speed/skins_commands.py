@@ -3,7 +3,7 @@
 A command that fails ends the run with what it said. Sizes are small: what is asked is whether all
 of it works, and how long one waits.
 
-Run: OMP_NUM_THREADS=1 python benchmarks/skins_commands.py [--quick]
+Run: OMP_NUM_THREADS=1 python benchmarks/speed/skins_commands.py [--quick]
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pandas as pd
-from bench import Run, launch, publish
+from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.speed.skins_reduced import scenes
 from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.scene.scene import Scene
-from skins_reduced import scenes
 
 SIDE = 0.15
 RCSKIN = [sys.executable, "-m", "rcskin"]
@@ -33,8 +33,8 @@ DRAWN = {
     "sheet_resistance": {"distribution": "lognormal", "median": 1.0, "spread": 0.05},
     "capacitance": {"distribution": "lognormal", "median": 1.0, "spread": 0.05},
 }
-QUICK = ("mesh with groups",)
-"""Skins of a quick pass."""
+QUICK, QUICK_USES = ("mesh with groups",), ("sweep", "dataset", "train", "live")
+"""Skins and commands of a quick pass."""
 
 
 def written_mesh(path: Path) -> str:
@@ -154,9 +154,10 @@ def main(run: Run) -> None:
             drawn = noisy.with_({"dataset.session": DRAWN})
             (folder / "skin.toml").write_text(scene_text(drawn), encoding="utf-8")
             row: dict[str, object] = {"skin": name}
-            for command, use in uses(
-                Bench(folder, run.sized(300, 60)), "skin.sheet_resistance=5e4,1e5"
-            ):
+            bench = Bench(folder, run.sized(300, 60))
+            for command, use in uses(bench, "skin.sheet_resistance=5e4,1e5"):
+                if run.quick and command not in QUICK_USES:
+                    continue
                 start = _seconds()
                 use()
                 row[command] = f"{_seconds() - start:.1f}"
