@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.network.terminals import model_of
+from ..models.network.terminals import reduced_for
 from ..models.parameters import WAVES, Variation
 from ..models.reduced.cases import Case
 from ..models.reduced.file import load, save
@@ -94,7 +94,7 @@ def reduced(scene: Scene, rtol: float) -> Reduced:
         return Case(skin.variation, press.cells, press.rises)
 
     alike = _alike(scene.dataset.session)
-    return model_of(divided, TRAINED_TO * rtol, draw, modes=modes, alike=alike)
+    return reduced_for(divided, TRAINED_TO * rtol, draw, modes=modes, alike=alike)
 
 
 def _divided(scene: Scene) -> Scene:

@@ -39,7 +39,7 @@ def trained(
     return reduce(with_chain(scene), rtol, draw, modes=modes, alike=False, advance=advance)
 
 
-def model_of(
+def reduced_for(
     scene: Scene,
     rtol: float = 1e-5,
     draw: Draw | None = None,
