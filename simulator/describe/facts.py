@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from pydantic import BaseModel
 
+from ..measure.symmetry import repeated_told
 from ..models.line import cut_off_frequency
 from ..models.plain import electrical
 from ..press.pixels import pixels_with_skin
-from ..scene.contacts import Contact
+from ..scene.contacts import Contact, Interface
 from ..scene.maps import AnyMap
 from ..scene.planar import Circle, area
 from ..scene.scene import Scene
@@ -47,6 +48,11 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
         yield "foil", _foil(foil, scene)
     for each in scene.interfaces:
         yield "interface", f"{each.name}: {_and(each.high)} against {_and(each.low)}"
+    for each in repeated_told(scene):
+        yield "repeated", each
+    for each in scene.interfaces:
+        if one_sheet(scene, each):
+            yield "one sheet", f"{each.name}: its sides conduct to each other, Cp is no capacitance"
     size = _size(skin.length / pixels.columns, skin.width / pixels.rows)
     rows, columns = _count(pixels.rows, "row"), _count(pixels.columns, "column")
     yield "pixels", f"{rows} x {columns}, {size} each"
@@ -56,6 +62,14 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     yield "told apart", told_apart(scene, pixels_with_skin(scene))
     yield "noise", _noise(scene)
     yield "assumed", ", ".join(assumed(scene)) or "nothing: the file says all"
+
+
+def one_sheet(scene: Scene, interface: Interface) -> bool:
+    """Whether both sides of an interface have contacts of the same sheet."""
+    high, low = (
+        {scene.contact(name).electrode for name in side} for side in (interface.high, interface.low)
+    )
+    return bool(high & low)
 
 
 def prefixed(value: float, unit: str) -> str:

@@ -182,7 +182,7 @@ def _write(
         "accuracy": told_apart.summary(),
     }
     write_summary(content, folder / "limits.json")
-    _print(variants, question, told_apart, folder)
+    _print(scene, variants, question, told_apart, folder)
 
 
 def _title(scene: Scene, question: Question) -> str:
@@ -194,10 +194,17 @@ def _title(scene: Scene, question: Question) -> str:
     )
 
 
-def _print(variants: list[Variant], question: Question, told_apart: Identity, folder: Path) -> None:
+def _print(
+    scene: Scene,
+    variants: list[Variant],
+    question: Question,
+    told_apart: Identity,
+    folder: Path,
+) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from ..measure.symmetry import repeated_told
     from .report import summary
 
     columns = {
@@ -216,5 +223,7 @@ def _print(variants: list[Variant], question: Question, told_apart: Identity, fo
     console.print(table)
     left = len(variants) - MOST_ROWS
     more = [f"  {left} more rows in {folder / 'limits.json'}"] if left > 0 else []
-    for line in (*more, f"  {ERROR}", *told_apart.lines(), f"maps and tables in {folder}"):
+    repeated = [f"  {line}" for line in repeated_told(scene)]
+    told = *more, f"  {ERROR}", *repeated, *told_apart.lines(), f"maps and tables in {folder}"
+    for line in told:
         console.print(line, soft_wrap=True, highlight=False)

@@ -19,6 +19,7 @@ from ..scene.contacts import Contact, path
 from ..scene.maps import AnyMap
 from ..scene.scene import Scene
 from ..scene.skin import Electrode, Sheet, Skin, curves
+from ..scene.wiring import joined
 
 Pixel = tuple[int, int]
 """(row, column), counted from 1; (0, 0) is the skin at rest."""
@@ -200,15 +201,62 @@ class _Foil:
         )
 
 
-def _wiring_kept(scene: Scene, mapping: Mapping) -> bool:
-    """Whether every foil has an image, and every interface connects the images alike."""
+def _images(scene: Scene, mapping: Mapping) -> dict[str, str | None]:
+    """The foil that each becomes, by name."""
     foils = [_Foil(contact, scene.skin) for contact in scene.contacts]
-    images = {
+    return {
         foil.contact.name: next(
             (other.contact.name for other in foils if foil.becomes(other, mapping)), None
         )
         for foil in foils
     }
+
+
+def repeated(scene: Scene) -> list[tuple[str, str]]:
+    """Interfaces that show what an earlier one does whatever is pressed, and that one.
+
+    The same two sides, either way round, or by the exchange of sheets that are alike: then a
+    further one only averages the meter's errors.
+    """
+    group = joined(scene.contacts, scene.skin)
+    terminal = dict(zip((contact.name for contact in scene.contacts), group, strict=True))
+    images = _exchanged(scene)
+    seen: dict[frozenset[frozenset[int]], str] = {}
+    found = []
+    for interface in scene.interfaces:
+        sides = interface.high, interface.low
+        alike = [
+            frozenset(frozenset(terminal[as_is[name]] for name in side) for side in sides)
+            for as_is in ({name: name for name in terminal}, *images)
+        ]
+        earlier = next((seen[each] for each in alike if each in seen), None)
+        if earlier is None:
+            seen[alike[0]] = interface.name
+        else:
+            found.append((interface.name, earlier))
+    return found
+
+
+def _exchanged(scene: Scene) -> list[dict[str, str]]:
+    """The image of every foil where the sheets can change places, or nothing."""
+    exchange = Mapping(swapped=False, turned=(False, False), exchanged=True)
+    if scene.skin.mesh is not None or not _layers_kept(scene.skin, exchange):
+        return []
+    images = {name: image for name, image in _images(scene, exchange).items() if image is not None}
+    return [images] if len(images) == len(scene.contacts) else []
+
+
+def repeated_told(scene: Scene) -> list[str]:
+    """Each of those in words."""
+    return [
+        f"{name}: shows what {earlier} does, by symmetry; it adds nothing but averaging"
+        for name, earlier in repeated(scene)
+    ]
+
+
+def _wiring_kept(scene: Scene, mapping: Mapping) -> bool:
+    """Whether every foil has an image, and every interface connects the images alike."""
+    images = _images(scene, mapping)
     if None in images.values():
         return False
     for interface in scene.interfaces:

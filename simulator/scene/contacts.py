@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Sequence
-from typing import Annotated, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from .outline import Outline
 from .skin import Electrode, Name, Skin, curves, on_skin
@@ -162,3 +163,53 @@ class Interface(Table):
     name: Name
     high: Annotated[tuple[str, ...], Field(min_length=1)]
     low: Annotated[tuple[str, ...], Field(min_length=1)]
+
+
+def _listed(given: object) -> object:
+    return [given] if isinstance(given, str) else given
+
+
+class Readings(Table):
+    """Interfaces in brief; they follow those of [[interface]], which may then be left out.
+
+    all: "pairs", every contact of the top sheet with every one of the bottom; "tied", all of the
+    top with all of the bottom; "sheets", every two contacts of one sheet, whose Cp is no
+    capacitance; or a list of these. named: each as "A to B", with contacts that are tied as "A+B".
+    """
+
+    all: Annotated[tuple[Literal["pairs", "tied", "sheets"], ...], BeforeValidator(_listed)] = ()
+    named: Annotated[tuple[Name, ...], BeforeValidator(_listed)] = ()
+
+
+def brief(readings: Readings, contacts: Sequence[tuple[str, str]]) -> list[dict[str, Any]]:
+    """Interfaces as a scene file has them. contacts: name and electrode of each.
+
+    Raises ValueError for a name that is no reading, and where there is none.
+    """
+    top, bottom = ([n for n, own in contacts if own == e] for e in ("top", "bottom"))
+    kinds = {
+        "pairs": [([one], [other]) for one, other in itertools.product(top, bottom)],
+        "tied": [(top, bottom)] if top and bottom else [],
+        "sheets": [
+            ([one], [other])
+            for sheet in (top, bottom)
+            for one, other in itertools.combinations(sheet, 2)
+        ],
+    }
+    found = {_told(*sides): sides for kind in readings.all for sides in kinds[kind]}
+    found |= {name: _parsed_reading(name) for name in readings.named}
+    if not found:
+        raise ValueError("`readings` must name some that the contacts have, got none")
+    return [{"name": name, "high": high, "low": low} for name, (high, low) in found.items()]
+
+
+def _told(high: Sequence[str], low: Sequence[str]) -> str:
+    return f"{'+'.join(high)} to {'+'.join(low)}"
+
+
+def _parsed_reading(name: str) -> tuple[list[str], list[str]]:
+    high, between, low = name.partition(" to ")
+    sides = [[foil.strip() for foil in side.split("+")] for side in (high, low)]
+    if not between or not all(itertools.chain(*sides)):
+        raise ValueError(f'`readings.named` must be "A to B" or "A+B to C", got {name!r}')
+    return sides[0], sides[1]

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import (
+    AfterValidator,
     Field,
     SerializerFunctionWrapHandler,
     ValidationError,
@@ -15,7 +16,7 @@ from pydantic import (
 )
 
 from ..sweeps import InputError
-from .contacts import Contact, Interface, farthest
+from .contacts import Contact, Interface, Readings, brief, farthest
 from .design import Design
 from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
 from .randomisation import Randomisation
@@ -87,6 +88,14 @@ class Pressing(Table):
         return kept if self.plain else {k: v for k, v in kept.items() if k != PRESSED_BY[0]}
 
 
+UNTOLD = {"name": "untold", "high": ["untold"], "low": ["untold"]}
+"""An interface in place of readings in which something is wrong."""
+
+
+def _spent(readings: object) -> None:
+    """They are among the interfaces by now."""
+
+
 class Scene(Table):
     """Everything that determines a simulated measurement."""
 
@@ -95,6 +104,7 @@ class Scene(Table):
     skin: Skin
     contacts: Annotated[tuple[Contact, ...], Field(alias="contact", min_length=1)]
     interfaces: Annotated[tuple[Interface, ...], Field(alias="interface", min_length=1)]
+    readings: Annotated[Readings | None, AfterValidator(_spent), Field(exclude=True)] = None
     pixels: Pixels
     press: Pressing = Pressing()
     leads: Leads = Leads()
@@ -103,6 +113,20 @@ class Scene(Table):
     experiment: Experiment = Experiment()
     dataset: Randomisation = Randomisation()
     design: Design | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _readings_are_interfaces(cls, given: Any) -> Any:
+        """Brief ones are written out; what is wrong with them or with contacts is told later."""
+        if not isinstance(given, dict) or given.get("readings") is None:
+            return given
+        try:
+            readings = Readings.model_validate(given["readings"])
+            contacts = [(each["name"], each["electrode"]) for each in given["contact"]]
+        except (ValidationError, KeyError, TypeError):
+            return {"interface": [UNTOLD], **given}
+        own = list(given.get("interface", []))
+        return given | {"interface": [*own, *brief(readings, contacts)]}
 
     @property
     def frequencies(self) -> np.ndarray:

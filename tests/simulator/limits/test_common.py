@@ -1,0 +1,102 @@
+"""Common draws: the accuracy they give, what differences of them err by, and more readings."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.bounds.bayes import bayes
+from rcskin.simulator.bounds.common import CommonDraws
+from rcskin.simulator.bounds.fields import CELLS_PER_PIXEL, Fields, fields_of
+from rcskin.simulator.bounds.position import chosen_touch, places_on, position_slopes
+from rcskin.simulator.bounds.readings import Readings, hypotheses
+from rcskin.simulator.measure.experiment import own_presses
+from rcskin.simulator.models.network.terminals import read, trained
+from rcskin.simulator.models.parameters import nominal
+from rcskin.simulator.models.reduced.cases import pixel_touches
+from rcskin.simulator.sweeps import InputError
+
+SPAN = {"span": (0.01, 1.0)}
+FOILS = dict.fromkeys(("top-left", "bottom-left", "top-bottom", "bottom-bottom"), SPAN)
+READINGS = {
+    "left": ("top-left", "bottom-left"),
+    "bottom": ("top-bottom", "bottom-bottom"),
+    "crossed": ("top-left", "bottom-bottom"),
+    "one sheet": ("top-left", "top-bottom"),
+}
+NOISE = {"magnitude_noise": 0.02, "phase_noise": 0.02}
+
+
+@pytest.fixture(scope="module")
+def scene(noisy):
+    wide = {"rows": 2, "columns": 3, "frequencies": (1e3, 1e4, 1e5)}
+    return noisy(readout=NOISE, accuracy=True, contacts=FOILS, interfaces=READINGS, **wide)
+
+
+@pytest.fixture(scope="module")
+def model(scene):
+    return trained(scene, 1e-4, pixel_touches(scene, (0.5, 3.0)))
+
+
+@pytest.fixture(scope="module")
+def judged(scene, model):
+    """A function from a number of readings to what they tell."""
+    draws = CommonDraws(scene, draws=3000)
+    return lambda count: draws.judged(read(model, scene.interfaces[:count]).skin(None))
+
+
+def test_the_accuracy_is_that_of_the_best_classifier(scene, model, judged):
+    readings = Readings(scene, own_presses(scene))
+    readings._reduced = read(model, scene.interfaces)
+    exact = bayes(readings, hypotheses(scene, "pixel"), own_presses(scene), seed=2, draws=3000)
+    found = judged(len(READINGS)).accuracy
+    assert 0.4 < exact.share < 0.97
+    assert found.share == pytest.approx(exact.share, abs=4 * np.hypot(found.error, exact.error))
+
+
+def test_more_readings_never_tell_less(judged):
+    each = [judged(count) for count in range(1, len(READINGS) + 1)]
+    for fewer, more in zip(each[:-1], each[1:], strict=True):
+        gain = more.above(fewer)
+        assert gain.share > -4 * gain.error
+    assert each[1].above(each[0]).share > 0.05
+
+
+def test_a_difference_errs_far_less_than_each(scene, model):
+    """By as much as it says: other draws give it as well."""
+    readings = read(model, scene.interfaces[:2])
+    other = nominal(readings.scene)
+    conducting = type(other)(
+        other.top * 0.97, other.bottom, other.films, other.capacitance, other.loss
+    )
+    skins = readings.skin(None), readings.skin(conducting)
+    gains = []
+    for seed in range(12):
+        one, two = (CommonDraws(scene, draws=500, seed=seed).judged(skin) for skin in skins)
+        gains.append(one.above(two))
+    assert gains[0].error < 0.2 * one.accuracy.error
+    spread = np.std([gain.share for gain in gains], ddof=1)
+    assert 0.4 < np.mean([gain.error for gain in gains]) / spread < 2.5
+
+
+def test_readings_left_out_are_not_told(scene, model, judged):
+    """At no frequency of the others, the first is alone."""
+    told = np.zeros((len(READINGS), 3), dtype=bool)
+    told[0] = True
+    all_of_them = read(model, scene.interfaces).skin(None)
+    found = CommonDraws(scene, draws=3000).judged(all_of_them, told)
+    np.testing.assert_allclose(found.right, judged(1).right, atol=1e-3)
+
+
+def test_two_touches_are_not_judged(scene):
+    with pytest.raises(InputError, match="pair"):
+        CommonDraws(scene, "pair")
+
+
+def test_bounds_on_position_are_those_of_the_full_elements(scene):
+    touch, highest = chosen_touch(scene), float(scene.frequencies[-1])
+    places = places_on(scene, touch, CELLS_PER_PIXEL)[1::5]
+    both = [fields_of(scene, highest, touch), Fields(scene, highest)]
+    assert not isinstance(both[0], Fields)
+    found, truth = (
+        position_slopes(each, places, touch, scene.frequencies).bounds() for each in both
+    )
+    for name in ("x", "y", "strength"):
+        np.testing.assert_allclose(getattr(found, name), getattr(truth, name), rtol=0.04)
