@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..measure.readout import observed
 from ..mesh.held import held
-from ..models.network.terminals import model_of
+from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.model import Reduced
 from ..progress import Track, silent
@@ -164,14 +164,14 @@ class Readings:
     def _reduced(self) -> Reduced:
         touches = pixel_touches(self.scene, self._factors)
         if self._size is None:
-            return model_of(self.scene, RTOL, touches)
+            return reduced_for(self.scene, RTOL, touches)
 
         def laid(random: np.random.Generator) -> Case:
             case = touches(random)
             cells, rises, _ = self._laid(case.cells, case.rises, np.array([0, len(case.cells)]))
             return Case(None, cells, rises)
 
-        return model_of(self._divided, RTOL, laid)
+        return reduced_for(self._divided, RTOL, laid)
 
 
 def _parts(side: float, pixels: int, size: float) -> NDArray[np.float64]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.line_slopes import LineModel
+from ..models.network.terminals import reduced_for
 from ..models.parameters import FACTORS, scene_with
 from ..models.reduced.forward import REACH, Forward, Response
 from ..models.varied.meshes import single_field
@@ -32,7 +33,7 @@ def model_of(scene: Scene, rtol: float, tell: Tell = tell_nothing) -> Model:
         return LineModel(scene)
     except InputError:
         advance = partial(tell, "training a model of the scene")
-        return Forward(scene, rtol=rtol, advance=advance)
+        return Forward(scene, rtol=rtol, advance=advance, train=reduced_for)
 
 
 class Around:

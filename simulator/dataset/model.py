@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.skins import drawn_skin
+from ..models.network.terminals import reduced_for
 from ..models.parameters import WAVES, Variation
 from ..models.reduced.cases import Case
 from ..models.reduced.file import load, save
-from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced
 from ..scene.randomisation import Session
 from ..scene.scene import Pixels, Scene
@@ -93,9 +93,8 @@ def reduced(scene: Scene, rtol: float) -> Reduced:
         press = drawn_presses(scene, random, 1, grid)
         return Case(skin.variation, press.cells, press.rises)
 
-    return reduce(
-        divided, TRAINED_TO * rtol, draw, modes=modes, alike=_alike(scene.dataset.session)
-    )
+    alike = _alike(scene.dataset.session)
+    return reduced_for(divided, TRAINED_TO * rtol, draw, modes=modes, alike=alike)
 
 
 def _divided(scene: Scene) -> Scene:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..measure.experiment import own_presses
 from ..measure.readout import ErrorModel, observed, observed_slope
 from ..mesh.held import held
+from ..models.network.terminals import reduced_for
 from ..models.reduced.forward import Forward
 from ..scene.files import parse_scene
 from ..scene.scene import Scene
@@ -99,7 +100,8 @@ def _with_drift(skin: NDArray[np.float64], unknown: UnknownSkin, drift: float) -
 @lru_cache(maxsize=8)
 def _unknown_skin(text: str, anywhere: bool) -> UnknownSkin:
     scene = parse_scene(text, "the model's scene")
-    return UnknownSkin(Forward(scene, cells_per_pixel(scene) if anywhere else 1, rtol=RTOL))
+    cells = cells_per_pixel(scene) if anywhere else 1
+    return UnknownSkin(Forward(scene, cells, rtol=RTOL, train=reduced_for))
 
 
 def strength_prior(scene: Scene, presses: str) -> tuple[NDArray, NDArray, float]:

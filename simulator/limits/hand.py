@@ -15,7 +15,7 @@ from scipy.special import logsumexp, softmax
 from ..bounds.information import error_model
 from ..bounds.readings import CELLS, LARGEST_FACTOR, LEAST_FACTOR, Hypothesis
 from ..measure.readout import observed
-from ..models.network.terminals import model_of
+from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case
 from ..models.reduced.model import Reduced
 from ..progress import Track, silent
@@ -111,7 +111,7 @@ class Hand:
             cells, rises, _ = self._laid(middles, random.uniform(*range_of, (1, touches)))
             return Case(None, cells, rises)
 
-        return model_of(divided, RTOL, draw)
+        return reduced_for(divided, RTOL, draw)
 
 
 def _covered(middle: Array, side: float, lines: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...models.varied.meshes import single_field
+from ...models.network.terminals import many
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from .full import CELLS_PER_PIXEL, Fields
@@ -14,9 +14,9 @@ AnyFields = Fields | ReducedFields
 def fields_of(
     scene: Scene, highest: float, touch: TouchSize, cells: int = CELLS_PER_PIXEL
 ) -> AnyFields:
-    """A reduced model of all terminals where several interfaces need two fields, as training then
-    costs less than it saves; else elements. highest: Hz. cells: along each side of a pixel."""
-    if scene.plain and len(scene.interfaces) > 1 and single_field(scene) is None:
+    """A reduced model of all terminals where interfaces are `many`, as training then costs less
+    than it saves; else elements. highest: Hz. cells: along each side of a pixel."""
+    if scene.plain and many(scene):
         try:
             return ReducedFields(scene, highest, touch, cells)
         except ToleranceError:

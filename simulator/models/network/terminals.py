@@ -25,23 +25,46 @@ from ..varied.meshes import single_field
 
 
 def trained(
-    scene: Scene, rtol: float = 1e-5, draw: Draw | None = None, *, advance: Advance = unseen
+    scene: Scene,
+    rtol: float = 1e-5,
+    draw: Draw | None = None,
+    *,
+    modes: int = 1,
+    advance: Advance = unseen,
 ) -> Reduced:
     """A model of a scene's skin that holds what any terminal charges, read in a `chain`.
 
-    rtol, draw, advance: as of `reduce`; so is what is raised.
+    rtol, draw, modes, advance: as of `reduce`; so is what is raised.
     """
-    return reduce(with_chain(scene), rtol, draw, alike=False, advance=advance)
+    return reduce(with_chain(scene), rtol, draw, modes=modes, alike=False, advance=advance)
 
 
-def model_of(
-    scene: Scene, rtol: float = 1e-5, draw: Draw | None = None, *, advance: Advance = unseen
+def reduced_for(
+    scene: Scene,
+    rtol: float = 1e-5,
+    draw: Draw | None = None,
+    *,
+    modes: int = 1,
+    alike: bool = True,
+    advance: Advance = unseen,
 ) -> Reduced:
-    """A model for the scene's own interfaces, trained for all terminals where several of them need
-    two fields, as then it is fewer drives or as many. rtol, draw, advance: as of `reduce`."""
-    if len(scene.interfaces) == 1 or single_field(scene) is not None:
-        return reduce(scene, rtol, draw, advance=advance)
-    return read(trained(scene, rtol, draw, advance=advance), scene.interfaces)
+    """A model read in the scene's own ways, trained for all terminals where those are `many`.
+
+    rtol, draw, modes, alike, advance: as of `reduce`.
+    """
+    if not many(scene, alike):
+        return reduce(scene, rtol, draw, modes=modes, alike=alike, advance=advance)
+    return read(trained(scene, rtol, draw, modes=modes, advance=advance), scene.interfaces)
+
+
+def many(scene: Scene, alike: bool = True) -> bool:
+    """Whether a scene has more interfaces than a chain has, in two fields.
+
+    alike: as of `reduce`.
+    """
+    if alike and single_field(scene) is not None:
+        return False
+    return len(scene.interfaces) > len(chain(scene))
 
 
 def with_chain(scene: Scene) -> Scene:

@@ -7,7 +7,7 @@ of 1 V, transposed and not conjugated; floating terminals carry no net current a
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -118,11 +118,12 @@ class Forward:
         cells_per_pixel: int = 1,
         rtol: float = 1e-4,
         advance: Advance = unseen,
+        train: Callable[..., Reduced] = reduce,
     ) -> None:
         """rtol: largest relative error of Rs and Cp at the skin, for factors within REACH.
 
         cells_per_pixel: along each side; touches that are no pixels are laid on cells. advance: is
-        told what share of the training is done.
+        told what share of the training is done. train: the model, as `reduce` does.
         """
         self.scene, self.rtol, self.cells_per_pixel = scene, rtol, cells_per_pixel
         pixels = scene.pixels
@@ -131,7 +132,7 @@ class Forward:
         )
         whole = cells_per_pixel == 1
         self.divided = scene if whole else scene.model_copy(update={"pixels": divided})
-        self._advance = advance
+        self._advance, self._train = advance, train
         self._kept: tuple[Mapping[str, float], ReducedSkin] | None = None
 
     def cells(self, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -204,7 +205,7 @@ class Forward:
         band = FrequencyGrid(start=low / REACH, stop=high * REACH, points=BAND_POINTS).values()
         trained = self.divided.model_copy(update={"sweep": Sweep(frequencies=tuple(band))})
         alike = not self._two_fields
-        return reduce(trained, self.rtol, self._draw(), alike=alike, advance=self._advance)
+        return self._train(trained, self.rtol, self._draw(), alike=alike, advance=self._advance)
 
     @cached_property
     def _two_fields(self) -> bool:
