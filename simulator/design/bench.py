@@ -44,7 +44,7 @@ class Bench:
         self.wired, self.pool = tuple(wired), pool(scene, wired)
         self._trained = Trained(scene, asked, spanned, asking.seed, asking.tell)
         among = hypotheses(scene, asked.target)
-        self._judge = Judge(among, asked.against_rest, asked.casts, asking.draws, asking.seed)
+        self._judge = Judge(scene, asked, asking.draws, asking.seed)
         self._picker = Picker(self._trained, among, self.pool, self.frequency, asked)
 
     @property

@@ -82,7 +82,7 @@ def design(
     from ..scene.frequency import parse_band
     from .bench import Asking
     from .journal import Journal
-    from .report import answer, write_folder
+    from .report.folder import answer, write_folder
     from .search import search
 
     loaded = folded(asked_scene(scene), "a design")

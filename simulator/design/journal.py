@@ -12,6 +12,8 @@ from typing import Any
 from ..sweeps import InputError, whole_file
 
 Answer = dict[str, Any]
+DIGITS = 9
+"""Of shares, after the point: far more than any draw tells."""
 
 
 class Journal:
@@ -24,17 +26,17 @@ class Journal:
     def kept(self, asked: Mapping[str, Any], answer: Callable[[], Answer]) -> Answer:
         """The answer that is on disk, or else that of `answer`, which is then kept.
 
-        Both pass through JSON, so that they are the same to the last bit. Raises InputError where
-        the journal cannot be read or written.
+        Both are rounded to DIGITS, as sums may round differently from one process to another, and
+        pass through JSON. Raises InputError where the journal cannot be read or written.
         """
         if self._folder is None:
-            return json.loads(json.dumps(answer()))
+            return json.loads(json.dumps(rounded(answer())))
         text = json.dumps({"of": self._header, "asked": dict(asked)}, sort_keys=True)
         path = self._folder / f"{hashlib.sha256(text.encode()).hexdigest()[:24]}.json"
         try:
             if path.exists():
                 return json.loads(path.read_text(encoding="utf-8"))
-            found = json.dumps(answer())
+            found = json.dumps(rounded(answer()))
             self._folder.mkdir(exist_ok=True)
             with whole_file(path) as unfinished:
                 unfinished.write_text(found, encoding="utf-8")
@@ -46,3 +48,12 @@ class Journal:
         """Nothing needs to be taken up again."""
         if self._folder is not None and self._folder.exists():
             shutil.rmtree(self._folder)
+
+
+def rounded(answer: Any) -> Any:
+    """The same with all its numbers rounded to DIGITS after the point."""
+    if isinstance(answer, dict):
+        return {name: rounded(part) for name, part in answer.items()}
+    if isinstance(answer, list | tuple):
+        return [rounded(part) for part in answer]
+    return round(answer, DIGITS) if isinstance(answer, float) else answer

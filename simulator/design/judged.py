@@ -7,14 +7,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..bounds.bayes import drawn, likeliest, templates
-from ..bounds.readings import Hypothesis
+from ..bounds.common import CommonDraws
+from ..bounds.readings import hypotheses
 from ..measure.experiment import own_presses
 from ..scene.contacts import Interface
-from ..scene.randomisation import AnyDistribution
+from ..scene.design import Design
 from ..scene.scene import Scene
-from .trained import CastReadings, Material, Trained
+from .trained import CastReadings, Material, OnSkin, Trained
 
 TENTH = 0.1
 
@@ -28,32 +30,45 @@ class Layout:
     frequencies: tuple[float, ...]
 
 
-@dataclass(frozen=True)
 class Judge:
-    """The same draws for all designs. among: what is to be told apart; casts: how many are drawn"""
+    """The same draws for all designs of a scene's pixels and meter."""
 
-    among: Sequence[Hypothesis]
-    against_rest: int
-    casts: int
-    draws: int
-    seed: int
+    def __init__(self, scene: Scene, asked: Design, draws: int, seed: int) -> None:
+        """Raises InputError for a meter without noise."""
+        self._among, self._presses = hypotheses(scene, asked.target), own_presses(scene)
+        self._against_rest, self._casts = asked.against_rest, asked.casts
+        self._draws, self._seed = draws, seed
+        self._common = None
+        if asked.target != "pair":
+            self._common = CommonDraws(
+                scene,
+                asked.target,
+                self._presses,
+                seed=seed,
+                draws=draws,
+                against_rest=asked.against_rest,
+            )
 
     def shares(self, trained: Trained, layout: Layout) -> list[float]:
         """Told right at best: of the skin as it was meant, then of each cast. Raises InputError
         where the meter's noise is too small."""
-        skins = [None, *(trained.cast(number) for number in range(self.casts))]
-        presses = own_presses(trained.scene)
+        skins = [None, *(trained.cast(number) for number in range(self._casts))]
+        frequency = np.array(layout.frequencies)
         found = []
         for skin in skins:
             on = trained.on(skin, layout.material, layout.readings)
-            readings = CastReadings(on, np.array(layout.frequencies), self.against_rest)
-            found.append(self._share(readings, presses))
+            if self._common is None:
+                found.append(self.drawn_anew(on, frequency))
+            else:
+                found.append(float(self._common.judged(on.at(frequency)).accuracy.share))
         return found
 
-    def _share(self, readings: CastReadings, presses: AnyDistribution) -> float:
-        known = templates(readings, self.among, presses)
-        random = np.random.default_rng(self.seed)
-        measured = known.projected(drawn(readings, self.among, presses, random, self.draws))
+    def drawn_anew(self, on: OnSkin, frequency: NDArray[np.float64]) -> float:
+        """Of one skin, by draws of its own, for any number of touches; frequency in Hz."""
+        readings = CastReadings(on, frequency, self._against_rest)
+        known = templates(readings, self._among, self._presses)
+        random = np.random.default_rng(self._seed)
+        measured = known.projected(drawn(readings, self._among, self._presses, random, self._draws))
         return float(likeliest(known, measured).mean())
 
 

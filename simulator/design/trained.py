@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -17,7 +18,7 @@ from ..models.network.terminals import read, with_chain
 from ..models.parameters import WAVES, nominal
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.greedy import reduce
-from ..models.reduced.model import Reduced
+from ..models.reduced.model import Reduced, ReducedSkin
 from ..progress import Tell, tell_nothing
 from ..scene.contacts import Interface
 from ..scene.design import Design
@@ -139,6 +140,19 @@ class OnSkin:
     def __init__(self, reduced: Reduced, readings: Sequence[Interface], drawn: DrawnSkin) -> None:
         self.scene, self._readings, self._leads = reduced.scene, readings, drawn.leads
         self._loss, self._skin = drawn.variation.loss, reduced.skin(drawn.variation)
+
+    def at(self, frequency: NDArray[np.float64]) -> ReducedSkin:
+        """The skin with its own losses and leads, as its scene at these frequencies in Hz."""
+        loss, skin = self._loss, self.scene.skin
+        lossy = {"loss_tangent": loss.tangent, "phase_exponent": loss.exponent}
+        changes = {
+            "skin": skin.model_copy(update={"foam": skin.foam.model_copy(update=lossy)}),
+            "leads": self._leads,
+            "sweep": Sweep(frequencies=tuple(frequency.tolist())),
+        }
+        found = copy(self._skin)
+        found.reduced = replace(self._skin.reduced, scene=self.scene.model_copy(update=changes))
+        return found
 
     def observed(
         self,

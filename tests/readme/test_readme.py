@@ -31,17 +31,8 @@ SELF_MADE = (
 )
 """Pages whose commands take built-in scenes and what earlier commands made."""
 OF_A_SCENE = {
-    *(
-        "sweep",
-        "describe",
-        "view",
-        "dataset",
-        "study",
-        "limits",
-        "frequencies",
-        "design",
-        "calibrate",
-    )
+    *("sweep", "describe", "view", "dataset", "study", "limits", "frequencies"),
+    *("design", "calibrate"),
 }
 FILE = re.compile(r"[\w./-]+\.(toml|nc|csv|zarr|skops)")
 FOLDERS = ("limits", "judged")

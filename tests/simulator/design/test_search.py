@@ -8,7 +8,7 @@ import pytest
 from rcskin.simulator.bounds.sets import equation_6
 from rcskin.simulator.design.bench import Asking, Bench
 from rcskin.simulator.design.journal import Journal
-from rcskin.simulator.design.judged import designed
+from rcskin.simulator.design.judged import Judge, designed
 from rcskin.simulator.design.pool import terminals
 from rcskin.simulator.design.search import best_along, search
 from rcskin.simulator.design.trained import Material
@@ -86,6 +86,18 @@ def test_the_best_along_a_number_is_found_between_the_points_of_its_grid():
     assert best_along(told, (1.0, 1000.0), 5.0) == pytest.approx(37, rel=0.03)
     assert best_along(told, (100.0, 1000.0), 5.0) == 100
     assert best_along(told, (1.0, 2.0), 5.0) == 2
+
+
+def test_common_draws_judge_a_lossy_cast_behind_leads_as_draws_of_its_own_do(strip):
+    scene = strip(session={"lead_resistance": 2e3, "stray_capacitance": 1e-11, "loss_tangent": 0.1})
+    trained = bench(scene, band=None)._trained
+    judge = Judge(scene, Design(casts=1), 4000, 1)
+    own = bench(scene, band=None).own
+    on = trained.on(trained.cast(0), own.material, own.readings)
+    told = judge.shares(trained, own)[1]
+    assert 0.3 < told < 0.99
+    anew = judge.drawn_anew(on, scene.frequencies)
+    assert told == pytest.approx(anew, abs=4 * math.sqrt(0.5 / 4000))
 
 
 def test_model_and_exact_solution_agree_far_closer_than_the_meter_errs(strip):

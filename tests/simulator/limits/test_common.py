@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.limits.bayes import bayes
-from rcskin.simulator.limits.common import CommonDraws
-from rcskin.simulator.limits.fields import CELLS_PER_PIXEL, Fields, fields_of
-from rcskin.simulator.limits.position import chosen_touch, places_on, position_slopes
-from rcskin.simulator.limits.readings import Readings, hypotheses
+from rcskin.simulator.bounds.bayes import bayes
+from rcskin.simulator.bounds.common import CommonDraws
+from rcskin.simulator.bounds.fields import CELLS_PER_PIXEL, Fields, fields_of
+from rcskin.simulator.bounds.position import chosen_touch, places_on, position_slopes
+from rcskin.simulator.bounds.readings import Readings, hypotheses
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..charts import AT_REST, COLOURS, chart
-from ..scene.contacts import Interface, path
-from ..scene.scene import Scene
-from .flat import Along
-from .search import Step
+from ...charts import AT_REST, COLOURS, chart
+from ...scene.contacts import Interface, path
+from ...scene.scene import Scene
+from ..flat import Along
+from ..search import Step
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,15 +8,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..scene.files import scene_text
-from ..scene.scene import Scene
-from ..sweeps import whole_file
-from .bench import Asking
+from ...scene.files import scene_text
+from ...scene.scene import Scene
+from ...sweeps import whole_file
+from ..bench import Asking
+from ..flat import Along, along_all, worth
+from ..judged import designed
+from ..picking import sweep_time
+from ..search import Found, Step
 from .figure import draw_flat, draw_steps, draw_wiring
-from .flat import Along, along_all, worth
-from .judged import designed
-from .picking import sweep_time
-from .search import Found, Step
 from .wiring import Row, rows, write_wiring
 
 DESIGN = "design.toml"

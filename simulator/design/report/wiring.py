@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from ..scene.contacts import Interface
-from ..scene.scene import Scene
-from ..scene.wiring import joined
-from ..sweeps import whole_file
+from ...scene.contacts import Interface
+from ...scene.scene import Scene
+from ...scene.wiring import joined
+from ...sweeps import whole_file
 
 
 class Row(NamedTuple):

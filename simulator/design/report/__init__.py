@@ -1,0 +1,1 @@
+"""What a search leaves: the scene, tables, charts and a page."""
