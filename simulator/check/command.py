@@ -61,7 +61,7 @@ def import_sweeps(
     """
     from ..asked.telling import warn, written
     from ..sweeps import checked_output, counted, write
-    from ..sweeps.branch import checked_branch
+    from ..sweeps.importing.branch import checked_branch
     from ..sweeps.imports import import_files
 
     checked_output(output)

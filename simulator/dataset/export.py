@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..sweeps import InputError, check_needs, checked_output, open_zarr, read, whole_file
-from ..sweeps.csv import append_csv
+from ..sweeps.formats.csv import append_csv
 from ..sweeps.schema import DIMENSIONS, QUANTITIES
 
 if TYPE_CHECKING:

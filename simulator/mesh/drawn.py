@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.contacts import Contact, section
-from ..scene.outline import Curve
+from ..scene.form.outline import Curve
 from ..scene.planar import Circle
 from ..scene.skin import curves
 from .arcs import Arcs, arc_length, on_arcs

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.mesh_file import Surface, foil_lines, read_surface
+from ..scene.form.mesh_file import Surface, foil_lines, read_surface
 from ..scene.planar import Circle, distance, nearest
 from ..scene.skin import Skin
 from ..sweeps import InputError, ToleranceError

@@ -19,10 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..fem.circuit import Circuit, one_field, two_fields
 from ..fem.estimate import ROUNDING, SAFETY, checked, relative_difference
 from ..mesh.quadrilaterals import Resolution
-from ..press.capacitance import touched_cells
 from ..press.press import Press
 from ..press.press import require_plain as require_plain_press
-from ..press.touch import Touch
 from ..scene.scene import Scene
 from ..sweeps import InputError, ToleranceError
 from .answer import Answer, Progress, Rung
@@ -37,7 +35,7 @@ from .varied.meshes import indented, meshes
 if TYPE_CHECKING:
     from .mechanics.pressed import Pressed
     from .reduced.indented.applied import Applied
-    from .reduced.model import ReducedSkin
+    from .reduced.rung import OfPixels
 
 ModelName = Literal["auto", "lumped", "line", "sheet", "reduced"]
 DEFAULT_RTOL = 1e-4
@@ -46,8 +44,6 @@ SHEETS_KEPT = 16
 GRIDS_KEPT = 256
 CLOSER = 0.1
 LUMPED = "one R and one C"
-TRAINED = (0.5, 3.0)
-"""Factors of capacitance that a reduced model is trained on."""
 ASKED = {"auto": ["line", "lumped", "sheet"], "reduced": ["reduced", "sheet"]}
 
 
@@ -248,31 +244,18 @@ class Solver:
         return Rung(told, sheet.nested.inner, Z, error)
 
     def _reduced(self, press: Press, progress: Progress) -> None:
-        from .reduced.model import KRYLOV_SHARE
-
-        if not all(isinstance(touch, Touch) for touch in press.touches):
-            raise InputError(f"answers whole pixels, got {press}")
-        _check_trained(press)
         self._check_sweep(progress.frequency)
-        skin = self._reduced_skin
-        cells, rises = touched_cells(self._even, press)
-        if not skin.reduced.on_skin[cells].all():
-            raise InputError(f"press {press}: there is no skin at that place")
-        Z = skin.sweeps(cells, rises, np.array([0, len(cells)]))[0]
-        at_most = skin.certificate(cells, rises) + KRYLOV_SHARE * self.rtol
-        told = f"reduced to {skin.reduced.size} vectors, {skin.reduced.circuit.told}"
-        return progress.offer(Rung(told, skin.reduced.size, Z, at_most + skin.reduced.mesh_error))
+        progress.offer(self._of_pixels.rung(press))
 
     def _check_sweep(self, frequency: NDArray[np.float64]) -> None:
         if not np.array_equal(frequency, self.scene.frequencies):
             raise InputError("a reduced model answers the frequencies of its scene's sweep")
 
     @cached_property
-    def _reduced_skin(self) -> ReducedSkin:
-        from .reduced.cases import pixel_touches
-        from .reduced.greedy import reduce
+    def _of_pixels(self) -> OfPixels:
+        from .reduced.rung import OfPixels
 
-        return reduce(self._even, self.rtol, pixel_touches(self._even, TRAINED)).skin(None)
+        return OfPixels(self._even, self.rtol)
 
     def _sheet(self, resolution: Resolution) -> Sheet:
         """Discretised at a resolution; the oldest are forgotten, for they are large."""
@@ -297,11 +280,3 @@ def _checked_frequencies(frequency: ArrayLike) -> NDArray[np.float64]:
     if asked.ndim > 1 or not asked.size or not (asked > 0).all() or (np.diff(asked) <= 0).any():
         raise InputError(f"`frequency` must be ascending and > 0 (Hz), got {frequency}")
     return asked
-
-
-def _check_trained(press: Press) -> None:
-    """Raises InputError for a press unlike those that reduced models are trained on."""
-    low, high = TRAINED
-    for touch in press.touches:
-        if not low <= touch.factor <= high:
-            raise InputError(f"trained on factors from {low} to {high}, got {touch}")

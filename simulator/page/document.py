@@ -29,7 +29,7 @@ def document(data: Mapping[str, Any], link: Link | None = None) -> str:
 
     rooms = FileSystemLoader(Path(__file__).parent)
     pages = Environment(loader=rooms, autoescape=True, undefined=StrictUndefined)
-    folders = ("modules", "link") if link else ("modules",)
+    folders = ("skin", "shown", "link") if link else ("skin", "shown")
     paths = [path for folder in folders for path in sorted(SITE.glob(f"{folder}/*.js"))]
     modules = {f"rcskin/{path.stem}": _module(path) for path in paths}
     styles = [SITE / "style.css", *([SITE / "link" / "link.css"] if link else [])]

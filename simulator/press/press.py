@@ -6,7 +6,7 @@ from dataclasses import astuple, dataclass
 
 import numpy as np
 
-from ..scene.outline import check_simple
+from ..scene.form.outline import check_simple
 from ..scene.planar import SAME_LINE
 from ..scene.scene import Pressing, Scene
 from ..sweeps import UNPRESSED, InputError

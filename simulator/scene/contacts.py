@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from .outline import Outline
+from .form.outline import Outline
 from .skin import Electrode, Name, Skin, curves, on_skin
 from .validation import Number, Table, at_least_zero, whole_within_rounding
 

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 
 from .foam_mechanics import Mechanics
+from .form.mesh_file import absolute, read_surface
+from .form.outline import Curve, Outline, check_outline
+from .form.shape import Shape, Stretch
 from .frequency import Loss, penetration_depth
 from .maps import Map
-from .mesh_file import absolute, read_surface
-from .outline import Curve, Outline, check_outline
 from .planar import Circle, Points, inside, reach_into, sides
-from .shape import Shape, Stretch
 from .validation import Number, Table, Unit, above_zero, at_least_zero, single_line
 
 

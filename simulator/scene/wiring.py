@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .contacts import check_edge, section
-from .mesh_file import foil_lines, read_surface
+from .form.mesh_file import foil_lines, read_surface
 
 if TYPE_CHECKING:
     from .contacts import Contact, Interface

@@ -12,11 +12,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .csv import read_csv, write_csv, write_rows
 from .errors import InputError
 from .file_kinds import check_file_kind
+from .formats.csv import read_csv, write_csv, write_rows
+from .formats.netcdf import write_table
 from .needs import check_needs
-from .netcdf import write_table
 from .schema import check
 from .table import DIMENSIONS, Table
 

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .branch import checked_branch, chosen, told
 from .file_kinds import check_file_kind
+from .importing.branch import checked_branch, chosen, told
 from .importing.dialect import read_table
 from .importing.grouping import Defaults, grouped, places
 from .importing.readings import impedance_readings

@@ -270,12 +270,9 @@ def _add_lines(
         return
     import pyvista as pv
 
-    counts = [line.shape[1] for line in lines]
-    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    parts = [
-        np.concatenate([[n], np.arange(low, low + n)])
-        for low, n in zip(starts, counts, strict=True)
-    ]
+    counts = np.array([line.shape[1] for line in lines])
+    ends = zip(counts, np.cumsum(counts), strict=True)
+    parts = [np.array([n, *range(end - n, end)]) for n, end in ends]
     points = np.ascontiguousarray(np.hstack(lines).T)
     mesh = pv.PolyData(points, lines=np.concatenate(parts))
     plotter.add_mesh(mesh, color=colour, line_width=width, opacity=opacity, lighting=False)

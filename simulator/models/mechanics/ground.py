@@ -17,7 +17,7 @@ from ...mesh.refining.refinement import refined
 from ...mesh.skin_mesh import domain
 from ...press.press import Press
 from ...press.touch import Disc, Place, Touch
-from ...scene.outline import Curve
+from ...scene.form.outline import Curve
 from ...scene.planar import Circle, regular
 from ...scene.scene import Scene
 from ...sweeps import InputError

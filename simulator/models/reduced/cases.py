@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...press.press import Press
+from ...press.touch import Touch
 from ...scene.scene import Scene
 from ..parameters import Variation, foam_parts
 from ..varied.materials import gauged
@@ -30,6 +32,12 @@ class Case:
         """c over the scene's own at rest, shape (part,), see `foam_parts`."""
         factors = touched(scene, self.cells, self.rises)
         return factors if self.variation is None else factors * self.variation.foam(scene)
+
+    def press_on(self, scene: Scene) -> Press:
+        """Of its pixels by capacitance factors."""
+        columns = scene.pixels.columns
+        touched = zip(self.cells.tolist(), self.rises.tolist(), strict=True)
+        return Press(tuple(Touch(c // columns + 1, c % columns + 1, 1 + r) for c, r in touched))
 
 
 def touched(

@@ -185,6 +185,17 @@ def weights_of(
     return np.concatenate([*sheets, films])
 
 
+def changes(
+    weights: Weights, scene: Scene, circuit: Circuit, modes: int
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Which terms of K weigh more or less than on the scene's own skin, and by how much."""
+    if weights is None:
+        return np.zeros(0, dtype=np.intp), np.zeros(0)
+    change = weights - weights_of(nominal(scene, modes), scene, circuit)
+    changed = np.flatnonzero(change) if gauged(scene.skin) else np.arange(change.size)
+    return changed, change[changed]
+
+
 def _conductances(
     variation: Variation, scene: Scene, circuit: Circuit
 ) -> list[NDArray[np.float64]]:

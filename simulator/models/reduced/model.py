@@ -23,7 +23,6 @@ from ...fem.galerkin import one_blas_thread
 from ...fem.system import System
 from ...press.capacitance import touched_cells
 from ...press.press import Press
-from ...press.touch import Touch
 from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
@@ -31,9 +30,8 @@ from ..parameters import Variation, foam_parts, nominal
 from ..varied.materials import gauged
 from .cases import Case, touched
 from .certificate import certificate, least_conductance
-from .coordinates import own_coordinates
-from .dense import feed_of, solved
-from .family import Family, Mesh, weights_of, weights_under
+from .dense import feed_of, own_coordinates, solved
+from .family import Family, Mesh, changes, weights_under
 from .kernel import Rest, swept
 from .resolving import family_on, finer_families
 
@@ -209,10 +207,8 @@ class ReducedSkin:
         rises: NDArray[np.float64],
         s: NDArray[np.complex128] | None = None,
     ) -> NDArray[np.float64]:
-        """Bound on what the reduction leaves out of Rs and Cp of one press, relatively.
-
-        Of shape (2, interface, s); s in rad/s, by default of the scene's frequencies.
-        """
+        """Bound on what the reduction leaves out of Rs and Cp of one press, relatively, of shape
+        (2, interface, s); s in rad/s, by default of the scene's frequencies."""
         s, family = self.s if s is None else s, self.reduced.family
         mass, skin = family.mass(self.map_of(cells, rises)), self.under(cells, rises)
         with one_blas_thread():
@@ -220,10 +216,7 @@ class ReducedSkin:
             return certificate(family.space, skin.system, mass, solved, s, skin.least_conductance)
 
     def by_mesh(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> float:
-        """Estimated error of Rs and Cp of one press by the mesh, relatively.
-
-        0 of plain scenes, whose mesh is held to its share of rtol for all presses at once.
-        """
+        """Estimated error of Rs and Cp of one press by the mesh, relatively; 0 of plain scenes."""
         reduced = self.reduced
         if reduced.scene.plain:
             return 0.0
@@ -260,16 +253,10 @@ class ReducedSkin:
 
     def _families(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> Iterator[Family]:
         """The one that was reduced, then those of all levels, meshed for this press."""
-        reduced, columns = self.reduced, self.reduced.grid[1]
+        reduced = self.reduced
         yield reduced.family
-        touched = zip(cells.tolist(), rises.tolist(), strict=True)
-        press = Press(
-            tuple(
-                Touch(cell // columns + 1, cell % columns + 1, 1 + rise) for cell, rise in touched
-            )
-        )
         asked = reduced.scene, reduced.circuit, reduced.modes, reduced.rtol
-        yield from finer_families(*asked, [press])
+        yield from finer_families(*asked, [Case(None, cells, rises).press_on(reduced.scene)])
 
     def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
         """c of a pressed skin over the scene's own at rest, shape (part,), see `foam_parts`."""
@@ -308,11 +295,5 @@ class ReducedSkin:
         terminals = len(reduced.conductance)
         K = np.eye(terminals + reduced.size)
         K[:terminals, :terminals] = reduced.conductance
-        if self.weights is None:
-            return K
-        own = weights_of(nominal(reduced.scene, reduced.modes), reduced.scene, reduced.circuit)
-        change, terms = self.weights - own, reduced.stiffness
-        if gauged(reduced.scene.skin):
-            changed = np.flatnonzero(change)
-            change, terms = change[changed], terms[changed]
-        return K + np.tensordot(change, terms, axes=1)
+        changed, change = changes(self.weights, reduced.scene, reduced.circuit, reduced.modes)
+        return K + np.tensordot(change, reduced.stiffness[changed], axes=1) if changed.size else K

@@ -8,9 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...scene.form.shape import Stretch
 from ...scene.planar import SAME_EDGE, Lines, distinct
 from ...scene.scene import Scene
-from ...scene.shape import Stretch
 from ...scene.skin import Electrode, Sheet, Skin
 
 

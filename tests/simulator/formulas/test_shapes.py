@@ -6,8 +6,8 @@ from rcskin.simulator.models.plain import electrical
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.models.varied.materials import Materials, position
 from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.form.shape import Cylinder, Sphere, Stretch
 from rcskin.simulator.scene.frequency import laplace_variable
-from rcskin.simulator.scene.shape import Cylinder, Sphere, Stretch
 from scipy.linalg import sqrtm
 
 R0, C0 = 5e4, 5e-9

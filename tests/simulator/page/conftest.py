@@ -120,7 +120,7 @@ def in_node():
     def run(data, cases):
         script = Path(__file__).with_name("sweeps.mjs")
         done = subprocess.run(
-            [node(), str(script), str(SITE / "modules")],
+            [node(), str(script), str(SITE / "skin")],
             input=json.dumps({"data": data, "cases": cases}),
             capture_output=True,
             text=True,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.scene.files import BUILTIN, parse_scene, scene_text
-from rcskin.simulator.scene.outline import Curve
+from rcskin.simulator.scene.form.outline import Curve
 from rcskin.simulator.scene.planar import Circle, area, gap, inside, regular, sides
 from rcskin.simulator.scene.wiring import joined
 from rcskin.simulator.sweeps import InputError

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.sweeps import InputError, branch_reactance, impedance, parallel_capacitance
-from rcskin.simulator.sweeps.branch import checked_branch, chosen
 from rcskin.simulator.sweeps.files import read
+from rcskin.simulator.sweeps.importing.branch import checked_branch, chosen
 from rcskin.simulator.sweeps.importing.grouping import Defaults
 from rcskin.simulator.sweeps.imports import import_file, import_files
 

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 from rcskin.simulator.sweeps import InputError, build, read, read_joined, side_by_side, write
-from rcskin.simulator.sweeps.csv import NO_SESSIONS
+from rcskin.simulator.sweeps.formats.csv import NO_SESSIONS
 from rcskin.simulator.sweeps.joining import join
 
 SCENE = 'name = "s"\n# not a remark, a "text" with a \\ in it\n\tand a tab\n'

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import InputError
+from ..errors import InputError
 
 RULES = {
     "followed": "X is |X| >= Rs at the lowest frequency, and is followed from there without a kink",

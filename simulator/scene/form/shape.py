@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from .validation import Number, Table, above_zero, by_kind
+from ..validation import Number, Table, above_zero, by_kind
 
 FARTHEST = 0.9
 """Of half a sphere's girth, from the middle of the skin to its corners: 9 times shorter across."""

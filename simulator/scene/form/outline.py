@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from .planar import Circle, area, distance, gap, inside, ring, sides
-from .validation import Number, Table, Unit
+from ..planar import Circle, area, distance, gap, inside, ring, sides
+from ..validation import Number, Table, Unit
 
 LEAST_APART = 1e-6
 """Sides that do not meet, over the skin's longer side."""

@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .branch import chosen, told
-from .errors import InputError
-from .impedance import branch_reactance
-from .schema import SESSIONS, TIME, build
-from .table import Table, table_of
+from ..errors import InputError
+from ..impedance import branch_reactance
+from ..importing.branch import chosen, told
+from ..schema import SESSIONS, TIME, build
+from ..table import Table, table_of
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .table import DIMENSIONS, Table
+from ..table import DIMENSIONS, Table
 
 
 def write_table(sweeps: Table, path: Path) -> None:

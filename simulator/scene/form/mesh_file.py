@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationInfo
 
-from ..sweeps import InputError, check_needs
+from ...sweeps import InputError, check_needs
 
 if TYPE_CHECKING:
     import meshio

@@ -1,0 +1,1 @@
+"""What a skin is cut to, bent to, or meshed as."""
