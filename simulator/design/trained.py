@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..measure.readout import ErrorModel, observed
 from ..measure.skins import DrawnSkin, drawn_skin
 from ..models.network.skin import NetworkSkin
-from ..models.network.terminals import read, with_chain
+from ..models.network.terminals import read, require_no_spread, with_chain
 from ..models.parameters import WAVES, nominal
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.greedy import reduce
@@ -63,7 +63,10 @@ class Trained:
         seed: int,
         tell: Tell = tell_nothing,
     ) -> None:
-        """band: of all frequencies that are asked for, Hz. tell: how far training has come."""
+        """band: of all frequencies that are asked for, Hz. tell: how far training has come.
+
+        Raises InputError where a tension spreads presses."""
+        require_no_spread(scene)
         self.scene, self._asked, self._band, self._seed = scene, asked, band, seed
         self._tell = tell
         self.modes = len(WAVES) if scene.dataset.session.unevenness else 1

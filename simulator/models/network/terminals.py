@@ -35,9 +35,20 @@ def trained(
 ) -> Reduced:
     """A model of a scene's skin that holds what any terminal charges, read in a `chain`.
 
-    rtol, draw, modes, advance: as of `reduce`; so is what is raised.
+    rtol, draw, modes, advance: as of `reduce`; so is what is raised, and InputError where a tension
+    spreads presses.
     """
+    require_no_spread(scene)
     return reduce(with_chain(scene), rtol, draw, modes=modes, alike=False, advance=advance)
+
+
+def require_no_spread(scene: Scene) -> None:
+    """Raises InputError where a tension spreads how pixels are pressed."""
+    if spreading(scene):
+        raise InputError(
+            f"{scene.name}: any readings are told of presses by a factor alone; give "
+            "`press.capacitance_factor` in place of `press.depth` or `press.force`"
+        )
 
 
 def reduced_for(

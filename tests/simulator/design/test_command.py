@@ -4,7 +4,7 @@ import csv
 
 import pytest
 from rcskin.simulator.design.bench import Bench
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.files import load_scene, scene_text
 
 QUICK = ("--casts", 1, "--draws", 40, "--sheet-ratio", 1)
 
@@ -81,6 +81,14 @@ def test_bad_wishes_are_told_in_one_line(run, strip_file, given, told):
     assert told in err and err.count("\n") == 1
 
 
-def test_a_meter_without_noise_is_told(run, tmp_path):
-    code, _, err = run("design", "foam", "-o", tmp_path / "d")
+def test_a_meter_without_noise_is_told(run, strip, tmp_path):
+    path = tmp_path / "exact.toml"
+    path.write_text(scene_text(strip(readout={})), encoding="utf-8")
+    code, _, err = run("design", path, *QUICK, "-o", tmp_path / "d")
     assert code == 2 and err.count("\n") == 1
+    assert "noise" in err and not (tmp_path / "d").exists()
+
+
+def test_presses_that_a_tension_spreads_are_refused(run, tmp_path):
+    code, _, err = run("design", "foam", "-o", tmp_path / "d")
+    assert code == 2 and err.count("\n") == 1 and "press.capacitance_factor" in err
