@@ -57,9 +57,23 @@ def over_resolved(scene, press):
     return Z
 
 
-@settings(max_examples=15)
-@given(data=st.data(), rtol=st.sampled_from([1e-2, 1e-3, 1e-4, 1e-5, 1e-6]))
+ASKED = {"data": st.data(), "rtol": st.sampled_from([1e-2, 1e-3, 1e-4, 1e-5, 1e-6])}
+
+
+@settings(max_examples=5)
+@given(**ASKED)
 def test_any_foils_and_presses(random, frequency_at, data, rtol):
+    assert_kept_anywhere(random, frequency_at, data, rtol)
+
+
+@pytest.mark.slow
+@settings(max_examples=40)
+@given(**ASKED)
+def test_many_foils_and_presses(random, frequency_at, data, rtol):
+    assert_kept_anywhere(random, frequency_at, data, rtol)
+
+
+def assert_kept_anywhere(random, frequency_at, data, rtol):
     scene = data.draw(random.between())
     press = data.draw(random.presses(scene))
     u = data.draw(random.logarithmic(1e-3, 1e3))

@@ -36,7 +36,7 @@ def mountings(make_sweeps):
     return concatenate(parts).assign_attrs(scene=SCENE)
 
 
-@pytest.mark.parametrize("target", ["column", "position"])
+@pytest.mark.parametrize("target", [pytest.param("column", marks=pytest.mark.slow), "position"])
 def test_a_network_tells_sweeps_never_seen_and_is_the_same_from_its_file(
     mountings, make_sweeps, tmp_path, monkeypatch, target
 ):
