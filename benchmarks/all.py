@@ -59,6 +59,7 @@ IN_ORDER = (
     Benchmark("localization/localizers"),
     Benchmark("localization/twin"),
     Benchmark("localization/twin_limits"),
+    Benchmark("localization/twin_design"),
     Benchmark("localization/training_spread"),
     Benchmark("localization/adaptation"),
     Benchmark("localization/filtering"),
