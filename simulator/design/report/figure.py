@@ -11,6 +11,7 @@ import numpy as np
 from ...charts import AT_REST, COLOURS, chart
 from ...scene.contacts import Interface, path
 from ...scene.scene import Scene
+from ...scene.skin import curves
 from ..flat import Along
 from ..search import Step
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 IN_A_ROW = 5
+AROUND = 401
+"""Places on an outline that is drawn."""
 OTHER = {"top": 0.0, "bottom": -0.035}
 """How far outside its edge the foils of a sheet are drawn, over its sides."""
 LETTERS = {"top": 0.08, "bottom": -0.08}
@@ -66,9 +69,9 @@ def draw_wiring(scene: Scene, readings: Sequence[Interface], to: Path) -> None:
     """The foils of a skin without mesh at each reading: H, L, or left open."""
     rows = -(-len(readings) // IN_A_ROW)
     columns = min(len(readings), IN_A_ROW)
-    with chart(to, 2.1 * columns, 2.3 * rows) as figure:
+    with chart(to, 2.1 * columns, 2.7 * rows) as figure:
         grid = figure.subplots(rows, columns, squeeze=False).ravel()
-        for axes in grid:
+        for axes in grid[len(readings) :]:
             axes.set_axis_off()
         for axes, reading in zip(grid, readings, strict=False):
             _draw_reading(axes, scene, reading)
@@ -76,6 +79,9 @@ def draw_wiring(scene: Scene, readings: Sequence[Interface], to: Path) -> None:
 
 def _draw_reading(axes: Axes, scene: Scene, reading: Interface) -> None:
     longer = max(scene.skin.sides)
+    for curve in curves(scene.skin):
+        around = [curve.at(mark) for mark in np.linspace(0, curve.marks[-1], AROUND)]
+        axes.plot(*np.array(around).T, color="0.9", linewidth=1)
     for contact in scene.contacts:
         side = "H" if contact.name in reading.high else "L" if contact.name in reading.low else ""
         colour = {"H": COLOURS[1], "L": COLOURS[0], "": "0.75"}[side]
@@ -90,6 +96,10 @@ def _draw_reading(axes: Axes, scene: Scene, reading: Interface) -> None:
             at_x, at_y = [x.mean(), y.mean()] + away * (np.abs([np.ptp(y), np.ptp(x)]) > 0)
             axes.annotate(side, (at_x, at_y), color=colour, ha="center", va="center")
     axes.set_aspect("equal")
+    axes.grid(False)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    axes.spines[:].set_visible(False)
     axes.set_xlim(-0.15 * longer, scene.skin.length + 0.15 * longer)
     axes.set_ylim(-0.15 * longer, scene.skin.width + 0.15 * longer)
     axes.set_title(reading.name.replace(" to ", "\nto "), fontsize=6)
