@@ -148,7 +148,9 @@ def test_each_sheet_has_a_slider_of_its_own(page, tmp_path):
     assert told["bottom"]["sheet_resistance"] == pytest.approx(35e3 * 10**0.2, rel=0.02)
 
 
-def test_keys_step_over_pixels_without_skin(chromium, paged_kind, tmp_path):
+def test_keys_step_over_pixels_without_skin_and_its_scene_is_taken_away(
+    chromium, paged_kind, tmp_path
+):
     file = tmp_path / "l.html"
     file.write_text(document(paged_kind("l with a hole").data), encoding="utf-8")
     opened = chromium.new_page()
@@ -158,29 +160,36 @@ def test_keys_step_over_pixels_without_skin(chromium, paged_kind, tmp_path):
         opened.keyboard.press(key)
     settled(opened)
     assert opened.locator("#answer").text_content().startswith("Row 1, column 2")
+    _, measured, exact = cast_and_taken(opened, tmp_path, rtol=1e-2)
+    assert off(measured, exact) < 1.5e-2
     opened.close()
 
 
 def test_what_is_taken_away_is_what_rcskin_simulates(page, tmp_path):
     press(page)
+    scene, measured, exact = cast_and_taken(page, tmp_path, rtol=1e-6)
+    assert scene.skin.top.sheet_resistance == pytest.approx(20e3 * 10**0.3, rel=0.02)
+    assert list(measured["press"].values) == ["none", "2,2:2"]
+    assert off(measured, exact) < 4e-3
+
+
+def cast_and_taken(page, folder, rtol):
+    """The page's scene, another one cast, its sweeps as saved, and what rcskin simulates of it."""
     for slider, value in (("top", "0.3"), ("capacitance", "-0.2"), ("loss", "0.05")):
         page.locator(f"#{slider}").fill(value)
     page.locator("#noise").fill("-1")
     settled(page)
-    scene_file = tmp_path / "cast.toml"
-    scene_file.write_bytes(taken(page, "#toml").read_bytes())
-    scene = read_scene(scene_file)
-    told = tomllib.loads(scene_file.read_text())
-    assert told["skin"]["top"]["sheet_resistance"] == pytest.approx(20e3 * 10**0.3, rel=0.02)
-    sweeps_file = tmp_path / "sweep.csv"
-    sweeps_file.write_bytes(taken(page, "#csv").read_bytes())
-    measured = read(sweeps_file)
-    presses = [str(each) for each in measured["press"].values]
-    assert presses == ["none", "2,2:2"]
-    exact = simulate(Solver(scene, 1e-6), [parse_press(each, 2.0) for each in presses])
-    of = {name: measured[name].values / exact[name].values - 1 for name in ("X", "Cp")}
-    assert np.sqrt(np.mean(of["X"] ** 2)) < 4e-3
-    assert np.sqrt(np.mean(of["Cp"] ** 2)) < 4e-3
+    (folder / "cast.toml").write_bytes(taken(page, "#toml").read_bytes())
+    (folder / "sweep.csv").write_bytes(taken(page, "#csv").read_bytes())
+    scene, measured = read_scene(folder / "cast.toml"), read(folder / "sweep.csv")
+    presses = [parse_press(str(each), 2.0) for each in measured["press"].values]
+    return scene, measured, simulate(Solver(scene, rtol), presses)
+
+
+def off(measured, exact):
+    """Of X and Cp, root mean square, relatively."""
+    found = [measured[name].values / exact[name].values - 1 for name in ("X", "Cp")]
+    return np.sqrt(np.mean(np.square(found)))
 
 
 def test_a_link_shows_the_same_again(page):
