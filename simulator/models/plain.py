@@ -56,13 +56,17 @@ def folded(scene: Scene, what: str) -> Scene:
     spreads stays as it is; where none does, a depth is the factor that it leaves. Raises InputError
     where `what` cannot take how pixels are pressed.
     """
+    mechanics, evenly = scene.skin.foam.mechanics, evenly_pressed(scene, what)
+    spread = not scene.press.plain and mechanics is not None and mechanics.tension
+    return scene if spread else evenly
+
+
+def evenly_pressed(scene: Scene, what: str) -> Scene:
+    """As `folded`, but what a tension spreads beside applicators is left out everywhere."""
     if scene.press.plain:
         return electrical(scene)
-    mechanics = scene.skin.foam.mechanics
     if scene.press.force is not None:
         return _by_depth_alone(scene, what)
-    if mechanics is not None and mechanics.tension:
-        return scene
     factor, spread = scene.pressed_factor, scene.press.factor_spread
     pressing = Pressing(capacitance_factor=factor, factor_spread=spread)
     return electrical(scene.model_copy(update={"press": pressing}))

@@ -28,9 +28,10 @@ def page(
     is for looking at one press in space instead.
     """
     from ..asked.scene import asked_scene, tell_if_noise_free
-    from ..asked.telling import written
+    from ..asked.telling import note, written
     from ..asked.tolerance import checked_rtol
-    from ..models.plain import folded
+    from ..models.plain import evenly_pressed
+    from ..models.reduced.indented.draws import spreads
     from ..progress import told_on_terminal
     from ..sweeps import checked_output, whole_file
     from .document import document
@@ -38,8 +39,13 @@ def page(
 
     checked_output(output, (".html",))
     checked_rtol(rtol)
-    skin = folded(asked_scene(scene), "a page")
+    asked = asked_scene(scene)
+    skin = evenly_pressed(asked, "a page")
     tell_if_noise_free(scene, skin)
+    if not asked.press.plain and spreads(asked):
+        factor = f"{skin.press.capacitance_factor:.4g} x C"
+        beside = "what the foam's tension spreads beside them is left out"
+        note(f"{scene}: the page presses pixels evenly, by {factor}; {beside}")
     with told_on_terminal() as tell:
         reduced = reduced_for_page(skin, rtol, cells, partial(tell, "reducing"))
     text = document(packed(skin, reduced))

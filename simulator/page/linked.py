@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from ..models.plain import folded
+from ..models.plain import evenly_pressed
 from ..progress import told_on_terminal
 from ..scene.files import parse_scene
 from ..scene.meter import Sweep
@@ -30,7 +30,7 @@ def linked_page(
     has no page.
     """
     scene = parse_scene(text, name)
-    asked = _read_at(folded(scene, "a page"), frequencies, interfaces)
+    asked = _read_at(evenly_pressed(scene, "a page"), frequencies, interfaces)
     with told_on_terminal() as tell:
         reduced = reduced_for_page(asked, RTOL, CELLS, partial(tell, "reducing"))
     return document(packed(asked, reduced), Link(kind, nonce))

@@ -13,7 +13,6 @@ from ..measure.experiment import own_presses
 from ..models.parameters import Variation
 from ..models.reduced.cases import Case
 from ..models.reduced.greedy import reduce, unseen
-from ..models.reduced.indented.draws import spreading
 from ..models.reduced.model import Reduced
 from ..models.varied.materials import gauged
 from ..models.varied.meshes import circuit_of
@@ -79,11 +78,6 @@ def reduced_for_page(
     Pixels that are groups of a mesh's elements are not cut. Raises InputError where a press changes
     sheets in a way that a page does not know, else it and ToleranceError as `reduce`.
     """
-    if spreading(scene):
-        raise InputError(
-            f"{scene.name}: a page cannot take `press.depth` and `press.force` under a tension, "
-            "which spreads presses; give `press.capacitance_factor`"
-        )
     if gauged(scene.skin) and scene.skin.foam.mechanics is not None:
         raise InputError(
             f"{scene.name}: a page cannot take `piezoresistance` with `skin.foam.mechanics`: it "

@@ -10,7 +10,7 @@ from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.page.document import document
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.files import read_scene
+from rcskin.simulator.scene.files import BUILTIN, read_scene
 from rcskin.simulator.sweeps import read
 
 PIXEL = (0.45, 0.52)
@@ -71,15 +71,22 @@ def test_the_command_writes_one_file_that_asks_for_nothing(run, tmp_path):
     [
         (("sheet-3x3", "-o", "skin.png"), "must end in .html"),
         (("sheet-3x3", "-o", "nowhere/skin.html"), "folder nowhere does not exist"),
-        (("foam", "-o", "skin.html"), "press.depth"),
+        (("by-force.toml", "-o", "skin.html"), "press.depth"),
         (("sheet-3x3", "-o", "skin.html", "--rtol", "1"), "--rtol must be from"),
     ],
 )
 def test_bad_input_is_told_in_one_line(run, tmp_path, monkeypatch, arguments, told):
     monkeypatch.chdir(tmp_path)
+    by_depth = (BUILTIN / "foam.toml").read_text(encoding="utf-8")
+    (tmp_path / "by-force.toml").write_text(by_depth.replace("depth = 2e-3", "force = 1.0"))
     code, out, err = run("page", *arguments)
     assert code == 2 and told in err and err.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []
+    assert [path.name for path in tmp_path.iterdir()] == ["by-force.toml"]
+
+
+def test_pixels_pressed_by_depth_are_pressed_evenly_on_a_page(run, tmp_path):
+    code, _, err = run("page", "foam", "--cells", 1, "-o", tmp_path / "foam.html")
+    assert code == 0 and "presses pixels evenly, by 2." in err and err.count("\n") == 1
 
 
 def test_no_name_ends_the_script_that_holds_it(glove):
