@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..scene.scene import Scene
+from ..sweeps import InputError
 from .bench import Asking, Bench, first_bench
 from .geometry import geometries
 from .judged import Layout, tenth
@@ -77,8 +78,12 @@ class Found:
 
     @property
     def best(self) -> Step:
-        """The design."""
-        return [step for step in self.steps[1:] if step.taken][-1]
+        """The design. Raises InputError where none is within what was asked."""
+        taken = [step for step in self.steps[1:] if step.taken]
+        if not taken:
+            name = self.bench.scene.name
+            raise InputError(f"{name}: no design is within all that was asked; ask for less")
+        return taken[-1]
 
 
 def search(scene: Scene, asking: Asking) -> Found:
@@ -99,7 +104,8 @@ class _Walk:
         bench, own = self._bench, self._bench.own
         self._judged("as it is", own)
         readings, frequencies = bench.own_readings, _nearest(bench, own)
-        material, bounds = own.material, self._asking.asked.sheet_resistance
+        material = own.material
+        bounds = _of_mean(material, self._asking.asked.sheet_resistance)
 
         def told(sheets: float) -> float:
             return bench.share_of(_sheets(material, sheets), readings, frequencies)
@@ -113,7 +119,7 @@ class _Walk:
             self._judged("readings", bench.layout(material, picked))
         picked = bench.picked(material, readings, frequencies)
         self._judged("frequencies" if readings else "readings", bench.layout(material, picked))
-        for move in self._moves():
+        for move in self._moves(material):
             found = self._moved(material, picked, move)
             worth = found[1].share > picked.share + WORTH
             if worth and self._judged(move.name, bench.layout(*found), WORTH):
@@ -139,7 +145,7 @@ class _Walk:
         self._bench = before
         return picked
 
-    def _moves(self) -> list[Move]:
+    def _moves(self, material: Material) -> list[Move]:
         """Numbers of a material that may change."""
         asked = self._asking.asked
         low, high = asked.sheet_resistance
@@ -157,7 +163,7 @@ class _Walk:
             )
 
         moves = [
-            Move("sheet resistance again", asked.sheet_resistance, _mean, _sheets),
+            Move("sheet resistance again", _of_mean(material, (low, high)), _mean, _sheets),
             Move("one sheet over the other", (1 / ratio, ratio), _ratio, mismatched),
             Move("foam", foam_bounds(self._bench.scene, asked), _foam, _with_foam),
         ]
@@ -245,6 +251,22 @@ def _mean(material: Material) -> float:
 
 def _sheets(material: Material, mean: float) -> Material:
     return material.times(mean / _mean(material))
+
+
+def _of_mean(material: Material, bounds: Bounds) -> Bounds:
+    """Of the mean of both sheets, of which the ratio stays: both are within these bounds then.
+
+    Raises InputError where no mean does that.
+    """
+    mean, (low, high) = _mean(material), bounds
+    least = low * mean / min(material.top, material.bottom)
+    most = high * mean / max(material.top, material.bottom)
+    if least > most:
+        raise InputError(
+            f"`sheet_resistance` from {low:g} to {high:g} ohm/sq has no room for sheets of which "
+            f"one has {max(_ratio(material), 1 / _ratio(material)):.3g} times the other's"
+        )
+    return least, most
 
 
 def _ratio(material: Material) -> float:

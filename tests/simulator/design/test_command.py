@@ -92,3 +92,16 @@ def test_a_meter_without_noise_is_told(run, strip, tmp_path):
 def test_presses_that_a_tension_spreads_are_refused(run, tmp_path):
     code, _, err = run("design", "foam", "-o", tmp_path / "d")
     assert code == 2 and err.count("\n") == 1 and "press.capacitance_factor" in err
+
+
+def test_sheets_unlike_each_other_stay_within_the_bounds(run, strip, tmp_path):
+    path = tmp_path / "unlike.toml"
+    path.write_text(scene_text(strip(top=20e3, bottom=60e3)), encoding="utf-8")
+    asked = ("design", path, *QUICK, "--sheet-resistance")
+    assert run(*asked, "10e3:100e3", "-o", tmp_path / "d")[0] == 0
+    skin = load_scene(tmp_path / "d" / "design.toml").skin
+    sheets = skin.top.sheet_resistance, skin.bottom.sheet_resistance
+    assert 10e3 * (1 - 1e-6) <= min(sheets) and max(sheets) <= 100e3 * (1 + 1e-6)
+    assert sheets[1] / sheets[0] == pytest.approx(3, rel=0.05)
+    code, _, err = run(*asked, "10e3:20e3", "-o", tmp_path / "e")
+    assert code == 2 and "has no room for sheets" in err and err.count("\n") == 1
