@@ -46,6 +46,7 @@ class Benchmark(NamedTuple):
 IN_ORDER = (
     Benchmark("speed/assembly"),
     Benchmark("speed/work_precision"),
+    Benchmark("speed/answers"),
     Benchmark("speed/reduction"),
     Benchmark("speed/skins"),
     Benchmark("speed/skins_reduced"),
