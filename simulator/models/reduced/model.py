@@ -197,8 +197,19 @@ class ReducedSkin:
         starts: NDArray[np.int64],
         s: NDArray[np.complex128],
     ) -> NDArray[np.complex128]:
-        weights, rtol = rises * self.rest_factors[cells], KRYLOV_SHARE * self.reduced.rtol
-        Y = [swept(self.rest, feed, cells, weights, starts, s, rtol) for feed in self.feeds]
+        return self._by_kernel(self.rest, cells, rises * self.rest_factors[cells], starts, s)
+
+    def _by_kernel(
+        self,
+        rest: Rest,
+        cells: NDArray[np.int64],
+        weights: NDArray[np.float64],
+        starts: NDArray[np.int64],
+        s: NDArray[np.complex128],
+    ) -> NDArray[np.complex128]:
+        """Z in ohm of presses that add `weights` times M of their cells, see `sweeps`."""
+        rtol = KRYLOV_SHARE * self.reduced.rtol
+        Y = [swept(rest, feed, cells, weights, starts, s, rtol) for feed in self.feeds]
         return (1 / np.stack(Y, axis=1)).astype(np.complex128)
 
     def certificate(
