@@ -18,7 +18,7 @@ from scipy.sparse import csc_matrix
 from ...fem.circuit import Drive
 from ...fem.galerkin import Galerkin, one_blas_thread
 from ...fem.lanczos import Pencil, potentials, respond
-from ...models.parameters import of_parts
+from ...models.parameters import by_sheets, of_parts
 from ...models.reduced.family import Weights, weights_under
 from ...models.reduced.resolving import unreduced
 from ...models.varied.materials import gauge_slopes, gauged
@@ -26,7 +26,7 @@ from ...models.varied.meshes import circuit_of
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.scene import Pixels, Scene
 from ...sweeps import InputError
-from .answer import NONE, Answer, Maps, at_meter, by_sheets
+from .answer import NONE, Answer, Maps, at_meter
 
 RTOL = 1e-3
 CELLS_PER_PIXEL = 4
@@ -154,7 +154,7 @@ class Fields:
         self, u: NDArray[np.complex128], sheets: NDArray[np.complex128]
     ) -> dict[str, NDArray[np.complex128]]:
         """As `by_sheets`, and by contact resistance."""
-        family, found = self._family, by_sheets(sheets, self.scene.skin)
+        family, found = self._family, by_sheets(sheets, *self.scene.skin.sheet_resistances)
         if any(not contact.ideal for contact in self.scene.contacts):
             films = family.space.film_energy(u, family.system.films)  # pyright: ignore[reportArgumentType]
             found["contact_resistance"] = np.asarray(-films.diagonal(), dtype=np.complex128)

@@ -24,6 +24,7 @@ from ...scene.scene import Pixels, Scene
 from ..parameters import (
     Variation,
     all_values,
+    by_sheets,
     foam_parts,
     leads_of,
     loss_of,
@@ -246,12 +247,11 @@ class Forward:
     ) -> dict[str, NDArray[np.complex128]]:
         """dY by the logarithms of what K's terms are weighed with."""
         sheets, films = self._of_sheets(weighed)
-        sheets = sheets.sum(axis=-1)
-        return {
-            "sheet_resistance": -sheets.sum(axis=-1),
-            "sheet_mismatch": sheets @ self._by_mismatch(variation),
-            "contact_resistance": -films.sum(axis=-1),
-        }
+        skin = self.scene.skin
+        top = skin.top.sheet_resistance / variation.top[0]
+        bottom = skin.bottom.sheet_resistance / variation.bottom[0]
+        energy = np.moveaxis(sheets.sum(axis=-1), -1, 0)
+        return by_sheets(energy, top, bottom) | {"contact_resistance": -films.sum(axis=-1)}
 
     def _of_sheets(
         self, weighed: NDArray[np.complex128]
@@ -269,15 +269,6 @@ class Forward:
         sheets, skin = self._of_sheets(weighed)[0], self.scene.skin
         relative = gauge_slopes(skin, pressed) / gauges(skin, pressed)
         return (sheets * relative[: self.reduced.circuit.fields]).sum(axis=-2)
-
-    def _by_mismatch(self, variation: Variation) -> NDArray[np.float64]:
-        """Of the logarithm of each field's conductance."""
-        if self.reduced.circuit.fields == 2:
-            return np.array([-0.5, 0.5])
-        skin = self.scene.skin
-        top = skin.top.sheet_resistance / variation.top[0]
-        bottom = skin.bottom.sheet_resistance / variation.bottom[0]
-        return np.array([0.5 * (bottom - top) / (bottom + top)])
 
 
 def _at_meter(

@@ -280,10 +280,9 @@ class ReducedSkin:
     ) -> list[tuple[NDArray[np.complex128], NDArray[np.complex128]]]:
         """Potentials of each drive at 1 V in the model's coordinates, shape (N + n, s), and Y in S.
 
-        One small complex system for each s. Sheets are as they are here, see `under`.
+        Sheets are as they are here, see `under`.
         """
-        touched = self.touched(cells, rises)
-        found = [solved(driven, *touched, s) for driven in self._drives]
+        found = solved(self._drives, *self.touched(cells, rises), s)
         return [(self.turn @ u, Y) for u, Y in found]
 
     def touched(
