@@ -24,7 +24,7 @@ from ...models.reduced.resolving import unreduced
 from ...models.varied.materials import gauge_slopes, gauged
 from ...models.varied.meshes import circuit_of
 from ...scene.frequency import laplace_variable, slopes_of_s
-from ...scene.scene import Pixels, Scene
+from ...scene.scene import Scene
 from ...sweeps import InputError
 from .answer import NONE, Answer, Maps, at_meter
 
@@ -48,11 +48,8 @@ class Fields:
 
     def __init__(self, scene: Scene, highest: float, cells: int = CELLS_PER_PIXEL) -> None:
         """cells: along each side of a pixel. highest: Hz."""
-        pixels = scene.pixels
-        self.scene, self.cells = scene, cells
-        self.grid = cells * pixels.rows, cells * pixels.columns
-        finer = Pixels(rows=self.grid[0], columns=self.grid[1])
-        divided = scene if cells == 1 else scene.model_copy(update={"pixels": finer})
+        self.scene, self.cells, divided = scene, cells, scene.divided(cells)
+        self.grid = divided.pixels.shape
         self._circuit = circuit_of(divided)
         self._family = unreduced(divided, self._circuit, RTOL, highest)
 

@@ -23,8 +23,8 @@ from ...models.reduced.model import Reduced
 from ...models.reduced.resolving import unreduced
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import Sweep
-from ...scene.planar import shared
-from ...scene.scene import Pixels, Scene
+from ...scene.planar import covered
+from ...scene.scene import Scene
 from .answer import NONE, Answer, Maps, at_meter
 from .full import CELLS_PER_PIXEL
 from .full import RTOL as MESH_RTOL
@@ -50,13 +50,10 @@ class ReducedFields:
     ) -> None:
         """cells: along each side of a pixel. highest: Hz. Raises ToleranceError where the scene
         does not reduce."""
-        pixels = scene.pixels
         self.scene, self.cells = scene, cells
-        self.grid = cells * pixels.rows, cells * pixels.columns
+        self.grid = scene.divided(cells).pixels.shape
         band = Sweep(frequencies=(float(scene.frequencies[0]), highest))
-        divided = scene.model_copy(
-            update={"pixels": Pixels(rows=self.grid[0], columns=self.grid[1]), "sweep": band}
-        )
+        divided = scene.on_grid(*self.grid).model_copy(update={"sweep": band})
         self._touch = touch
         self._skin = read(self._trained(with_chain(divided), highest), scene.interfaces).skin(None)
 
@@ -130,4 +127,4 @@ def _covered(
     """Of each of so many cells along a side, what a span somewhere covers."""
     start = random.uniform(0, side - own)
     lines = np.linspace(0, side, count + 1)
-    return shared(np.array([start, start + own]), lines)[0]
+    return covered(start, start + own, lines)

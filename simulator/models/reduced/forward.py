@@ -20,7 +20,7 @@ from ...press.capacitance import touched_cells
 from ...press.press import Press
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import FrequencyGrid, Leads, Sweep
-from ...scene.scene import Pixels, Scene
+from ...scene.scene import Scene
 from ..parameters import (
     Variation,
     all_values,
@@ -126,14 +126,9 @@ class Forward:
         told what share of the training is done. train: the model, as `reduce` does.
         """
         self.scene, self.rtol, self.cells_per_pixel = scene, rtol, cells_per_pixel
-        pixels = scene.pixels
-        divided = Pixels(
-            rows=cells_per_pixel * pixels.rows, columns=cells_per_pixel * pixels.columns
-        )
-        whole = cells_per_pixel == 1
-        if not whole:
+        if cells_per_pixel != 1:
             require_whole_pixels(scene, "a touch on cells of pixels")
-        self.divided = scene if whole else scene.model_copy(update={"pixels": divided})
+        self.divided = scene.divided(cells_per_pixel)
         self._advance, self._train = advance, train
         self._kept: tuple[Mapping[str, float], ReducedSkin] | None = None
 
