@@ -11,6 +11,7 @@ from typing import Annotated, NoReturn
 
 import typer
 
+from .asked.options import SceneName
 from .asked.telling import tell_what_is_logged
 from .calibration.command import calibrate
 from .check.command import check, import_sweeps, plot
@@ -111,7 +112,7 @@ def new(
 
 @app.command()
 def sweep(
-    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    scene: SceneName,
     output: Annotated[Path, typer.Option("--output", "-o", help="OUT.csv or OUT.nc.")],
     press: Annotated[
         list[str] | None,

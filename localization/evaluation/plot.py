@@ -112,13 +112,13 @@ def draw_error_map(axes: Axes, truth: NDArray[np.float64], distance: NDArray[np.
     axes.set_title(f"Errors of {distance.size} touches, where they were")
 
 
-def draw_errors(axes: Axes, distance: NDArray[np.float64], label: str | None = None) -> None:
+def draw_errors(axes: Axes, distance: NDArray[np.float64]) -> None:
     """How many of the touches are placed within so many mm.
 
     distance: mm, shape (touch,).
     """
     share = 100 * np.arange(1, distance.size + 1) / distance.size
-    axes.plot(np.sort(distance), share, label=label)
+    axes.plot(np.sort(distance), share)
     axes.set_xlim(0, None)
     axes.set_ylim(0, 100)
     axes.grid(color="0.88")

@@ -30,15 +30,9 @@ LAYOUT = 7
 """Counts up where files of a model can no longer be read as they were."""
 EARLIER = {"pipeline", "target", "quantities", "interfaces", "frequencies", "scene", "version"}
 """Fields of layout 1, which did not name itself."""
-STEPS = (
+OWN_STEPS = (
     Components,
-    StandardScaler,
     ECOCClassifier,
-    SVC,
-    KNeighborsClassifier,
-    KNeighborsRegressor,
-    TransformedTargetRegressor,
-    GaussianProcessRegressor,
     ModelBased,
     ModelBasedPosition,
     AdaptedClassifier,
@@ -46,6 +40,15 @@ STEPS = (
     NetworkClassifier,
     NetworkRegressor,
     Offsets,
+)
+STEPS = (
+    *OWN_STEPS,
+    StandardScaler,
+    SVC,
+    KNeighborsClassifier,
+    KNeighborsRegressor,
+    TransformedTargetRegressor,
+    GaussianProcessRegressor,
 )
 """What the pipeline may be made of."""
 KINDS = {

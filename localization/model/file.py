@@ -12,37 +12,22 @@ from sklearn.exceptions import InconsistentVersionWarning
 from ...simulator.sweeps import InputError, checked_output, whole_file
 from ...simulator.sweeps.file_kinds import check_file_kind
 from ..cores import count_cores
-from ..inversion.adapted import AdaptedClassifier, AdaptedPosition
-from ..inversion.classifier import ModelBased
-from ..inversion.position import ModelBasedPosition
-from ..learners.components import Components
-from ..learners.ecoc import ECOCClassifier
-from ..learners.networks import NetworkClassifier, NetworkRegressor
-from ..learners.offsets import Offsets
 from ..learners.registry import Registry
 from ..trust.kinds import KindGuard
 from ..trust.novelty import NoveltyGuard
-from .fields import ANOTHER_LAYOUT, BEFORE_ONE_NAME, EarlierLayoutError, fields_of, model_of
+from .fields import (
+    ANOTHER_LAYOUT,
+    BEFORE_ONE_NAME,
+    OWN_STEPS,
+    EarlierLayoutError,
+    fields_of,
+    model_of,
+)
 from .model import Model
 
 ENDING = ".skops"
 TRUSTED = [
-    *(
-        f"{kind.__module__}.{kind.__qualname__}"
-        for kind in (
-            Components,
-            ECOCClassifier,
-            ModelBased,
-            ModelBasedPosition,
-            AdaptedClassifier,
-            AdaptedPosition,
-            NetworkClassifier,
-            NetworkRegressor,
-            Offsets,
-            KindGuard,
-            NoveltyGuard,
-        )
-    ),
+    *(f"{kind.__module__}.{kind.__qualname__}" for kind in (*OWN_STEPS, KindGuard, NoveltyGuard)),
     *(
         f"sklearn.{name}"
         for name in (

@@ -18,8 +18,8 @@ from ..measure.readout import ErrorModel
 from ..mesh.held import held
 from ..models.parameters import session_spreads
 from ..progress import Track, silent
-from ..scene.planar import SAME_LINE, shared
-from ..scene.scene import Pixels, Scene
+from ..scene.planar import SAME_LINE, covered
+from ..scene.scene import Scene
 from ..sweeps import InputError
 from .fields import Answer, AnyFields, TouchSize
 from .information import (
@@ -48,8 +48,8 @@ class Cells:
 
     def raised(self, place: tuple[float, float], touch: TouchSize) -> dict[str, Array]:
         """How c over that at rest changes with x and y [1/m] and with the rise; (row, column)."""
-        along, by_x = covered(self.x, place[0], touch.width)
-        across, by_y = covered(self.y, place[1], touch.height)
+        along, by_x = covered_about(self.x, place[0], touch.width)
+        across, by_y = covered_about(self.y, place[1], touch.height)
         return {
             "x": touch.rise * np.multiply.outer(across, by_x),
             "y": touch.rise * np.multiply.outer(by_y, along),
@@ -57,14 +57,13 @@ class Cells:
         }
 
 
-def covered(lines: Array, middle: float, size: float) -> tuple[Array, Array]:
+def covered_about(lines: Array, middle: float, size: float) -> tuple[Array, Array]:
     """Fraction of each interval that a span covers, and its derivative by the span's middle, 1/m.
 
     An end of the span at an end of the skin, or beyond it, does not move.
     """
     start, stop = middle - size / 2, middle + size / 2
-    fraction = shared(np.array([start, stop]), lines)[0]
-    return fraction, _at(lines, stop) - _at(lines, start)
+    return covered(start, stop, lines), _at(lines, stop) - _at(lines, start)
 
 
 def _at(lines: Array, end: float) -> Array:
@@ -176,8 +175,7 @@ def chosen_touch(scene: Scene, size: float | None = None, factor: float | None =
 def places_on(scene: Scene, touch: TouchSize, cells: int, most: int | None = None) -> list[Place]:
     """Middles of touches that lie on the skin whole: those of cells, or where a side leaves none,
     the skin's own middle; at most `most` along each side. Of other outlines as `_on_skin` says."""
-    skin, pixels = scene.skin, scene.pixels
-    grid = cells * pixels.rows, cells * pixels.columns
+    skin, grid = scene.skin, scene.divided(cells).pixels.shape
     x = _along(skin.length, grid[1], touch.width, most)
     y = _along(skin.width, grid[0], touch.height, most)
     places = [(each, other) for other in y for each in x]
@@ -188,8 +186,7 @@ def _on_skin(
     scene: Scene, places: Sequence[Place], touch: TouchSize, grid: tuple[int, int]
 ) -> list[Place]:
     """Those whose cells are skin all over; where no touch finds room, the one with most of it."""
-    divided = scene.model_copy(update={"pixels": Pixels(rows=grid[0], columns=grid[1])})
-    part = held(divided).part.reshape(grid)
+    part = held(scene.on_grid(*grid)).part.reshape(grid)
     cells = Cells.of(scene.skin.length, scene.skin.width, grid)
     covers = [cells.raised(place, touch)["strength"] for place in places]
     shares = np.array([(each * part).sum() / each.sum() for each in covers])

@@ -18,11 +18,11 @@ from ..models.reduced.indented.draws import require_whole_pixels
 from ..models.reduced.model import Reduced
 from ..progress import Track, silent
 from ..scene.frequency import laplace_variable
+from ..scene.planar import covered
 from ..scene.randomisation import AnyDistribution
-from ..scene.scene import Pixels, Scene
+from ..scene.scene import Scene
 from ..sweeps import InputError
 from .information import error_model
-from .position import covered
 
 TARGETS = ("column", "row", "pixel", "pair", "touches")
 
@@ -149,8 +149,7 @@ class Readings:
     @cached_property
     def _divided(self) -> Scene:
         """The scene with cells for pixels."""
-        rows, columns = (CELLS * count for count in self.scene.pixels.shape)
-        return self.scene.model_copy(update={"pixels": Pixels(rows=rows, columns=columns)})
+        return self.scene.divided(CELLS)
 
     @cached_property
     def _covers(self) -> NDArray[np.float64]:
@@ -181,4 +180,4 @@ def _parts(side: float, pixels: int, size: float) -> NDArray[np.float64]:
     """Of each cell along a side, what a span about the middle of each pixel covers."""
     middles = (np.arange(pixels) + 0.5) * side / pixels
     lines = np.linspace(0, side, CELLS * pixels + 1)
-    return np.stack([covered(lines, middle, size)[0] for middle in middles])
+    return covered(middles - size / 2, middles + size / 2, lines)

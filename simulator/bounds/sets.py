@@ -24,7 +24,7 @@ def equation_6(scene: Scene, n: int) -> NDArray[np.float64]:
     area. Source: paper Eq 6.
     """
     skin = scene.skin
-    sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
+    sheets = skin.both_sheets
     fed = scene.contact(scene.interfaces[0].high[0]).edge
     length = skin.length if fed in ("left", "right") else skin.width
     ends = length * np.arange(n, 0, -1) / n

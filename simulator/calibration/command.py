@@ -8,9 +8,11 @@ from typing import Annotated
 
 import typer
 
+from ..asked.options import Charts, SceneName
+
 
 def calibrate(
-    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    scene: SceneName,
     measured: Annotated[
         list[Path], typer.Argument(help="Sweeps: FILE.nc, FILE.zarr or FILE.csv; joined.")
     ],
@@ -43,7 +45,7 @@ def calibrate(
             "dataset.session draws)."
         ),
     ] = "wide",
-    charts: Annotated[str, typer.Option(help="What charts are: png, svg or pdf.")] = "png",
+    charts: Charts = "png",
     anyway: Annotated[
         bool, typer.Option("--anyway", help="Take sweeps that were recorded for another skin.")
     ] = False,

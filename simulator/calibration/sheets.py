@@ -41,7 +41,7 @@ class Product(NamedTuple):
 
 def sheets(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
     """values: of all parameters."""
-    before = scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance
+    before = scene.skin.sheet_resistances
     both, half = values[COMMON], values[MISMATCH] / 2
     top, bottom = before[0] * math.exp(both + half), before[1] * math.exp(both - half)
     yield Product(TOP, "ohm/sq", before[0], top, {COMMON: 1.0, MISMATCH: 0.5})

@@ -87,7 +87,7 @@ def _of_line(asked: Asked) -> list[dict[str, float]]:
     total, floor = float(Z.real.max()), float(np.abs(Z.real).min())
     skin, edge = scene.skin, scene.contacts[0].edge
     squares = skin.length / skin.width if edge in ("left", "right") else skin.width / skin.length
-    sheets = (skin.top.sheet_resistance + skin.bottom.sheet_resistance) * squares
+    sheets = skin.both_sheets * squares
     shown = abs(1 / (omega[0] * Z.imag[0]))
     inductance = max(float(Z.imag[-1]), LEAST_INDUCTANCE * abs(Z[-1])) / omega[-1]
     return [

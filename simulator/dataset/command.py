@@ -8,12 +8,14 @@ from typing import Annotated
 
 import typer
 
+from ..asked.options import SceneName
+
 READINGS_A_SECOND = 6e5
 """About, of one process: sweeps of 20 frequencies, 32 800 a second."""
 
 
 def dataset(
-    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    scene: SceneName,
     sweeps: Annotated[int, typer.Option(help="How many sweeps.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="OUT.zarr.")],
     seed: Annotated[int, typer.Option(help="Decides every draw.")] = 1,

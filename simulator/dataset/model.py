@@ -17,7 +17,7 @@ from ..models.reduced.cases import Case
 from ..models.reduced.file import load, save
 from ..models.reduced.model import Reduced
 from ..scene.randomisation import Session
-from ..scene.scene import Pixels, Scene
+from ..scene.scene import Scene
 from .presses import drawn_presses
 
 TRAINED_TO = 0.5
@@ -106,8 +106,7 @@ def _divided(scene: Scene) -> Scene:
     pixels, cells = scene.pixels, scene.dataset.press.cells
     if cells == 1 and pixels.groups is not None and scene.dataset.press.place == "pixel":
         return scene
-    finer = Pixels(rows=cells * pixels.rows, columns=cells * pixels.columns)
-    return scene.model_copy(update={"pixels": finer})
+    return scene.on_grid(cells * pixels.rows, cells * pixels.columns)
 
 
 def _alike(session: Session) -> bool:

@@ -13,7 +13,7 @@ from ..press.capacitance import laid_on_cells
 from ..press.press import Press
 from ..press.touch import Disc, Rectangle
 from ..scene.randomisation import CUT, DrawnPress, truncated_normal
-from ..scene.scene import Pixels, Scene
+from ..scene.scene import Scene
 from .strengths import drawn_strengths, texts, told
 
 MOST_TOUCHES = 2
@@ -187,8 +187,7 @@ def presses_anywhere(
 
 def _part_of_cells(scene: Scene, grid: tuple[int, int]) -> NDArray[np.float64]:
     """What part of each cell is skin, shape `grid`."""
-    cells = Pixels(rows=grid[0], columns=grid[1])
-    return held(scene.model_copy(update={"pixels": cells})).part.reshape(grid)
+    return held(scene.on_grid(*grid)).part.reshape(grid)
 
 
 def _touches(

@@ -7,9 +7,11 @@ from typing import Annotated
 
 import typer
 
+from ..asked.options import SceneName
+
 
 def describe(
-    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    scene: SceneName,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="A drawing: OUT.png, .svg or .pdf.")
     ] = None,

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..asked.options import SceneName
+
 if TYPE_CHECKING:
     from ..scene.design import Design
     from ..scene.scene import Scene
@@ -15,7 +17,7 @@ FOLDER = Path("design")
 
 
 def design(
-    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    scene: SceneName,
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder for design.toml, tables and report.")
     ] = FOLDER,

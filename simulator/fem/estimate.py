@@ -41,15 +41,13 @@ def told_susceptance(Y: NDArray[np.complex128]) -> NDArray[np.float64]:
     return np.maximum(np.abs(Y.imag), LOST_SUSCEPTANCE * np.abs(Y))
 
 
-def certified(
-    Y: NDArray[np.complex128], power: NDArray[np.float64], beside: NDArray[np.float64] | float = 0.0
-) -> NDArray[np.float64]:
+def certified(Y: NDArray[np.complex128], power: NDArray[np.float64]) -> NDArray[np.float64]:
     """Bound on the relative errors of Rs and Cp, shape (2, s); inf where it says nothing.
 
     |Y - Y_r| <= sqrt(2) power, with power = r*(K + omega M)^-1 r of the residual r; all in S, shape
-    (s,). beside: further error of Y, as that.
+    (s,).
     """
-    size, error = np.abs(Y), np.sqrt(2) * power + beside
+    size, error = np.abs(Y), np.sqrt(2) * power
     Z_error = np.divide(
         error, size * (size - error), out=np.full(size.shape, np.inf), where=size > error
     )

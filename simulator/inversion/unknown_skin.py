@@ -181,7 +181,7 @@ def _wave_terms(forward: Forward) -> NDArray[np.float64]:
     """
     scene, reduced = forward.scene, forward.reduced
     family = family_on(reduced.scene, reduced.circuit, reduced.mesh, len(WAVES))
-    R = np.array([scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance])
+    R = np.array(scene.skin.sheet_resistances)
     share = 1.0 if reduced.circuit.fields == 2 else float(np.hypot(*R) / R.sum())
     unevenness = scene.dataset.session.unevenness
     W = reduced.coordinates

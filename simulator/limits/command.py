@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..asked.options import AgainstRest, Charts, Interfaces, SceneName, TouchFactor, TouchSide
+
 if TYPE_CHECKING:
     from ..progress import Track
     from ..scene.scene import Scene
@@ -23,14 +25,12 @@ ERROR = (
 
 
 def limits(
-    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    scene: SceneName,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help="Folder for maps, tables and summary; else ./limits."),
     ] = None,
-    interface: Annotated[
-        list[str] | None, typer.Option(help="Only this one of the scene's; may be repeated.")
-    ] = None,
+    interface: Interfaces = None,
     sheet_resistance: Annotated[
         str | None, typer.Option(help="Further maps for both sheets of R,R,... ohm/sq.")
     ] = None,
@@ -38,20 +38,14 @@ def limits(
         int | None,
         typer.Option("-n", help="Frequencies of the sets that are compared; else one a pixel."),
     ] = None,
-    size: Annotated[
-        float | None, typer.Option(help="Side of a square touch in mm; else a pixel's sides.")
-    ] = None,
-    factor: Annotated[
-        float | None, typer.Option(help="Capacitance under the touch over that at rest.")
-    ] = None,
-    against_rest: Annotated[
-        int, typer.Option(help="Sweeps of the skin at rest that each sweep is compared with.")
-    ] = 0,
+    size: TouchSide = None,
+    factor: TouchFactor = None,
+    against_rest: AgainstRest = 0,
     unknown_skin: Annotated[
         bool,
         typer.Option("--unknown-skin", help="Skins differ as `dataset.session` of the scene says."),
     ] = False,
-    charts: Annotated[str, typer.Option(help="What charts are: png, svg or pdf.")] = "png",
+    charts: Charts = "png",
     accuracy: Annotated[
         float | None,
         typer.Option(help="Print the most pixels that any classifier tells this well, 0 to 1."),

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..asked.options import AgainstRest, Interfaces, SceneName, TouchFactor, TouchSide
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -13,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def frequencies(
-    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    scene: SceneName,
     n: Annotated[int, typer.Option("-n", help="How many.")],
     criterion: Annotated[
         str,
@@ -27,18 +29,10 @@ def frequencies(
         typer.Option(help="LOW:HIGH in Hz; what is absent is the scene's lowest or highest."),
     ] = None,
     grid: Annotated[int, typer.Option(help="How many to choose from.")] = 60,
-    interface: Annotated[
-        list[str] | None, typer.Option(help="Only this one of the scene's; may be repeated.")
-    ] = None,
-    size: Annotated[
-        float | None, typer.Option(help="Side of a square touch in mm; else a pixel's sides.")
-    ] = None,
-    factor: Annotated[
-        float | None, typer.Option(help="Capacitance under the touch over that at rest.")
-    ] = None,
-    against_rest: Annotated[
-        int, typer.Option(help="Sweeps of the skin at rest that each sweep is compared with.")
-    ] = 0,
+    interface: Interfaces = None,
+    size: TouchSide = None,
+    factor: TouchFactor = None,
+    against_rest: AgainstRest = 0,
     repeats: Annotated[
         bool, typer.Option("--repeats", help="A frequency may be read more than once.")
     ] = False,

@@ -20,8 +20,9 @@ from ..models.reduced.cases import Case
 from ..models.reduced.model import Reduced
 from ..progress import Track, silent
 from ..scene.frequency import laplace_variable
+from ..scene.planar import covered
 from ..scene.randomisation import CUT, AnyDistribution, truncated_normal
-from ..scene.scene import Pixels, Scene
+from ..scene.scene import Scene
 
 RTOL = 1e-3
 
@@ -89,7 +90,11 @@ class Hand:
     ) -> tuple[NDArray[np.int64], Array, NDArray[np.int64]]:
         """Cells, rises and starts, see `ReducedSkin.sweeps`; overlapping touches multiply."""
         along, across = (
-            _covered(middles[..., k], self._sides[k], np.linspace(0, self._extent[k], count + 1))
+            covered(
+                middles[..., k] - self._sides[k] / 2,
+                middles[..., k] + self._sides[k] / 2,
+                np.linspace(0, self._extent[k], count + 1),
+            )
             for k, count in ((0, self.grid[1]), (1, self.grid[0]))
         )
         each = 1 + (factors - 1)[..., None, None] * across[..., :, None] * along[..., None, :]
@@ -100,8 +105,7 @@ class Hand:
 
     @cached_property
     def _reduced(self) -> Reduced:
-        rows, columns = self.grid
-        divided = self.scene.model_copy(update={"pixels": Pixels(rows=rows, columns=columns)})
+        divided = self.scene.on_grid(*self.grid)
         low, high = float(self._presses.low), float(self._presses.high)
         range_of = min(LEAST_FACTOR, low), max(LARGEST_FACTOR, high)
 
@@ -112,13 +116,6 @@ class Hand:
             return Case(None, cells, rises)
 
         return reduced_for(divided, RTOL, draw)
-
-
-def _covered(middle: Array, side: float, lines: Array) -> Array:
-    """Fraction of each cell that lies within half a side of the middle, shape (..., cell)."""
-    low, high = middle[..., None] - side / 2, middle[..., None] + side / 2
-    inside = np.minimum(high, lines[1:]) - np.maximum(low, lines[:-1])
-    return np.maximum(inside, 0.0) / np.diff(lines)
 
 
 NUMBERS = 16

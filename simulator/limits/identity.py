@@ -19,7 +19,7 @@ from ..bounds.readings import Hypothesis, Readings, hypotheses
 from ..measure.experiment import own_presses, quantiles, together
 from ..progress import Track, silent
 from ..scene.randomisation import AnyDistribution
-from ..scene.scene import Pixels, Scene
+from ..scene.scene import Scene
 from ..sweeps import InputError
 
 STRENGTHS = 16
@@ -213,7 +213,7 @@ def with_pixels(scene: Scene, n: int) -> Scene:
     """The same skin with n x n pixels; a strip of one row keeps its one row, or its one column."""
     rows = 1 if scene.pixels.rows == 1 else n
     columns = 1 if scene.pixels.columns == 1 and rows > 1 else n
-    return scene.model_copy(update={"pixels": Pixels(rows=rows, columns=columns)})
+    return scene.on_grid(rows, columns)
 
 
 def shape_of(scene: Scene, n: int) -> str:

@@ -19,7 +19,7 @@ from ..scene.meter import Leads
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .line import Line, tanh_ratio
-from .parameters import all_values, leads_of, loss_of, own_values
+from .parameters import all_values, by_sheets, leads_of, loss_of, own_values
 from .reduced.forward import Response
 
 SMALL = 1e-2
@@ -40,7 +40,7 @@ class LineModel:
             raise InputError(f"{scene.name} is no line: it has {across} pixels across")
         self.scene, self._C, self._shares = scene, c * lengths * width, lengths / lengths.sum()
         self._order = np.arange(len(c))[:: 1 if edge in ("left", "bottom") else -1]
-        sheets = np.array([skin.top.sheet_resistance, skin.bottom.sheet_resistance])
+        sheets = np.array(skin.sheet_resistances)
         self._sheets = sheets * lengths.sum() / width
         self._film = sum(contact.resistance for contact in scene.contacts) / width
 
@@ -87,13 +87,9 @@ class LineModel:
         by_cell = np.empty((len(s), len(self._C)), dtype=complex)
         by_cell[:, self._order] = (turn * by_charging * s * self._C[:, None]).T
         by_s = by_cell @ map_of_c / s
-        by_sheets, film = Z + s * by_s, self._film * math.exp(values["contact_resistance"])
-        halves = float(sheets @ [0.5, -0.5] / sheets.sum())
-        slopes = {
-            "sheet_resistance": by_sheets,
-            "sheet_mismatch": halves * by_sheets,
-            "contact_resistance": np.full_like(Z, film),
-        }
+        film = self._film * math.exp(values["contact_resistance"])
+        slopes = by_sheets(-(Z + s * by_s)[None], *sheets)
+        slopes["contact_resistance"] = np.full_like(Z, film)
         of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
         slopes |= {name: by_s * slope for name, slope in of_s.items()}
         return self._at_meter(Z + film, slopes, by_cell, leads_of(values))

@@ -191,6 +191,21 @@ def _kept_mechanics(scene: Scene) -> dict[str, Any]:
     return {"mechanics": skin.foam.mechanics, "thickness": skin.foam.thickness}
 
 
+def by_sheets(
+    energy: NDArray[np.complex128], top: float, bottom: float
+) -> dict[str, NDArray[np.complex128]]:
+    """dY in S by the logarithms of both sheets' resistance and of the top's over the bottom's.
+
+    energy: of each field's sheet at 1 V, u'Ku, S, shape (field, ...). top, bottom: resistances,
+    which share the energy of the one field that stands for both.
+    """
+    if len(energy) == 2:
+        mismatch = (energy[1] - energy[0]) / 2
+    else:
+        mismatch = energy[0] * (bottom - top) / (bottom + top) / 2
+    return {"sheet_resistance": -np.sum(energy, axis=0), "sheet_mismatch": mismatch}
+
+
 class Spread(NamedTuple):
     """By how much sessions differ from a scene in a parameter: mean, and standard deviation."""
 

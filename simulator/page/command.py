@@ -8,11 +8,13 @@ from typing import Annotated
 
 import typer
 
+from ..asked.options import SceneName
+
 CELLS = 2
 
 
 def page(
-    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    scene: SceneName,
     output: Annotated[Path, typer.Option("--output", "-o", help="OUT.html.")],
     rtol: Annotated[
         float, typer.Option(help="Largest relative error of Rs and of Cp, 1e-8 to 1e-2.")

@@ -133,7 +133,7 @@ def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, An
             "beside": np.flatnonzero(~picture.on_skin).tolist(),
             "conductance": base64_arrays.pictured(picture.conductance),
         },
-        "sheets": [scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance],
+        "sheets": list(scene.skin.sheet_resistances),
         "model": packed_model(skin),
         "basis": base64_arrays.pictured(picture.potential.transpose(0, 2, 1)),
         "scene": _tables(scene),

@@ -155,9 +155,14 @@ def shared(spans: NDArray[np.float64], cells: NDArray[np.float64]) -> NDArray[np
 
     spans, cells: ascending lines, m.
     """
-    start = np.maximum(spans[:-1, None], cells[:-1])
-    stop = np.minimum(spans[1:, None], cells[1:])
-    return np.maximum(stop - start, 0.0) / np.diff(cells)
+    return covered(spans[:-1], spans[1:], cells)
+
+
+def covered(start: ArrayLike, stop: ArrayLike, cells: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Fraction of each interval of `cells` from start to stop, shape (..., cell); all in m."""
+    first = np.maximum(np.asarray(start)[..., None], cells[:-1])
+    last = np.minimum(np.asarray(stop)[..., None], cells[1:])
+    return np.maximum(last - first, 0.0) / np.diff(cells)
 
 
 def disc_fraction(

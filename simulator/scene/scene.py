@@ -222,6 +222,15 @@ class Scene(Table):
         """Its contacts that float but touch driven ones; raises InputError for a mesh not read."""
         return driven_by_touch(self.contacts, self.interfaces, self.skin)
 
+    def on_grid(self, rows: int, columns: int) -> Scene:
+        """The same skin with so many pixels, all alike."""
+        return self.model_copy(update={"pixels": Pixels(rows=rows, columns=columns)})
+
+    def divided(self, cells: int) -> Scene:
+        """With each pixel cut into so many cells along each side; itself for 1."""
+        rows, columns = self.pixels.shape
+        return self if cells == 1 else self.on_grid(cells * rows, cells * columns)
+
     def with_(self, changes: Mapping[str, object]) -> Scene:
         """The same scene with keys of its file changed, as {"skin.top.sheet_resistance": 35e3}.
 

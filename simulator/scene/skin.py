@@ -191,9 +191,14 @@ class Skin(Table):
         return self.length, self.width
 
     @property
+    def sheet_resistances(self) -> tuple[float, float]:
+        """Of the top sheet and of the bottom one, ohm/sq."""
+        return self.top.sheet_resistance, self.bottom.sheet_resistance
+
+    @property
     def both_sheets(self) -> float:
         """Resistance of both sheets in series, ohm/sq."""
-        return self.top.sheet_resistance + self.bottom.sheet_resistance
+        return sum(self.sheet_resistances)
 
     def depth(self, frequency: float, factor: float = 1.0) -> float:
         """How far from a foil the field reaches at a frequency in Hz, m; see `penetration_depth`.

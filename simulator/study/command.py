@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..asked.options import SceneName
+
 if TYPE_CHECKING:
     from .point import CrossValidate
 
@@ -20,7 +22,7 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
     """The command, told how the localizer's accuracy is found."""
 
     def study(
-        scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+        scene: SceneName,
         output: Annotated[
             Path,
             typer.Option("--output", "-o", help="OUT.csv or OUT.nc; the chart is OUT.png."),

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping, Sequence
+from functools import wraps
+from typing import TYPE_CHECKING, ParamSpec
 
 import numpy as np
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import ArrayLike, NDArray
 
+P = ParamSpec("P")
 UNPRESSED = "none"
 MEASURED, VIRTUAL = "measured", "virtual meter"
 """The attribute `model` of sweeps that a meter recorded, and that the virtual one did."""
@@ -40,43 +42,6 @@ SESSIONS = "sessions"
 """Attribute that names sessions: a JSON object of names by number."""
 
 
-def build(
-    Z: ArrayLike,
-    frequency: ArrayLike,
-    *,
-    interface: Sequence[str],
-    press: Sequence[str],
-    row: Sequence[int],
-    column: Sequence[int],
-    session: Sequence[int] | None = None,
-    time: Sequence[float] | None = None,
-    Cp: ArrayLike | None = None,
-    errors: Mapping[str, ArrayLike] | None = None,
-    attributes: Mapping[str, str | int | float] | None = None,
-) -> xr.Dataset:
-    """Sweeps from complex impedance.
-
-    Z: ohm, shape (sweep, interface, frequency). frequency: Hz, ascending. press, row, column,
-    session: one per sweep. time: of the middle of each, s since 1970-01-01 UTC. Cp: F, shape of Z,
-    where a meter displayed its own value instead of the one that follows from Z. errors:
-    `Rs_error` [ohm] and `Cp_error` [F], shape of Z.
-    Raises InputError where the result would break the schema (see `check`).
-    """
-    return tabled(
-        Z,
-        frequency,
-        interface=interface,
-        press=press,
-        row=row,
-        column=column,
-        session=session,
-        time=time,
-        Cp=Cp,
-        errors=errors,
-        attributes=attributes,
-    ).dataset()
-
-
 def tabled(
     Z: ArrayLike,
     frequency: ArrayLike,
@@ -91,7 +56,14 @@ def tabled(
     errors: Mapping[str, ArrayLike] | None = None,
     attributes: Mapping[str, str | int | float] | None = None,
 ) -> Table:
-    """What `build` makes, of plain arrays: to be written where nothing else needs xarray."""
+    """Sweeps from complex impedance, as plain arrays: written where nothing else needs xarray.
+
+    Z: ohm, shape (sweep, interface, frequency). frequency: Hz, ascending. press, row, column,
+    session: one per sweep. time: of the middle of each, s since 1970-01-01 UTC. Cp: F, shape of Z,
+    where a meter displayed its own value instead of the one that follows from Z. errors:
+    `Rs_error` [ohm] and `Cp_error` [F], shape of Z.
+    Raises InputError where the result would break the schema (see `check`).
+    """
     Z = np.asarray(Z, dtype=np.complex128)
     frequency = _checked_frequency(np.asarray(frequency, dtype=np.float64))
     if Z.ndim != 3 or Z.shape[1:] != (len(interface), frequency.size):
@@ -131,6 +103,18 @@ def tabled(
         told = {"long_name": "time since 1970-01-01 UTC", "units": "s"}
         coordinates[TIME] = Variable(("sweep",), np.asarray(time, dtype=np.float64), told)
     return _checked(Table(quantities, coordinates, dict(attributes or {})))
+
+
+def _with_xarray(make: Callable[P, Table]) -> Callable[P, xr.Dataset]:
+    @wraps(make)
+    def made(*given: P.args, **named: P.kwargs) -> xr.Dataset:
+        return make(*given, **named).dataset()
+
+    return made
+
+
+build = _with_xarray(tabled)
+"""As `tabled`, the sweeps as `xarray.Dataset`."""
 
 
 def _checked(sweeps: Table) -> Table:

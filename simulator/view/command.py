@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..asked.options import SceneName
+
 if TYPE_CHECKING:
     from ..progress import Track
     from ..scene.scene import Scene
@@ -15,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def view(
-    scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+    scene: SceneName,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help="OUT.png .svg .pdf .gif .mp4 .vtu .xdmf or .html."),

@@ -194,17 +194,22 @@ def command():
 
 
 @pytest.fixture
-def start_rig():
-    """Starts the rig's command line as a process of its own, killed at the end if need be."""
+def spawn():
+    """Starts processes, killed at the end if need be."""
     started = []
 
-    def start_rig(*arguments):
-        words = [sys.executable, str(RIG), *map(str, arguments)]
-        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-        started.append(subprocess.Popen(words, text=True, **pipes))
+    def spawn(*words, **pipes):
+        pipes = pipes or {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+        started.append(subprocess.Popen([*map(str, words)], text=True, **pipes))
         return started[-1]
 
-    yield start_rig
+    yield spawn
     for process in started:
         process.kill()
         process.communicate()
+
+
+@pytest.fixture
+def start_rig(spawn):
+    """Starts the rig's command line as a process of its own."""
+    return lambda *arguments: spawn(sys.executable, RIG, *arguments)

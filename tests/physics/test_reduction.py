@@ -104,14 +104,20 @@ def test_the_kernel_and_its_readable_twin_agree(families):
             np.testing.assert_allclose(fused, readable, rtol=1e-11)
 
 
-def test_the_potentials_of_a_certificate_are_those_of_the_sweep(families):
+@pytest.mark.parametrize("touches", [0, 1, 6], ids="{} touched".format)
+def test_the_potentials_of_a_certificate_are_those_of_the_sweep(families, touches):
+    """Of few touches and of so many that M is turned to its own directions."""
+    cells, rises = np.arange(touches), np.linspace(0.4, 2.0, touches)
     for reduced in families.values():
-        own, (case,) = reduced.skin(None), drawn(reduced.scene, 1)
-        cells, rises, starts = batch([case])
+        own = reduced.skin(None)
+        given = cells, rises, np.array([0, touches]), own.s, 1e-13
+        factors = np.ones(len(reduced.factors))
+        factors[cells] += rises
+        M = np.einsum("k,krm,krn->mn", factors, reduced.factors, reduced.factors)
         for feed, (u, Y) in zip(own.feeds, own.solved(cells, rises, own.s), strict=True):
-            swept_Y = swept(own.rest, feed, cells, rises, starts, own.s, 1e-13)[0]
-            np.testing.assert_allclose(Y, swept_Y, rtol=1e-9)
-            assert u.shape == (len(own.turn), len(own.s))
+            np.testing.assert_allclose(Y, swept(own.rest, feed, *given)[0], rtol=1e-9)
+            inner = (own.stiffness @ u + own.s * (M @ u))[len(reduced.conductance) :]
+            assert np.abs(inner).max() < 1e-9 * np.abs(Y).max()
 
 
 def test_every_vector_is_orthonormal_in_K(families):

@@ -4,6 +4,8 @@ import os
 import re
 import shlex
 import sys
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -84,6 +86,17 @@ def test_every_link_leads_to_a_file_and_a_heading(page):
         target = (ROOT / page).parent / file if file else ROOT / page
         assert target.exists(), link
         assert not anchor or anchor in anchors(os.path.relpath(target, ROOT)), link
+
+
+@pytest.mark.parametrize("page", (*PAGES, "tests/README.md"))
+def test_every_path_and_module_that_is_named_exists(page):
+    here = (ROOT / page).parent
+    for path in re.findall(r"`((?!results/)[\w.-]+/[\w./-]*)`", text(page)):
+        roots = [root for root in (ROOT, here) if (root / path.partition("/")[0]).is_dir()]
+        assert not roots or any((root / path).exists() for root in roots), path
+    for name in re.findall(r"rcskin(?:\.\w+)+", "".join(re.findall(r"`[^`]+`", text(page)))):
+        module, _, last = name.rpartition(".")
+        assert find_spec(name) or hasattr(import_module(module), last), name
 
 
 @pytest.mark.parametrize("lines", [*map(commands, PAGES), [*EXAMPLES.values()]])

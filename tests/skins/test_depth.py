@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.bounds.position import chosen_touch
 from rcskin.simulator.calibration.choice import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.dataset.plan import Plan
@@ -206,11 +207,16 @@ def test_a_calibration_finds_the_sheets_of_a_twin_pressed_by_depth(scene):
     sheets = (found.scene.skin.top, found.scene.skin.bottom)
     assert sum(each.sheet_resistance for each in sheets) == pytest.approx(100e3, rel=2e-3)
     assert found.scene.press.depth == scene.press.depth
+    factor = scene.pressed_factor
+    assert abs(factor - scene.press.capacitance_factor) > 0.1
+    rises = np.concatenate(found.strengths)
+    np.testing.assert_allclose(rises, factor - 1, rtol=0.02)
 
 
 def test_limits_and_studies_press_by_depth(scene):
     planned = scene.with_({"experiment": {"repetitions": 5}})
     assert 0.6 < bayes_accuracy(planned, "pixel", draws=100, seed=1).share <= 1.0
+    assert chosen_touch(planned).rise == scene.pressed_factor - 1
     presses = planned_presses(planned, np.random.default_rng(1))
     assert all(touch.by.unit == "m" for press in presses for touch in press.touches)
     (family,) = families([planned])

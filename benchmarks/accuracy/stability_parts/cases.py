@@ -55,7 +55,7 @@ def varied(name: str, u: Iterable[float], changes: dict[str, Any]) -> Scene:
     """A built-in scene with other tables, swept where omega (R_t + R_b) c L² is u."""
     tables = load_scene(name).model_dump(by_alias=True, exclude_none=True) | changes
     skin = Scene.model_validate(tables).skin
-    sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
+    sheets = skin.both_sheets
     RC = sheets * skin.foam.rest_capacitance_per_area * skin.length**2
     frequencies = [each / (2 * np.pi * RC) for each in u]
     return Scene.model_validate(tables | {"sweep": {"frequencies": frequencies}})

@@ -203,7 +203,7 @@ def passivity(skins: int) -> Iterator[Check]:
 def swept(scene: Scene, u: NDArray) -> Scene:
     """The same skin at other u."""
     skin = scene.skin
-    sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
+    sheets = skin.both_sheets
     c, L = skin.foam.rest_capacitance_per_area, max(skin.length, skin.width)
     frequencies = tuple((u / (2 * np.pi * sheets * c * L**2)).tolist())
     return scene.model_copy(

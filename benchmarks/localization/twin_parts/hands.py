@@ -11,18 +11,17 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
+from rcskin.benchmarks.localization.twin_parts.recording import scene_data
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.hardware.live.answer import Localizer
 from rcskin.hardware.live.link import Link
 from rcskin.hardware.meter.accuracy import Conditions, read_table
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.record.checks import Limits
-from rcskin.hardware.scene_data import SceneData
 from rcskin.hardware.virtual.control import Control
 from rcskin.hardware.virtual.server import running
 from rcskin.hardware.virtual.serving import instrument, simulated
 from rcskin.simulator.measure.specimen import SessionErrors
-from rcskin.simulator.scene.files import scene_text
 
 TALK = 0.008
 """s of a reading beside measuring: commands and their answers."""
@@ -88,15 +87,7 @@ class Stage:
         """The meter of a live session, on TCP."""
         scene = self.twin.scene
         name = scene.interfaces[0].name
-        data = SceneData(
-            name=scene.name,
-            text=scene_text(scene),
-            frequencies=scene.sweep.frequencies,
-            rows=scene.pixels.rows,
-            columns=scene.pixels.columns,
-            interfaces=(name,),
-        )
-        meter = instrument(simulated(data, {name: self}, self.read), pace=0.0)
+        meter = instrument(simulated(scene_data(scene, name), {name: self}, self.read), pace=0.0)
         with running(meter, Control(meter)) as ports:
             link = Link(
                 localizer, lambda: open_meter(ports.resource, 5.0), read_table(), Limits(), 30.0

@@ -21,6 +21,7 @@ from rcskin.hardware.virtual.server import running
 from rcskin.hardware.virtual.serving import instrument, simulated
 from rcskin.simulator.measure.specimen import SessionErrors
 from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import side_by_side
 from rich.console import Console
 
@@ -34,9 +35,9 @@ def recorded(twin: Twin, presses: Sequence[str], interfaces: Sequence[str]) -> x
     return whole.assign_coords(session=("sweep", [twin.number] * len(presses)))
 
 
-def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
-    scene = twin.scene
-    data = SceneData(
+def scene_data(scene: Scene, interface: str) -> SceneData:
+    """What the meter's side knows of a scene at one interface."""
+    return SceneData(
         name=scene.name,
         text=scene_text(scene),
         frequencies=scene.sweep.frequencies,
@@ -44,6 +45,10 @@ def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
         columns=scene.pixels.columns,
         interfaces=(interface,),
     )
+
+
+def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
+    scene, data = twin.scene, scene_data(twin.scene, interface)
     number = [each.name for each in scene.interfaces].index(interface)
     errors = SessionErrors(scene, seed=1000 * twin.number + number)
     skins = {interface: twin.at(interface)}

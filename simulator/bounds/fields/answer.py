@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.meter import Leads
-from ...scene.skin import Skin
 
 Maps = Mapping[str, NDArray[np.float64]]
 NONE: Maps = {}
@@ -21,19 +20,6 @@ class Answer:
 
     Z: NDArray[np.complex128]
     by: dict[str, NDArray[np.complex128]]
-
-
-def by_sheets(sheets: NDArray[np.complex128], skin: Skin) -> dict[str, NDArray[np.complex128]]:
-    """dY by the logarithms of resistances and of top over bottom; see `parameters`.
-
-    sheets: energy of each field's sheet, W, shape (field, ...).
-    """
-    if len(sheets) == 2:
-        mismatch = (sheets[1] - sheets[0]) / 2
-    else:
-        top, bottom = skin.top.sheet_resistance, skin.bottom.sheet_resistance
-        mismatch = sheets[0] * (bottom - top) / (bottom + top) / 2
-    return {"sheet_resistance": -np.sum(sheets, axis=0), "sheet_mismatch": mismatch}
 
 
 def at_meter(

@@ -18,15 +18,15 @@ from scipy.sparse import csc_matrix
 from ...fem.circuit import Drive
 from ...fem.galerkin import Galerkin, one_blas_thread
 from ...fem.lanczos import Pencil, potentials, respond
-from ...models.parameters import of_parts
+from ...models.parameters import by_sheets, of_parts
 from ...models.reduced.family import Weights, weights_under
 from ...models.reduced.resolving import unreduced
 from ...models.varied.materials import gauge_slopes, gauged
 from ...models.varied.meshes import circuit_of
 from ...scene.frequency import laplace_variable, slopes_of_s
-from ...scene.scene import Pixels, Scene
+from ...scene.scene import Scene
 from ...sweeps import InputError
-from .answer import NONE, Answer, Maps, at_meter, by_sheets
+from .answer import NONE, Answer, Maps, at_meter
 
 RTOL = 1e-3
 CELLS_PER_PIXEL = 4
@@ -48,11 +48,8 @@ class Fields:
 
     def __init__(self, scene: Scene, highest: float, cells: int = CELLS_PER_PIXEL) -> None:
         """cells: along each side of a pixel. highest: Hz."""
-        pixels = scene.pixels
-        self.scene, self.cells = scene, cells
-        self.grid = cells * pixels.rows, cells * pixels.columns
-        finer = Pixels(rows=self.grid[0], columns=self.grid[1])
-        divided = scene if cells == 1 else scene.model_copy(update={"pixels": finer})
+        self.scene, self.cells, divided = scene, cells, scene.divided(cells)
+        self.grid = divided.pixels.shape
         self._circuit = circuit_of(divided)
         self._family = unreduced(divided, self._circuit, RTOL, highest)
 
@@ -154,7 +151,7 @@ class Fields:
         self, u: NDArray[np.complex128], sheets: NDArray[np.complex128]
     ) -> dict[str, NDArray[np.complex128]]:
         """As `by_sheets`, and by contact resistance."""
-        family, found = self._family, by_sheets(sheets, self.scene.skin)
+        family, found = self._family, by_sheets(sheets, *self.scene.skin.sheet_resistances)
         if any(not contact.ideal for contact in self.scene.contacts):
             films = family.space.film_energy(u, family.system.films)  # pyright: ignore[reportArgumentType]
             found["contact_resistance"] = np.asarray(-films.diagonal(), dtype=np.complex128)

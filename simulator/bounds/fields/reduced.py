@@ -1,7 +1,7 @@
 """As `full`, in the small basis of a model that is trained for all terminals of a skin.
 
-In coordinates in which K is 1, M of a press inside is turned to its own directions once: then every
-s is diagonal, and what floats is eliminated between terminals. dY = u'(dK + s dM + ds M) u.
+Touches on cells are so many that M of a press is turned to its own directions once, see
+`dense.solved`. dY = u'(dK + s dM + ds M) u.
 """
 
 from __future__ import annotations
@@ -14,17 +14,18 @@ from numpy.typing import NDArray
 
 from ...fem.circuit import two_fields
 from ...fem.galerkin import one_blas_thread
-from ...models.network.skin import wiring_of
 from ...models.network.terminals import read, with_chain
+from ...models.parameters import by_sheets
 from ...models.reduced.cases import Case
+from ...models.reduced.dense import added
 from ...models.reduced.greedy import Basis, unseen
 from ...models.reduced.model import Reduced
 from ...models.reduced.resolving import unreduced
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import Sweep
-from ...scene.planar import shared
-from ...scene.scene import Pixels, Scene
-from .answer import NONE, Answer, Maps, at_meter, by_sheets
+from ...scene.planar import covered
+from ...scene.scene import Scene
+from .answer import NONE, Answer, Maps, at_meter
 from .full import CELLS_PER_PIXEL
 from .full import RTOL as MESH_RTOL
 
@@ -49,13 +50,10 @@ class ReducedFields:
     ) -> None:
         """cells: along each side of a pixel. highest: Hz. Raises ToleranceError where the scene
         does not reduce."""
-        pixels = scene.pixels
         self.scene, self.cells = scene, cells
-        self.grid = cells * pixels.rows, cells * pixels.columns
+        self.grid = scene.divided(cells).pixels.shape
         band = Sweep(frequencies=(float(scene.frequencies[0]), highest))
-        divided = scene.model_copy(
-            update={"pixels": Pixels(rows=self.grid[0], columns=self.grid[1]), "sweep": band}
-        )
+        divided = scene.on_grid(*self.grid).model_copy(update={"sweep": band})
         self._touch = touch
         self._skin = read(self._trained(with_chain(divided), highest), scene.interfaces).skin(None)
 
@@ -69,15 +67,17 @@ class ReducedFields:
         """Of one map of c, as `Fields` does."""
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
         with one_blas_thread():
-            M = self._rest + self._mass(factors - 1)
-            u, Y = self._solved(M, s)
+            rises = (factors - 1).ravel()
+            cells = np.flatnonzero(rises)
+            found = self._skin.solved(cells, rises[cells], s)
+            u, Y = np.stack([own for own, _ in found]), np.stack([own for _, own in found])
             maps = {**directions, **of_foam}
             by = {name: s * _energy(u, self._mass(change)) for name, change in maps.items()}
-            by_s = _energy(u, M)
-            by_K = np.stack([_energy(u, term) for term in self._stiffness])
+            by_s = _energy(u, self._rest + self._mass(rises))
+            by_K = np.stack([_energy(u, term) for term in self._skin.reduced.stiffness])
         of_s = slopes_of_s(frequency, self.scene.skin.foam.loss)
         by |= {name: by_s * of_s[name] for name in ("capacitance", "loss_tangent")}
-        by |= by_sheets(by_K[:2], self.scene.skin)
+        by |= by_sheets(by_K[:2], *self.scene.skin.sheet_resistances)
         if len(by_K) > 2:
             by["contact_resistance"] = -by_K[2:].sum(axis=0)
         return at_meter(1 / Y, by, self.scene.leads, frequency)
@@ -107,53 +107,18 @@ class ReducedFields:
     @cached_property
     def _rest(self) -> NDArray[np.float64]:
         """M at rest in F, shape (N + n, N + n)."""
-        rest = self._skin.rest
-        N = len(rest.rows)
-        M = np.diag(np.concatenate([np.zeros(N), rest.diagonal]))
-        M[:N], M[:, :N] = rest.rows, rest.rows.T
-        return M
+        return self._mass(np.ones(self.grid))
 
     def _mass(self, change: NDArray[np.float64]) -> NDArray[np.float64]:
         """What a map adds to M, in F."""
-        factors = self._skin.rest.factors
         cells = np.flatnonzero(change)
-        U = factors[cells].reshape(-1, factors.shape[2])
-        return (U.T * np.repeat(change.ravel()[cells], factors.shape[1])) @ U
-
-    @cached_property
-    def _stiffness(self) -> NDArray[np.float64]:
-        """K of each sheet, then of each film, in S."""
-        turn = self._skin.turn
-        return turn.T @ self._skin.reduced.stiffness @ turn
-
-    def _solved(
-        self, M: NDArray[np.float64], s: NDArray[np.complex128]
-    ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-        """Potentials of each drive at 1 V, shape (drive, N + n, s), and Y in S."""
-        skin = self._skin
-        N = len(skin.conductance)
-        own, axes = np.linalg.eigh(M[N:, N:])
-        beside = axes.T @ M[N:, :N]
-        P = 1 / (1 + s[:, None] * own)
-        delayed = (beside.T * P[:, None]) @ beside
-        dynamic = s[:, None, None] * M[:N, :N] - s[:, None, None] ** 2 * delayed
-        circuit = skin.reduced.circuit
-        wiring = wiring_of(circuit.drives, skin.reduced.terminal_field, skin.conductance)
-        U, Y = [], []
-        for drive, count in enumerate(wiring.counts):
-            allowed = wiring.potentials[drive, :, :count]
-            Y_of = wiring.conductance[drive, :count, :count] + allowed.T @ dynamic @ allowed
-            floating = -np.linalg.solve(Y_of[:, 1:, 1:], Y_of[:, 1:, :1])[:, :, 0]
-            Y.append(Y_of[:, 0, 0] + (Y_of[:, 0, 1:] * floating).sum(axis=1))
-            U.append(allowed[:, :1] + allowed[:, 1:] @ floating.T)
-        at = np.stack(U)
-        inside = axes @ (-(s * P.T) * (beside @ at))
-        return np.concatenate([at, inside], axis=1), np.stack(Y)
+        return added(self._skin.reduced.factors, cells, change.ravel()[cells])
 
 
 def _energy(u: NDArray[np.complex128], form: NDArray[np.float64]) -> NDArray[np.complex128]:
     """u'(form)u, shape (drive, s)."""
-    return (u * (form @ u)).sum(axis=1)
+    turned = (form @ u.view(np.float64)).view(np.complex128)
+    return (u * turned).sum(axis=1)
 
 
 def _covered(
@@ -162,4 +127,4 @@ def _covered(
     """Of each of so many cells along a side, what a span somewhere covers."""
     start = random.uniform(0, side - own)
     lines = np.linspace(0, side, count + 1)
-    return shared(np.array([start, start + own]), lines)[0]
+    return covered(start, start + own, lines)

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from ...fem.estimate import certified
 from ...fem.lanczos import potentials
 from .cases import Case, by_skin
+from .dense import mass_of
 from .family import Family
-from .kernel import Feed, Rest, dense_pencil, written_out
+from .kernel import Feed, dense_pencil
 from .model import Reduced, ReducedSkin
 
 KRYLOV_RTOL = 1e-6
@@ -65,7 +66,7 @@ def _solved(
     skin: ReducedSkin, case: Case, feed: Feed, s: NDArray[np.complex128]
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """Potentials of one drive at 1 V in the skin's coordinates, shape (N + n, s), and Y in S."""
-    mass = _mass(*skin.touched(case.cells, case.rises))
+    mass = mass_of(*skin.touched(case.cells, case.rises))
     at_zero = np.zeros(len(mass))
     at_zero[: len(feed.driven)] = feed.driven
     for common in feed.common:
@@ -76,10 +77,3 @@ def _solved(
     v = potentials(pencil, at_shifts, KRYLOV_RTOL).astype(np.complex128)
     Y = pencil.admittance + s * (pencil.capacitance + pencil.start @ v)
     return at_zero[:, None] + v, Y
-
-
-def _mass(rest: Rest, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
-    """M of a press in F, as `written_out`, by one product of matrices."""
-    U = rest.factors[cells].reshape(-1, rest.factors.shape[2])
-    touched = (U.T * np.repeat(rises, rest.factors.shape[1])) @ U
-    return written_out(rest, np.zeros(0, dtype=np.int64), np.zeros(0)) + touched

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from ...fem.driven import Driven
-from .kernel import Feed, Rest
+from .kernel import Feed, Rest, written_out
 
 
 def own_coordinates(
@@ -36,18 +38,56 @@ def _without_common(
     return conductance
 
 
+MANY = 2
+"""What touches see has more directions than the basis over this: M is turned to its own instead."""
+
+
 def solved(
+    drives: Sequence[Driven],
+    rest: Rest,
+    cells: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    s: NDArray[np.complex128],
+) -> list[tuple[NDArray[np.complex128], NDArray[np.complex128]]]:
+    """Potentials of each drive at 1 V, shape (N + n, s), and Y in S.
+
+    weights: rises of the cells' M. s: rad/s.
+    """
+    if MANY * len(cells) * rest.factors.shape[1] <= len(rest.diagonal):
+        return [_by_touches(driven, rest, cells, weights, s) for driven in drives]
+    N, M = len(rest.rows), mass_of(rest, cells, weights)
+    diagonal, axes = eigh(M[N:, N:])
+    pressed = Rest(np.hstack([M[:N, :N], M[:N, N:] @ axes]), diagonal, rest.factors)
+    none = np.zeros(0, dtype=np.int64)
+    found = [_by_touches(driven, pressed, none, np.zeros(0), s) for driven in drives]
+    return [(np.vstack([u[:N], axes @ u[N:]]), Y) for u, Y in found]
+
+
+def mass_of(
+    rest: Rest, cells: NDArray[np.int64], weights: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """M of a press in F, as `written_out`, by one product of matrices."""
+    none = np.zeros(0, dtype=np.int64)
+    return written_out(rest, none, np.zeros(0)) + added(rest.factors, cells, weights)
+
+
+def added(
+    factors: NDArray[np.float64], cells: NDArray[np.int64], weights: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """What cells add to M, in F."""
+    U = factors[cells].reshape(-1, factors.shape[2])
+    return (U.T * np.repeat(weights, factors.shape[1])) @ U
+
+
+def _by_touches(
     driven: Driven,
     rest: Rest,
     cells: NDArray[np.int64],
     weights: NDArray[np.float64],
     s: NDArray[np.complex128],
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Potentials at 1 V, shape (N + n, s), and Y in S; weights: rises of the cells' M.
-
-    K + s M is diagonal in the basis but for floating terminals f and what the cells' factors U see
-    of it, z = U v: they are solved for, and v follows.
-    """
+    """K + s M is diagonal in the basis but for floating terminals f and what the cells' factors U
+    see of it, z = U v: they are solved for, and v follows."""
     N, F = len(driven.potential), driven.floating
     U = rest.factors[cells].reshape(-1, rest.factors.shape[2])
     C = np.repeat(weights, rest.factors.shape[1])

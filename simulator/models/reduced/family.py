@@ -204,7 +204,7 @@ def _conductances(
         return [top, bottom]
     if not variation.alike:
         raise InputError("sheets that vary over the skin in different ways need two fields")
-    R = np.array([scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance])
+    R = np.array(scene.skin.sheet_resistances)
     mean = R.sum() / (R / [top[0], bottom[0]]).sum()
     return [mean * top / top[0]]
 

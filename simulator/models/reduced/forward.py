@@ -20,10 +20,11 @@ from ...press.capacitance import touched_cells
 from ...press.press import Press
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import FrequencyGrid, Leads, Sweep
-from ...scene.scene import Pixels, Scene
+from ...scene.scene import Scene
 from ..parameters import (
     Variation,
     all_values,
+    by_sheets,
     foam_parts,
     leads_of,
     loss_of,
@@ -125,14 +126,9 @@ class Forward:
         told what share of the training is done. train: the model, as `reduce` does.
         """
         self.scene, self.rtol, self.cells_per_pixel = scene, rtol, cells_per_pixel
-        pixels = scene.pixels
-        divided = Pixels(
-            rows=cells_per_pixel * pixels.rows, columns=cells_per_pixel * pixels.columns
-        )
-        whole = cells_per_pixel == 1
-        if not whole:
+        if cells_per_pixel != 1:
             require_whole_pixels(scene, "a touch on cells of pixels")
-        self.divided = scene if whole else scene.model_copy(update={"pixels": divided})
+        self.divided = scene.divided(cells_per_pixel)
         self._advance, self._train = advance, train
         self._kept: tuple[Mapping[str, float], ReducedSkin] | None = None
 
@@ -246,12 +242,11 @@ class Forward:
     ) -> dict[str, NDArray[np.complex128]]:
         """dY by the logarithms of what K's terms are weighed with."""
         sheets, films = self._of_sheets(weighed)
-        sheets = sheets.sum(axis=-1)
-        return {
-            "sheet_resistance": -sheets.sum(axis=-1),
-            "sheet_mismatch": sheets @ self._by_mismatch(variation),
-            "contact_resistance": -films.sum(axis=-1),
-        }
+        skin = self.scene.skin
+        top = skin.top.sheet_resistance / variation.top[0]
+        bottom = skin.bottom.sheet_resistance / variation.bottom[0]
+        energy = np.moveaxis(sheets.sum(axis=-1), -1, 0)
+        return by_sheets(energy, top, bottom) | {"contact_resistance": -films.sum(axis=-1)}
 
     def _of_sheets(
         self, weighed: NDArray[np.complex128]
@@ -269,15 +264,6 @@ class Forward:
         sheets, skin = self._of_sheets(weighed)[0], self.scene.skin
         relative = gauge_slopes(skin, pressed) / gauges(skin, pressed)
         return (sheets * relative[: self.reduced.circuit.fields]).sum(axis=-2)
-
-    def _by_mismatch(self, variation: Variation) -> NDArray[np.float64]:
-        """Of the logarithm of each field's conductance."""
-        if self.reduced.circuit.fields == 2:
-            return np.array([-0.5, 0.5])
-        skin = self.scene.skin
-        top = skin.top.sheet_resistance / variation.top[0]
-        bottom = skin.bottom.sheet_resistance / variation.bottom[0]
-        return np.array([0.5 * (bottom - top) / (bottom + top)])
 
 
 def _at_meter(

@@ -197,8 +197,19 @@ class ReducedSkin:
         starts: NDArray[np.int64],
         s: NDArray[np.complex128],
     ) -> NDArray[np.complex128]:
-        weights, rtol = rises * self.rest_factors[cells], KRYLOV_SHARE * self.reduced.rtol
-        Y = [swept(self.rest, feed, cells, weights, starts, s, rtol) for feed in self.feeds]
+        return self._by_kernel(self.rest, cells, rises * self.rest_factors[cells], starts, s)
+
+    def _by_kernel(
+        self,
+        rest: Rest,
+        cells: NDArray[np.int64],
+        weights: NDArray[np.float64],
+        starts: NDArray[np.int64],
+        s: NDArray[np.complex128],
+    ) -> NDArray[np.complex128]:
+        """Z in ohm of presses that add `weights` times M of their cells, see `sweeps`."""
+        rtol = KRYLOV_SHARE * self.reduced.rtol
+        Y = [swept(rest, feed, cells, weights, starts, s, rtol) for feed in self.feeds]
         return (1 / np.stack(Y, axis=1)).astype(np.complex128)
 
     def certificate(
@@ -269,10 +280,9 @@ class ReducedSkin:
     ) -> list[tuple[NDArray[np.complex128], NDArray[np.complex128]]]:
         """Potentials of each drive at 1 V in the model's coordinates, shape (N + n, s), and Y in S.
 
-        One small complex system for each s. Sheets are as they are here, see `under`.
+        Sheets are as they are here, see `under`.
         """
-        touched = self.touched(cells, rises)
-        found = [solved(driven, *touched, s) for driven in self._drives]
+        found = solved(self._drives, *self.touched(cells, rises), s)
         return [(self.turn @ u, Y) for u, Y in found]
 
     def touched(

@@ -1,7 +1,6 @@
 """`rcskin live` at a virtual meter: as a process of its own, or within this one."""
 
 import runpy
-import subprocess
 import sys
 from pathlib import Path
 
@@ -57,21 +56,14 @@ def cushion():
 
 
 @pytest.fixture
-def start(ports):
+def start(spawn, ports):
     """A function that starts the command at the virtual meter, killed at the end if need be."""
-    started = []
 
     def start(*arguments, resource=ports.resource, **pipes):
         words = [sys.executable, RIG, "live", "--model", "m.skops", "--resource", resource]
-        pipes = pipes or {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-        words = [*map(str, [*words, *arguments])]
-        started.append(subprocess.Popen(words, text=True, **pipes))
-        return started[-1]
+        return spawn(*words, *arguments, **pipes)
 
-    yield start
-    for process in started:
-        process.kill()
-        process.communicate()
+    return start
 
 
 @pytest.fixture
@@ -80,8 +72,8 @@ def live(ports):
     app = typer.Typer()
     app.command("live")(_rig["command"])
 
-    def live(*arguments):
-        words = ["--resource", ports.resource, "--model", "m.skops"]
+    def live(*arguments, model="m.skops"):
+        words = ["--resource", ports.resource, "--model", model]
         return CliRunner().invoke(app, [*words, *map(str, arguments)])
 
     return live
@@ -104,10 +96,12 @@ def session(ports):
     """A function that makes a session at the virtual meter, let go at the end."""
     links = []
 
-    def session(then=None, *, localizer=None, rest=2, patience=5.0, drift=0.05, **more):
+    def session(
+        then=None, *, localizer=None, rest=2, patience=5.0, drift=0.05, switch=None, **more
+    ):
         localizer = localizer or _rig["Columns"]()
         connect = lambda: open_meter(ports.resource, 0.2)  # noqa: E731
-        link = Link(localizer, connect, read_table(), Limits(drift=drift), patience)
+        link = Link(localizer, connect, read_table(), Limits(drift=drift), patience, switch)
         links.append(link)
         kept = Rest(rest if localizer.needs_rest else 0)
         return Session(localizer, link, kept, Witness(then), Log(), **more)

@@ -6,21 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import typer
-from rcskin.hardware.live.link import Link
-from rcskin.hardware.live.log import Log
-from rcskin.hardware.live.rest import Rest
-from rcskin.hardware.live.session import Session
-from rcskin.hardware.meter.accuracy import read_table
-from rcskin.hardware.meter.hioki import open_meter
-from rcskin.hardware.record.checks import Limits
-from rcskin.hardware.steer import ask
 from rcskin.hardware.switch.errors import NoSwitchError
 from rcskin.hardware.switch.switch import Turning
 from rcskin.hardware.switch.virtual import VirtualSwitch
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import impedance, read
-from typer.testing import CliRunner
 
 _rig = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))
 SKINS, Pixels = _rig["SKINS"], _rig["Pixels"]
@@ -28,24 +18,7 @@ NAMES = {name: name for name in SKINS}
 PRESSES = ["2,3", "1,1", "none", "2,1", "1,3"]
 
 
-class Witness:
-    """Keeps what is shown, and does `then[n]` after the n-th answer."""
-
-    def __init__(self, then):
-        self.moments, self.told, self.then = [], [], then
-
-    def reading(self, frequency, reading):
-        pass
-
-    def answer(self, moment):
-        self.moments.append(moment)
-        self.then.get(len(self.moments), lambda: None)()
-
-    def no_answer(self, why):
-        self.told.append(why)
-
-    def note(self, text):
-        pass
+pytestmark = pytest.mark.usefixtures("impatient")
 
 
 @pytest.fixture
@@ -54,33 +27,16 @@ def instrument(make_instrument):
 
 
 @pytest.fixture
-def session(ports):
+def session(session, ports, press):
     """A function that makes a session that presses PRESSES, one after each answer."""
-    links = []
 
-    def session(then=None, settle=0.0, awaited=2.0, patience=5.0):
+    def switched(then=None, settle=0.0, awaited=2.0, patience=5.0):
         control = f"127.0.0.1:{ports.control}"
-
-        def press(where):
-            return lambda: ask(control, "press", press=where)
-
-        localizer = Pixels()
         switch = Turning(lambda: VirtualSwitch(control), NAMES, settle, awaited)
-        connect = lambda: open_meter(ports.resource, 0.2)  # noqa: E731
-        link = Link(localizer, connect, read_table(), Limits(), patience, switch)
-        links.append(link)
-        told = then or {n: press(where) for n, where in enumerate(PRESSES, start=1)}
-        return Session(localizer, link, Rest(2), Witness(told), Log())
+        then = then or {n: press(where) for n, where in enumerate(PRESSES, start=1)}
+        return session(then, localizer=Pixels(), switch=switch, patience=patience)
 
-    yield session
-    for link in links:
-        link.leave()
-
-
-@pytest.fixture(autouse=True)
-def impatient(monkeypatch):
-    """Waits between connections that a test has time for."""
-    monkeypatch.setattr("rcskin.hardware.live.link.FIRST_WAIT", 0.01)
+    return switched
 
 
 def labels(live):
@@ -166,13 +122,10 @@ def test_the_meter_is_left_at_the_interface_where_it_was(session, instrument):
 
 
 @pytest.fixture
-def live(ports):
+def live(live, ports):
     """A function that runs the command with a model of two interfaces; gives the typer result."""
-    app = typer.Typer()
-    app.command("live")(_rig["command"])
-    words = ["--resource", ports.resource, "--model", "two.skops"]
-    words += ["--switch", f"127.0.0.1:{ports.control}", "--settle", "0"]
-    return lambda *more: CliRunner().invoke(app, [*words, *map(str, more)])
+    words = ["--switch", f"127.0.0.1:{ports.control}", "--settle", "0"]
+    return lambda *more: live(*words, *more, model="two.skops")
 
 
 def test_the_log_holds_both_interfaces_and_when_each_was_measured(live, tmp_path, instrument):

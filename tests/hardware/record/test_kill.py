@@ -3,7 +3,6 @@
 import json
 import signal
 import socket
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -80,20 +79,9 @@ rig["app"]()
 
 
 @pytest.fixture
-def slow_meter():
+def slow_meter(spawn):
     """A function that serves a skin which is solved at once at one frequency alone, in Hz."""
-    started = []
-
-    def slow_meter(quick):
-        words = [sys.executable, "-c", SLOW.format(rig=str(RIG), quick=quick)]
-        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-        started.append(subprocess.Popen(words, text=True, **pipes))
-        return started[-1]
-
-    yield slow_meter
-    for process in started:
-        process.kill()
-        process.communicate()
+    return lambda quick: spawn(sys.executable, "-c", SLOW.format(rig=str(RIG), quick=quick))
 
 
 def test_a_meter_ends_while_its_first_reading_is_solved(slow_meter):

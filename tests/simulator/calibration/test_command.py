@@ -95,6 +95,7 @@ def test_other_files_of_the_folder_stay(run, files):
         (("--fit", "bulk"), "got 'bulk'"),
         (("--band", "high"), "--band must be LOW:HIGH in Hz, got 'high'"),
         (("--band", "5:1"), "--band must be LOW:HIGH in Hz with 0 <= LOW < HIGH, got 5:1"),
+        (("--band", "1e9:"), "got 1e+09 to inf Hz"),
         (("--prior", "none"), "`prior` must be one of wide, session, got 'none'"),
         (("--session", "9"), "`session` must be one of 0, got 9"),
     ],

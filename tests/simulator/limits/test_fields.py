@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import Fields
-from rcskin.simulator.bounds.position import Cells, TouchSize, covered
+from rcskin.simulator.bounds.position import Cells, TouchSize, covered_about
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.parameters import scene_with
 from rcskin.simulator.models.solver import Solver
@@ -104,11 +104,11 @@ def test_derivatives_by_the_skin_are_differences_of_skins(noisy):
 def test_cells_are_covered_as_far_as_the_touch_moves():
     lines, step = np.linspace(0, 1, 11), 1e-6
     for middle, size in ((0.52, 0.3), (0.5, 0.25), (0.2, 0.4), (0.85, 0.3), (0.5, 1.0)):
-        fraction, slope = covered(lines, middle, size)
+        fraction, slope = covered_about(lines, middle, size)
         assert fraction.sum() * 0.1 == pytest.approx(size)
-        further, _ = covered(lines, middle + step, size)
-        before, _ = covered(lines, middle - step, size)
+        further, _ = covered_about(lines, middle + step, size)
+        before, _ = covered_about(lines, middle - step, size)
         inside = (middle - size / 2 > step) & (middle + size / 2 < 1 - step)
         if inside:
             np.testing.assert_allclose(slope, (further - before) / (2 * step), atol=1e-6)
-    assert not covered(lines, 0.5, 1.0)[1].any()
+    assert not covered_about(lines, 0.5, 1.0)[1].any()

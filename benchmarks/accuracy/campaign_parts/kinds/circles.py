@@ -227,7 +227,7 @@ def _bessel(problem: Problem, fed: float, other: float, r_c: float) -> Truth:
     R/(2 pi k a) times I0/I1 of ka, or its like of an annulus; and r_c R / (2 pi a) in series.
     """
     skin = problem.scene.skin
-    R = skin.top.sheet_resistance + skin.bottom.sheet_resistance
+    R = skin.both_sheets
     s = laplace_variable(problem.scene.frequencies, skin.foam.loss)
     k = np.sqrt(s * skin.foam.rest_capacitance_per_area * R)
     x, y = k * fed, k * other

@@ -19,8 +19,8 @@ from ....sweeps import InputError
 from ...parameters import Variation
 from ..cases import Case
 from ..family import Family
-from ..kernel import Rest, swept
-from ..model import KRYLOV_SHARE, Reduced, ReducedSkin
+from ..kernel import Rest
+from ..model import Reduced, ReducedSkin
 from .applicators import Applicators
 from .family import IndentedFamily
 from .fields import LEAST_RISE
@@ -173,18 +173,6 @@ class IndentedSkin(ReducedSkin):
             rest = Rest(self.rest.rows, self.rest.diagonal, factors)
             found[some] = self._by_kernel(rest, np.arange(len(of)), np.ones(len(of)), ends, s)
         return found
-
-    def _by_kernel(
-        self,
-        rest: Rest,
-        cells: NDArray[np.int64],
-        weights: NDArray[np.float64],
-        starts: NDArray[np.int64],
-        s: NDArray[np.complex128],
-    ) -> NDArray[np.complex128]:
-        rtol = KRYLOV_SHARE * self.reduced.rtol
-        Y = [swept(rest, feed, cells, weights, starts, s, rtol) for feed in self.feeds]
-        return (1 / np.stack(Y, axis=1)).astype(np.complex128)
 
     def _feel_each_other(self, cells: NDArray[np.int64]) -> bool:
         return len(cells) > 1 and self.reduced.family.coupled(cells)

@@ -18,11 +18,10 @@ from ...varied.discretised import indicators, most
 from ...varied.triangles import MOST_TRIANGLES, Triangles
 from ..cases import Case
 from ..family import Mesh, Triangulation
+from ..resolving import SHARE, error_of
 from .applicators import Applicators, applicators
 from .family import IndentedFamily
 
-SHARE = 0.5
-"""Of the tolerance, for the mesh; the rest is for the basis."""
 MOST_ALONE = 12
 TURNS = 2
 
@@ -57,14 +56,6 @@ def resolved(
         else:
             return family, found
     raise ToleranceError(f"the mesh of the reduced model does not reach {rtol:g}: {found:.1e}")
-
-
-def error_of(family: IndentedFamily, case: Case, rtol: float) -> float:
-    """By the mesh alone, of Rs and Cp, relatively."""
-    from ..resolving import weights_of_case
-
-    loss = (case.variation or family.scene.skin.foam).loss
-    return family.solved(weights_of_case(family, case), loss, family.foam_of(case), rtol)[1]
 
 
 def finer_families(
