@@ -110,7 +110,7 @@ def test_against_complex_solves_where_direct_current_may_flow(random, frequency_
     np.testing.assert_allclose(Z, sheet.impedance(Press(), frequency), rtol=1e-7)
 
 
-@settings(max_examples=10)
+@settings(max_examples=5)
 @given(data=st.data())
 def test_lower_orders_are_nested_in_higher_ones(random, frequency_at, data):
     scene = data.draw(random.between())
