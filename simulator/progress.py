@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol, TypeVar
@@ -43,6 +44,9 @@ def duration(seconds: float) -> str:
 @contextmanager
 def told_on_terminal() -> Iterator[Tell]:
     """Shows what goes on and how long it will last, if standard error is a terminal."""
+    if not sys.stderr.isatty():
+        yield tell_nothing
+        return
     from rich.progress import TimeElapsedColumn
 
     with _bar(TimeElapsedColumn(), *_time_left(), transient=True) as progress:
@@ -63,6 +67,9 @@ def on_terminal() -> Iterator[Track]:
 
     Beside it: how long the rest will take, and at the end how long all of it took.
     """
+    if not sys.stderr.isatty():
+        yield silent
+        return
     from rich.progress import MofNCompleteColumn
 
     with _bar(MofNCompleteColumn(), *_time_left()) as progress:
@@ -79,6 +86,9 @@ def finished_on_terminal(about: str, count: int, unit: str) -> Iterator[Callable
 
     Tells how many of all are finished, how fast they come and how long it still takes.
     """
+    if not sys.stderr.isatty():
+        yield lambda finished: None
+        return
     from rich.progress import ProgressColumn, Task, TextColumn, TimeRemainingColumn
     from rich.text import Text
 
@@ -93,14 +103,12 @@ def finished_on_terminal(about: str, count: int, unit: str) -> Iterator[Callable
 
 
 def _bar(*columns: ProgressColumn, transient: bool = False) -> Progress:
-    """With these beside the bar; silent in a pipe."""
+    """With these beside the bar."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn
 
-    console = Console(stderr=True)
     named = TextColumn("{task.description}"), BarColumn()
-    off = not console.is_terminal
-    return Progress(*named, *columns, console=console, disable=off, transient=transient)
+    return Progress(*named, *columns, console=Console(stderr=True), transient=transient)
 
 
 def _time_left() -> tuple[ProgressColumn, ...]:

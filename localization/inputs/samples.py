@@ -164,7 +164,8 @@ def samples_of(
     )
     y = positions(some) if problem.continuous else labels(some, target)
     left_out = _left_out(fitting, rows, sweeps["session"].values)
-    return Samples(problem, X[fitting[rows]], y, some["session"].values, usable, left_out)
+    X = X if usable.size == rows.size else X[fitting[rows]]
+    return Samples(problem, X, y, some["session"].values, usable, left_out)
 
 
 def _left_out(

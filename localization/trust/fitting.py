@@ -50,7 +50,7 @@ def learn_classes(
     next(fits)
     pipeline = train(samples)
     unseen = held_out_of(splits)
-    held_out = held_out_decisions(train, samples, fits, pipeline.classes_)[unseen]
+    held_out = held_out_decisions(train, samples, fits, unseen, pipeline.classes_)
     index = np.searchsorted(pipeline.classes_, samples.y[unseen])
     sharpness = sharpness_of(held_out, index)
     probability = probabilities(held_out, sharpness)
