@@ -12,11 +12,17 @@ from . import options
 
 if TYPE_CHECKING:
     from ..adaptation.adaptation import Adaptation
+    from ..inputs.touches import Factors
     from ..learners.registry import Estimator
 
 
-def adapt_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., None]:
-    """The command; extra tells estimators beside those of this package."""
+def adapt_command(
+    extra: Callable[[], Iterable[Estimator]], factors: Factors
+) -> Callable[..., None]:
+    """The command; extra tells estimators beside those of this package.
+
+    factors: as `with_factors` asks them.
+    """
 
     @options.as_typed
     def adapt(
@@ -42,13 +48,13 @@ def adapt_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., Non
         from ..inputs.reading import read_some
         from ..learners.registry import estimators
         from ..model.file import ENDING, save
-        from .asking import model_for
+        from .asking import model_for, told_for
 
         checked_output(output, (ENDING,))
         known = read_some(touches, most)
         resting = None if rest is None else read_some(rest, most)
         asked = model_for(known, touches, model, extra(), anyway=anyway)
-        samples = asked.samples(known, resting)
+        samples = asked.samples(told_for(asked.target, known, factors), resting)
         try:
             found = adapted(asked, samples, estimators(extra()))
         except InputError as error:

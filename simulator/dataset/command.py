@@ -42,7 +42,7 @@ def dataset(
     from ..asked.scene import asked_scene, tell_if_noise_free
     from ..asked.telling import written
     from ..asked.tolerance import checked_rtol
-    from ..models.plain import folded
+    from ..models.mechanics.in_depths import foldable
     from ..progress import finished_on_terminal
     from ..sweeps import InputError, counted
     from ..sweeps.errors import InterruptedWorkError
@@ -55,7 +55,7 @@ def dataset(
         raise InputError(f"--workers must be >= 1, got {workers}")
     checked_rtol(rtol)
     loaded = asked_scene(scene)
-    plan = Plan(folded(loaded, "a data set"), sweeps, seed, rtol)
+    plan = Plan(foldable(loaded, "a data set"), sweeps, seed, rtol)
     tell_if_noise_free(scene, loaded)
     processes = workers or _cores()
     seconds = sweeps * readings(plan.scene) / (READINGS_A_SECOND * processes)
