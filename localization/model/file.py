@@ -15,6 +15,7 @@ from ..cores import count_cores
 from ..inversion.adapted import AdaptedClassifier, AdaptedPosition
 from ..inversion.classifier import ModelBased
 from ..inversion.position import ModelBasedPosition
+from ..learners.affine import Affine
 from ..learners.components import Components
 from ..learners.ecoc import ECOCClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
@@ -38,6 +39,7 @@ TRUSTED = [
             AdaptedPosition,
             NetworkClassifier,
             NetworkRegressor,
+            Affine,
             Offsets,
             KindGuard,
             NoveltyGuard,
