@@ -140,9 +140,9 @@ def _live_localizer(path: Path, manner: Manner) -> LiveLocalizer:
     scene = parse_scene(model.scene, str(path))
     size = 1e3 * scene.skin.length, 1e3 * scene.skin.width
     shape = scene.pixels.rows, scene.pixels.columns
-    touching, adaptive, certain = manner
+    touching, adaptive, certain, within = manner
     follower = touching and Follower(model, Touching(*touching), certain)
-    asker = Asker(model, certain, follower) if adaptive else None
+    asker = Asker(model, certain, follower, within) if adaptive else None
     known = needs_rest(model.quantities)
     tables = partial(skin_at_hand, model) if known else None
     return ModelLocalizer(model, *shape, size, known, follower, asker, tables)

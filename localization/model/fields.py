@@ -17,6 +17,7 @@ from ..inputs.samples import Problem
 from ..inversion.adapted import AdaptedClassifier, AdaptedPosition
 from ..inversion.classifier import ModelBased
 from ..inversion.position import ModelBasedPosition
+from ..learners.affine import Affine
 from ..learners.components import Components
 from ..learners.ecoc import ECOCClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
@@ -40,6 +41,7 @@ OWN_STEPS = (
     NetworkClassifier,
     NetworkRegressor,
     Offsets,
+    Affine,
 )
 STEPS = (
     *OWN_STEPS,

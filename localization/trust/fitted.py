@@ -86,9 +86,9 @@ class Classifier(Learned):
 class Regressor(Learned):
     """Tells positions.
 
-    factor: of the pipeline's own standard deviations, by which they were too small on held-out
-    sweeps, shape (3,). spread: tells their squares where the pipeline has none of its own, from
-    positions. median_error: mm, of the sweeps held out.
+    factor: of standard deviations, by which they were too small on held-out sweeps, shape (3,).
+    spread: tells their squares where the pipeline has none of its own, from positions.
+    median_error: mm, of the sweeps held out.
     """
 
     factor: NDArray[np.float64]
@@ -101,4 +101,4 @@ class Regressor(Learned):
             told, deviation = self.pipeline.predict(X, return_std=True)
             return told, self.factor * deviation
         told = self.pipeline.predict(X)
-        return told, np.sqrt(self.spread.predict(told))
+        return told, self.factor * np.sqrt(self.spread.predict(told))
