@@ -22,6 +22,7 @@ from ..learners.offsets import Offsets
 from ..learners.registry import Registry
 from ..trust.kinds import KindGuard
 from ..trust.novelty import NoveltyGuard
+from ..trust.several import SeveralGuard
 from .fields import ANOTHER_LAYOUT, BEFORE_ONE_NAME, EarlierLayoutError, fields_of, model_of
 from .model import Model
 
@@ -41,6 +42,7 @@ TRUSTED = [
             Offsets,
             KindGuard,
             NoveltyGuard,
+            SeveralGuard,
         )
     ),
     *(
