@@ -41,22 +41,40 @@ def duration(seconds: float) -> str:
     return f"{seconds / 60:.0f} minutes" if seconds < 5400 else f"{seconds / 3600:.0f} hours"
 
 
+def left_told(elapsed: float, share: float, then: float) -> str:
+    """The time that is left, as 0:01:30, if shares take time alike; -:--:-- where none can tell.
+
+    elapsed: s, now. share: of all, done when so many s had elapsed: `then`.
+    """
+    left = then / share - elapsed if share > 0 else -1.0
+    if left < 0:
+        return "-:--:--"
+    minutes, seconds = divmod(round(left), 60)
+    return f"{minutes // 60}:{minutes % 60:02}:{seconds:02}"
+
+
 @contextmanager
 def told_on_terminal() -> Iterator[Tell]:
     """Shows what goes on and how long it will last, if standard error is a terminal."""
     if not sys.stderr.isatty():
         yield tell_nothing
         return
-    from rich.progress import TimeElapsedColumn
+    from rich.progress import ProgressColumn, Task, TextColumn, TimeElapsedColumn
+    from rich.text import Text
 
-    with _bar(TimeElapsedColumn(), *_time_left(), transient=True) as progress:
-        task = progress.add_task("", total=None)
+    class Left(ProgressColumn):
+        def render(self, task: Task) -> Text:
+            return Text(left_told(task.elapsed or 0.0, task.completed, task.fields["then"]))
+
+    with _bar(TimeElapsedColumn(), TextColumn("left"), Left(), transient=True) as progress:
+        task = progress.add_task("", total=None, then=0.0)
 
         def tell(told: str, share: float | None = None, /) -> None:
-            if progress.tasks[task].description != told or share is None:
-                progress.reset(task, total=None, description=told)
+            bar = progress.tasks[task]
+            if bar.description != told or share is None:
+                progress.reset(task, total=None, description=told, then=0.0)
             if share is not None:
-                progress.update(task, total=1.0, completed=share)
+                progress.update(task, total=1.0, completed=share, then=bar.elapsed or 0.0)
 
         yield tell
 
