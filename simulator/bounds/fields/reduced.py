@@ -1,7 +1,6 @@
 """As `full`, in the small basis of a model that is trained for all terminals of a skin.
 
-In coordinates in which K is 1, M of a press inside is turned to its own directions once: then every
-s is diagonal, and what floats is eliminated between terminals. dY = u'(dK + s dM + ds M) u.
+dY = u'(dK + s dM + ds M) u with the potentials u of 1 V.
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ from numpy.typing import NDArray
 
 from ...fem.circuit import two_fields
 from ...fem.galerkin import one_blas_thread
-from ...models.network.skin import wiring_of
 from ...models.network.terminals import read, with_chain
 from ...models.reduced.cases import Case
 from ...models.reduced.greedy import Basis, unseen
@@ -27,6 +25,7 @@ from ...scene.scene import Pixels, Scene
 from .answer import NONE, Answer, Maps, at_meter, by_sheets
 from .full import CELLS_PER_PIXEL
 from .full import RTOL as MESH_RTOL
+from .pressed import PressedSkin
 
 RTOL = 4e-4
 ABOUT = 0.2
@@ -58,6 +57,7 @@ class ReducedFields:
         )
         self._touch = touch
         self._skin = read(self._trained(with_chain(divided), highest), scene.interfaces).skin(None)
+        self._pressed = PressedSkin(self._skin)
 
     def respond(
         self,
@@ -69,18 +69,18 @@ class ReducedFields:
         """Of one map of c, as `Fields` does."""
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
         with one_blas_thread():
-            M = self._rest + self._mass(factors - 1)
-            u, Y = self._solved(M, s)
+            M = self._pressed.rest + self._pressed.mass(factors - 1)
+            u = self._pressed.solved(M, s)
             maps = {**directions, **of_foam}
-            by = {name: s * _energy(u, self._mass(change)) for name, change in maps.items()}
-            by_s = _energy(u, M)
-            by_K = np.stack([_energy(u, term) for term in self._stiffness])
+            by = {name: s * u.energy(self._pressed.mass(change)) for name, change in maps.items()}
+            by_s = u.energy(M)
+            by_K = np.stack([u.energy(term) for term in self._stiffness])
         of_s = slopes_of_s(frequency, self.scene.skin.foam.loss)
         by |= {name: by_s * of_s[name] for name in ("capacitance", "loss_tangent")}
         by |= by_sheets(by_K[:2], self.scene.skin)
         if len(by_K) > 2:
             by["contact_resistance"] = -by_K[2:].sum(axis=0)
-        return at_meter(1 / Y, by, self.scene.leads, frequency)
+        return at_meter(1 / u.Y, by, self.scene.leads, frequency)
 
     def _trained(self, scene: Scene, highest: float) -> Reduced:
         """A basis that a batch of fresh touches is told in, on the mesh that `Fields` takes."""
@@ -105,55 +105,10 @@ class ReducedFields:
         return Case(None, cells, rises[cells])
 
     @cached_property
-    def _rest(self) -> NDArray[np.float64]:
-        """M at rest in F, shape (N + n, N + n)."""
-        rest = self._skin.rest
-        N = len(rest.rows)
-        M = np.diag(np.concatenate([np.zeros(N), rest.diagonal]))
-        M[:N], M[:, :N] = rest.rows, rest.rows.T
-        return M
-
-    def _mass(self, change: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What a map adds to M, in F."""
-        factors = self._skin.rest.factors
-        cells = np.flatnonzero(change)
-        U = factors[cells].reshape(-1, factors.shape[2])
-        return (U.T * np.repeat(change.ravel()[cells], factors.shape[1])) @ U
-
-    @cached_property
     def _stiffness(self) -> NDArray[np.float64]:
         """K of each sheet, then of each film, in S."""
         turn = self._skin.turn
         return turn.T @ self._skin.reduced.stiffness @ turn
-
-    def _solved(
-        self, M: NDArray[np.float64], s: NDArray[np.complex128]
-    ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-        """Potentials of each drive at 1 V, shape (drive, N + n, s), and Y in S."""
-        skin = self._skin
-        N = len(skin.conductance)
-        own, axes = np.linalg.eigh(M[N:, N:])
-        beside = axes.T @ M[N:, :N]
-        P = 1 / (1 + s[:, None] * own)
-        delayed = (beside.T * P[:, None]) @ beside
-        dynamic = s[:, None, None] * M[:N, :N] - s[:, None, None] ** 2 * delayed
-        circuit = skin.reduced.circuit
-        wiring = wiring_of(circuit.drives, skin.reduced.terminal_field, skin.conductance)
-        U, Y = [], []
-        for drive, count in enumerate(wiring.counts):
-            allowed = wiring.potentials[drive, :, :count]
-            Y_of = wiring.conductance[drive, :count, :count] + allowed.T @ dynamic @ allowed
-            floating = -np.linalg.solve(Y_of[:, 1:, 1:], Y_of[:, 1:, :1])[:, :, 0]
-            Y.append(Y_of[:, 0, 0] + (Y_of[:, 0, 1:] * floating).sum(axis=1))
-            U.append(allowed[:, :1] + allowed[:, 1:] @ floating.T)
-        at = np.stack(U)
-        inside = axes @ (-(s * P.T) * (beside @ at))
-        return np.concatenate([at, inside], axis=1), np.stack(Y)
-
-
-def _energy(u: NDArray[np.complex128], form: NDArray[np.float64]) -> NDArray[np.complex128]:
-    """u'(form)u, shape (drive, s)."""
-    return (u * (form @ u)).sum(axis=1)
 
 
 def _covered(
