@@ -19,6 +19,7 @@ from ..inversion.classifier import ModelBased
 from ..inversion.position import ModelBasedPosition
 from ..learners.components import Components
 from ..learners.ecoc import ECOCClassifier
+from ..learners.gaussians import GaussianClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
 from ..learners.offsets import Offsets
 from ..trust.fitted import Classifier, Guards, Regressor
@@ -43,6 +44,7 @@ STEPS = (
     ModelBasedPosition,
     AdaptedClassifier,
     AdaptedPosition,
+    GaussianClassifier,
     NetworkClassifier,
     NetworkRegressor,
     Offsets,

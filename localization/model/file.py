@@ -17,6 +17,7 @@ from ..inversion.classifier import ModelBased
 from ..inversion.position import ModelBasedPosition
 from ..learners.components import Components
 from ..learners.ecoc import ECOCClassifier
+from ..learners.gaussians import GaussianClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
 from ..learners.offsets import Offsets
 from ..learners.registry import Registry
@@ -36,6 +37,7 @@ TRUSTED = [
             ModelBasedPosition,
             AdaptedClassifier,
             AdaptedPosition,
+            GaussianClassifier,
             NetworkClassifier,
             NetworkRegressor,
             Offsets,
