@@ -20,6 +20,7 @@ from ..inversion.position import ModelBasedPosition
 from ..learners.affine import Affine
 from ..learners.components import Components
 from ..learners.ecoc import ECOCClassifier
+from ..learners.gaussians import GaussianClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
 from ..learners.offsets import Offsets
 from ..trust.fitted import Classifier, Guards, Regressor
@@ -39,6 +40,7 @@ OWN_STEPS = (
     ModelBasedPosition,
     AdaptedClassifier,
     AdaptedPosition,
+    GaussianClassifier,
     NetworkClassifier,
     NetworkRegressor,
     Offsets,
