@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from ...simulator.sweeps.press_text import named_pixels
+
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-PIXEL = re.compile(r"(\d+),(\d+)", re.ASCII)
 NOTHING_PRESSED = "nothing pressed"
 CANNOT_TELL = "cannot tell"
 NAMED = {"column": "column {}", "row": "row {}", "touches": "{} touches"}
@@ -168,8 +168,8 @@ def answer_of_classes(
 def _in_words(target: str, label: str) -> str:
     if label == CANNOT_TELL:
         return label
-    pixels = PIXEL.findall(label)
-    if label == "0" or (pixels and all(pixel == ("0", "0") for pixel in pixels)):
+    pixels = named_pixels(label)
+    if label == "0" or (pixels and all(pixel == (0, 0) for pixel in pixels)):
         return NOTHING_PRESSED
     if pixels:
         return ("pixel " if len(pixels) == 1 else "pixels ") + label.replace("+", " and ")
@@ -183,7 +183,7 @@ def _pressed(target: str, label: str, shape: tuple[int, int]) -> NDArray[np.floa
         pressed[:, int(label) - 1] = 1
     elif target == "row" and int(label):
         pressed[int(label) - 1, :] = 1
-    for row, column in PIXEL.findall(label):
-        if int(row) and int(column):
-            pressed[int(row) - 1, int(column) - 1] = 1
+    for row, column in named_pixels(label):
+        if row and column:
+            pressed[row - 1, column - 1] = 1
     return pressed

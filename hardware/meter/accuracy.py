@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import tomllib
 from bisect import bisect_right
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -47,6 +48,11 @@ class Drive:
     voltage: float
     constant_voltage: float
     constant_current: float
+
+    @classmethod
+    def of(cls, settings: Mapping[str, Any]) -> Drive:
+        """That of a meter's settings by name."""
+        return cls(**{field.name: settings[field.name] for field in fields(cls)})
 
     def open_voltage(self, Z: complex) -> float:
         """The generator's voltage in V with the terminals open, behind its output resistance."""

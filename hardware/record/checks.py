@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -77,7 +77,7 @@ class Judge:
 
     def _conditions(self, frequency: float, Z: complex) -> Conditions:
         settings = self.settings
-        drive = Drive(**{field.name: settings[field.name] for field in fields(Drive)})
+        drive = Drive.of(settings)
         return Conditions(
             frequency,
             settings.get("range") or self.table.fitting_range(Z),

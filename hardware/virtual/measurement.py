@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 from ..meter.accuracy import AccuracyTable, Conditions, Drive, full_scale
 from .language import values as numbers
@@ -64,7 +64,7 @@ class Bench:
 def conditions(settings: Settings, range_number: int, Z: complex) -> Conditions:
     """What the settings mean for a measurement of Z in ohm, in one range."""
     kept = settings.each_range[range_number]
-    drive = Drive(**{field.name: getattr(settings, field.name) for field in fields(Drive)})
+    drive = Drive.of(vars(settings))
     return Conditions(
         settings.frequency,
         range_number,

@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.metrics import confusion_matrix
+from sklearn.model_selection import cross_val_predict
+from sklearn.pipeline import Pipeline
 
 from ...simulator.sweeps import checked_output, whole_file
 
@@ -79,3 +81,10 @@ def _in_order(labels: Iterable[int | str]) -> list[int | str]:
 
 def _numbers(label: int | str) -> list[int]:
     return [int(part) for part in re.split("[,+]", str(label))]
+
+
+def over_folds(
+    untrained: Pipeline, X: NDArray, y: NDArray, splits: Iterable[tuple[NDArray, NDArray]]
+) -> Confusion:
+    """What each row is told to be by a pipeline that was not trained on it, beside what it is."""
+    return compare(y, np.asarray(cross_val_predict(untrained, X, y, cv=list(splits))))

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from sklearn.model_selection import cross_val_predict
 
 from ..inputs.features import DEFAULT_QUANTITIES, features
 from ..inputs.samples import Samples
@@ -21,7 +20,7 @@ from ..trust.fitted import Classifier, Regressor
 from ..trust.fitting import learn_classes, learn_positions
 from ..trust.folds import Track, folds_of, splits_of, told_nested, untold
 from ..trust.temperature import calibration_error
-from .confusion import Confusion, compare
+from .confusion import Confusion, compare, over_folds
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -201,7 +200,7 @@ def cross_validate(
     X, y = features(sweeps, quantities), labels(sweeps, target)
     splits = folds_of(sweeps, y, folds=folds, grouping=grouping, seed=seed)
     untrained = pipeline(classifier, features=X.shape[1])
-    return compare(y, np.asarray(cross_val_predict(untrained, X, y, cv=splits)))
+    return over_folds(untrained, X, y, splits)
 
 
 def joined(folds: Sequence[Score]) -> Score:

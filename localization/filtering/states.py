@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.sweeps.press_text import named_pixels
 from ..inputs.touches import Plan
 from .chain import Chain
 from .touching import Touching
 
-PIXEL = re.compile(r"(\d+),(\d+)", re.ASCII)
 OTHER = 0.05
 """Share of touches that are none which the localizer knows: its last state."""
 
@@ -98,8 +97,7 @@ def _spots(target: str, label: str) -> Spots:
         number = int(label)
         spot = (number, 0) if target == "row" else (0, number)
         return frozenset([spot] if number else [])
-    found = [(int(row), int(column)) for row, column in PIXEL.findall(label)]
-    return frozenset(spot for spot in found if spot != (0, 0))
+    return frozenset(spot for spot in named_pixels(label) if spot != (0, 0))
 
 
 def _rate(one: Spots, other: Spots, crossing: Sequence[float], touching: Touching) -> float:

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from sklearn import config_context
-from sklearn.model_selection import cross_val_predict
 
 from ...simulator.sweeps import InputError
-from ..evaluation.confusion import Confusion, compare
+from ..evaluation.confusion import Confusion, compare, over_folds
 from ..learners.registry import Estimator
 from ..trust.folds import folds_of
 from .samples import Samples
@@ -93,8 +92,7 @@ def _over_folds(
 ) -> Accuracy:
     with config_context(assume_finite=True, skip_parameter_validation=True):
         untrained = estimator.build(samples.problem)
-        output = np.asarray(cross_val_predict(untrained, samples.X, samples.y, cv=folds))
-    confusion = compare(samples.y, output)
+        confusion = over_folds(untrained, samples.X, samples.y, folds)
     return Accuracy(confusion.accuracy, 0.0, 1, confusion)
 
 

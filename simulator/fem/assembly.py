@@ -23,7 +23,7 @@ from skfem.assembly import Basis, FacetBasis
 from skfem.assembly.basis import AbstractBasis
 
 from ..mesh.rings import Cells
-from .pattern import DROPPED
+from .dropped import DROPPED
 from .warming import Warming
 
 EXTRA_ORDER = 40

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from .dropped import DROPPED
 from .warming import Warming
-
-DROPPED = -1
 
 
 @dataclass(frozen=True)

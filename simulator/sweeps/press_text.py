@@ -22,6 +22,7 @@ TOUCH = re.compile(
     r"\s*(?::\s*(?P<strength>.+?)\s*)?",
     re.ASCII,
 )
+PIXEL = re.compile(r"(\d+),(\d+)", re.ASCII)
 MEASURED = re.compile(r"(?P<number>.*?)\s*(?P<unit>mm|cm|m|N)")
 PER_M = {"m": 1, "cm": 100, "mm": 1000}
 LENGTH = re.compile(r"\s*(?P<number>.+?)\s*(?P<unit>mm|cm|m)\s*")
@@ -80,6 +81,11 @@ def written_pixel(text: str) -> tuple[int, int]:
     if not touches:
         return 0, 0
     return touches[0].pixel if len(touches) == 1 else (-1, -1)
+
+
+def named_pixels(label: str) -> list[tuple[int, int]]:
+    """Row and column of each pixel that a class of presses names, as "1,2+3,4"; 0, 0 at rest."""
+    return [(int(row), int(column)) for row, column in PIXEL.findall(label)]
 
 
 def _touch(part: str, text: str) -> WrittenTouch:

@@ -96,3 +96,24 @@ def every_kind(folder):
 def kinds(tmp_path_factory):
     """A scene of each kind by name."""
     return every_kind(tmp_path_factory.mktemp("mesh"))
+
+
+@pytest.fixture(scope="session")
+def check_slopes():
+    """A function: slopes of a pressed pixel and of parameters are differences of a model's Z."""
+    cells, rises, step = np.array([1]), np.array([0.8]), 1e-4
+
+    def check_slopes(forward, *parameters, rtol):
+        found = forward.respond(cells, rises)
+        by_rise = (found.by_cell + found.by_gauge)[..., cells[0]]
+        ahead, behind = (forward.respond(cells, rises + turn).Z for turn in (step, -step))
+        slope, atol = (ahead - behind) / (2 * step), 0.1 * rtol * np.abs(by_rise).max()
+        np.testing.assert_allclose(by_rise, slope, rtol=rtol, atol=atol)
+        for name in parameters:
+            ahead, behind = (
+                forward.respond(cells, rises, {name: turn}).Z for turn in (step, -step)
+            )
+            slope, atol = (ahead - behind) / (2 * step), 1e-4 * np.abs(found.Z).max()
+            np.testing.assert_allclose(found.by_parameter[name], slope, rtol=1e-3, atol=atol)
+
+    return check_slopes

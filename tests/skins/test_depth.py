@@ -180,24 +180,8 @@ def test_sweeps_by_depth_and_force_are_reduced_where_that_serves(scene):
     assert answer.rejected[0].startswith("reduced: answers pixels")
 
 
-def test_slopes_of_a_reduced_model_are_those_of_its_answers(scene):
-    forward, step = Forward(scene, rtol=RTOL), 1e-4
-    cells, rises = np.array([1]), np.array([0.8])
-    found = forward.respond(cells, rises)
-
-    def slope(parameter=None):
-        def at(step):
-            if parameter is None:
-                return forward.respond(cells, rises + step).Z
-            return forward.respond(cells, rises, {parameter: step}).Z
-
-        return (at(step) - at(-step)) / (2 * step)
-
-    by_rise = found.by_cell[..., 1]
-    np.testing.assert_allclose(by_rise, slope(), rtol=1e-3, atol=1e-4 * np.abs(by_rise).max())
-    for parameter in ("sheet_resistance", "capacitance"):
-        own, scale = found.by_parameter[parameter], 1e-4 * np.abs(found.Z).max()
-        np.testing.assert_allclose(own, slope(parameter), rtol=1e-3, atol=scale)
+def test_slopes_of_a_reduced_model_are_those_of_its_answers(scene, check_slopes):
+    check_slopes(Forward(scene, rtol=RTOL), "sheet_resistance", "capacitance", rtol=1e-3)
 
 
 def test_a_calibration_finds_the_sheets_of_a_twin_pressed_by_depth(scene):

@@ -23,7 +23,6 @@ from rcskin.simulator.study.sharing import families, member_curves, solve, tasks
 
 STEP = 1e-4
 UNEVEN = pytest.param("uneven", marks=pytest.mark.slow)
-PRESSED = np.array([1]), np.array([0.8])
 
 
 @pytest.fixture(scope="module")
@@ -39,23 +38,9 @@ def forwards(kinds):
 
 
 @pytest.mark.parametrize("name", [UNEVEN, "piezoresistive", "mesh"])
-def test_slopes_of_a_reduced_model_are_those_of_its_answers(forwards, name):
-    forward, (cells, rises) = forwards(name), PRESSED
-    found = forward.respond(cells, rises)
-
-    def slope(parameter=None):
-        def at(step):
-            if parameter is None:
-                return forward.respond(cells, rises + step).Z
-            return forward.respond(cells, rises, {parameter: step}).Z
-
-        return (at(STEP) - at(-STEP)) / (2 * STEP)
-
-    by_rise = (found.by_cell + found.by_gauge)[..., cells[0]]
-    np.testing.assert_allclose(by_rise, slope(), rtol=1e-4, atol=1e-5 * np.abs(by_rise).max())
-    for parameter in ("sheet_resistance", "sheet_mismatch", "capacitance"):
-        own, scale = found.by_parameter[parameter], 1e-4 * np.abs(found.Z).max()
-        np.testing.assert_allclose(own, slope(parameter), rtol=1e-3, atol=scale)
+def test_slopes_of_a_reduced_model_are_those_of_its_answers(forwards, name, check_slopes):
+    parameters = "sheet_resistance", "sheet_mismatch", "capacitance"
+    check_slopes(forwards(name), *parameters, rtol=1e-4)
 
 
 @pytest.mark.parametrize("name", ["piezoresistive", "mesh"])

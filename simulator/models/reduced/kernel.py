@@ -6,6 +6,7 @@ for the few rows of the terminals. A touched pixel adds a product of thin factor
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -64,6 +65,20 @@ def swept(
         touched = slice(starts[press], starts[press + 1])
         _respond(rest, feed, cells[touched], rises[touched], s, rtol, Y[press])
     return Y
+
+
+def impedances(
+    rest: Rest,
+    feeds: Sequence[Feed],
+    cells: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    s: NDArray[np.complex128],
+    rtol: float,
+) -> NDArray[np.complex128]:
+    """Z in ohm of every drive, shape (press, drive, s); arguments as of `swept`."""
+    Y = [swept(rest, feed, cells, weights, starts, s, rtol) for feed in feeds]
+    return (1 / np.stack(Y, axis=1)).astype(np.complex128)
 
 
 def swept_readable(

@@ -32,7 +32,7 @@ from .cases import Case, touched
 from .certificate import certificate, least_conductance, side_by_side
 from .dense import feed_of, own_coordinates, solved
 from .family import Family, Mesh, changes, weights_under
-from .kernel import Rest, swept
+from .kernel import Rest, impedances
 from .resolving import family_on, finer_families
 
 KRYLOV_SHARE = 0.03
@@ -197,20 +197,8 @@ class ReducedSkin:
         starts: NDArray[np.int64],
         s: NDArray[np.complex128],
     ) -> NDArray[np.complex128]:
-        return self._by_kernel(self.rest, cells, rises * self.rest_factors[cells], starts, s)
-
-    def _by_kernel(
-        self,
-        rest: Rest,
-        cells: NDArray[np.int64],
-        weights: NDArray[np.float64],
-        starts: NDArray[np.int64],
-        s: NDArray[np.complex128],
-    ) -> NDArray[np.complex128]:
-        """Z in ohm of presses that add `weights` times M of their cells, see `sweeps`."""
-        rtol = KRYLOV_SHARE * self.reduced.rtol
-        Y = [swept(rest, feed, cells, weights, starts, s, rtol) for feed in self.feeds]
-        return (1 / np.stack(Y, axis=1)).astype(np.complex128)
+        weights, rtol = rises * self.rest_factors[cells], KRYLOV_SHARE * self.reduced.rtol
+        return impedances(self.rest, self.feeds, cells, weights, starts, s, rtol)
 
     def certificate(
         self,

@@ -19,8 +19,8 @@ from ....sweeps import InputError
 from ...parameters import Variation
 from ..cases import Case
 from ..family import Family
-from ..kernel import Rest
-from ..model import Reduced, ReducedSkin
+from ..kernel import Rest, impedances
+from ..model import KRYLOV_SHARE, Reduced, ReducedSkin
 from .applicators import Applicators
 from .family import IndentedFamily
 from .fields import LEAST_RISE
@@ -157,13 +157,15 @@ class IndentedSkin(ReducedSkin):
     ) -> NDArray[np.complex128]:
         self._check(cells, rises)
         found = np.empty((len(starts) - 1, len(self.feeds), len(s)), dtype=np.complex128)
-        own = np.split(cells, starts[1:-1])
+        own, rtol = np.split(cells, starts[1:-1]), KRYLOV_SHARE * self.reduced.rtol
         coupled = np.array([self._feel_each_other(each) for each in own], dtype=bool)
         together = np.flatnonzero(coupled)
         for press in together:
             here = slice(starts[press], starts[press + 1])
             rest, which, weights = self.touched(cells[here], rises[here])
-            found[[press]] = self._by_kernel(rest, which, weights, np.array([0, len(which)]), s)
+            found[[press]] = impedances(
+                rest, self.feeds, which, weights, np.array([0, len(which)]), s, rtol
+            )
         alone = np.flatnonzero(~coupled)
         for some in _batches(alone, starts):
             ends = zip(starts[some].tolist(), starts[some + 1].tolist(), strict=True)
@@ -171,7 +173,9 @@ class IndentedSkin(ReducedSkin):
             ends = np.concatenate([[0], np.cumsum(starts[some + 1] - starts[some])])
             factors = self._factors(cells[of], rises[of])
             rest = Rest(self.rest.rows, self.rest.diagonal, factors)
-            found[some] = self._by_kernel(rest, np.arange(len(of)), np.ones(len(of)), ends, s)
+            found[some] = impedances(
+                rest, self.feeds, np.arange(len(of)), np.ones(len(of)), ends, s, rtol
+            )
         return found
 
     def _feel_each_other(self, cells: NDArray[np.int64]) -> bool:
