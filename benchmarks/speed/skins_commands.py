@@ -27,6 +27,8 @@ from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.scene.scene import Scene
 
 SIDE = 0.15
+DEPTH = 2e-3
+"""m, into the mug's foam of 4 mm."""
 RCSKIN = [sys.executable, "-m", "rcskin"]
 FREQUENCIES = {"start": 1e3, "stop": 2e5, "points": 6, "spacing": "log"}
 DRAWN = {
@@ -72,7 +74,7 @@ def skins(folder: Path) -> dict[str, Scene]:
             {**hexagon, top: "outline.2", bottom: "outline.5", "pixels": 3}
         ),
         "L with a round hole": known["L with a round hole"].with_({"pixels": 3}),
-        "mug": load_scene("mug").with_({"pixels": 3}),
+        "mug": load_scene("mug").with_({"pixels": 3, "press": {"depth": DEPTH}}),
         "uneven sheets": known["uneven sheet and foam"].with_({"pixels": 3}),
         "piezoresistive, stretched": known["piezoresistive, stretched"].with_(
             {"pixels.rows": 1, "pixels.columns": 3}

@@ -1,5 +1,6 @@
 """Data sets of skins that are not plain: what is pressed, where it lies, and how near it is."""
 
+import meshio
 import numpy as np
 import pytest
 from rcskin.simulator.dataset.plan import Plan
@@ -54,22 +55,60 @@ def test_sweeps_are_those_of_the_full_model(kinds, tmp_path, name):
         assert off <= data.attrs["audit_bound"] + RTOL / 10 <= 1.1 * RTOL
 
 
-def test_a_rectangle_drawn_as_an_outline_gives_the_data_of_a_rectangle(kinds, make_scene, tmp_path):
-    plain = make_scene(rows=2, columns=2, length=0.12, width=0.12)
+def fed_at(edge):
+    return {"contact.top-left.edge": edge, "contact.bottom-left.edge": edge}
+
+
+def as_outline(_):
     corners = [[0, 0], [0.12, 0], [0.12, 0.12], [0, 0.12]]
-    drawn = plain.with_(
-        {
-            "skin.outline": {"points": corners},
-            "contact.top-left.edge": "outline.4",
-            "contact.bottom-left.edge": "outline.4",
-        }
+    return {"skin.outline": {"points": corners}, **fed_at("outline.4")}
+
+
+def as_even_map(_):
+    """Even but for what no meter sees, so that it is no plain scene."""
+    return {"skin.top.map": {"kind": "grid", "values": [[1.0, 1.0], [1.0, 1.0 + 1e-9]]}}
+
+
+def as_mesh(folder):
+    x, y = (each.ravel() for each in np.meshgrid(*[np.linspace(0, 0.12, 5)] * 2))
+    i, j = (each.ravel() for each in np.meshgrid(np.arange(4), np.arange(4)))
+    low, rim = 5 * j + i, np.flatnonzero(x == 0)
+    cells = np.concatenate([[low, low + 1, low + 6], [low, low + 6, low + 5]], axis=1).T
+    blocks = [("triangle", cells), ("line", np.stack([rim[:-1], rim[1:]], axis=1))]
+    tags = [np.full(len(block), k) for k, (_, block) in enumerate(blocks, 1)]
+    mesh = meshio.Mesh(
+        np.stack([x, y, np.zeros_like(x)], axis=1),
+        blocks,
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        field_data={"skin": np.array([1, 2]), "rim": np.array([2, 1])},
     )
-    assert (plain.plain, drawn.plain) == (True, False)
-    one, other = (made(each, tmp_path / f"{each.plain}.zarr") for each in (plain, drawn))
+    meshio.write(folder / "square.msh", mesh, file_format="gmsh22", binary=False)
+    return {"skin.mesh": str(folder / "square.msh"), **fed_at("rim")}
+
+
+@pytest.fixture(scope="module")
+def plain_set(make_scene, tmp_path_factory):
+    """A plain rectangle, and what its data set holds."""
+    plain = make_scene(rows=2, columns=2, length=0.12, width=0.12)
+    assert plain.plain
+    return plain, made(plain, tmp_path_factory.mktemp("plain") / "set.zarr")
+
+
+@pytest.mark.parametrize("drawn", [as_outline, as_even_map, as_mesh])
+def test_a_rectangle_by_any_route_gives_the_data_of_a_rectangle(plain_set, tmp_path, drawn):
+    """Sweep by sweep, and so in every statistic, in single precision."""
+    plain, one = plain_set
+    scene = plain.with_(drawn(tmp_path))
+    assert not scene.plain
+    other = made(scene, tmp_path / "set.zarr")
     assert one["press"].values.tolist() == other["press"].values.tolist()
     for name in ("Rs", "Cp"):
         np.testing.assert_allclose(one[name], other[name], rtol=2 * RTOL)
-    np.testing.assert_allclose(one["touch_x"], other["touch_x"], atol=1e-7)
+        for statistic in ("mean", "std"):
+            known, found = (getattr(each[name], statistic)("sweep") for each in (one, other))
+            np.testing.assert_allclose(known, found, rtol=2 * RTOL)
+    for name in ("touch_x", "touch_y"):
+        np.testing.assert_allclose(one[name], other[name], atol=1e-7)
 
 
 def test_pixels_are_told_by_the_middle_of_their_skin(kinds):

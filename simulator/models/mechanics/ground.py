@@ -66,10 +66,11 @@ class Ground:
         return replace(self, domain=refined(self.domain, np.flatnonzero(marked)))
 
 
-def ground(scene: Scene, places: Sequence[Place]) -> Ground:
+def ground(scene: Scene, places: Sequence[Place], asked: Sequence[Place] | None = None) -> Ground:
     """The skin of a scene under applicators of the shapes of `places`.
 
-    Raises InputError where it is no plane, or a place lies beside it.
+    asked: what these are called, if not themselves. Raises InputError where it is no plane, or a
+    place lies beside it.
     """
     size = max(scene.skin.length, scene.skin.width) / COARSEST
     apart = tuple(place for place in places if not isinstance(place, Touch))
@@ -84,7 +85,7 @@ def ground(scene: Scene, places: Sequence[Place]) -> Ground:
     angular = [shape for shape in shapes if not isinstance(shape, Circle)]
     sharp = np.concatenate([np.zeros((0, 2)), *angular]).T
     laid = Ground(found, np.array(pixel), sharp, sum(map(_around, shapes)))
-    for place, covered in zip(places, laid.covered, strict=True):
+    for place, covered in zip(asked or places, laid.covered, strict=True):
         if not covered.any():
             raise InputError(f"press {place.where}: must touch the skin of {scene.name}")
     return laid
@@ -95,7 +96,7 @@ def straight_ground(scene: Scene, places: Sequence[Place], sides: int) -> Ground
 
     Its corners are so blunt that they count as none.
     """
-    laid = ground(_angular(scene), [polygonal(place, sides) for place in places])
+    laid = ground(_angular(scene), [polygonal(place, sides) for place in places], places)
     angular = [polygon_of(scene, place) for place in places if not isinstance(place, Disc)]
     return replace(laid, sharp=np.concatenate([np.zeros((0, 2)), *angular]).T)
 

@@ -34,7 +34,8 @@ class Applied:
 
         Raises InputError for touches that are no pixels or deeper than those that are known.
         """
-        skin, (cells, rises, unsure) = self._skin, self.cells(press)
+        cells, rises, unsure = self.cells(press)
+        skin = self._skin
         Z = skin.sweeps(cells, rises, np.array([0, len(cells)]))[0]
         model = skin.reduced
         at_most = skin.certificate(cells, rises) + KRYLOV_SHARE * self.rtol + unsure
@@ -44,21 +45,19 @@ class Applied:
     def cells(self, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64], float]:
         """Pixels, rises of the factor under their applicators, and what a force leaves open of
         that factor, relatively."""
+        pixels = self._pixels(press)
         columns, known = self.scene.pixels.columns, self._skin.reduced.applicators
         assert known is not None
         cells, depths, unsure = [], [], 0.0
-        for touch in press.touches:
-            if not isinstance(touch, Indentation) or not isinstance(touch.place, Touch):
-                raise InputError(f"answers pixels by depth or force alone, got {press}")
-            pixel = (touch.place.row - 1) * columns + touch.place.column - 1
+        for place, touch in pixels:
+            pixel = (place.row - 1) * columns + place.column - 1
             if known.of_pixel[pixel] < 0:
                 raise InputError(f"press {press}: there is no skin at that place")
             depth, off = touch.by.value, 0.0
             if not isinstance(touch.by, Depth):
                 of_force = touch.by.value, known.mechanics.elastic, known.thickness
                 depth, off = known.course(pixel).depth_under(*of_force)
-            if not depth <= known.deepest:
-                raise InputError(f"trained on depths up to {known.deepest:.4g} m, got {touch}")
+                _check_depth(depth, known.deepest, touch)
             cells.append(pixel)
             depths.append(depth)
             strain = np.array(depth / known.thickness)
@@ -66,6 +65,17 @@ class Applied:
         rises = known.mechanics.factor(np.array(depths) / known.thickness) - 1
         self._check_forces(press, np.array(cells))
         return np.array(cells, dtype=np.int64), rises, unsure
+
+    def _pixels(self, press: Press) -> list[tuple[Touch, Indentation]]:
+        """What is pressed, and how; raises InputError for what no training could answer."""
+        found = []
+        for touch in press.touches:
+            if not isinstance(touch, Indentation) or not isinstance(touch.place, Touch):
+                raise InputError(f"answers pixels by depth or force alone, got {press}")
+            if isinstance(touch.by, Depth):
+                _check_depth(touch.by.value, deepest(self.scene), touch)
+            found.append((touch.place, touch))
+        return found
 
     def _check_forces(self, press: Press, cells: NDArray[np.int64]) -> None:
         """Raises InputError where a force meets another touch: how deep it goes hangs on that."""
@@ -85,3 +95,8 @@ class Applied:
         model = reduce(self.scene, self.rtol, pixel_touches(self.scene, (low, high)))
         assert isinstance(model, Indented)
         return model.skin(None)
+
+
+def _check_depth(depth: float, most: float, touch: Indentation) -> None:
+    if not depth <= most:
+        raise InputError(f"trained on depths up to {most:.4g} m, got {touch}")
