@@ -64,6 +64,7 @@ IN_ORDER = (
     Benchmark("localization/training_spread"),
     Benchmark("localization/adaptation"),
     Benchmark("localization/filtering"),
+    Benchmark("localization/choosing"),
     Benchmark("live/live_interfaces"),
     Benchmark("live/live_page"),
     Benchmark("live/killed"),
