@@ -66,6 +66,7 @@ IN_ORDER = (
     Benchmark("localization/adaptation"),
     Benchmark("localization/filtering"),
     Benchmark("localization/several_touches"),
+    Benchmark("localization/choosing"),
     Benchmark("live/live_interfaces"),
     Benchmark("live/live_page"),
     Benchmark("live/killed"),
