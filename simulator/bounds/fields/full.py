@@ -112,12 +112,13 @@ class Fields:
         pencil = on.space.pencil(on.mass, drive, 0.0)
         Y, _ = respond(pencil, s, KRYLOV_RTOL)
         u = self._potentials(drive, pencil, on, s, Y)
-        by = {name: s * self._energy(u, each) for name, each in on.masses.items()}
-        sheets = np.stack([self._energy(u, term) for term in self._family.sheet_terms])
+        parts = np.hstack([u.real, u.imag])
+        by = {name: s * self._energy(parts, each) for name, each in on.masses.items()}
+        sheets = np.stack([self._energy(parts, term) for term in self._family.sheet_terms])
         by |= {
             name: by[name] + each @ sheets for name, each in on.gauges.items() if each is not None
         }
-        by_s = self._energy(u, on.mass)
+        by_s = self._energy(parts, on.mass)
         of_s = slopes_of_s(frequency, self.scene.skin.foam.loss)
         by |= {name: by_s * of_s[name] for name in ("capacitance", "loss_tangent")}
         if on.weights is not None:
@@ -147,8 +148,12 @@ class Fields:
             raise InputError(f"frequencies up to {highest:.4g} Hz lie too far above cut-off")
         return u.astype(np.complex128)
 
-    def _energy(self, u: NDArray[np.complex128], mass: csc_matrix) -> NDArray[np.complex128]:
-        return (u * (self._family.space.restricted(mass) @ u)).sum(axis=0)
+    def _energy(self, parts: NDArray[np.float64], mass: csc_matrix) -> NDArray[np.complex128]:
+        """u'Mu in W of a symmetric M. parts: of u, real ones beside imaginary, (unknown, 2 s)."""
+        Mu, count = self._family.space.restricted(mass) @ parts, parts.shape[1] // 2
+        own = np.einsum("ik,ik->k", parts, Mu)
+        between = np.einsum("ik,ik->k", parts[:, :count], Mu[:, count:])
+        return own[:count] - own[count:] + 2j * between
 
     def _by_resistance(
         self, u: NDArray[np.complex128], sheets: NDArray[np.complex128]
