@@ -9,6 +9,7 @@ Res. 1 (2000) 113-141; S. Escalera, O. Pujol, P. Radeva, "On the decoding proces
 error-correcting output codes", IEEE Trans. Pattern Anal. Mach. Intell. 32 (2010) 120-134.
 """
 
+from copy import copy
 from itertools import combinations
 from typing import Any
 
@@ -98,13 +99,9 @@ class ECOCClassifier(MetaEstimatorMixin, ClassifierMixin, BaseEstimator):
         if self.classes_.size < 2:
             raise ValueError(f"need samples of at least 2 classes, got 1 class: {self.classes_[0]}")
         self.coding_matrix_ = CODINGS[self.coding](self.classes_.size)
-        self.estimators_ = [self._fit_learner(X, code[index]) for code in self.coding_matrix_.T]
+        fresh = clone(SVC() if self.estimator is None else self.estimator)
+        self.estimators_ = [_fitted(copy(fresh), X, code[index]) for code in self.coding_matrix_.T]
         return self
-
-    def _fit_learner(self, X, sides):
-        learner: Any = clone(SVC() if self.estimator is None else self.estimator)
-        seen = sides != 0
-        return learner.fit(X[seen], sides[seen])
 
     def decision_function(self, X):
         """Minus the average loss of each class, shape (n, K).
@@ -123,3 +120,9 @@ class ECOCClassifier(MetaEstimatorMixin, ClassifierMixin, BaseEstimator):
         decision = self.decision_function(X)
         best = decision > 0 if decision.ndim == 1 else decision.argmax(axis=1)
         return self.classes_[best.astype(np.intp)]
+
+
+def _fitted(learner: Any, X: Any, sides: NDArray[np.int64]) -> Any:
+    """A binary learner, of the samples that are on a side."""
+    seen = sides != 0
+    return learner.fit(X[seen], sides[seen])

@@ -15,12 +15,23 @@ from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from itertools import islice
+from multiprocessing import forkserver
+from multiprocessing.context import ForkServerContext
 from multiprocessing.process import BaseProcess
 from typing import Any
 
 from ..sweeps import InputError, check_needs
 from .block import Workshop, make_block
 
+NEEDED = (
+    "numcodecs.blosc",
+    "numcodecs.vlen",
+    "rcskin.simulator.cli",
+    "rcskin.simulator.dataset.block",
+    "rcskin.simulator.models.reduced.kernel",
+)
+"""What every block needs, and what starts the command: imported once, by the process that all
+workers are copies of."""
 AHEAD = 4
 """Blocks handed out beforehand, for each worker."""
 RETRIES = 10
@@ -47,8 +58,8 @@ def hired(workers: int) -> Iterator[Processes | None]:
     if workers <= 1:
         yield None
         return
-    fresh, others = multiprocessing.get_context("spawn"), multiprocessing.active_children()
-    with ProcessPoolExecutor(workers, fresh, _begin) as pool:
+    others = multiprocessing.active_children()
+    with _copies() as fresh, ProcessPoolExecutor(workers, fresh, _begin) as pool:
         try:
             with _uninterrupted():
                 for _ in range(workers):
@@ -61,6 +72,18 @@ def hired(workers: int) -> Iterator[Processes | None]:
                 worker.terminate()
             pool.shutdown(wait=True, cancel_futures=True)
             raise
+
+
+@contextmanager
+def _copies() -> Iterator[ForkServerContext]:
+    """Processes begun in here are copies of one that has imported what is NEEDED."""
+    context = multiprocessing.get_context("forkserver")
+    server: Any = forkserver._forkserver
+    context.set_forkserver_preload([*NEEDED])
+    try:
+        yield context
+    finally:
+        server._stop()  # else it stays as long as this process does
 
 
 @dataclass(frozen=True)
@@ -76,8 +99,8 @@ class Processes:
 
 
 def _get_ready() -> None:
-    """Import what every block needs."""
-    for name in ("numcodecs.blosc", "numcodecs.vlen", "rcskin.simulator.models.reduced.kernel"):
+    """Import what could not be beforehand."""
+    for name in NEEDED:
         import_module(name)
 
 

@@ -124,7 +124,8 @@ def potentials(
         beside = np.sqrt(squared[1:])
         T = np.diag(diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
         start = np.eye(len(basis), 1) * np.sqrt(squared[0])
-        parts = np.hstack([-s * np.linalg.solve(np.eye(len(T)) + s * T, start) for s in shifts])
+        solved = np.linalg.solve(np.eye(len(T)) + shifts[:, None, None] * T, start)[:, :, 0]
+        parts = np.ascontiguousarray((-shifts[:, None] * solved).T)
         if (np.abs(parts[-1]) <= rtol * np.linalg.norm(parts, axis=0)).all():
             break
     return np.array(basis).T @ parts if basis else np.zeros((len(pencil.start), len(shifts)))

@@ -9,6 +9,7 @@ trained: a sweep with its derivatives costs some tens of milliseconds.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +35,10 @@ KRYLOV_RTOL = 1e-6
 
 
 class _Pressed(NamedTuple):
-    """The space of a press, M in F, what directions add to it, and to the weights of the sheets."""
+    """The space of a press, M in F, what directions add to it, and to the weights of the sheets.
+
+    mass: in the system's pattern. masses: of the unknowns of the space.
+    """
 
     space: Galerkin
     weights: Weights
@@ -84,7 +88,17 @@ class Fields:
         return at_meter(1 / Y, by, self.scene.leads, frequency)
 
     def _mass(self, change: NDArray[np.float64]) -> csc_matrix:
-        return self._family.mass(self._parts(change, 0.0))
+        return self._own(self._family.mass(self._parts(change, 0.0)))
+
+    @cached_property
+    def _sheet_terms(self) -> list[csc_matrix]:
+        return [self._own(term) for term in self._family.sheet_terms]
+
+    def _own(self, matrix: csc_matrix) -> csc_matrix:
+        """Of the unknowns of the space, without the zeros that its pattern holds."""
+        own = self._family.space.restricted(matrix).copy()
+        own.eliminate_zeros()
+        return own
 
     def _parts(self, map_of: NDArray[np.float64], beside: float) -> NDArray[np.float64]:
         return of_parts(self._family.scene, map_of, beside)
@@ -109,12 +123,13 @@ class Fields:
         pencil = on.space.pencil(on.mass, drive, 0.0)
         Y, _ = respond(pencil, s, KRYLOV_RTOL)
         u = self._potentials(drive, pencil, on, s, Y)
-        by = {name: s * self._energy(u, each) for name, each in on.masses.items()}
-        sheets = np.stack([self._energy(u, term) for term in self._family.sheet_terms])
+        parts = np.hstack([u.real, u.imag])
+        by = {name: s * _energy(parts, each) for name, each in on.masses.items()}
+        sheets = np.stack([_energy(parts, term) for term in self._sheet_terms])
         by |= {
             name: by[name] + each @ sheets for name, each in on.gauges.items() if each is not None
         }
-        by_s = self._energy(u, on.mass)
+        by_s = _energy(parts, on.space.restricted(on.mass))
         of_s = slopes_of_s(frequency, self.scene.skin.foam.loss)
         by |= {name: by_s * of_s[name] for name in ("capacitance", "loss_tangent")}
         if on.weights is not None:
@@ -144,9 +159,6 @@ class Fields:
             raise InputError(f"frequencies up to {highest:.4g} Hz lie too far above cut-off")
         return u.astype(np.complex128)
 
-    def _energy(self, u: NDArray[np.complex128], mass: csc_matrix) -> NDArray[np.complex128]:
-        return (u * (self._family.space.restricted(mass) @ u)).sum(axis=0)
-
     def _by_resistance(
         self, u: NDArray[np.complex128], sheets: NDArray[np.complex128]
     ) -> dict[str, NDArray[np.complex128]]:
@@ -156,3 +168,11 @@ class Fields:
             films = family.space.film_energy(u, family.system.films)  # pyright: ignore[reportArgumentType]
             found["contact_resistance"] = np.asarray(-films.diagonal(), dtype=np.complex128)
         return found
+
+
+def _energy(parts: NDArray[np.float64], matrix: csc_matrix) -> NDArray[np.complex128]:
+    """u'Mu in W of a symmetric M. parts: of u, real ones beside imaginary, (unknown, 2 s)."""
+    Mu, count = matrix @ parts, parts.shape[1] // 2
+    own = np.einsum("ik,ik->k", parts, Mu)
+    between = np.einsum("ik,ik->k", parts[:, :count], Mu[:, count:])
+    return own[:count] - own[count:] + 2j * between

@@ -38,11 +38,11 @@ def tables(width: int, target: str) -> dict[str, Any]:
         "spread": np.array(0.05),
     }
     if target == "position":
-        nodes = np.linspace(0.01, 0.11, 5)
+        nodes = np.linspace(0.01, 0.11, 4)
         u, v, f = np.meshgrid(nodes, nodes, STRENGTHS - 1, indexing="ij")
         along = random.standard_normal((3, width))
         values = f[..., None] * (np.stack([u, v, 1 + u * v], axis=-1) @ along)
-        skin = np.zeros((5, 5, width, 1))
+        skin = np.zeros((4, 4, width, 1))
         named = {"x": nodes, "y": nodes, "strength_nodes": STRENGTHS}
         return common | named | {"values": 30 * values, "skin": skin, "sides": np.full(2, 0.12)}
     single = random.standard_normal((2, 1, width)) * (STRENGTHS - 1)[:, None]

@@ -16,7 +16,7 @@ from rcskin.simulator.sweeps import concatenate
 from sklearn import clone
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
-FEW = ((1e-2, 150), (1e-3, 50))
+FEW = ((2e-2, 80), (2e-3, 20))
 FEWER = ((2e-3, 2000), (5e-4, 1000))
 SCENE = "[skin]\nlength = 0.06\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 6\n"
 SEEN = ("dlnZ", "dphase", "lnZ0", "phase0")

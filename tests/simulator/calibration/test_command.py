@@ -39,7 +39,7 @@ def test_a_scene_is_calibrated(run, files, line):
     assert sorted(path.name for path in folder.parent.iterdir()) == ["found", "run.nc", "skin.toml"]
 
 
-def test_the_calibrated_scene_says_from_what(run, files, line):
+def test_the_calibrated_scene_says_from_what_and_is_the_same_bytes_again(run, files, line):
     scene, measured, folder = files
     run("calibrate", scene, measured, "-o", folder, *TWO)
     text = (folder / "calibrated.toml").read_text()
@@ -52,9 +52,12 @@ def test_the_calibrated_scene_says_from_what(run, files, line):
     assert "left as in the scene, and allowed for within their priors: loss_tangent" in text
     assert "both in series: " in text
     assert "not told by the data but assumed from the scene, within its prior" in text
-    code, _, err = run("sweep", folder / "calibrated.toml", "-o", folder / "again.nc")
+    code, _, err = run("sweep", folder / "calibrated.toml", "-o", folder.parent / "again.nc")
     assert (code, err) == (0, "")
-    assert read_sweeps(folder / "again.nc").sizes["frequency"] == 12
+    assert read_sweeps(folder.parent / "again.nc").sizes["frequency"] == 12
+    run("calibrate", scene, measured, "-o", folder.parent / "second", *TWO)
+    for path in folder.iterdir():
+        assert path.read_bytes() == (folder.parent / "second" / path.name).read_bytes()
 
 
 def test_numbers_are_written_for_machines(run, files):
@@ -69,24 +72,6 @@ def test_numbers_are_written_for_machines(run, files):
     assert lines[0] == "quantity,unit,scene,fitted,low_95,high_95,told_by"
     assert len(lines) == 5
     assert (folder / "residuals-meter.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_the_same_bytes_again(run, files):
-    scene, measured, folder = files
-    written = []
-    for _ in range(2):
-        run("calibrate", scene, measured, "-o", folder, *TWO)
-        written.append({path.name: path.read_bytes() for path in folder.iterdir()})
-    assert written[0] == written[1]
-
-
-def test_other_files_of_the_folder_stay(run, files):
-    scene, measured, folder = files
-    folder.mkdir()
-    (folder / "notes.txt").write_text("mine")
-    assert run("calibrate", scene, measured, "-o", folder, *TWO, "--charts", "svg")[0] == 0
-    files = [*FILES[:-1], "residuals-meter.svg", "notes.txt"]
-    assert sorted(path.name for path in folder.iterdir()) == sorted(files)
 
 
 @pytest.mark.parametrize(
@@ -128,11 +113,17 @@ def test_sweeps_of_another_skin_are_taken_where_one_insists(run, files, line):
     assert (code, err) == (0, "")
 
 
-def test_a_skin_of_other_materials_is_the_same_skin(run, files, line):
+def test_a_skin_of_other_materials_is_the_same_skin_and_other_files_of_the_folder_stay(
+    run, files, line
+):
     scene, measured, folder = files
+    folder.mkdir()
+    (folder / "notes.txt").write_text("mine")
     changes = {"name": "other", "skin.sheet_resistance": 6e4, "leads": {"resistance": 5.0}}
     scene.write_text(scene_text(line.with_(changes)))
-    assert run("calibrate", scene, measured, "-o", folder, *TWO)[0] == 0
+    assert run("calibrate", scene, measured, "-o", folder, *TWO, "--charts", "svg")[0] == 0
+    files = [*FILES[:-1], "residuals-meter.svg", "notes.txt"]
+    assert sorted(path.name for path in folder.iterdir()) == sorted(files)
 
 
 def test_a_file_is_no_folder(run, files):

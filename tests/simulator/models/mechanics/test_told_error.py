@@ -41,7 +41,7 @@ def impedance(found, coefficients, f):
     return swept(space, system.mass, found.circuit.drives, laplace_variable(f), 1e-10)[0]
 
 
-@pytest.mark.parametrize("part", [0.995])
+@pytest.mark.parametrize("part", [0.95, pytest.param(0.995, marks=pytest.mark.slow)])
 def test_capacitance_of_foam_that_nearly_closes(foam_scene, part):
     """At the edge of the applicator the deflection bends within a tenth of a mm."""
     scene = foam_scene(20.0, "elastomer", width=0.12)
