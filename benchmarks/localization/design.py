@@ -155,7 +155,8 @@ def draw(table: pd.DataFrame, path: Path) -> None:
                 label = f"{wires} wires" if kind == ALL else None
                 _plot(first, part["pixels"], part, line, COLOURS[k], label)
         first.plot([6], [82], "k*", ms=11)
-        first.annotate("resistive, real\n(ICRA 2020)", (6, 82), (6.3, 84), fontsize=7)
+        first.annotate("resistive, real\n(ICRA 2020)", (6, 82), (5.9, 76), ha="right", fontsize=7)
+        first.set_xticks(np.unique(table["pixels"]))
         first.set_xlabel("pixels along a side (dotted: by the pairs of edges alone)")
         first.set_ylabel("pixels right at most (%)")
         first.set_title(f"sheets of {1e-3 * USUAL:g} kohm/sq", fontsize=9)
