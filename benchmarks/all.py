@@ -62,6 +62,7 @@ IN_ORDER = (
     Benchmark("localization/twin"),
     Benchmark("localization/twin_limits"),
     Benchmark("localization/twin_design"),
+    Benchmark("localization/design"),
     Benchmark("localization/training_spread"),
     Benchmark("localization/adaptation"),
     Benchmark("localization/filtering"),

@@ -104,6 +104,15 @@ class Bench:
         found = self._asking.journal.kept(asked, answer)
         return Picked.of(found)
 
+    def most_by_each(self, material: Material, picked: Picked) -> float | None:
+        """As of `Picker`."""
+        asked = {"each": [list(picked.readings), list(picked.frequencies)], **self._at(material)}
+
+        def answer() -> dict[str, float | None]:
+            return {"most": self._picker.most_by_each(material, picked)}
+
+        return self._asking.journal.kept(asked, answer)["most"]
+
     def shares(self, layout: Layout) -> tuple[float, ...]:
         """Merits of the skin as it was meant and of each cast: see `Judge`, `PlaceJudge`."""
         read = [[list(each.high), list(each.low)] for each in layout.readings]

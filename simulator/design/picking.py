@@ -17,11 +17,11 @@ from ..scene.design import Design
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.pace import SETTLE, reading_time
-from .choosing import Choice, chosen
+from .choosing import Choice, bound, chosen
 from .curves import Pairs, pairs
 from .merits import Merit
 from .places import Touches
-from .proxy import RIGHT, Ties, by_frequency, by_reading
+from .proxy import RIGHT, Ties, by_both, by_frequency, by_reading
 from .trained import Material, OnSkin, Trained
 
 GRID = 24
@@ -170,6 +170,16 @@ class Picker:
         most = max(count for count, _ in self._budgets)
         by = self._readings(material, most, readings, frequencies)
         return Picked(by.numbers, tuple(frequencies), by.share, by.most, by.share)
+
+    def most_by_each(self, material: Material, picked: Picked) -> float | None:
+        """What no choice of as many frequencies exceeds, where each reading has its own; None
+        without sweeps at rest, as then the errors of a session tie frequencies together."""
+        if self._ties != Ties():
+            return None
+        every = len(self.frequency)
+        told = by_both(self._pairs(material).of(picked.readings, range(every)), self._told.merit)
+        own = np.add.outer(every * np.arange(len(picked.readings)), picked.frequencies)
+        return bound(told.slope, own.ravel().astype(np.int64), told.candidates)
 
     def picked(
         self, material: Material, readings: Sequence[int], frequencies: Sequence[int]

@@ -51,6 +51,13 @@ def by_frequency(pairs: Pairs, ties: Ties, merit: Merit = RIGHT) -> Additive | T
     return Additive(np.einsum("prfqa,prfqb->pfab", x, x, optimize=True), pairs.weight, merit)
 
 
+def by_both(pairs: Pairs, merit: Merit = RIGHT) -> Additive:
+    """Which frequencies of which readings tell, against rest; candidates reading by reading."""
+    x = pairs.apart
+    found = np.einsum("prfqa,prfqb->prfab", x, x, optimize=True)
+    return Additive(found.reshape(len(x), -1, *found.shape[-2:]), pairs.weight, merit)
+
+
 def _taken(common: NDArray[np.float64], held: NDArray[np.float64]) -> NDArray[np.float64]:
     """What gain and turn that are not known take off, shape (pair, reading, p, p)."""
     return np.einsum("prqa,prqb,q->prab", common, common, 1 / held)

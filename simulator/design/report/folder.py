@@ -96,6 +96,7 @@ def _numbers(
             "share": picked.share,
             "most_by_other_readings": picked.most_by_readings,
             "most_by_other_frequencies": picked.most_by_frequencies,
+            "most_by_frequencies_of_each_reading": _most_by_each(found),
         },
     }
 
@@ -190,8 +191,18 @@ def _told(each: Along, scale: Scale) -> str:
     return f"{each.name}: less than {scale.named} is lost from {low:.2g} to {high:.2g} times"
 
 
+def _most_by_each(found: Found) -> float | None:
+    return found.bench.most_by_each(found.best.layout.material, found.picked)
+
+
 def _far(found: Found, scale: Scale) -> str:
-    picked = found.picked
+    picked, by_each = found.picked, _most_by_each(found)
+    apart = ""
+    if by_each is not None:
+        apart = (
+            "Had each reading frequencies of its own, as many in all, no choice would exceed "
+            f"{_percent(by_each)} %. "
+        )
     kind = "a share that pairs of presses give"
     if scale.guess is not None:
         kind = "how far touches are told over how far guesses are, taken from 1"
@@ -200,9 +211,9 @@ def _far(found: Found, scale: Scale) -> str:
         f"({_percent(picked.share)} % here), a concave function of what is read. At these "
         f"frequencies no other so many readings exceed {_percent(picked.most_by_readings)} % of "
         "it; of these readings no other so many candidates of frequencies exceed "
-        f"{_percent(picked.most_by_frequencies)} %. Both hold for that share, on the casts that "
-        "were picked for, and each while the other stays. Sheets are looked for along one number "
-        "at a time, and of those nothing is proven."
+        f"{_percent(picked.most_by_frequencies)} %. {apart}All hold for that share, on the "
+        "casts that were picked for, and each while the other stays. Sheets are looked for along "
+        "one number at a time, and of those nothing is proven."
     )
 
 

@@ -8,7 +8,7 @@ import pytest
 from rcskin.simulator.design.choosing import bound, chosen
 from rcskin.simulator.design.curves import Pairs
 from rcskin.simulator.design.merits import Near
-from rcskin.simulator.design.proxy import Ties, by_frequency, by_reading
+from rcskin.simulator.design.proxy import Ties, by_both, by_frequency, by_reading
 
 KNOWN, UNKNOWN = Ties(), Ties(gain=0.5, turn=2.0)
 
@@ -116,3 +116,15 @@ def test_nothing_read_leaves_the_distance_of_a_guess():
     told = near(np.zeros((1, 3, 3)), np.ones(1))
     assert float(told.value) == pytest.approx(0, abs=1e-12)
     assert near.guess == pytest.approx(np.hypot(0.1, 0.05) / np.sqrt(12))
+
+
+def test_frequencies_of_each_reading_bound_those_of_all():
+    pairs, every = some_pairs(size=0.3), np.arange(9)
+    told = by_both(pairs)
+    assert told.candidates == 7 * 9
+    shared = by_frequency(pairs, KNOWN)
+    found = chosen(shared.score, shared.slope, 9, 3)
+    own = np.add.outer(9 * np.arange(7), np.array(found.numbers)).ravel()
+    weights = np.isin(np.arange(told.candidates), own).astype(float)
+    assert told.slope(weights)[0] == pytest.approx(found.share, rel=1e-12)
+    assert found.share < bound(told.slope, own, told.candidates) < shared.slope(every * 0 + 1.0)[0]
