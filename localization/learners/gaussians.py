@@ -23,6 +23,8 @@ COMPONENTS, OF_CURVE, SQUARED, SPREAD = 16, 12, 3, 4
 directions of a class's own spread."""
 BENDING = 6
 """Components of the curve that tell how strength bends."""
+DRIFT = 0.01
+"""Of how far curves differ: what a skin may drift by between a touch and the rest before it."""
 ROUNDS = 3
 """Of finding strengths and what they multiply, in turn."""
 RIDGE = 1.0
@@ -54,7 +56,8 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
     Parameters
     ----------
     curve: indices of the features that show the skin at rest; the others err alike, and tell of
-    the press. components, of_curve, squared, spread: as COMPONENTS and so on, at most.
+    the press. components, of_curve, squared, spread: as COMPONENTS and so on, at most. drift: as
+    DRIFT, where the curve has as many features as the change, in the same order.
 
     Attributes
     ----------
@@ -68,12 +71,14 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         of_curve=OF_CURVE,
         squared=SQUARED,
         spread=SPREAD,
+        drift=DRIFT,
     ):
         self.curve = curve
         self.components = components
         self.of_curve = of_curve
         self.squared = squared
         self.spread = spread
+        self.drift = drift
 
     def fit(self, X, y):
         """X: shape (sweep, feature), y: classes, shape (sweep,). Returns self."""
@@ -82,6 +87,9 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         check_classification_targets(y)
         self.classes_, index = np.unique(y, return_inverse=True)
         curve = np.isin(np.arange(X.shape[1]), self.curve)
+        if 2 * curve.sum() == len(curve):
+            X = X.copy()
+            X[:, ~curve] += self.drift * _apart(X[:, curve])
         self._of_change = _axes(X[:, ~curve], self.components)
         self._of_curve = _axes(X[:, curve], self.of_curve, alike=True)
         change, known = self._seen(X)
@@ -131,6 +139,12 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         z = (X[:, curve] - at_rest) @ axes
         known = np.hstack([np.ones((len(X), 1)), z, _products(z[:, : self.squared])])
         return X[:, ~curve] @ turn, known
+
+
+def _apart(curves: Array) -> Array:
+    """How other skins differ from the mean, one at random for each sweep."""
+    order = np.random.default_rng(0).permutation(len(curves))
+    return curves[order] - curves.mean(axis=0)
 
 
 def _axes(X: Array, count: int, alike: bool = False) -> tuple[Array, Array]:

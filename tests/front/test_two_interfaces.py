@@ -1,4 +1,7 @@
-"""Two interfaces from the skin to the answer: what a switch recorded is as good as simulated."""
+"""Two interfaces, and five readings of the same wires, from the skin to the answer.
+
+What a switch recorded is as good as simulated.
+"""
 
 import numpy as np
 import pytest
@@ -14,6 +17,17 @@ from typer.testing import CliRunner
 
 PIXELS = [f"{row},{column}" for row in "123" for column in "123"]
 BOTH = ["left", "bottom"]
+FIVE = [
+    {"name": "left", "high": ["top-left"], "low": ["bottom-left"]},
+    {"name": "bottom", "high": ["top-bottom"], "low": ["bottom-bottom"]},
+    {"name": "crossed", "high": ["top-left"], "low": ["bottom-bottom"]},
+    {"name": "back", "high": ["top-bottom"], "low": ["bottom-left"]},
+    {
+        "name": "tied",
+        "high": ["top-left", "top-bottom"],
+        "low": ["bottom-left", "bottom-bottom"],
+    },
+]
 
 
 @pytest.fixture(scope="module")
@@ -21,14 +35,16 @@ def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("two")
 
 
-@pytest.fixture(scope="module")
-def scene(folder):
-    """The path of a 3x3 sheet with two interfaces, at few frequencies."""
+@pytest.fixture(scope="module", params=["two", "five"])
+def scene(request, folder):
+    """The path of a 3x3 sheet with two interfaces, or five readings, at few frequencies."""
     frequencies = np.geomspace(1e3, 1e5, 8).tolist()
     scene = rcskin.load("sheet-5x5-two-interfaces").with_(
         {"pixels": 3, "sweep.frequencies": frequencies}
     )
-    path = folder / "two.toml"
+    if request.param == "five":
+        scene = scene.with_({"interface": FIVE})
+    path = folder / f"{request.param}.toml"
     path.write_text(scene_text(scene), encoding="utf-8")
     return path
 
@@ -50,7 +66,7 @@ def switch(ports):
 @pytest.fixture(scope="module")
 def recorded(scene, ports, switch, folder):
     """The path of a recording of every pixel at both interfaces."""
-    path = folder / "run.nc"
+    path = folder / f"{scene.stem}-run.nc"
     where = ["--resource", ports.resource, "--control", f"127.0.0.1:{ports.control}"]
     told("meter", "record", scene, *where, *switch, "--repetitions", 1, "--retries", 0, "-o", path)
     return path
@@ -68,7 +84,7 @@ def model(scene, exact, folder):
     """The path of a model of pixels against rest, trained on four simulated sessions."""
     readout, random = rcskin.load(scene).readout, np.random.default_rng(0)
     sweeps = concatenate([read_out(exact, readout, random, k) for k in range(4)])
-    path = folder / "pixels.skops"
+    path = folder / f"{scene.stem}-pixels.skops"
     save(path, rcskin.train(sweeps, "pixel", quantities=("dlnZ", "dphase")))
     return path
 
@@ -77,12 +93,15 @@ def told(*words):
     result = CliRunner().invoke(front.app, [*map(str, words)])
     if result.exception and not isinstance(result.exception, SystemExit):
         raise result.exception
+    assert result.exit_code == 0, result.output
     return result.stdout
 
 
 def test_what_is_recorded_is_what_is_simulated(recorded, exact):
     sweeps = read(recorded)
-    assert list(sweeps["interface"].values) == list(exact["interface"].values) == BOTH
+    names = list(exact["interface"].values)
+    assert list(sweeps["interface"].values) == names
+    assert names == BOTH or len(names) == len(FIVE)
     assert set(exact.variables) - set(sweeps.variables) <= {"Rs_error", "Cp_error"}
     simulated = {press: Z for press, Z in zip(exact["press"].values, impedance(exact), strict=True)}
     for press, Z in zip(sweeps["press"].values, impedance(sweeps), strict=True):
@@ -121,12 +140,12 @@ def test_what_is_recorded_calibrates(scene, recorded, folder):
     assert found.skin.top.sheet_resistance == pytest.approx(true.skin.top.sheet_resistance, rel=0.1)
 
 
-def test_live_tells_pixels_from_both(model, ports, switch):
+def test_live_tells_pixels_from_all(model, ports, switch):
     from rcskin.hardware.steer import ask
 
     control, where = f"127.0.0.1:{ports.control}", ["--resource", ports.resource]
     ask(control, "press", press="none")
-    log = model.with_name("rest.nc")
+    log = model.with_suffix(".rest.nc")
     told("live", "--model", model, *where, *switch, "--sweeps", 1, "--log", log)
     for press in ("3,1", "1,3"):
         ask(control, "press", press=press)

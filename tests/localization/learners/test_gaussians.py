@@ -59,3 +59,14 @@ def test_probabilities_are_those_of_the_densities():
     told = GaussianClassifier().fit(X, y).predict_proba(X)[:, 1]
     exact = 1 / (1 + np.exp(-1.5 * (X.sum(axis=1) - 1.5)))
     assert np.abs(told - exact).mean() < 0.02
+
+
+def test_what_a_skin_drifts_by_tells_nothing_of_the_touch():
+    random = np.random.default_rng(5)
+    y, skin = labels(random), random.standard_normal((SWEEPS, 1))
+    way, noise = np.array([[1.0, 1.0]]), 0.002
+    touch = 0.02 * np.where(y[:, None], [[1.0, 0.0]], [[0.0, 1.0]])
+    X = np.hstack([touch + noise * random.standard_normal((SWEEPS, 2)), skin * way])
+    drifted = X + 0.03 * random.standard_normal((SWEEPS, 1)) * np.array([[1.0, 1.0, 0.0, 0.0]])
+    model = GaussianClassifier(curve=(2, 3), drift=0.03).fit(X, y)
+    assert (model.predict(drifted) == y).mean() > 0.99
