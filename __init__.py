@@ -114,7 +114,8 @@ def features(
     from .localization.inputs.features import DEFAULT_QUANTITIES
     from .localization.inputs.samples import samples_of
 
-    samples = samples_of(sweeps, target, quantities or DEFAULT_QUANTITIES)
+    told = _told_for(target, sweeps)
+    samples = samples_of(told, target, quantities or DEFAULT_QUANTITIES)
     return samples.X, samples.y
 
 
@@ -126,7 +127,15 @@ def train(sweeps: xr.Dataset, target: str = "column", **options: Any) -> Model:
     """
     from .localization.model.training import train as trained
 
-    return trained(sweeps, target, **options)
+    return trained(_told_for(target, sweeps), target, **options)
+
+
+def _told_for(target: str, sweeps: xr.Dataset) -> xr.Dataset:
+    """With the factors that depths and forces stand for, where they are asked for."""
+    from .localization.commands.asking import told_for
+    from .simulator.measure.under_touches import factors_under
+
+    return told_for(target, sweeps, factors_under)
 
 
 def localize(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Answers:

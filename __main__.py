@@ -22,7 +22,7 @@ from .simulator.progress import on_terminal
 from .simulator.study.command import study_command
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     import xarray as xr
     from numpy.typing import NDArray
@@ -140,9 +140,9 @@ def _live_localizer(path: Path, manner: Manner) -> LiveLocalizer:
     scene = parse_scene(model.scene, str(path))
     size = 1e3 * scene.skin.length, 1e3 * scene.skin.width
     shape = scene.pixels.rows, scene.pixels.columns
-    touching, adaptive, certain = manner
+    touching, adaptive, certain, within = manner
     follower = touching and Follower(model, Touching(*touching), certain)
-    asker = Asker(model, certain, follower) if adaptive else None
+    asker = Asker(model, certain, follower, within) if adaptive else None
     known = needs_rest(model.quantities)
     tables = partial(skin_at_hand, model) if known else None
     return ModelLocalizer(model, *shape, size, known, follower, asker, tables)
@@ -192,13 +192,19 @@ def _plan(text: str) -> Plan | None:
     return Plan(outline, foils)
 
 
+def _factors(text: str, press: str) -> Sequence[float]:
+    from .simulator.measure.under_touches import factors_under
+
+    return factors_under(text, press)
+
+
 def _linked_page(data: SceneData, kind: str, nonce: str) -> str:
     from .simulator.page.linked import linked_page
 
     return linked_page(data.text, data.name, data.frequencies, data.interfaces, kind, nonce)
 
 
-add_commands(app, on_terminal, _plan, _checked_ending, _model_based)
+add_commands(app, on_terminal, _plan, _checked_ending, _factors, _model_based)
 app.command("live")(live_command(_live_localizer, _linked_page))
 meter = meter_app(Simulation(_scene_data, _skins, _readout, _linked_page))
 app.add_typer(meter, name="meter")

@@ -46,6 +46,7 @@ class Benchmark(NamedTuple):
 IN_ORDER = (
     Benchmark("speed/assembly"),
     Benchmark("speed/work_precision"),
+    Benchmark("speed/answers"),
     Benchmark("speed/reduction"),
     Benchmark("speed/skins"),
     Benchmark("speed/skins_reduced"),
@@ -56,6 +57,7 @@ IN_ORDER = (
     Benchmark("accuracy/calibration_coverage"),
     Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--twins", "200")),
     Benchmark("scale/dataset"),
+    Benchmark("localization/class_zero"),
     Benchmark("localization/localizers"),
     Benchmark("localization/twin"),
     Benchmark("localization/twin_limits"),
@@ -63,6 +65,7 @@ IN_ORDER = (
     Benchmark("localization/training_spread"),
     Benchmark("localization/adaptation"),
     Benchmark("localization/filtering"),
+    Benchmark("localization/several_touches"),
     Benchmark("live/live_interfaces"),
     Benchmark("live/live_page"),
     Benchmark("live/killed"),

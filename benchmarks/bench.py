@@ -23,7 +23,11 @@ HERE = Path(__file__).parent
 RESULTS = HERE / "results"
 PACKAGES = ("rcskin", "numpy", "scipy", "scikit-fem", "numba", "scikit-rf")
 
+LEAST, ENOUGH = 0.2, 1.0
+"""Seconds to fill with at least three runs; seconds after which a run is not repeated."""
+
 Size = TypeVar("Size")
+Answered = TypeVar("Answered")
 
 
 @dataclass(frozen=True)
@@ -85,6 +89,17 @@ def best_time(work: Callable[[], object], repetitions: int = 7) -> float:
         work()
         times.append(time.perf_counter() - start)
     return min(times)
+
+
+def timed(work: Callable[[], Answered]) -> tuple[float, Answered]:
+    """Shortest time in s of as many runs as fill LEAST, or of one that is long, and the answer."""
+    times = []
+    while True:
+        start = time.perf_counter()
+        answer = work()
+        times.append(time.perf_counter() - start)
+        if sum(times) > (LEAST if len(times) >= 3 else ENOUGH):
+            return min(times), answer
 
 
 def machine(*more: str) -> str:

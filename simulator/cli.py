@@ -192,22 +192,11 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
 
 
 def _run(failures: tuple[type[Exception], ...], heard: threading.Event) -> NoReturn:
-    from .sweeps.errors import InputError, InterruptedWorkError, ToleranceError
-
     try:
         with ending_soon(heard):
             code = app(standalone_mode=False)
     except typer.TyperException as error:
         _end(error.format_message() + _example(error), BAD_INPUT)
-    except InputError as error:
-        _end(str(error), BAD_INPUT)
-    except ToleranceError as error:
-        larger = (
-            "a larger --rtol" if error.times is None else f"{error.times:.1g} times that --rtol"
-        )
-        _end(f"{error}; {larger} would be kept", FAILURE)
-    except InterruptedWorkError as error:
-        _end(f"interrupted; {error}", INTERRUPTED)
     except (KeyboardInterrupt, typer.Abort):
         _end("interrupted", INTERRUPTED)
     except BrokenPipeError:
@@ -216,12 +205,28 @@ def _run(failures: tuple[type[Exception], ...], heard: threading.Event) -> NoRet
     except failures as error:
         _end(str(error), FAILURE)
     except Exception as error:
-        if "RCSKIN_DEBUG" in os.environ:
-            raise
-        _end(f"{error} ({type(error).__name__}; RCSKIN_DEBUG=1 shows where)", FAILURE)
+        _end_as_told(error)
     if code == INTERRUPTED:  # typer takes Ctrl-C for an answer
         _end("interrupted", INTERRUPTED)
     sys.exit(code or 0)
+
+
+def _end_as_told(error: Exception) -> NoReturn:
+    """What only work that has gone wrong can have raised: what raises it is loaded by then."""
+    from .sweeps.errors import InputError, InterruptedWorkError, ToleranceError
+
+    match error:
+        case InputError():
+            _end(str(error), BAD_INPUT)
+        case ToleranceError(times=None):
+            _end(f"{error}; a larger --rtol would be kept", FAILURE)
+        case ToleranceError(times=times):
+            _end(f"{error}; {times:.1g} times that --rtol would be kept", FAILURE)
+        case InterruptedWorkError():
+            _end(f"interrupted; {error}", INTERRUPTED)
+    if "RCSKIN_DEBUG" in os.environ:
+        raise error
+    _end(f"{error} ({type(error).__name__}; RCSKIN_DEBUG=1 shows where)", FAILURE)
 
 
 def _example(error: typer.TyperException) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol, TypeVar
@@ -40,19 +41,40 @@ def duration(seconds: float) -> str:
     return f"{seconds / 60:.0f} minutes" if seconds < 5400 else f"{seconds / 3600:.0f} hours"
 
 
+def left_told(elapsed: float, share: float, then: float) -> str:
+    """The time that is left, as 0:01:30, if shares take time alike; -:--:-- where none can tell.
+
+    elapsed: s, now. share: of all, done when so many s had elapsed: `then`.
+    """
+    left = then / share - elapsed if share > 0 else -1.0
+    if left < 0:
+        return "-:--:--"
+    minutes, seconds = divmod(round(left), 60)
+    return f"{minutes // 60}:{minutes % 60:02}:{seconds:02}"
+
+
 @contextmanager
 def told_on_terminal() -> Iterator[Tell]:
     """Shows what goes on and how long it will last, if standard error is a terminal."""
-    from rich.progress import TimeElapsedColumn
+    if not sys.stderr.isatty():
+        yield tell_nothing
+        return
+    from rich.progress import ProgressColumn, Task, TextColumn, TimeElapsedColumn
+    from rich.text import Text
 
-    with _bar(TimeElapsedColumn(), *_time_left(), transient=True) as progress:
-        task = progress.add_task("", total=None)
+    class Left(ProgressColumn):
+        def render(self, task: Task) -> Text:
+            return Text(left_told(task.elapsed or 0.0, task.completed, task.fields["then"]))
+
+    with _bar(TimeElapsedColumn(), TextColumn("left"), Left(), transient=True) as progress:
+        task = progress.add_task("", total=None, then=0.0)
 
         def tell(told: str, share: float | None = None, /) -> None:
-            if progress.tasks[task].description != told or share is None:
-                progress.reset(task, total=None, description=told)
+            bar = progress.tasks[task]
+            if bar.description != told or share is None:
+                progress.reset(task, total=None, description=told, then=0.0)
             if share is not None:
-                progress.update(task, total=1.0, completed=share)
+                progress.update(task, total=1.0, completed=share, then=bar.elapsed or 0.0)
 
         yield tell
 
@@ -63,6 +85,9 @@ def on_terminal() -> Iterator[Track]:
 
     Beside it: how long the rest will take, and at the end how long all of it took.
     """
+    if not sys.stderr.isatty():
+        yield silent
+        return
     from rich.progress import MofNCompleteColumn
 
     with _bar(MofNCompleteColumn(), *_time_left()) as progress:
@@ -79,6 +104,9 @@ def finished_on_terminal(about: str, count: int, unit: str) -> Iterator[Callable
 
     Tells how many of all are finished, how fast they come and how long it still takes.
     """
+    if not sys.stderr.isatty():
+        yield lambda finished: None
+        return
     from rich.progress import ProgressColumn, Task, TextColumn, TimeRemainingColumn
     from rich.text import Text
 
@@ -93,14 +121,12 @@ def finished_on_terminal(about: str, count: int, unit: str) -> Iterator[Callable
 
 
 def _bar(*columns: ProgressColumn, transient: bool = False) -> Progress:
-    """With these beside the bar; silent in a pipe."""
+    """With these beside the bar."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn
 
-    console = Console(stderr=True)
     named = TextColumn("{task.description}"), BarColumn()
-    off = not console.is_terminal
-    return Progress(*named, *columns, console=console, disable=off, transient=transient)
+    return Progress(*named, *columns, console=Console(stderr=True), transient=transient)
 
 
 def _time_left() -> tuple[ProgressColumn, ...]:

@@ -5,14 +5,15 @@ meter on TCP, at the times that a meter takes, by the session of `rcskin live`. 
 recorded once, and every way to answer them is asked the same ones; sweeps by `--adaptive`, which
 choose their frequencies, are read anew. None of this is a measurement of a skin.
 
+Two questions are asked: for columns by one interface, and for pixels by two and a switch.
+
 Run: python benchmarks/localization/filtering.py [--quick] [--skins N] [--touches N]
-     [--rest SECONDS]
+     [--rest SECONDS] [--only columns|pixels]
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -25,7 +26,7 @@ from rcskin.benchmarks.localization.twin import RTOL, SEED, equip, localizers, s
 from rcskin.benchmarks.localization.twin_parts.hands import Stage, Touch, visits
 from rcskin.benchmarks.localization.twin_parts.scenes import believed, built
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.benchmarks.localization.twin_parts.trials import ONE, SINGLE
+from rcskin.benchmarks.localization.twin_parts.trials import ONE, SINGLE, TWO
 from rcskin.hardware.live.answer import NOTHING_PRESSED
 from rcskin.hardware.live.link import Link
 from rcskin.hardware.live.log import Log
@@ -38,19 +39,53 @@ from rcskin.localization.filtering.follower import Follower
 from rcskin.localization.model.model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.model import reduced
+from rcskin.simulator.scene.scene import Scene
 
 PIXELS, TRAINING = 5, 2000
 SKINS, TOUCHES, REST = 4, 30, 300.0
 """Twins; touches of each; s at rest after them."""
-WAYS = (
+OF_ADAPTED = (
     ("model-adapted", False, False),
     ("model-adapted", True, False),
-    ("ksvm-ovo", False, False),
-    ("ksvm-ovo", True, False),
     ("model-adapted", False, True),
     ("model-adapted", True, True),
 )
-"""Localizer, whether it filters, whether it chooses frequencies."""
+"""Localizer, whether it filters, whether it chooses readings."""
+WAYS = (*OF_ADAPTED[:2], ("ksvm-ovo", False, False), ("ksvm-ovo", True, False), *OF_ADAPTED[2:])
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is told of which skin, and the ways to answer. table: its name. title: of the table."""
+
+    target: str
+    base: str
+    ways: tuple[tuple[str, bool, bool], ...]
+    table: str
+    title: str
+
+    @property
+    def scene(self) -> Scene:
+        """What localizers believe."""
+        return believed(self.base, PIXELS, SINGLE)
+
+    def label(self, touch: Touch) -> str:
+        """The right answer."""
+        if self.target == "column":
+            return f"column {touch.column}"
+        return f"pixel {touch.row},{touch.column}"
+
+
+QUESTIONS = {
+    "columns": Question("column", ONE, WAYS, "filtering", "Touches over time, on twins over TCP"),
+    "pixels": Question(
+        "pixel",
+        TWO,
+        OF_ADAPTED,
+        "filtering_two",
+        "Touches over time: pixels by two interfaces and a switch, on twins over TCP",
+    ),
+}
 WHOLE = ("dlnZ", "dphase", "lnZ0", "phase0")
 LATE = 0.6
 """s after a release, within which an answer of the touch is not false."""
@@ -84,14 +119,14 @@ class Replay:
     """A link whose sweeps were measured before: (begun, ended, sweep). now: s."""
 
     def __init__(self, link: Link, sweeps: list[tuple[float, float, Sweep]]) -> None:
-        self.judge, self.header, self.now = link.judge, link.header, 0.0
+        self.judge, self.header, self.now, self.turns = link.judge, link.header, 0.0, None
         self.left = list(reversed(sweeps))
 
     def ready(self) -> None:
         """When the next sweep begins."""
         self.now = self.left[-1][0]
 
-    def sweep(self, watch: Watch, frequencies: Iterable[float] | None = None) -> Sweep:
+    def sweep(self, watch: Watch) -> Sweep:
         """The next."""
         _, self.now, sweep = self.left.pop()
         return sweep
@@ -143,13 +178,15 @@ def recorded(stage: Stage, model: Model, seconds: float) -> tuple[Link, list]:
     return link, found
 
 
-def felt(told: list[tuple[float, str]], touches: list[Touch], ends: float) -> dict[str, Any]:
+def felt(
+    told: list[tuple[float, str]], touches: list[Touch], ends: float, question: Question
+) -> dict[str, Any]:
     """What a user feels: see the columns of the table. ends: s until which it is judged."""
     times, labels = np.array([t for t, _ in told]), np.array([label for _, label in told])
     waits, changes, wrong, held = [], 0, 0, 0
     free = times < ends
     for touch in touches:
-        right = f"column {touch.column}"
+        right = question.label(touch)
         during = (times >= touch.begun) & (times < touch.ended + LATE)
         free &= ~during
         first = np.flatnonzero(during & (labels == right))
@@ -178,23 +215,23 @@ def felt(told: list[tuple[float, str]], touches: list[Touch], ends: float) -> di
 
 
 def of_skin(
-    number: int, models: dict[str, Model], family: Any, sizes: tuple, ways: tuple
+    question: Question, number: int, models: dict[str, Model], family: Any, sizes: tuple
 ) -> list[dict]:
     """Rows of every way to answer one twin."""
-    touches, rest = sizes
-    scene = believed(ONE, PIXELS, SINGLE)
+    (touches, rest), scene = sizes, question.scene
     for model in models.values():
         equip(model)
     hands = visits(np.random.default_rng([SEED, number, 77]), PIXELS, touches)
-    stage = Stage(Twin(built(scene), family, SEED, number), hands)
+    names = tuple(each.name for each in scene.interfaces)
+    stage = Stage(Twin(built(scene), family, SEED, number), hands, names)
     ends = hands[-1].ended + rest
     whole = recorded(stage, models["model-adapted"], ends)
     rows = []
-    for name, filters, asks in ways:
+    for name, filters, asks in question.ways:
         stage = replace(stage, now=0.0)
         told = answers(models[name], filters, asks, stage, whole)
         until = told[-1][0] if asks else ends
-        rows.append({"way": (name, filters, asks), **felt(told, hands, until)})
+        rows.append({"way": (name, filters, asks), **felt(told, hands, until, question)})
     return rows
 
 
@@ -226,22 +263,27 @@ def table(rows: list[dict]) -> pd.DataFrame:
 
 def main(run: Run) -> None:
     """Train, let hands come and go, and publish."""
-    scene = believed(ONE, PIXELS, SINGLE)
+    for name, question in QUESTIONS.items():
+        if run.asked.only in (None, name):
+            asked(run, question if not run.quick else replace(question, ways=question.ways[-2:]))
+
+
+def asked(run: Run, question: Question) -> None:
+    """One question, on all twins."""
+    scene = question.scene
     family, plain = reduced(built(scene), RTOL), reduced(scene, RTOL)
     sweeps = simulated(scene, plain, run.sized(TRAINING, 400))
-    names = ("model-adapted", "ksvm-ovo")
     models = {
-        name: train(sweeps, "column", name, quantities=WHOLE, registry=localizers())
-        for name in names
+        name: train(sweeps, question.target, name, quantities=WHOLE, registry=localizers())
+        for name in dict.fromkeys(name for name, *_ in question.ways)
     }
     sizes = run.sized((run.asked.touches, run.asked.rest), (2, 3.0))
     skins = run.asked.skins or run.sized(SKINS, 1)
-    ways = run.sized(WAYS, WAYS[-3:])
-    work = (delayed(of_skin)(k, models, family, sizes, ways) for k in range(skins))
+    work = (delayed(of_skin)(question, k, models, family, sizes) for k in range(skins))
     rows = [row for found in Parallel(n_jobs=run.asked.processes)(work) for row in found]
     if not all(np.isfinite(row["waits"]).any() for row in rows):
         raise AssertionError("a way to answer finds no touch at all")
-    publish(run.results, "filtering", "Touches over time, on twins over TCP", table(rows))
+    publish(run.results, question.table, question.title, table(rows))
 
 
 def options() -> argparse.ArgumentParser:
@@ -251,6 +293,7 @@ def options() -> argparse.ArgumentParser:
     parser.add_argument("--touches", type=int, default=TOUCHES)
     parser.add_argument("--rest", type=float, default=REST)
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--only", choices=tuple(QUESTIONS))
     return parser
 
 

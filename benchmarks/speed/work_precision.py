@@ -9,16 +9,14 @@ Run: python benchmarks/speed/work_precision.py [--quick]
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TypeVar
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.bench import Run, launch, publish, timed
 from rcskin.benchmarks.rivals import (
     lumped_ladder,
     ngspice_grid,
@@ -45,12 +43,9 @@ SHEET = "sheet-5x5, pixel 2,3 pressed"
 SECTIONS = (20, 80, 320, 1280)
 CELLS = {1: (2, 4, 8, 16), 2: (1, 2, 4, 8), 3: (1, 2, 4), 4: (1, 2, 4)}
 """Of a ladder; along a pixel's side, for each order of the elements."""
-LEAST, ENOUGH = 0.2, 1.0
-"""Seconds to fill with at least three runs; seconds after which a run is not repeated."""
 ROUNDING = 1e-12
 """How far two references may differ where ways are exact."""
 
-Answered = TypeVar("Answered")
 Impedance = NDArray[np.complex128]
 Way = Callable[[], Impedance]
 
@@ -145,17 +140,6 @@ def error(Z: Impedance, truth: Impedance, frequencies: NDArray) -> float:
     """Largest relative error over Rs and Cp and all frequencies."""
     Cp, true_Cp = (parallel_capacitance(each, frequencies) for each in (Z, truth))
     return float(max(abs(Z.real / truth.real - 1).max(), abs(Cp / true_Cp - 1).max()))
-
-
-def timed(work: Callable[[], Answered]) -> tuple[float, Answered]:
-    """Shortest time in s of as many runs as fill LEAST, or of one that is long, and the answer."""
-    times = []
-    while True:
-        start = time.perf_counter()
-        answer = work()
-        times.append(time.perf_counter() - start)
-        if sum(times) > (LEAST if len(times) >= 3 else ENOUGH):
-            return min(times), answer
 
 
 def further(skin: Skin, rtol: float) -> float:

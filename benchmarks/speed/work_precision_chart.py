@@ -24,12 +24,12 @@ MARKERS = "os^Dv*P"
 def draw(path: Path, tables: dict[str, pd.DataFrame], ours: tuple[str, ...]) -> None:
     """Write the chart. tables: way, setting, error and seconds by the title of the skin."""
     names = list(dict.fromkeys(name for table in tables.values() for name in table["way"]))
-    looks = _looks([name for name in names if name not in ours], ours)
+    looks = looks_of([name for name in names if name not in ours], ours)
     with chart(path, 12, 5) as figure:
         panels = figure.subplots(1, len(tables), sharey=True)
         for axes, (title, table) in zip(panels, tables.items(), strict=True):
             for name, rows in table.groupby("way", sort=False):
-                _curve(axes, str(name), rows, looks[str(name)])
+                curve(axes, str(name), rows, looks[str(name)])
             axes.set_title(title, loc="left")
             axes.set_xlabel("Time to the answer (ms)")
             axes.xaxis.set_major_formatter("{x:g}")
@@ -45,22 +45,24 @@ def draw(path: Path, tables: dict[str, pd.DataFrame], ours: tuple[str, ...]) -> 
         figure.legend([handles[name] for name in names], names, loc="outside lower center", ncols=9)
 
 
-def _looks(others: list[str], ours: tuple[str, ...]) -> dict[str, dict]:
+def looks_of(others: list[str], ours: tuple[str, ...]) -> dict[str, dict]:
+    """How each way is drawn."""
     colours = [*COLOURS, "0.45"]
     looks: dict[str, dict] = {
         name: {"color": colour, "marker": marker, "linewidth": 1.1}
         for name, colour, marker in zip(others, colours, MARKERS, strict=False)
     }
-    for name, style in zip(ours, ("-", ":"), strict=True):
+    for name, style in zip(ours, ("-", ":", "--"), strict=False):
         looks[name] = {"color": AT_REST, "marker": ".", "linestyle": style, "linewidth": 2}
     return looks
 
 
-def _curve(axes: Axes, name: str, rows: pd.DataFrame, look: dict) -> None:
+def curve(axes: Axes, name: str, rows: pd.DataFrame, look: dict, wrong: float = WRONG) -> None:
+    """One way, in ms, with what more work does not cure beside it. wrong: an error of no use."""
     errors = np.clip(rows["error"].to_numpy(), FLOOR, None)
     times = 1e3 * rows["seconds"].to_numpy()
     axes.loglog(times, errors, label=name, markersize=5, **look)
-    failure = _failure(errors)
+    failure = _failure(errors, wrong)
     if failure:
         axes.annotate(
             f"{name} {failure}",
@@ -72,9 +74,9 @@ def _curve(axes: Axes, name: str, rows: pd.DataFrame, look: dict) -> None:
         )
 
 
-def _failure(errors: NDArray[np.float64]) -> str | None:
+def _failure(errors: NDArray[np.float64], wrong: float) -> str | None:
     """What more work does not cure, in a word."""
-    if errors.min() > WRONG:
+    if errors.min() > wrong:
         return "is wrong"
     stalled = len(errors) > 1 and errors[-1] > STALLED * errors[-2] > 1e3 * FLOOR
     return "stalls" if stalled else None

@@ -61,16 +61,17 @@ class Answer:
 
 
 class Questions(Protocol):
-    """A sweep whose frequencies are chosen one after the other."""
+    """A sweep whose readings are chosen one after the other."""
 
-    def next(self, seconds: NDArray[np.float64], /) -> float | None:
-        """The frequency to be read next, Hz; None where the answer is known well enough.
+    def next(self, seconds: NDArray[np.float64], /) -> tuple[str, float] | None:
+        """Interface and frequency [Hz] to be read next; None where enough is known to answer.
 
-        seconds: that a reading takes at each of the localizer's frequencies, shape (frequency,).
+        seconds: that a reading takes at each of the localizer's interfaces and frequencies, with
+        the turn of the switch where there is one, shape (interface, frequency).
         """
         ...
 
-    def tell(self, frequency: float, Z: complex, /) -> None:
+    def tell(self, interface: str, frequency: float, Z: complex, /) -> None:
         """What was read there, ohm."""
         ...
 
@@ -80,7 +81,11 @@ class Questions(Protocol):
 
 
 class Localizer(Protocol):
-    """A model that tells touches from sweeps. Everything is fixed but what it answers."""
+    """A model that tells touches from sweeps. Everything is fixed but what it answers.
+
+    Sweeps at rest that it is given are of the opening or the latest, as their coordinate OPENING
+    of `simulator.sweeps` says.
+    """
 
     @property
     def frequencies(self) -> tuple[float, ...]:

@@ -35,12 +35,14 @@ class Manner(NamedTuple):
     """How a localizer is to be asked.
 
     touching: s that a touch lasts, s from one to the next, mm/s that it moves by; None: each sweep
-    alone. adaptive: whether it chooses frequencies. certain: probability of answers, may be None.
+    alone. adaptive: whether it chooses readings. certain: probability of answers, may be None.
+    within: mm, of places.
     """
 
     touching: tuple[float, float, float] | None = None
     adaptive: bool = False
     certain: float | None = None
+    within: float = 10.0
 
 
 def live_command(
@@ -103,6 +105,10 @@ def live_command(
             float | None,
             typer.Option(help="Probability that --filter answers from and --adaptive reads up to."),
         ] = None,
+        within: Annotated[
+            float,
+            typer.Option(help="mm: --adaptive reads until a position's region is a disc of this."),
+        ] = 10.0,
         page: Annotated[
             bool, typer.Option("--page", help="Show it on a page, too: its address is told.")
         ] = False,
@@ -131,7 +137,7 @@ def live_command(
             raise InputError("--port is of the page: it needs --page")
         journal = _journal(log, overwrite) if log else None
         touching = (touch_lasts, touch_every, touch_speed) if filtered else None
-        localizer = load(model, Manner(touching, adaptive, certain))
+        localizer = load(model, Manner(touching, adaptive, certain, within))
         _check_interface(localizer, interface)
         link = Link(
             localizer,

@@ -15,10 +15,18 @@ from ..meter.snapshot import require, restore, snapshot
 from ..record.checks import Judge, Limits
 from ..record.journal import Header
 from ..record.station import Station
-from ..record.sweep import Sweep, Watch, check_frequencies, measure_sweep, now
+from ..record.sweep import (
+    Sweep,
+    Watch,
+    check_frequencies,
+    measure_readings,
+    measure_sweep,
+    now,
+)
 from ..switch.errors import NoSwitchError, SwitchError
 from ..switch.switch import Switch
 from .answer import Localizer
+from .turns import Turns
 
 FIRST_WAIT, LONGEST_WAIT = 0.25, 4.0
 LOOKED_AT = 1.0
@@ -40,13 +48,14 @@ class Link:
         patience: float,
         switch: Switch | None = None,
         tell: Callable[[str], None] = lambda text: None,
+        clock: Callable[[], float] = time.perf_counter,
     ) -> None:
-        """tell: told of settings that could not be put back in the end."""
+        """tell: told of settings that could not be put back in the end. clock: s, of turns."""
         if not 0 < patience <= 1e6:
             raise InputError(f"`patience` must be in (0, 1e6] s, got {patience:g}")
         self._localizer, self._table, self._limits = localizer, table, limits
         self._station, self._patience = Station(connect, tell=tell), patience
-        self._switch = switch
+        self.turns = Turns(switch, clock) if switch else None
         self._failing_since: float | None = None
         self._wait, self._looked = FIRST_WAIT, 0.0
         self.judge: Judge | None = None
@@ -65,22 +74,37 @@ class Link:
         if self._station.header is None:
             self._begin(meter)
 
-    def sweep(self, watch: Watch, frequencies: Iterable[float] | None = None) -> Sweep:
-        """Readings that were all measured with those settings, once ready. Raises MeterError.
-
-        frequencies: Hz, in the order in which they are measured; the localizer's without. Of such
-        parts of a sweep the settings are looked at once in LOOKED_AT seconds.
-        """
-        meter, header = self._station.meter, self._station.header
-        assert meter is not None and header is not None
+    def sweep(self, watch: Watch) -> Sweep:
+        """Readings that were all measured with those settings, once ready. Raises MeterError."""
         localizer = self._localizer
-        asked = localizer.frequencies if frequencies is None else frequencies
-        sweep = measure_sweep(meter, asked, localizer.interfaces, self._switch, watch)
-        if frequencies is None or time.monotonic() - self._looked > LOOKED_AT:
-            require(meter, header.settings)
-            self._looked = time.monotonic()
+        sweep = measure_sweep(
+            self._meter, localizer.frequencies, localizer.interfaces, self.turns, watch
+        )
+        self._look()
+        return sweep
+
+    def readings(self, watch: Watch, asked: Iterable[tuple[str, float]]) -> Sweep:
+        """Those at (interface, frequency in Hz) that are asked for. Raises MeterError.
+
+        The settings are looked at once in LOOKED_AT seconds.
+        """
+        sweep = measure_readings(self._meter, asked, self.turns, watch)
+        if time.monotonic() - self._looked > LOOKED_AT:
+            self._look()
         self._recovered()
         return sweep
+
+    @property
+    def _meter(self) -> Meter:
+        meter = self._station.meter
+        assert meter is not None
+        return meter
+
+    def _look(self) -> None:
+        assert self.header is not None
+        require(self._meter, self.header.settings)
+        self._looked = time.monotonic()
+        self._recovered()
 
     def failed(self, failure: MeterError) -> float:
         """Seconds to wait before the next sweep, longer with each failure in a row.
@@ -109,8 +133,8 @@ class Link:
     def leave(self) -> None:
         """Let the meter go as it was found; one that does not answer is left as it is."""
         self._station.leave()
-        if self._switch:
-            self._switch.close()
+        if self.turns:
+            self.turns.close()
 
     def _begin(self, meter: Meter) -> None:
         localizer = self._localizer

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.sweeps import UNPRESSED, InputError, build, counted, read_joined
+from ...simulator.sweeps import OPENING, UNPRESSED, InputError, build, counted, read_joined
 from ...simulator.sweeps.same_skin import check_same_skin
 from ..record.journal import Entry, Header, Journal
 from ..record.order import UNKNOWN
 from ..record.output import finish, write_all
 from ..record.sweep import Sweep, Trace, now
 from .answer import Answer, Localizer
+from .rest import Rest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,6 +38,13 @@ def as_dataset(
         Cp=np.array([sweep.Cp for sweep in sweeps]),
         attributes={"scene": localizer.scene},
     )
+
+
+def rest_dataset(rest: Rest, localizer: Localizer) -> xr.Dataset:
+    """Sweeps of the skin at rest, those of the opening told apart from the latest."""
+    both = [*rest.opening, *rest.sweeps]
+    opening = [True] * len(rest.opening) + [False] * len(rest.sweeps)
+    return as_dataset(both, localizer, UNPRESSED).assign_coords({OPENING: ("sweep", opening)})
 
 
 def read_rest(paths: Sequence[Path], localizer: Localizer, *, anyway: bool = False) -> list[Sweep]:

@@ -63,7 +63,8 @@ class Model(Protocol):
 class Followed(Protocol):
     """An answer by a sweep and all before it. changed: that the touch changed in mid-sweep.
 
-    coordinates: x, y and their standard deviations in mm, of a touch that is placed.
+    coordinates: x, y and their standard deviations in mm, of a touch that is placed. region: where
+    it may be, if that is told.
     """
 
     @property
@@ -76,6 +77,8 @@ class Followed(Protocol):
     def changed(self) -> float: ...
     @property
     def coordinates(self) -> tuple[float, ...]: ...
+    @property
+    def region(self) -> Region | None: ...
 
 
 class Follower(Protocol):
@@ -90,13 +93,13 @@ class Follower(Protocol):
 class Questioning(Protocol):
     """As `Questions`, whose answer is yet to be put into words."""
 
-    def next(self, seconds: NDArray, /) -> float | None: ...
-    def tell(self, frequency: float, Z: complex, /) -> None: ...
+    def next(self, seconds: NDArray, /) -> tuple[str, float] | None: ...
+    def tell(self, interface: str, frequency: float, Z: complex, /) -> None: ...
     def answer(self, during: float, /) -> Followed: ...
 
 
 class Asker(Protocol):
-    """Chooses the frequencies of sweeps."""
+    """Chooses the readings of sweeps."""
 
     def begin(self, rest: xr.Dataset, gap: float, /) -> Questioning: ...
 
@@ -108,13 +111,13 @@ class Asked:
     questioning: Questioning
     localizer: ModelLocalizer
 
-    def next(self, seconds: NDArray, /) -> float | None:
+    def next(self, seconds: NDArray, /) -> tuple[str, float] | None:
         """As of `Questions`."""
         return self.questioning.next(seconds)
 
-    def tell(self, frequency: float, Z: complex, /) -> None:
+    def tell(self, interface: str, frequency: float, Z: complex, /) -> None:
         """As of `Questions`."""
-        self.questioning.tell(frequency, Z)
+        self.questioning.tell(interface, frequency, Z)
 
     def answer(self, during: float, /) -> Answer:
         """As of `Questions`."""
@@ -125,7 +128,7 @@ class Asked:
 class ModelLocalizer:
     """A model on a skin of rows x columns pixels. size: length and width in mm.
 
-    follower: lets sweeps add up; None: each is answered alone. asker: chooses the frequencies of
+    follower: lets sweeps add up; None: each is answered alone. asker: chooses the readings of
     sweeps; None: all of them in their order. tables: makes those of a skin by its sweeps at rest.
     """
 
@@ -166,7 +169,7 @@ class ModelLocalizer:
             self.follower.forget()
 
     def questions(self, rest: xr.Dataset | None, gap: float, /) -> Questions | None:
-        """For the next sweep, where the frequencies are to be chosen."""
+        """For the next sweep, where the readings are to be chosen."""
         if self.asker is None or rest is None:
             return None
         return Asked(self.asker.begin(rest, gap), self)
@@ -204,7 +207,8 @@ class ModelLocalizer:
             x, y, *deviation = followed.coordinates
             across, up = deviation
             words = f"x {x:.0f} mm, y {y:.0f} mm"
-            return Answer(words, probability, None, (x, y), (across, up), remark=remark)
+            shade = None if followed.region is None else followed.region.shade
+            return Answer(words, probability, None, (x, y), (across, up), shade, remark)
         if label == "0":
             return Answer(NOTHING_PRESSED, probability, remark=remark)
         return Answer(CANNOT_TELL, remark=remark)

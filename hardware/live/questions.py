@@ -1,9 +1,9 @@
-"""A sweep of which each reading decides what is read next."""
+"""A sweep of which each reading decides what is read next, and where."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from ..meter.reading import Reading
 from ..record.sweep import Sweep, Watch
 from .answer import Localizer, Questions
 from .link import Link
+from .turns import Turns
 
 USUAL = 0.02
 """s that a reading takes where none was taken yet."""
@@ -21,52 +22,73 @@ USUAL = 0.02
 class Pace:
     """How long readings take at each frequency, as they come, by a clock in s.
 
-    show: is told of each, too.
+    show: is told of each, too. turns: of the switch, which no reading's time contains; None without
+    one.
     """
 
     localizer: Localizer
     show: Watch
     clock: Callable[[], float]
+    turns: Turns | None = None
     _latest: dict[float, float] = field(default_factory=dict, init=False)
     _since: float = field(default=0.0, init=False)
 
     def begin(self) -> None:
         """A sweep begins."""
-        self._since = self.clock()
+        self._since = self._now()
 
     def reading(self, frequency: float, reading: Reading) -> None:
         """A reading came, at a frequency in Hz."""
-        self._latest[frequency] = self.clock() - self._since
+        self._latest[frequency] = self._now() - self._since
         self.show(frequency, reading)
-        self._since = self.clock()
+        self._since = self._now()
 
     @property
     def seconds(self) -> NDArray[np.float64]:
-        """At each of the localizer's frequencies, shape (frequency,)."""
+        """At each of the localizer's interfaces and frequencies, shape (interface, frequency)."""
         known = [self._latest.get(f, USUAL) for f in self.localizer.frequencies]
-        return np.maximum(known, 1e-4)
+        names = self.localizer.interfaces
+        turning = np.zeros(len(names))
+        if self.turns is not None:
+            away = np.array([name != self.turns.selected for name in names])
+            turning = np.where(away, self.turns.latest, 0.0)
+        return np.maximum(known, 1e-4) + turning[:, None]
+
+    def _now(self) -> float:
+        """s, but for those in which the switch turned."""
+        return self.clock() - (self.turns.spent if self.turns else 0.0)
 
 
-def questioned(link: Link, questions: Questions, pace: Pace) -> tuple[NDArray[np.float64], Sweep]:
-    """The frequencies in Hz that were read, ascending, and the readings. Raises MeterError."""
-    asked: list[float] = []
+@dataclass(frozen=True)
+class Part:
+    """What was measured of a sweep. frequencies: of each of its traces, Hz, ascending."""
 
-    def next_ones() -> Iterator[float]:
-        while (frequency := questions.next(pace.seconds)) is not None:
+    questions: Questions
+    frequencies: tuple[NDArray[np.float64], ...]
+
+    @property
+    def count(self) -> int:
+        """Of readings."""
+        return sum(each.size for each in self.frequencies)
+
+
+def questioned(link: Link, questions: Questions, pace: Pace) -> tuple[Part, Sweep]:
+    """The readings that were asked for. Raises MeterError."""
+    asked: list[tuple[str, float]] = []
+
+    def next_ones() -> Iterator[tuple[str, float]]:
+        while (wanted := questions.next(pace.seconds)) is not None:
             pace.begin()
-            asked.append(frequency)
-            yield frequency
+            asked.append(wanted)
+            yield wanted
 
     def watch(frequency: float, reading: Reading) -> None:
         pace.reading(frequency, reading)
-        questions.tell(frequency, complex(reading.Rs, reading.X))
+        questions.tell(*asked[-1], complex(reading.Rs, reading.X))
 
-    sweep = link.sweep(watch, next_ones())
-    order = np.argsort(asked)
-
-    def sorted_(values: tuple) -> tuple:
-        return tuple(values[k] for k in order)
-
-    (trace,) = sweep.traces
-    parts = {name: sorted_(getattr(trace, name)) for name in ("Cp", "Rs", "X", "status")}
-    return np.array(asked)[order], Sweep((replace(trace, **parts),))
+    sweep = link.readings(watch, next_ones())
+    read = [
+        np.sort([frequency for name, frequency in asked if name == trace.interface])
+        for trace in sweep.traces
+    ]
+    return Part(questions, tuple(read)), sweep

@@ -13,16 +13,14 @@ from ..meter.errors import MeterError
 from ..meter.reading import Reading
 from ..record.order import UNKNOWN
 from ..record.sweep import Sweep, apart, flags, now
-from .answer import Answer, Localizer, Questions
+from .answer import Answer, Localizer
 from .link import Link
-from .log import Log, as_dataset
-from .questions import Pace, questioned
+from .log import Log, as_dataset, rest_dataset
+from .questions import Pace, Part, questioned
 from .rest import Rest, at_rest
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
-    from numpy.typing import NDArray
 
 RATED = 10
 RESTLESS = 5
@@ -31,10 +29,11 @@ END_KEY, REST_KEY = "q", "r"
 
 @dataclass(frozen=True)
 class Seen:
-    """What an answer is of. frequencies: Hz, ascending. rest: sweeps of the skin at rest."""
+    """What an answer is of. frequencies: of each trace, Hz, ascending. rest: sweeps of the skin at
+    rest."""
 
     sweep: Sweep
-    frequencies: tuple[float, ...]
+    frequencies: tuple[tuple[float, ...], ...]
     rest: tuple[Sweep, ...] = ()
 
 
@@ -61,14 +60,6 @@ class Moment:
     def latency(self) -> float:
         """Seconds from the sweep's start to the answer."""
         return self.measuring + self.localizing
-
-
-@dataclass(frozen=True)
-class Part:
-    """What was measured of a sweep: at which frequencies in Hz, and by what questions."""
-
-    questions: Questions
-    frequencies: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -130,7 +121,7 @@ class Session:
     _restless: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        self._pace = Pace(self.localizer, self.show.reading, self.clock)
+        self._pace = Pace(self.localizer, self.show.reading, self.clock, self.link.turns)
 
     def run(self, answers: int | None = None) -> None:
         """Answer so often, or until the key of the end.
@@ -183,9 +174,7 @@ class Session:
             self._pace.begin()
             sweep, part = self.link.sweep(self._pace.reading), None
         else:
-            frequencies, sweep = questioned(self.link, asked, self._pace)
-            whole = frequencies.size == len(self.localizer.frequencies)
-            part = None if whole else Part(asked, frequencies)
+            part, sweep = questioned(self.link, asked, self._pace)
         return Measured(sweep, begun, self.clock(), gap, part)
 
     def _fail(self, failure: MeterError) -> None:
@@ -199,7 +188,7 @@ class Session:
         self.localizer.prepare(self._at_rest())
 
     def _at_rest(self) -> xr.Dataset | None:
-        return as_dataset(self.rest.sweeps, self.localizer, UNPRESSED) if self.rest.sweeps else None
+        return rest_dataset(self.rest, self.localizer) if self.rest.sweeps else None
 
     def _told(self, measured: Measured) -> Answer:
         if measured.part is not None:
@@ -233,13 +222,16 @@ class Session:
                 ),
             )
         )
-        if self.rest.follow(sweep, answer):
+        if self.rest.follow(sweep if measured.part is None else None, answer):
             self.show.note("rest renewed by one sweep, to follow slow drift")
 
     def _seen(self, measured: Measured) -> Seen:
-        part = measured.part
-        at = self.localizer.frequencies if part is None else tuple(part.frequencies.tolist())
-        return Seen(measured.sweep, at, tuple(self.rest.sweeps))
+        part, whole = measured.part, self.localizer.frequencies
+        read = tuple(
+            whole if part is None else tuple(part.frequencies[k].tolist())
+            for k in range(len(measured.sweep.traces))
+        )
+        return Seen(measured.sweep, read, tuple(self.rest.sweeps))
 
     def _take_rest(self, sweep: Sweep) -> None:
         moved = self._remarks(Measured(sweep), self.rest.first)
@@ -266,11 +258,15 @@ class Session:
             self.show.no_answer(f"leave the skin untouched: sweep {done + 1} of {wanted} at rest")
 
     def _remarks(self, measured: Measured, first: Sweep | None = None) -> list[str]:
-        judge, earlier = self.link.judge, [first] if first else []
+        judge = self.link.judge
         assert judge is not None
-        if measured.part is not None:
-            judge, earlier = replace(judge, frequency=measured.part.frequencies), []
-        return judge.remarks(measured.sweep, earlier, at_rest=True)
+        if measured.part is None:
+            return judge.remarks(measured.sweep, [first] if first else [], at_rest=True)
+        return [
+            remark
+            for trace, read in zip(measured.sweep.traces, measured.part.frequencies, strict=True)
+            for remark in replace(judge, frequency=read).remarks(Sweep((trace,)), [], at_rest=True)
+        ]
 
     def _drift(self, measured: Measured, answer: Answer) -> list[str]:
         return self._remarks(measured, self.rest.first) if at_rest(answer) else []

@@ -82,7 +82,7 @@ class Shown:
         self._state |= {
             "why": "",
             "answer": _told(moment.answer),
-            "measured": {"at": moment.at, **_measured(moment.seen, self.localizer.frequencies)},
+            "measured": {"at": moment.at, **_measured(moment.seen, self.localizer)},
             "times": {
                 "measuring": moment.measuring,
                 "localizing": moment.localizing,
@@ -122,16 +122,18 @@ def _told(answer: Answer) -> dict[str, Any]:
     }
 
 
-def _measured(seen: Seen, frequencies: Sequence[float]) -> dict[str, Any]:
+def _measured(seen: Seen, localizer: Localizer) -> dict[str, Any]:
     """Z and its mean at rest, ohm, by interface and frequency; None where it was not read."""
-    read = dict(zip(seen.frequencies, seen.sweep.Z.T.tolist(), strict=True))
-    rows = [[_pair(read[f][k]) if f in read else None for f in frequencies] for k in _count(seen)]
+    read = {
+        trace.interface: dict(zip(at, trace.Z.tolist(), strict=True))
+        for trace, at in zip(seen.sweep.traces, seen.frequencies, strict=True)
+    }
+    rows = [
+        [_pair(of[f]) if f in of else None for f in localizer.frequencies]
+        for of in (read.get(name, {}) for name in localizer.interfaces)
+    ]
     rest = _mean(seen.rest) if seen.rest else None
     return {"Z": rows, "rest": rest, "rests": len(seen.rest)}
-
-
-def _count(seen: Seen) -> range:
-    return range(len(seen.sweep.traces))
 
 
 def _mean(sweeps: Sequence[Sweep]) -> list[list[tuple[float, float]]]:

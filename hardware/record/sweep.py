@@ -113,7 +113,7 @@ def flags(sweeps: Sequence[Sweep]) -> list[str]:
 
 def measure_sweep(
     meter: Meter,
-    frequencies: Iterable[float],
+    frequencies: Sequence[float],
     interfaces: Sequence[str],
     switch: Switch | None = None,
     watch: Watch = lambda frequency, reading: None,
@@ -136,6 +136,35 @@ def measure_sweep(
     return Sweep(tuple(traces[name] for name in interfaces))
 
 
+def measure_readings(
+    meter: Meter,
+    asked: Iterable[tuple[str, float]],
+    switch: Switch | None = None,
+    watch: Watch = lambda frequency, reading: None,
+) -> Sweep:
+    """Readings at (interface, frequency in Hz), each asked for when the one before is known.
+
+    Traces are of the interfaces that were asked for, by name, and ascend in frequency. The switch
+    is asked where it stands at the first reading and where the interface changes. Raises as
+    `measure_sweep`.
+    """
+    found: dict[str, dict[float, Reading]] = {}
+    times: dict[str, tuple[str, str]] = {}
+    here = None
+    for interface, frequency in asked:
+        if switch and interface != here:
+            switch.select(interface)
+        here, begun = interface, times.get(interface, (now(),))[0]
+        found.setdefault(interface, {})[frequency] = _at(meter, frequency, watch)
+        times[interface] = begun, now()
+    return Sweep(
+        tuple(
+            _trace_of([reading for _, reading in sorted(found[name].items())], name, *times[name])
+            for name in sorted(found)
+        )
+    )
+
+
 def check_frequencies(meter: Meter, frequencies: Sequence[float]) -> None:
     """Raises InputError where the meter's model does not reach one of the frequencies in Hz."""
     allowed = type(meter).frequency.allowed
@@ -144,9 +173,13 @@ def check_frequencies(meter: Meter, frequencies: Sequence[float]) -> None:
             raise InputError(f"an {meter.model} measures {allowed}, the scene asks {frequency:g}")
 
 
-def _trace(meter: Meter, frequencies: Iterable[float], interface: str, watch: Watch) -> Trace:
+def _trace(meter: Meter, frequencies: Sequence[float], interface: str, watch: Watch) -> Trace:
     begun = now()
     readings = [_at(meter, float(frequency), watch) for frequency in frequencies]
+    return _trace_of(readings, interface, begun, now())
+
+
+def _trace_of(readings: Sequence[Reading], interface: str, begun: str, ended: str) -> Trace:
     return Trace(
         tuple(reading.Cp for reading in readings),
         tuple(reading.Rs for reading in readings),
@@ -154,7 +187,7 @@ def _trace(meter: Meter, frequencies: Iterable[float], interface: str, watch: Wa
         tuple(reading.status.code for reading in readings),
         interface,
         begun,
-        now(),
+        ended,
     )
 
 

@@ -12,7 +12,7 @@ from sklearn.frozen import FrozenEstimator
 from sklearn.pipeline import Pipeline
 
 from ...simulator.sweeps import InputError
-from ..evaluation.evaluation import ClassScore, joined, score
+from ..evaluation.evaluation import ClassScore, Score, joined, score
 from ..inputs.samples import Samples
 from ..inversion.registered import ADAPTED, NAME
 from ..learners.decisions import decisions
@@ -43,8 +43,8 @@ class Adaptation:
     """
 
     model: Model
-    before: ClassScore
-    after: ClassScore
+    before: Score
+    after: Score
     validation: str
     notes: tuple[str, ...] = ()
 
@@ -82,10 +82,7 @@ def adapted(model: Model, samples: Samples, registry: Registry) -> Adaptation:
 def checked(model: Model, samples: Samples) -> Classifier:
     """What the model learned, if these can teach it. Raises InputError as `adapted`."""
     learned = model.learned
-    if not isinstance(learned, Classifier):
-        raise InputError(
-            "a model of positions cannot be adapted: calibrate the scene and train it anew"
-        )
+    assert isinstance(learned, Classifier)
     if _was_adapted(learned.pipeline):
         raise InputError(
             "the model was adapted before: give all touches, old and new, to the one that it was "
@@ -115,7 +112,7 @@ def _was_adapted(pipeline: Pipeline) -> bool:
 
 def taught(model: Model, learned: Classifier, samples: Samples, registry: Registry) -> Classifier:
     """The same after these; probabilities are still those that it was trained to."""
-    guards = learned.guards and _widened(learned.guards, samples.X)
+    guards = learned.guards and widened(learned.guards, samples.X)
     pipeline: Any
     if model.estimator in LESSON:
         pipeline = registry[model.estimator].build(model.problem)
@@ -127,8 +124,8 @@ def taught(model: Model, learned: Classifier, samples: Samples, registry: Regist
     return replace(learned, pipeline=pipeline.fit(samples.X, samples.y), guards=guards)
 
 
-def _widened(guards: Any, X: NDArray[np.float64]) -> Any:
-    """Guards that take most of these sweeps for no novelties."""
+def widened(guards: Any, X: NDArray[np.float64]) -> Any:
+    """The guards that take most of these sweeps for no novelties."""
 
     def wider(guard: Any) -> Any:
         if guard is None:

@@ -10,19 +10,28 @@ import typer
 
 from . import options
 
+BESIDE = ("calibration error", "median error, mm", "90 % error, mm")
+"""Figures that are told beside rates."""
+
 if TYPE_CHECKING:
     from ..adaptation.adaptation import Adaptation
+    from ..inputs.touches import Factors
     from ..learners.registry import Estimator
 
 
-def adapt_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., None]:
-    """The command; extra tells estimators beside those of this package."""
+def adapt_command(
+    extra: Callable[[], Iterable[Estimator]], factors: Factors
+) -> Callable[..., None]:
+    """The command; extra tells estimators beside those of this package.
+
+    factors: as `with_factors` asks them.
+    """
 
     @options.as_typed
     def adapt(
         model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
         touches: Annotated[
-            list[Path], typer.Argument(help="A few sweeps of each class. FILE.nc ...")
+            list[Path], typer.Argument(help="A few sweeps of each class, or places. FILE.nc ...")
         ],
         output: Annotated[Path, typer.Option("--output", "-o", help="BETTER.skops.")],
         rest: options.Rest = None,
@@ -31,26 +40,32 @@ def adapt_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., Non
     ) -> None:
         """Teach a model the skin at hand by a few touches whose places are known.
 
-        A learned model is corrected by a number for each class; one that
-        inverts the simulator learns what its curve at rest leaves open of the
-        skin. What is told before and after is of the same sweeps, and after
-        never of sweeps that taught it: whole sessions are held out in turn
-        where there are several. The model that is written learned from all.
+        A learned model is corrected by a number for each class, or its places
+        are moved and stretched; one that inverts the simulator learns what its
+        curve at rest leaves open of the skin (of classes only). What is told
+        before and after is of the same sweeps, and after never of sweeps that
+        taught it: whole sessions are held out in turn where there are several.
+        The model that is written learned from all.
         """
         from ...simulator.sweeps import InputError, checked_output
         from ..adaptation.adaptation import adapted
+        from ..adaptation.places import adapted_places
         from ..inputs.reading import read_some
         from ..learners.registry import estimators
         from ..model.file import ENDING, save
-        from .asking import model_for
+        from .asking import model_for, told_for
 
         checked_output(output, (ENDING,))
         known = read_some(touches, most)
         resting = None if rest is None else read_some(rest, most)
         asked = model_for(known, touches, model, extra(), anyway=anyway)
-        samples = asked.samples(known, resting)
+        samples = asked.samples(told_for(asked.target, known, factors), resting)
         try:
-            found = adapted(asked, samples, estimators(extra()))
+            if samples.problem.continuous:
+                counted = asked.gate and asked.gate.samples(known, resting)
+                found = adapted_places(asked, samples, counted)
+            else:
+                found = adapted(asked, samples, estimators(extra()))
         except InputError as error:
             files = ", ".join(map(str, touches))
             raise InputError(f"{files} for {model}: {error}") from error
@@ -69,9 +84,18 @@ def _told(found: Adaptation) -> list[str]:
     lines = [found.validation]
     for name, told in (("before", found.before), ("after", found.after)):
         rates = {each: rate_told(*counts) for each, counts in told.rates().items()}
-        error = told.figures()["calibration error"]
-        figures = "; ".join(f"{each} {rate}" for each, rate in rates.items())
-        lines.append(f"{name}: {figures}; calibration error {error:.2g}")
-    if found.after.right.sum() < found.before.right.sum():
+        rest = {each: f"{value:.2g}" for each, value in told.figures().items() if each in BESIDE}
+        lines.append(f"{name}: " + "; ".join(f"{k} {v}" for k, v in (rates | rest).items()))
+    if _worse(found):
         lines.append("it is worse than before on touches that did not teach it: keep the old one")
     return [*lines, *found.notes]
+
+
+def _worse(found: Adaptation) -> bool:
+    from ..evaluation.evaluation import ClassScore
+
+    before, after = found.before, found.after
+    if isinstance(before, ClassScore) and isinstance(after, ClassScore):
+        return bool(after.right.sum() < before.right.sum())
+    name = BESIDE[1]
+    return after.figures()[name] > before.figures()[name]

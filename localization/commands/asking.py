@@ -11,6 +11,7 @@ import typer
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ..inputs.touches import Factors
     from ..learners.registry import Estimator
     from ..model.model import Model
 
@@ -38,6 +39,16 @@ def model_for(
         typer.echo(f"rcskin: note: {names}: stores no scene, so its skin is not checked", err=True)
     tell_age(model, path)
     return model.insisting() if anyway else model
+
+
+def told_for(target: str, sweeps: xr.Dataset, factors: Factors) -> xr.Dataset:
+    """The sweeps as a target needs them: of positions also the factors that depths and forces are.
+
+    factors: as `with_factors` asks them.
+    """
+    from ..inputs.touches import with_factors
+
+    return with_factors(sweeps, factors) if target == "position" else sweeps
 
 
 def tell_age(model: Model, path: Path) -> None:

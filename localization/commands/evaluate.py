@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ..evaluation.plan import Plan
     from ..evaluation.report import Found
     from ..inputs.samples import Samples
+    from ..inputs.touches import Factors
     from ..learners.registry import Estimator
     from ..model.model import Model
     from ..trust.folds import Track
@@ -28,11 +29,12 @@ def evaluate_command(
     progress: options.Progress,
     plan: Callable[[str], Plan | None],
     checked_ending: Callable[[str], str],
+    factors: Factors,
 ) -> Callable[..., None]:
     """The command, told of further estimators.
 
     progress: opens what tells how far work has come. plan: the skin of a scene's text from above,
-    None where the text says none.
+    None where the text says none. factors: as `with_factors` asks them.
     """
 
     @options.as_typed
@@ -66,7 +68,7 @@ def evaluate_command(
         from ..inputs.reading import read_some
         from ..inputs.samples import samples_of
         from ..model.file import ENDING
-        from .asking import model_for
+        from .asking import model_for, told_for
 
         by_model = files[0].suffix == ENDING
         recordings = files[by_model:]
@@ -80,11 +82,12 @@ def evaluate_command(
         resting = None if rest is None else read_some(rest, most)
         if by_model:
             model = model_for(sweeps, recordings, files[0], extra(), anyway=anyway)
-            found = _by_model(model, sweeps, resting)
+            found = _by_model(model, told_for(model.target, sweeps, factors), resting)
             _tell_known(model, sweeps, files[0])
         else:
             asked = quantities.split(",")
-            samples = samples_of(sweeps, target, asked, interfaces=interface, rest=resting)
+            told = told_for(target, sweeps, factors)
+            samples = samples_of(told, target, asked, interfaces=interface, rest=resting)
             with progress() as track:
                 found = _by_folds(
                     samples, name, extra(), certain=certain, tune=tune, folds=folds, track=track

@@ -11,14 +11,18 @@ import typer
 from . import options
 
 if TYPE_CHECKING:
+    from ..inputs.touches import Factors
     from ..learners.registry import Estimator
     from ..model.model import Model
 
 
 def train_command(
-    extra: Callable[[], Iterable[Estimator]], progress: options.Progress
+    extra: Callable[[], Iterable[Estimator]], progress: options.Progress, factors: Factors
 ) -> Callable[..., None]:
-    """The command, told of further estimators. progress: opens what tells how far work has come."""
+    """The command, told of further estimators.
+
+    progress: opens what tells how far work has come. factors: as `with_factors` asks them.
+    """
 
     @options.as_typed
     def train(
@@ -44,9 +48,10 @@ def train_command(
         from ..learners.registry import estimators
         from ..model.file import ENDING, save
         from ..model.training import train as train_model
+        from .asking import told_for
 
         checked_output(output, (ENDING,))
-        known = read_some(sweeps, most)
+        known = told_for(target, read_some(sweeps, most), factors)
         with progress() as track:
             model = train_model(
                 known,

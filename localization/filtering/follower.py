@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...simulator.sweeps import InputError
 from ..inputs.touches import plan_of_scene
 from ..inversion.position import GRID
+from ..inversion.region import Region
 from ..model.model import Model
 from ..trust.answers import CANNOT_TELL
 from ..trust.fitted import Regressor
@@ -33,7 +34,8 @@ class Followed:
 
     label: a class, or of positions "0" or "1" touches, or CANNOT_TELL. probability: of the most
     probable one. probabilities: of each class, of positions none. changed: that the touch changed
-    in mid-sweep. coordinates: x, y and their deviations in mm, of a touch that is placed.
+    in mid-sweep. coordinates: x, y and their deviations in mm, of a touch that is placed. region:
+    that holds it with 95 %, where that is told.
     """
 
     label: str
@@ -41,6 +43,7 @@ class Followed:
     probabilities: NDArray[np.float64]
     changed: float
     coordinates: tuple[float, ...] = ()
+    region: Region | None = None
 
 
 class Follower:
@@ -54,8 +57,8 @@ class Follower:
         self, model: Model, touching: Touching | None = None, certain: float | None = None
     ) -> None:
         self.model, touching = model, touching or Touching()
-        self._grid, self._chain = _chain(model, touching)
-        self._observer = Observer(model, self._grid)
+        self.grid, self._chain = _chain(model, touching)
+        self._observer = Observer(model, self.grid)
         self._threshold = certain or getattr(model.learned, "threshold", 0.0)
         self.belief = self._chain.start()
 
@@ -65,7 +68,10 @@ class Follower:
         self._observer.forget()
 
     def expected(self, gap: float) -> NDArray[np.float64]:
-        """Probability of each class so many seconds later, then of anything else, (class + 1,)."""
+        """Probability of each state so many seconds later, (state,).
+
+        States are classes, or the skin at rest where it is known and cells; then anything else.
+        """
         return self._chain.after(self.belief, gap).states
 
     def follow(
@@ -99,7 +105,7 @@ class Follower:
 
     def _through(self, X: NDArray, gaps: NDArray, during: NDArray) -> list[Followed]:
         evidence = self._observer.observe(X)
-        told = self._grid.told(X) if self._grid else [None] * len(X)
+        told = self.grid.told(X) if self.grid else [None] * len(X)
         return [self.seen(*each) for each in zip(evidence, gaps, during, told, strict=True)]
 
     def seen(
@@ -116,16 +122,16 @@ class Follower:
         probability = float(chances[best])
         silent = belief.changed > MIDWAY or best == len(names) or probability < self._threshold
         label = CANNOT_TELL if silent else names[best]
-        classes = chances[:-1] if self._grid is None else np.zeros(0)
-        if self._grid is None or told is None or label != "1":
+        classes = chances[:-1] if self.grid is None else np.zeros(0)
+        if self.grid is None or told is None or label != "1":
             return Followed(label, probability, classes, belief.changed)
         cells = belief.states[-1 - GRID[0] * GRID[1] : -1]
-        placed = np.concatenate(self._grid.place(cells, told))
+        placed = np.concatenate(self.grid.place(cells, told))
         return Followed(label, probability, classes, belief.changed, tuple(placed.tolist()))
 
     def _summed(self, states: NDArray[np.float64]) -> tuple[list[str], NDArray[np.float64]]:
         """Names of what is told, and the chances of these and of anything else."""
-        if self._grid is None:
+        if self.grid is None:
             return [str(label) for label in self.model.classes], states
         cells, other = states[-1 - GRID[0] * GRID[1] : -1].sum(), states[-1]
         if self.model.knows_rest:

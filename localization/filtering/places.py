@@ -46,9 +46,7 @@ class Grid:
         """Shares of cells, x and y [mm] in each, and their covariance, (sweep, cell, 7)."""
         step = self.learned.pipeline[-1]
         if isinstance(step, ModelBasedPosition | AdaptedPosition):
-            found = step.cells(X)
-            stretched = np.outer(self.learned.factor[:2], self.learned.factor[:2]).ravel()
-            return found * np.concatenate([np.ones(3), stretched])
+            return self.stretched(step.cells(X))
         place, deviation = self.learned.positions(X)
         x, y = (_along(place[:, k], deviation[:, k], edges) for k, edges in enumerate(self._edges))
         found = np.zeros((len(X), GRID[0], GRID[1], 7))
@@ -56,6 +54,11 @@ class Grid:
         found[..., 1], found[..., 3] = x[1][:, :, None], x[2][:, :, None]
         found[..., 2], found[..., 6] = y[1][:, None, :], y[2][:, None, :]
         return found.reshape(len(X), -1, 7)
+
+    def stretched(self, cells: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Cells as `ModelBasedPosition` tells them, with deviations as they were found to be."""
+        factor = np.outer(self.learned.factor[:2], self.learned.factor[:2]).ravel()
+        return cells * np.concatenate([np.ones(3), factor])
 
     def place(
         self, belief: NDArray[np.float64], told: NDArray[np.float64]

@@ -26,6 +26,8 @@ AT_REST = ("lnZ0", "phase0")
 QUANTITIES = (*READ, *ABSOLUTE, *AGAINST_REST, *AT_REST)
 DEFAULT_QUANTITIES = ("Rs", "Cp")
 """The paper's."""
+BLOCK = 10_000
+"""Sweeps whose features are found together, about: on the way they take ten times the room."""
 
 
 def features(
@@ -62,13 +64,51 @@ def told_features(
     """
     asked = checked_quantities(quantities)
     seen = seen_from(sweeps, interfaces)
+    at_rest = None if rest is None else seen_from(rest, interfaces)
+    count = seen.sizes["sweep"]
+    width = len(asked) * seen.sizes["interface"] * seen.sizes["frequency"]
+    X, told = np.empty((count, width)), np.zeros(count, dtype=bool)
+    for block in _blocks(seen, needs_rest(asked)):
+        found, rows = _of_block(seen.isel(sweep=block), asked, at_rest)
+        X[block[rows]], told[block[rows]] = found, True
+    return _packed(X, told), np.flatnonzero(told)
+
+
+def _packed(X: NDArray[np.float64], kept: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """The rows that are kept, moved to the front of the same array."""
+    size = 0
+    for start in range(0, len(X), BLOCK):
+        block = slice(start, start + BLOCK)
+        rows = X[block][kept[block]]
+        X[size : size + len(rows)] = rows
+        size += len(rows)
+    return X[:size]
+
+
+def _blocks(sweeps: xr.Dataset, by_session: bool) -> list[NDArray[np.intp]]:
+    """Indices of about BLOCK sweeps each, of whole sessions where these belong together."""
+    count = sweeps.sizes["sweep"]
+    parts = -(-count // BLOCK)
+    if not by_session or parts <= 1:
+        return np.array_split(np.arange(count), max(parts, 1))
+    session = sweeps["session"].values
+    order = np.argsort(session, kind="stable")
+    opening = np.flatnonzero(np.diff(session[order], prepend=session[order[0]] - 1))
+    ends = opening[np.searchsorted(opening, np.arange(BLOCK, count, BLOCK), side="right") - 1]
+    return [np.sort(block) for block in np.split(order, np.unique(ends[ends > 0]))]
+
+
+def _of_block(
+    seen: xr.Dataset, asked: tuple[str, ...], rest: xr.Dataset | None
+) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    """As `told_features`, of sweeps that hold whole sessions where that matters."""
     rows = np.arange(seen.sizes["sweep"])
     found = {name: _read(seen, name) for name in asked if name in READ}
     if len(found) < len(asked):
         absolute = np.log(impedance(seen).astype(complex))
         found |= _parts(absolute, ABSOLUTE)
     if needs_rest(asked):
-        at_rest = log_at_rest(seen, None if rest is None else seen_from(rest, interfaces))
+        at_rest = log_at_rest(seen, rest)
         rows = at_rest.rows
         found = {name: values[rows] for name, values in found.items()}
         found |= _parts(absolute[rows] - at_rest.recent, AGAINST_REST)

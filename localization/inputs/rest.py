@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ...simulator.sweeps import OPENING as OF_OPENING
 from ...simulator.sweeps import InputError, impedance
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 FEWEST, RECENT, OPENING = 1, 3, 8
 """Sweeps at rest that a change is told against at least and at most, skins being slow to drift, and
 those at the opening of a session that show which skin it is."""
+TIME = "time"
 EARLY = 0.1
 """Part of a session within which sweeps at rest must come to be waited for."""
 
@@ -41,10 +43,11 @@ def log_at_rest(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> AtRest:
     """The skin at rest as it was known when each sweep was taken, in its own session.
 
     rest: sweeps of the skin at rest, all of them unpressed, of which the mean of a session counts;
-    of one session they serve every sweep. Without it, the unpressed sweeps among `sweeps`, of row
-    0, sweeps being in the order in which they were taken: the latest RECENT before a sweep, or as
-    many as there are before EARLY, at least FEWEST. Sweeps before these are not among the rows, nor
-    are sessions without any.
+    those of the opening and the latest ones each by themselves, where they are told apart; of one
+    session they serve every sweep. Without it, the unpressed sweeps among `sweeps`, of row 0, in
+    the order of their `time`, or else as they stand: the latest RECENT before a sweep, or as many
+    as there are before EARLY, at least FEWEST. Sweeps before these are not among the rows, nor are
+    sessions without any.
     """
     absolute = np.log(impedance(sweeps).astype(complex))
     parts = list(_before(sweeps, absolute) if rest is None else _beside(sweeps, absolute, rest))
@@ -74,11 +77,11 @@ def check_told(sweeps: xr.Dataset, rows: NDArray[np.intp]) -> None:
 def _before(sweeps: xr.Dataset, absolute: NDArray[np.complex128]) -> Iterator[AtRest]:
     session, unpressed = sweeps["session"].values, sweeps["row"].values == 0
     for each in np.unique(session[unpressed]):
-        here = np.flatnonzero(session == each)
+        here = _in_time(sweeps, np.flatnonzero(session == each))
         moments = np.flatnonzero(unpressed[here])
         count = max(FEWEST, np.count_nonzero(moments[:RECENT] < EARLY * here.size))
-        rows = here[moments[count - 1] + 1 :]
-        known = np.searchsorted(here[moments], rows)
+        told = np.arange(moments[count - 1] + 1, here.size)
+        rows, known = here[told], np.searchsorted(moments, told)
         at_rest = absolute[here[moments]]
         recent = at_rest[known[:, None] - np.arange(count) - 1].mean(axis=1)
         firsts = np.stack([at_rest[:count].mean(axis=0), at_rest[:OPENING].mean(axis=0)])
@@ -93,10 +96,44 @@ def _beside(
         known, asked = np.zeros_like(known), np.zeros_like(asked)
     at_rest = np.log(impedance(rest).astype(complex))
     for session in np.intersect1d(asked, known):
-        here, there = np.flatnonzero(asked == session), at_rest[known == session]
-        names = {curve.tobytes() for curve in there}
-        own = np.array([absolute[row].tobytes() in names for row in here])
-        others = len(there) - own
-        total = there.sum(axis=0) - np.where(own[:, None, None], absolute[here], 0)
-        mean = (total / np.maximum(others, 1)[:, None, None])[others > 0]
-        yield AtRest(here[others > 0], mean, mean)
+        here, of_session = np.flatnonzero(asked == session), known == session
+        told = [_mean_of_others(absolute[here], at_rest[of_session & of]) for of in _parts(rest)]
+        (recent, there), (opening, _) = told
+        yield AtRest(here[there], recent[there], opening[there])
+
+
+def means_at_rest(rest: xr.Dataset) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Means of ln (Z / ohm) of the latest sweeps at rest, and of those of the opening.
+
+    Of all, where they are not told apart. Shape (interface, frequency) each.
+    """
+    known = np.log(impedance(rest).astype(complex))
+    latest, opening = (known[part].mean(axis=0) for part in _parts(rest))
+    return latest, opening
+
+
+def _parts(rest: xr.Dataset) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which sweeps are the latest, and which those of the opening; all, if not told apart."""
+    if OF_OPENING not in rest.coords:
+        every = np.ones(rest.sizes["sweep"], dtype=bool)
+        return every, every
+    opening = rest[OF_OPENING].values.astype(bool)
+    return ~opening, opening
+
+
+def _mean_of_others(
+    asked: NDArray[np.complex128], there: NDArray[np.complex128]
+) -> tuple[NDArray[np.complex128], NDArray[np.bool_]]:
+    """Mean of those there without the sweep itself, shape as asked, and whether there are any."""
+    names = {curve.tobytes() for curve in there}
+    own = np.array([curve.tobytes() in names for curve in asked])
+    others = len(there) - own
+    total = there.sum(axis=0) - np.where(own[:, None, None], asked, 0)
+    return total / np.maximum(others, 1)[:, None, None], others > 0
+
+
+def _in_time(sweeps: xr.Dataset, here: NDArray[np.intp]) -> NDArray[np.intp]:
+    """The same sweeps in the order in which they were taken."""
+    if TIME not in sweeps.coords:
+        return here
+    return here[np.argsort(sweeps[TIME].values[here], kind="stable")]

@@ -12,6 +12,7 @@ from ...simulator.sweeps import InputError
 from .features import DEFAULT_QUANTITIES, checked_quantities, seen_from, told_features
 from .rest import check_told
 from .targets import has_target, labels, positions
+from .touches import counts_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -63,12 +64,26 @@ class LeftOut(NamedTuple):
         return f"{', '.join(parts)} left out"
 
 
+class Several(NamedTuple):
+    """Sweeps of more touches than one, where the target is of one.
+
+    X: features, shape (n, feature). sessions: shape (n,).
+    """
+
+    X: NDArray[np.float64]
+    sessions: NDArray[np.int64]
+
+
+NONE_SEVERAL = Several(np.zeros((0, 0)), np.zeros(0, dtype=np.int64))
+
+
 @dataclass(frozen=True, eq=False)
 class Samples:
     """Sweeps as matrices.
 
     X: features, shape (sweep, feature). y: labels, shape (sweep,), or positions, shape (sweep, 3).
     sessions: shape (sweep,). rows: which of the sweeps that were given these are, shape (sweep,).
+    several: of other touches than the target's, whatever part of the sweeps this is.
     """
 
     problem: Problem
@@ -77,6 +92,7 @@ class Samples:
     sessions: NDArray[np.int64]
     rows: NDArray[np.intp]
     left_out: LeftOut = LeftOut()
+    several: Several = NONE_SEVERAL
 
     @property
     def strata(self) -> NDArray | None:
@@ -164,7 +180,19 @@ def samples_of(
     )
     y = positions(some) if problem.continuous else labels(some, target)
     left_out = _left_out(fitting, rows, sweeps["session"].values)
-    return Samples(problem, X[fitting[rows]], y, some["session"].values, usable, left_out)
+    several = _several(sweeps, ~fitting[rows], X, rows)
+    sessions = some["session"].values
+    X = X if usable.size == rows.size else X[fitting[rows]]
+    return Samples(problem, X, y, sessions, usable, left_out, several)
+
+
+def _several(
+    sweeps: xr.Dataset, other: NDArray[np.bool_], X: NDArray[np.float64], rows: NDArray[np.intp]
+) -> Several:
+    """Of the rows without the target, (row,), those of more touches than one."""
+    some = sweeps.isel(sweep=rows[other])
+    more = counts_of(some) > 1
+    return Several(X[other][more], some["session"].values[more])
 
 
 def _left_out(

@@ -31,7 +31,7 @@ def labels(sweeps: xr.Dataset, target: str = "column") -> NDArray[np.int64] | ND
     if target not in CLASSES:
         raise InputError(f"`target` must be one of {', '.join(CLASSES)}, got {target!r}")
     if target == "touches":
-        return touches_of(sweeps).count
+        return counts_of(sweeps)
     if target == "pair":
         return np.array([_pair(str(text)) for text in sweeps["press"].values])
     row, column = sweeps["row"].values, sweeps["column"].values

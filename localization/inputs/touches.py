@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import tomllib
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -20,6 +22,10 @@ MOST = 2
 """Touches that a localizer tells apart."""
 NUMBERS = ("touches", "touch_x", "touch_y", "touch_factor")
 """Variables of data sets."""
+
+
+Factors = Callable[[str, str], Sequence[float]]
+"""The factor of each touch, from the TOML text of a scene and that of a press on it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +61,32 @@ def touches_of(sweeps: xr.Dataset) -> Touches:
     if all(name in sweeps for name in NUMBERS):
         count, x, y, factor = (sweeps[name].values for name in NUMBERS)
         return Touches(count.astype(int), *(a.astype(np.float64) for a in (x, y, factor)))
+    return _of_texts(sweeps, None)
+
+
+def with_factors(sweeps: xr.Dataset, factors: Factors) -> xr.Dataset:
+    """The sweeps, with touches as numbers where a press says a depth or a force; none of presses of
+    more than MOST.
+
+    factors: asked where neither the press nor the scene says a factor. Raises InputError as that
+    and `touches_of` do.
+    """
+    texts, plan = np.unique(sweeps["press"].values.astype(str)), plan_of(sweeps)
+    if all(name in sweeps for name in NUMBERS) or all(_said(str(each), plan) for each in texts):
+        return sweeps
+    count = counts_of(sweeps)
+    told, asked = count <= MOST, partial(factors, str(sweeps.attrs.get("scene", "")))
+    found = _of_texts(sweeps.isel(sweep=told), asked)
+    numbers = np.zeros((3, len(count), MOST))
+    numbers[:, told] = found.x, found.y, found.factor
+    arrays = {name: (("sweep", "touch"), a) for name, a in zip(NUMBERS[1:], numbers, strict=True)}
+    return sweeps.assign({NUMBERS[0]: ("sweep", count), **arrays})
+
+
+def _of_texts(sweeps: xr.Dataset, factors: Callable[[str], Sequence[float]] | None) -> Touches:
     texts, index = np.unique(sweeps["press"].values.astype(str), return_inverse=True)
     plan = plan_of(sweeps)
-    told = [_touches(str(text), plan) for text in texts]
+    told = [_touches(str(text), plan, factors) for text in texts]
     numbers = np.zeros((3, len(texts), MOST)) + np.array([0, 0, 1.0]).reshape(3, 1, 1)
     for k, touches in enumerate(told):
         for t, touch in enumerate(touches):
@@ -112,9 +141,25 @@ def _written(text: str) -> list[WrittenTouch]:
     return touches
 
 
-def _touches(text: str, plan: Plan | None) -> list[tuple[float, float, float]]:
+def _touches(
+    text: str, plan: Plan | None, factors: Callable[[str], Sequence[float]] | None
+) -> list[tuple[float, float, float]]:
     """x and y in m and factor of each touch."""
-    return [(*_centre(each, text, plan), _factor(each, text, plan)) for each in _written(text)]
+    written = _written(text)
+    if factors is None or _said(text, plan):
+        own = [_factor(each, text, plan) for each in written]
+    else:
+        own = factors(text)
+    centres = [_centre(each, text, plan) for each in written]
+    return [(*centre, factor) for centre, factor in zip(centres, own, strict=True)]
+
+
+def _said(text: str, plan: Plan | None) -> bool:
+    """Whether the text or the scene says the factor of each touch."""
+    known = plan is not None and math.isfinite(plan.factor)
+    return all(
+        known if each.strength is None else not each.strength.unit for each in parse_touches(text)
+    )
 
 
 def _centre(touch: WrittenTouch, text: str, plan: Plan | None) -> tuple[float, float]:

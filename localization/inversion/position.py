@@ -20,6 +20,7 @@ from .surface import Surface, surface
 POSITION = "position"
 GRID = (16, 16, 8)
 """Entries along x, y and strength."""
+CELLS = GRID[0] * GRID[1]
 OVERLAP = 0.5
 """Deviation that an entry stands for, over the step to the next."""
 NOWHERE = 1e-12
@@ -100,7 +101,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
 
     def places(self, X) -> list[Places]:
         """The posterior of the place of each sweep."""
-        return [self._places(self._posterior(each)) for each in self._scaled(X)]
+        return [self.places_of(self._posterior(each)) for each in self._scaled(X)]
 
     def share_within(self, X, radius):
         """Chance that no answer exceeds to lie within so many mm of the touch, shape (sweep,)."""
@@ -111,11 +112,11 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
 
         Shape (sweep, cell, 7): share, 2 means, 4 of the covariance; zeros where there is no share.
         """
-        return np.array([_cells(self._posterior(each)) for each in self._scaled(X)])
+        return np.array([cells_of(self._posterior(each)) for each in self._scaled(X)])
 
     def novel(self, X):
         """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
-        distances = self._mixture().distances(self._scaled(X))
+        distances = self.mixture().distances(self._scaled(X))
         if self.ground is not None:
             distances[:, self.beside_] = np.inf
         return distances.min(axis=1) > self.edge_
@@ -162,12 +163,14 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         self.mean_, self.directions_, self.along_ = found.mean, found.directions, found.along
         self.log_weight_ = found.log_weight
 
-    def _mixture(self) -> Mixture:
+    def mixture(self) -> Mixture:
+        """All touches as normal distributions of numbers in units of the noise."""
+        check_is_fitted(self)
         return Mixture(self.mean_, self.directions_, self.along_, self.log_weight_)
 
     def _posterior(self, x: NDArray[np.float64]) -> Posterior:
         """Within each entry that matters, all is linear."""
-        found = self._mixture()
+        found = self.mixture()
         share = found.responsibilities(found.distances(x[None]))[0]
         kept = np.flatnonzero(share > 1e-4 * share.max())
         slopes, G, off = self.slopes_[kept], self.directions_[kept], x - self.mean_[kept]
@@ -179,18 +182,19 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
             kept, share[kept] / share[kept].sum(), self.theta_[kept] + moved, covariance
         )
 
-    def _places(self, posterior: Posterior) -> Places:
+    def places_of(self, posterior: Posterior) -> Places:
+        """The place alone."""
         covariance = posterior.covariance[:, :2, :2]
         mean = posterior.mean[:, :2]
         return Places(posterior.share, mean, covariance, self.bounds_[:2], self.ground)
 
     def _told(self, posterior: Posterior) -> NDArray[np.float64]:
         strength = posterior.share @ posterior.mean[:, 2]
-        return np.append(self._places(posterior).peak(BLUR), np.clip(strength, *self.bounds_[2]))
+        return np.append(self.places_of(posterior).peak(BLUR), np.clip(strength, *self.bounds_[2]))
 
 
-def _cells(posterior: Posterior) -> NDArray[np.float64]:
-    """Normal distributions of each cell's entries taken together."""
+def cells_of(posterior: Posterior) -> NDArray[np.float64]:
+    """Normal distributions of each cell's entries taken together, as of `cells`, (cell, 7)."""
     cell, share, mean = posterior.entry // GRID[2], posterior.share, posterior.mean[:, :2]
     square = posterior.covariance[:, :2, :2] + mean[:, :, None] * mean[:, None, :]
     held = np.column_stack([np.ones_like(share), mean, square.reshape(-1, 4)]) * share[:, None]

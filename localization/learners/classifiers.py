@@ -1,5 +1,6 @@
 """Named classifiers: features brought to one scale, then a multi-class kernel SVM."""
 
+import numpy as np
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import StandardScaler
@@ -7,8 +8,11 @@ from sklearn.svm import SVC
 
 from ...simulator.sweeps import InputError
 from ..cores import count_cores
+from ..inputs.features import AT_REST, READ
+from ..inputs.samples import Problem
 from .components import Components
 from .ecoc import ECOCClassifier
+from .gaussians import GaussianClassifier
 from .networks import COMPONENTS, NetworkClassifier
 
 REFERENCE = "ksvm-ovo"
@@ -62,6 +66,23 @@ def network() -> Pipeline:
     """An untrained pipeline: components that all vary alike, then a network."""
     alike = [("components", Components(COMPONENTS)), ("scale", StandardScaler())]
     return Pipeline([*alike, ("classify", NetworkClassifier())])
+
+
+def gaussian(problem: Problem) -> Pipeline:
+    """An untrained pipeline: a normal density of each class, told the curve at rest if it is there.
+
+    Quantities that do not err alike are brought to one scale.
+    """
+    blocks = np.arange(problem.features).reshape(len(problem.quantities), -1)
+    at_rest = [k for k, name in enumerate(problem.quantities) if name in AT_REST]
+    curve = tuple(blocks[at_rest].ravel().tolist())
+    if len(at_rest) == len(problem.quantities):
+        raise InputError(
+            f"`estimator` gaussian needs features of a press, got {','.join(problem.quantities)}"
+        )
+    unlike = any(name in READ for name in problem.quantities)
+    scaled = [("scale", StandardScaler())] if unlike else []
+    return Pipeline([*scaled, ("classify", GaussianClassifier(curve))])
 
 
 def nearest(count: int = 15) -> Pipeline:

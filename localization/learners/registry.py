@@ -12,7 +12,15 @@ from ...simulator.sweeps import InputError
 from ..inputs.samples import Problem
 from ..inputs.targets import CLASSES, TARGETS
 from . import classifiers, regressors
-from .classifiers import CLASSIFIERS, KERNEL_WIDTH, REFERENCE, components_svm, nearest, pipeline
+from .classifiers import (
+    CLASSIFIERS,
+    KERNEL_WIDTH,
+    REFERENCE,
+    components_svm,
+    gaussian,
+    nearest,
+    pipeline,
+)
 from .regressors import gaussian_process, kernel_ridge, neighbours
 
 Grid = Mapping[str, Sequence[Any]]
@@ -83,6 +91,7 @@ def _classifiers() -> list[Estimator]:
     svms = [Estimator(name, _few_classes(), _svm(name), _svm_grid(name)) for name in CLASSIFIERS]
     others = [
         ("ksvm-components", CLASSES, lambda _: components_svm(), SVM_GRID, 20_000),
+        ("gaussian", CLASSES, gaussian, {}, 100_000),
         ("knn", CLASSES, lambda _: nearest(), {"classify__n_neighbors": [5, 15, 45]}, 20_000),
     ]
     return svms + [Estimator(*each) for each in others]

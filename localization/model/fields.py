@@ -17,16 +17,19 @@ from ..inputs.samples import Problem
 from ..inversion.adapted import AdaptedClassifier, AdaptedPosition
 from ..inversion.classifier import ModelBased
 from ..inversion.position import ModelBasedPosition
+from ..learners.affine import Affine
 from ..learners.components import Components
 from ..learners.ecoc import ECOCClassifier
+from ..learners.gaussians import GaussianClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
 from ..learners.offsets import Offsets
 from ..trust.fitted import Classifier, Guards, Regressor
 from ..trust.kinds import KindGuard
 from ..trust.novelty import NoveltyGuard
+from ..trust.several import SeveralGuard
 from .model import Model
 
-LAYOUT = 7
+LAYOUT = 8
 """Counts up where files of a model can no longer be read as they were."""
 EARLIER = {"pipeline", "target", "quantities", "interfaces", "frequencies", "scene", "version"}
 """Fields of layout 1, which did not name itself."""
@@ -37,9 +40,11 @@ OWN_STEPS = (
     ModelBasedPosition,
     AdaptedClassifier,
     AdaptedPosition,
+    GaussianClassifier,
     NetworkClassifier,
     NetworkRegressor,
     Offsets,
+    Affine,
 )
 STEPS = (
     *OWN_STEPS,
@@ -59,6 +64,7 @@ KINDS = {
     "spread": Pipeline | None,
     "guard": NoveltyGuard | None,
     "kinds": KindGuard | None,
+    "several": SeveralGuard | None,
     "right": int,
     "answered": int,
     "held_out": int,
@@ -106,6 +112,7 @@ def fields_of(model: Model) -> dict[str, Any]:
         "spread": getattr(learned, "spread", None),
         "guard": getattr(learned.guards, "sweeps", None),
         "kinds": getattr(learned.guards, "kinds", None),
+        "several": getattr(learned.guards, "several", None),
         "right": getattr(learned, "right", 0),
         "answered": getattr(learned, "answered", 0),
         "held_out": getattr(learned, "held_out", 0),
@@ -138,7 +145,7 @@ def _learned(fields: dict[str, Any], continuous: bool) -> Classifier | Regressor
         else (Classifier, {"sharpness", "threshold", "right", "answered", "held_out"})
     )
     own = {name: fields[name] for name in names}
-    guards = fields["guard"] and Guards(fields["guard"], fields["kinds"])
+    guards = fields["guard"] and Guards(fields["guard"], fields["kinds"], fields["several"])
     return kind(pipeline=fields["pipeline"], guards=guards, **own)
 
 

@@ -15,6 +15,7 @@ from ..cores import count_cores
 from ..learners.registry import Registry
 from ..trust.kinds import KindGuard
 from ..trust.novelty import NoveltyGuard
+from ..trust.several import SeveralGuard
 from .fields import (
     ANOTHER_LAYOUT,
     BEFORE_ONE_NAME,
@@ -27,7 +28,10 @@ from .model import Model
 
 ENDING = ".skops"
 TRUSTED = [
-    *(f"{kind.__module__}.{kind.__qualname__}" for kind in (*OWN_STEPS, KindGuard, NoveltyGuard)),
+    *(
+        f"{kind.__module__}.{kind.__qualname__}"
+        for kind in (*OWN_STEPS, KindGuard, NoveltyGuard, SeveralGuard)
+    ),
     *(
         f"sklearn.{name}"
         for name in (

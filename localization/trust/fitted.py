@@ -13,6 +13,7 @@ from ..learners.decisions import decisions
 from .answers import Answers, decide
 from .kinds import KindGuard
 from .novelty import NoveltyGuard
+from .several import SeveralGuard
 from .temperature import probabilities
 
 
@@ -20,16 +21,18 @@ from .temperature import probabilities
 class Guards:
     """What sweeps of the training looked like: all of them, and of presses by one touch each kind.
 
-    kinds: None where the localizer knows more touches than one.
+    kinds: None where the localizer knows more touches than one. several: None there too, and where
+    the training showed none of more.
     """
 
     sweeps: NoveltyGuard
     kinds: KindGuard | None = None
+    several: SeveralGuard | None = None
 
     def novel(self, X: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which sweeps are unlike those of the training, shape (n,). X: shape (n, feature)."""
-        unlike = self.sweeps.predict(X) < 0
-        return unlike if self.kinds is None else unlike | (self.kinds.predict(X) < 0)
+        asked = (self.sweeps, self.kinds, self.several)
+        return np.any([guard.predict(X) < 0 for guard in asked if guard is not None], axis=0)
 
 
 def tells_novelty(pipeline: Pipeline) -> bool:
@@ -86,9 +89,9 @@ class Classifier(Learned):
 class Regressor(Learned):
     """Tells positions.
 
-    factor: of the pipeline's own standard deviations, by which they were too small on held-out
-    sweeps, shape (3,). spread: tells their squares where the pipeline has none of its own, from
-    positions. median_error: mm, of the sweeps held out.
+    factor: of standard deviations, by which they were too small on held-out sweeps, shape (3,).
+    spread: tells their squares where the pipeline has none of its own, from positions.
+    median_error: mm, of the sweeps held out.
     """
 
     factor: NDArray[np.float64]
@@ -101,4 +104,4 @@ class Regressor(Learned):
             told, deviation = self.pipeline.predict(X, return_std=True)
             return told, self.factor * deviation
         told = self.pipeline.predict(X)
-        return told, np.sqrt(self.spread.predict(told))
+        return told, self.factor * np.sqrt(self.spread.predict(told))

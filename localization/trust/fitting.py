@@ -19,6 +19,7 @@ from .folds import PLENTY, Splits, Track, by_session, held_out_of, judging, unto
 from .held_out import held_out_decisions, held_out_positions
 from .kinds import kind_guard
 from .novelty import NoveltyGuard
+from .several import several_guard
 from .temperature import probabilities, sharpness_of
 from .tuning import trainer
 
@@ -50,7 +51,7 @@ def learn_classes(
     next(fits)
     pipeline = train(samples)
     unseen = held_out_of(splits)
-    held_out = held_out_decisions(train, samples, fits, pipeline.classes_)[unseen]
+    held_out = held_out_decisions(train, samples, fits, unseen, pipeline.classes_)
     index = np.searchsorted(pipeline.classes_, samples.y[unseen])
     sharpness = sharpness_of(held_out, index)
     probability = probabilities(held_out, sharpness)
@@ -104,4 +105,4 @@ def _guards(samples: Samples, splits: Splits, pipeline: Pipeline) -> Guards | No
     groups = some.sessions if by_session(some.sessions) else None
     told, _ = told_by_press(problem.quantities, problem.features)
     guard = NoveltyGuard().fit(some.X, groups=groups, told=told)
-    return Guards(guard, kind_guard(samples, splits))
+    return Guards(guard, kind_guard(samples, splits), several_guard(samples, splits))

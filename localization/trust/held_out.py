@@ -18,20 +18,22 @@ def held_out_decisions(
     train: Callable[[Samples], Pipeline],
     samples: Samples,
     splits: Iterable[Split],
+    unseen: NDArray[np.intp],
     classes: NDArray,
 ) -> NDArray[np.float64]:
     """Decisions of each sweep by a pipeline that was not trained on it, for all of the classes.
 
-    A class that one training lacks is told as unlikely as its least likely one. Shape (n, K), NaN
-    where a sweep is in no test.
+    unseen: the sweeps of all tests, ascending. A class that one training lacks is told as unlikely
+    as its least likely one. Shape (unseen, K).
     """
-    told = np.full((len(samples.X), classes.size), np.nan)
+    told = np.empty((unseen.size, classes.size))
     for train_on, test in splits:
         pipeline = train(samples.part(train_on))
         found = decisions(pipeline, samples.X[test])
-        told[test] = found.min(axis=1, keepdims=True)
+        rows = np.searchsorted(unseen, test)
         places = np.searchsorted(classes, pipeline.classes_)
-        told[np.ix_(test, places)] = found
+        told[rows] = found.min(axis=1, keepdims=True)
+        told[np.ix_(rows, places)] = found
     return told
 
 

@@ -68,7 +68,7 @@ def calibrate(
 
     from ..asked.scene import asked_scene
     from ..charts import checked_ending
-    from ..models.plain import folded
+    from ..models.mechanics.in_depths import foldable
     from ..progress import told_on_terminal
     from ..scene.files import scene_text
     from ..scene.frequency import parse_band
@@ -92,7 +92,7 @@ def calibrate(
     names = ", ".join(each.name for each in measured)
     if not anyway:
         check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(asked), names)
-    start = folded(asked, "a calibration")
+    start = foldable(asked, "a calibration")
     with told_on_terminal() as tell:
         calibration = calibrated(start, sweeps, options, tell=tell)
     written = write_report(calibration, names, folder, ending)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.readout import observed
+from ..models.mechanics.in_depths import settled
 from ..press.press import Press, press_on, pressed_factor
 from ..press.touch import Touch, place_of
 from ..scene.meter import Sweep
@@ -132,7 +133,7 @@ def _presses(scene: Scene, texts: Sequence[str]) -> tuple[list[Press | None], tu
 
 
 def _whole_pixels(scene: Scene, text: str) -> Press:
-    press = press_on(scene, text)
+    press = settled(scene, press_on(scene, text))
     if not all(isinstance(place_of(touch), Touch) for touch in press.touches):
         raise InputError(f"press {press}: only whole pixels can be fitted")
     if bool(press.touches) and bool(press.indented) == scene.press.plain:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.line_slopes import LineModel
+from ..models.mechanics.in_depths import in_depths
 from ..models.parameters import own_values, scene_with
 from ..models.plain import folded
 from ..progress import Tell, tell_nothing
@@ -88,6 +89,7 @@ def calibrate(
     training is the slow part. tell: is told what takes long.
     Raises InputError where sweeps and scene do not fit, ToleranceError where no model holds.
     """
+    scene = in_depths(scene)
     folded(scene, "a calibration")
     job = _Job(measured(scene, sweeps, options.band, options.session), options, model, tell)
     fit, noise = job.done()

@@ -42,18 +42,20 @@ def dataset(
     from ..asked.scene import asked_scene, tell_if_noise_free
     from ..asked.telling import written
     from ..asked.tolerance import checked_rtol
-    from ..models.plain import folded
+    from ..models.mechanics.in_depths import foldable
     from ..progress import finished_on_terminal
-    from ..sweeps import InputError, counted, open_zarr
+    from ..sweeps import InputError, counted
     from ..sweeps.errors import InterruptedWorkError
+    from .layout import readings_along
     from .plan import Plan, readings
     from .run import generate
+    from .store import told as told_of
 
     if workers is not None and workers < 1:
         raise InputError(f"--workers must be >= 1, got {workers}")
     checked_rtol(rtol)
     loaded = asked_scene(scene)
-    plan = Plan(folded(loaded, "a data set"), sweeps, seed, rtol)
+    plan = Plan(foldable(loaded, "a data set"), sweeps, seed, rtol)
     tell_if_noise_free(scene, loaded)
     processes = workers or _cores()
     seconds = sweeps * readings(plan.scene) / (READINGS_A_SECOND * processes)
@@ -63,8 +65,7 @@ def dataset(
             generate(plan, output, processes=processes, scheduler=scheduler, advance=advance)
     except KeyboardInterrupt:
         raise InterruptedWorkError("the same command goes on from here") from None
-    made = open_zarr(output)
-    told = made.attrs
+    told = told_of(output) or {}
     typer.echo(
         f"{output}: certified {told['audit_sample']} of the "
         f"{plan.sessions * plan.session_sweeps} sweeps of whole sessions, largest bound on the "
@@ -80,7 +81,7 @@ def dataset(
             f"{output}: all of one skin, for a session is {plan.session_sweeps} sweeps; "
             f"--sweeps {20 * plan.session_sweeps} draws 20 skins to train on"
         )
-    written(counted(made.sizes), output)
+    written(counted(readings_along(plan)), output)
 
 
 def _cores() -> int:

@@ -85,12 +85,19 @@ DRAWN = [
 ]
 
 
-def sizes(plan: Plan, grid: tuple[int, int], waves: int) -> dict[str, int]:
-    """The size of every dimension."""
+def readings_along(plan: Plan) -> dict[str, int]:
+    """The size of each dimension of the readings."""
     return {
         SWEEP: plan.sweeps,
         "interface": len(plan.scene.interfaces),
         "frequency": len(plan.scene.frequencies),
+    }
+
+
+def sizes(plan: Plan, grid: tuple[int, int], waves: int) -> dict[str, int]:
+    """The size of every dimension."""
+    return {
+        **readings_along(plan),
         "touch": MOST_TOUCHES,
         SESSION: plan.sessions,
         "wave": waves,

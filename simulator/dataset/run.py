@@ -80,22 +80,11 @@ def _complete(plan: Plan, output: Path) -> bool:
     """Whether the output is there already; raises InputError where it is of another plan."""
     if not output.exists():
         return False
-    told = _told(output)
+    told = store.told(output)
     different = "no data set" if told is None else first_difference(plan.told, told)
     if different is not None:
         raise InputError(f"{output}: exists with {different}; remove it or write elsewhere")
     return True
-
-
-def _told(output: Path) -> dict[str, object] | None:
-    """The plan of a data set, as `Plan.told`; None where it is none."""
-    import zarr
-
-    try:
-        group = zarr.open_group(str(output), mode="r")
-        return {**group.attrs.asdict(), "sweeps": store.array(group, "touches").shape[0]}
-    except (OSError, ValueError, KeyError):
-        return None
 
 
 def _prepare(plan: Plan, workshop: Workshop, training: Training) -> None:

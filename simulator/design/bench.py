@@ -9,14 +9,14 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 
-from ..bounds.readings import hypotheses
 from ..progress import Tell
-from ..scene.design import Design
+from ..scene.design import POSITION, Design
 from ..scene.files import scene_text
 from ..scene.scene import Scene
 from .journal import Journal
-from .judged import Judge, Layout
-from .picking import Picked, Picker, candidate_frequencies
+from .judged import Judge, Layout, PlaceJudge, merits
+from .picking import Picked, Picker, PixelPairs, TouchedPlaces, candidate_frequencies
+from .places import Touches
 from .pool import own_readings, pool, terminals, wirings
 from .trained import Material, Trained, material_of
 
@@ -42,10 +42,14 @@ class Bench:
         self.frequency = candidate_frequencies(scene, band)
         spanned = min(own[0], band[0]), max(own[1], band[1])
         self.wired, self.pool = tuple(wired), pool(scene, wired)
-        self._trained = Trained(scene, asked, spanned, asking.seed, asking.tell)
-        among = hypotheses(scene, asked.target)
-        self._judge = Judge(scene, asked, asking.draws, asking.seed)
-        self._picker = Picker(self._trained, among, self.pool, self.frequency, asked)
+        touches = Touches(scene) if asked.target == POSITION else None
+        self._trained = Trained(scene, asked, spanned, asking.seed, asking.tell, touches)
+        if touches is None:
+            told, judge = PixelPairs(scene, asked), Judge(scene, asked, asking.draws, asking.seed)
+        else:
+            told, judge = TouchedPlaces(touches, asked), PlaceJudge(touches, asked.against_rest)
+        self._judge: Judge | PlaceJudge = judge
+        self._picker = Picker(self._trained, told, self.pool, self.frequency, asked)
 
     @property
     def own(self) -> Layout:
@@ -101,7 +105,7 @@ class Bench:
         return Picked.of(found)
 
     def shares(self, layout: Layout) -> tuple[float, ...]:
-        """As of `Judge`."""
+        """Merits of the skin as it was meant and of each cast: see `Judge`, `PlaceJudge`."""
         read = [[list(each.high), list(each.low)] for each in layout.readings]
         asked = {
             "shares": [read, list(layout.frequencies)],
@@ -109,7 +113,8 @@ class Bench:
         }
 
         def answer() -> dict[str, list[float]]:
-            return {"shares": self._judge.shares(self._trained, layout)}
+            casts = self._asking.asked.casts
+            return {"shares": merits(self._judge, self._trained, layout, casts)}
 
         return tuple(self._asking.journal.kept(asked, answer)["shares"])
 

@@ -22,10 +22,13 @@ def design(
         Path, typer.Option("--output", "-o", help="Folder for design.toml, tables and report.")
     ] = FOLDER,
     target: Annotated[
-        str | None, typer.Option(help="What is to be told: pixel, column, row or pair.")
+        str | None, typer.Option(help="What is to be told: pixel, column, row, pair or position.")
     ] = None,
     want: Annotated[
         float | None, typer.Option(help="Share of sweeps that is to be right, 0 to 1.")
+    ] = None,
+    within: Annotated[
+        float | None, typer.Option(help="mm: of positions, so near half of all answers come.")
     ] = None,
     wires: Annotated[int | None, typer.Option(help="Foils with a wire, at most.")] = None,
     readings: Annotated[int | None, typer.Option(help="Readings of a sweep, at most.")] = None,
@@ -92,6 +95,7 @@ def design(
     given = {
         "target": target,
         "want": want,
+        "within": None if within is None else 1e-3 * within,
         "wires": wires,
         "readings": readings,
         "frequencies": frequencies,

@@ -10,7 +10,6 @@ from .bench import Bench
 from .judged import Layout, tenth
 from .trained import Material
 
-POINT = 0.01
 FACTORS = (0.5, 0.65, 0.8, 1.0, 1.25, 1.55, 2.0)
 
 
@@ -22,10 +21,9 @@ class Along:
     factors: tuple[float, ...]
     tenths: tuple[float, ...]
 
-    @property
-    def within(self) -> tuple[float, float]:
-        """Factors within which less than a point is lost; of what was looked at, at most."""
-        least = self.tenths[self.factors.index(1.0)] - POINT
+    def within(self, point: float) -> tuple[float, float]:
+        """Factors within which less merit is lost; of what was looked at, at most."""
+        least = self.tenths[self.factors.index(1.0)] - point
         return self._crossed(least, -1), self._crossed(least, 1)
 
     def _crossed(self, least: float, way: int) -> float:

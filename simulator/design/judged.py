@@ -16,6 +16,7 @@ from ..measure.experiment import own_presses
 from ..scene.contacts import Interface
 from ..scene.design import Design
 from ..scene.scene import Scene
+from .places import Touches
 from .trained import CastReadings, Material, OnSkin, Trained
 
 TENTH = 0.1
@@ -36,7 +37,7 @@ class Judge:
     def __init__(self, scene: Scene, asked: Design, draws: int, seed: int) -> None:
         """Raises InputError for a meter without noise."""
         self._among, self._presses = hypotheses(scene, asked.target), own_presses(scene)
-        self._against_rest, self._casts = asked.against_rest, asked.casts
+        self._against_rest = asked.against_rest
         self._draws, self._seed = draws, seed
         self._common = None
         if asked.target != "pair":
@@ -49,19 +50,12 @@ class Judge:
                 against_rest=asked.against_rest,
             )
 
-    def shares(self, trained: Trained, layout: Layout) -> list[float]:
-        """Told right at best: of the skin as it was meant, then of each cast. Raises InputError
+    def merit(self, on: OnSkin, frequency: NDArray[np.float64]) -> float:
+        """The share of sweeps of one skin told right at best; frequency in Hz. Raises InputError
         where the meter's noise is too small."""
-        skins = [None, *(trained.cast(number) for number in range(self._casts))]
-        frequency = np.array(layout.frequencies)
-        found = []
-        for skin in skins:
-            on = trained.on(skin, layout.material, layout.readings)
-            if self._common is None:
-                found.append(self.drawn_anew(on, frequency))
-            else:
-                found.append(float(self._common.judged(on.at(frequency)).accuracy.share))
-        return found
+        if self._common is None:
+            return self.drawn_anew(on, frequency)
+        return float(self._common.judged(on.at(frequency)).accuracy.share)
 
     def drawn_anew(self, on: OnSkin, frequency: NDArray[np.float64]) -> float:
         """Of one skin, by draws of its own, for any number of touches; frequency in Hz."""
@@ -70,6 +64,25 @@ class Judge:
         random = np.random.default_rng(self._seed)
         measured = known.projected(drawn(readings, self._among, self._presses, random, self._draws))
         return float(likeliest(known, measured).mean())
+
+
+class PlaceJudge:
+    """How near half of all answers come at best, over how near guesses come."""
+
+    def __init__(self, touches: Touches, against_rest: int) -> None:
+        self._touches, self._against_rest = touches, against_rest
+
+    def merit(self, on: OnSkin, frequency: NDArray[np.float64]) -> float:
+        """Of one skin, 1 less that; frequency in Hz. Raises InputError for no noise."""
+        bounds = self._touches.slopes(on, frequency, self._against_rest).bounds()
+        return 1 - bounds.median_error() / self._touches.near.guess
+
+
+def merits(judge: Judge | PlaceJudge, trained: Trained, layout: Layout, casts: int) -> list[float]:
+    """Of the skin as it was meant, then of each of so many casts."""
+    skins = [None, *(trained.cast(number) for number in range(casts))]
+    ons = (trained.on(skin, layout.material, layout.readings) for skin in skins)
+    return [judge.merit(on, np.array(layout.frequencies)) for on in ons]
 
 
 def tenth(shares: Sequence[float]) -> float:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds.readings import Hypothesis
+from ..bounds.readings import hypotheses
 from ..bounds.sets import logarithmic, within
 from ..measure.readout import ErrorModel
 from ..scene.contacts import Interface
@@ -19,8 +19,10 @@ from ..sweeps import InputError
 from ..sweeps.pace import SETTLE, reading_time
 from .choosing import Choice, chosen
 from .curves import Pairs, pairs
-from .proxy import Ties, by_frequency, by_reading
-from .trained import Material, Trained
+from .merits import Merit
+from .places import Touches
+from .proxy import RIGHT, Ties, by_frequency, by_reading
+from .trained import Material, OnSkin, Trained
 
 GRID = 24
 """Frequencies to pick from, beside the scene's own."""
@@ -87,26 +89,62 @@ def budgets(scene: Scene, asked: Design, low: float, pool: int) -> list[tuple[in
     return found
 
 
+class Tells(Protocol):
+    """What one skin tells at some frequencies in Hz, and what that is worth."""
+
+    merit: Merit
+
+    def __call__(self, on: OnSkin, frequency: NDArray[np.float64], /) -> Pairs:
+        """All readings and frequencies."""
+        ...
+
+
+class PixelPairs:
+    """Pairs of hypotheses: see `curves`."""
+
+    merit: Merit = RIGHT
+
+    def __init__(self, scene: Scene, asked: Design) -> None:
+        """Raises InputError for a meter without noise."""
+        self._among = hypotheses(scene, asked.target)
+        model = ErrorModel(scene.readout, 1, 1, against_rest=asked.against_rest)
+        self._noise = float(model.deviation[0] / scene.readout.magnitude_noise)
+
+    def __call__(self, on: OnSkin, frequency: NDArray[np.float64]) -> Pairs:
+        """Of one skin."""
+        return pairs(on, self._among, frequency, self._noise)
+
+
+class TouchedPlaces:
+    """Places of touches: see `places`."""
+
+    def __init__(self, touches: Touches, asked: Design) -> None:
+        self._touches, self._against_rest = touches, asked.against_rest
+        self.merit: Merit = touches.near
+
+    def __call__(self, on: OnSkin, frequency: NDArray[np.float64]) -> Pairs:
+        """Of one skin."""
+        return self._touches.pairs(on, frequency, self._against_rest)
+
+
 class Picker:
     """Picks from a pool of readings and some frequencies in Hz, for a skin and its casts."""
 
     def __init__(
         self,
         trained: Trained,
-        among: Sequence[Hypothesis],
+        told: Tells,
         pool: Sequence[Interface],
         frequency: NDArray[np.float64],
         asked: Design,
     ) -> None:
-        """Raises InputError for a meter without noise."""
+        """told: how pairs or places differ. Raises InputError for a meter without noise."""
         scene = trained.scene
-        self._trained, self._among, self._pool = trained, among, list(pool)
+        self._trained, self._told, self._pool = trained, told, list(pool)
         self.frequency = frequency
         self._budgets = budgets(scene, asked, float(frequency[0]), len(self._pool))
         self._casts = min(CASTS, asked.casts)
-        model = ErrorModel(scene.readout, 1, 1, against_rest=asked.against_rest)
         readout = scene.readout
-        self._noise = float(model.deviation[0] / readout.magnitude_noise)
         self._ties = (
             Ties()
             if asked.against_rest
@@ -122,7 +160,7 @@ class Picker:
     ) -> float:
         """Told right by pairs."""
         own = self._pairs(material).of(readings, frequencies)
-        told = by_reading(own, self._ties)
+        told = by_reading(own, self._ties, self._told.merit)
         return told.slope(np.ones(told.candidates))[0]
 
     def readings_at(
@@ -166,7 +204,8 @@ class Picker:
     ) -> tuple[Choice, Choice]:
         by = self._readings(material, budget[0], readings, frequencies)
         everything = self._pairs(material)
-        told = by_frequency(everything.of(by.numbers, range(len(self.frequency))), self._ties)
+        seen = everything.of(by.numbers, range(len(self.frequency)))
+        told = by_frequency(seen, self._ties, self._told.merit)
         return by, chosen(told.score, told.slope, told.candidates, budget[1], [frequencies])
 
     def _readings(
@@ -177,7 +216,7 @@ class Picker:
         frequencies: Sequence[int],
     ) -> Choice:
         everything = self._pairs(material).of(range(len(self._pool)), frequencies)
-        told = by_reading(everything, self._ties)
+        told = by_reading(everything, self._ties, self._told.merit)
         return chosen(told.score, told.slope, told.candidates, count, [readings])
 
     def _pairs(self, material: Material) -> Pairs:
@@ -186,7 +225,7 @@ class Picker:
             found = []
             for number in range(self._casts):
                 on = self._trained.on(self._trained.cast(number), material, self._pool)
-                found.append(pairs(on, self._among, self.frequency, self._noise))
+                found.append(self._told(on, self.frequency))
             apart = np.concatenate([each.apart for each in found])
             weight = np.concatenate([each.weight for each in found]) / len(found)
             self._kept = material, Pairs(apart, weight)

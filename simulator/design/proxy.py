@@ -1,9 +1,7 @@
-"""A share of sweeps told right, from pairs alone: concave in how much each candidate is read.
+"""Which candidates tell most: merits that are concave in how much each candidate is read.
 
-Of two presses, the distance of their readings at the strengths that hide it best is the least of
-sums of squares, so it is concave in the weights w of the readings: d²(w) = min over strengths and
-the session's errors. Phi(-d/2) of all pairs, summed, is at least the share of errors of the best
-classifier of known strengths; it is convex in d², so that the share right is concave in w.
+Information adds up over readings, and the session's errors take off what they may hide: a concave
+function of the weights of the candidates. A merit (see `merits`) is concave in the information.
 """
 
 from __future__ import annotations
@@ -13,13 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
 from .curves import Pairs
+from .merits import Merit, Right
 
-TINY = 1e-12
+RIGHT = Right()
 SEEN = 6
-"""Digits of a share that count."""
+"""Digits of a merit that count."""
 NUMBERS_AT_ONCE = 4_000_000
 
 
@@ -37,35 +35,20 @@ class Ties:
         return np.array([self.gain, self.turn])
 
 
-def share(squared: NDArray[np.float64], weight: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Told right; squared: distances of pairs, shape (..., pair). weight: see `Pairs`."""
-    return 1 - ndtr(-np.sqrt(squared) / 2) @ weight
-
-
-def squared_distances(found: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray]:
-    """d² from the information of differences and strengths, shape (..., p, p) to (...); and
-    (1, the strengths that hide it best), shape (..., p)."""
-    way = np.ones((*found.shape[:-1], 1))[..., 0]
-    if found.shape[-1] > 1:
-        way[..., 1:] = -np.linalg.solve(found[..., 1:, 1:], found[..., 1:, :1])[..., 0]
-    squared = (found[..., 0, :] * way).sum(axis=-1)
-    return np.maximum(squared, 0.0), way
-
-
-def by_reading(pairs: Pairs, ties: Ties) -> Additive:
+def by_reading(pairs: Pairs, ties: Ties, merit: Merit = RIGHT) -> Additive:
     """Which readings tell, at all the frequencies of the pairs."""
     x, count = pairs.apart, pairs.apart.shape[2]
     found = np.einsum("prfqa,prfqb->prab", x, x, optimize=True)
     common = x.sum(axis=2)
-    return Additive(found - _taken(common, ties.both + count), pairs.weight)
+    return Additive(found - _taken(common, ties.both + count), pairs.weight, merit)
 
 
-def by_frequency(pairs: Pairs, ties: Ties) -> Additive | Tied:
+def by_frequency(pairs: Pairs, ties: Ties, merit: Merit = RIGHT) -> Additive | Tied:
     """Which frequencies tell, for all the readings of the pairs together."""
     if not math.isinf(ties.gain) or not math.isinf(ties.turn):
-        return Tied(pairs, ties)
+        return Tied(pairs, ties, merit)
     x = pairs.apart
-    return Additive(np.einsum("prfqa,prfqb->pfab", x, x, optimize=True), pairs.weight)
+    return Additive(np.einsum("prfqa,prfqb->pfab", x, x, optimize=True), pairs.weight, merit)
 
 
 def _taken(common: NDArray[np.float64], held: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -74,80 +57,72 @@ def _taken(common: NDArray[np.float64], held: NDArray[np.float64]) -> NDArray[np
 
 
 class Additive:
-    """Candidates whose information adds up: shape (pair, candidate, p, p)."""
+    """Candidates whose information adds up: shape (case, candidate, p, p)."""
 
-    def __init__(self, information: NDArray[np.float64], weight: NDArray[np.float64]) -> None:
+    def __init__(
+        self, information: NDArray[np.float64], weight: NDArray[np.float64], merit: Merit = RIGHT
+    ) -> None:
+        """weight: of each case, shape (case,)."""
         self.candidates, self._information, self._weight = information.shape[1], information, weight
-        self._strengths = np.diag([0.0] + [1.0] * (information.shape[-1] - 1))
+        self._merit = merit
 
     def score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
-        """The share told wrong, shape (choice, n) to (choice,)."""
-        size = len(self._weight) * self._strengths.size
+        """What is left of the merit, shape (choice, n) to (choice,)."""
+        size = len(self._weight) * self._information.shape[-1] ** 2
         step = max(1, NUMBERS_AT_ONCE // max(size, 1))
         parts = [choices[k : k + step] for k in range(0, len(choices), step)]
         return np.concatenate([self._score(part) for part in parts])
 
     def slope(self, weights: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
-        """The share at weights of the candidates, and its exact derivative by each."""
+        """The merit at weights of the candidates, and its exact derivative by each."""
         found = np.einsum("pnab,n->pab", self._information, weights, optimize=True)
-        squared, way = squared_distances(found + self._strengths)
-        by = np.einsum("pnab,pa,pb->pn", self._information, way, way, optimize=True)
-        value = float(share(squared, self._weight))
-        return value, _by_squared(squared, self._weight) @ by
+        told = self._merit(found, self._weight)
+        return float(told.value), np.einsum("pnab,pab->n", self._information, told.slope())
 
     def _score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
         times = np.zeros((len(choices), self.candidates))
         np.add.at(times, (np.arange(len(choices))[:, None], choices), 1.0)
-        total = np.tensordot(times, self._information, axes=(1, 1)) + self._strengths
-        squared, _ = squared_distances(total)
-        return _wrong(share(squared, self._weight))
+        total = np.tensordot(times, self._information, axes=(1, 1))
+        return _left(self._merit(total, self._weight).value)
 
 
 class Tied:
     """Frequencies of readings whose gain and turn are alike at all of them, and not quite known."""
 
-    def __init__(self, pairs: Pairs, ties: Ties) -> None:
+    def __init__(self, pairs: Pairs, ties: Ties, merit: Merit = RIGHT) -> None:
         self.candidates, self._pairs, self._ties = pairs.apart.shape[2], pairs, ties
+        self._merit = merit
 
     def score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
         """As of `Additive`."""
         told = []
         for choice in choices:
             part = Pairs(self._pairs.apart[:, :, choice], self._pairs.weight)
-            squared, *_ = self._seen(part, np.ones(len(choice)))
-            told.append(_wrong(share(squared, part.weight)))
+            found, _ = self._seen(part, np.ones(len(choice)))
+            told.append(_left(np.asarray(self._merit(found, part.weight).value)))
         return np.array(told)
 
     def slope(self, weights: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
         """As of `Additive`."""
-        squared, way, common = self._seen(self._pairs, weights)
-        left = np.einsum("prfqa,pa->prfq", self._pairs.apart, way)
-        left = left - np.einsum("prqa,pa->prq", common, way)[:, :, None]
-        weight = self._pairs.weight
-        by = np.einsum("prfq,p->f", left**2, _by_squared(squared, weight))
-        return float(share(squared, weight)), by
+        found, common = self._seen(self._pairs, weights)
+        told = self._merit(found, self._pairs.weight)
+        left = self._pairs.apart - common[:, :, None]
+        by = np.einsum("prfqa,prfqb,pab->f", left, left, told.slope(), optimize=True)
+        return float(told.value), by
 
     def _seen(
         self, pairs: Pairs, weights: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """d², the way to it, and the session's errors that hide most, (pair, reading, 2, p)."""
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Information, and what is common to all frequencies of a reading, (pair, reading, 2, p),
+        as the session's errors hide it."""
         x, held = pairs.apart, self._ties.both + weights.sum()
         weighed = x * weights[:, None, None]
         found = np.einsum("prfqa,prfqb->pab", weighed, x, optimize=True)
         common = weighed.sum(axis=2)
         found = found - _taken(common, held).sum(axis=1)
-        strengths = np.arange(1, x.shape[-1])
-        found[:, strengths, strengths] += 1.0
-        squared, way = squared_distances(found)
-        return squared, way, common / held[:, None]
+        return found, common / held[:, None]
 
 
-def _wrong(right: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A share that is to be small; what no judge would see of it is the same."""
-    return np.round(1 - right, SEEN) + 10.0**-SEEN
-
-
-def _by_squared(squared: NDArray[np.float64], weight: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Derivative of the share by each d², shape (pair,)."""
-    d = np.sqrt(np.maximum(squared, TINY))
-    return weight * np.exp(-squared / 8) / (math.sqrt(2 * math.pi) * 4 * d)
+def _left(merit: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of a merit of 1 at most, that is to be small; what no judge would see of it is the same."""
+    return np.round(1 - merit, SEEN) + 10.0**-SEEN

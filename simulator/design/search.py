@@ -25,7 +25,7 @@ DIGITS = 2
 ROUNDING = 1e-9
 GOLDEN = (math.sqrt(5) - 1) / 2
 WORTH = 3e-3
-"""Of the share, that sheets unlike each other, another foam or other foils must gain."""
+"""Of the merit, that sheets unlike each other, another foam or other foils must gain."""
 
 Bounds = tuple[float, float]
 
@@ -43,8 +43,8 @@ class Move(NamedTuple):
 class Step:
     """Where the search stood after a step, and what can be told then at best.
 
-    shares: of sweeps right, on the skin as it was meant and on each cast. taken: whether the step
-    was worth it, and within what was asked.
+    shares: merits at best (see `judged`), on the skin as it was meant and on each cast. taken:
+    whether the step was worth it, and within what was asked.
     """
 
     name: str
@@ -194,7 +194,7 @@ class _Walk:
         """Whether it is within what was asked and gains what it is worth; a step either way."""
         self._asking.tell(f"{name}: the exact bound")
         step = Step(name, layout, self._bench.shares(layout), self._allowed(layout))
-        best = max((s.tenth + worth for s in self._steps[1:] if s.taken), default=0.0)
+        best = max((s.tenth + worth for s in self._steps[1:] if s.taken), default=-math.inf)
         self._steps.append(replace(step, taken=step.taken and step.tenth >= best))
         return self._steps[-1].taken
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +27,13 @@ from ..scene.frequency import laplace_variable
 from ..scene.meter import Sweep
 from ..scene.scene import Scene
 
+if TYPE_CHECKING:
+    from .places import Touches
+
 RTOL = 1e-2
 """Of Rs and Cp, certified for every reading; ln Z is then some ten times closer."""
+RTOL_OF_TOUCHES = 2e-3
+"""As slopes are known less closely than what they are slopes of: bounds to some percent."""
 FACTORS = (0.5, 3.0)
 BEYOND = 2.0
 """Times the bounds of sheets that training reaches, for what a cast may be off by."""
@@ -62,25 +68,28 @@ class Trained:
         band: tuple[float, float],
         seed: int,
         tell: Tell = tell_nothing,
+        touches: Touches | None = None,
     ) -> None:
         """band: of all frequencies that are asked for, Hz. tell: how far training has come.
+        touches: anywhere, in place of pixels pressed whole.
 
         Raises InputError where a tension spreads presses."""
         require_no_spread(scene)
         self.scene, self._asked, self._band, self._seed = scene, asked, band, seed
-        self._tell = tell
+        self._tell, self._touches = tell, touches
+        self._divided = scene if touches is None else touches.divided
         self.modes = len(WAVES) if scene.dataset.session.unevenness else 1
 
     def cast(self, number: int) -> DrawnSkin:
         """One of the skins as [dataset.session] spreads them, as factors on the scene's."""
-        return drawn_skin(self.scene, self._seed, number, self.scene.pixels.shape, self.modes)
+        return drawn_skin(self.scene, self._seed, number, self._divided.pixels.shape, self.modes)
 
     def on(
         self, cast: DrawnSkin | None, material: Material, readings: Sequence[Interface]
     ) -> OnSkin:
         """One skin of a material under readings; None for the cast as it was meant."""
         own = read(self.reduced, readings)
-        drawn = cast or _nominal(self.scene, self.modes)
+        drawn = cast or _nominal(self._divided, self.modes)
         top, bottom = self.scene.skin.top, self.scene.skin.bottom
         variation = replace(
             drawn.variation,
@@ -95,18 +104,20 @@ class Trained:
     def reduced(self) -> Reduced:
         """The model, trained at first use on all that the bounds allow."""
         swept = Sweep(frequencies=tuple(sorted(set(self._band))))
-        driven = with_chain(self.scene).model_copy(update={"sweep": swept})
+        driven = with_chain(self._divided).model_copy(update={"sweep": swept})
 
         def advance(share: float) -> None:
             self._tell("training", share)
 
         advance(0.0)
-        return reduce(driven, RTOL, self._draw, modes=self.modes, alike=False, advance=advance)
+        rtol = RTOL if self._touches is None else RTOL_OF_TOUCHES
+        return reduce(driven, rtol, self._draw, modes=self.modes, alike=False, advance=advance)
 
     def _draw(self, random: np.random.Generator) -> Case:
         scene, asked = self.scene, self._asked
-        press = pixel_touches(scene, FACTORS)(random)
-        skin = drawn_skin(scene, int(random.integers(2**62)), 0, scene.pixels.shape, self.modes)
+        draw = pixel_touches(scene, FACTORS) if self._touches is None else self._touches.drawn
+        press, grid = draw(random), self._divided.pixels.shape
+        skin = drawn_skin(scene, int(random.integers(2**62)), 0, grid, self.modes)
         own = material_of(scene)
         least = np.log(min(*asked.sheet_resistance, own.top, own.bottom))
         most = np.log(max(*asked.sheet_resistance, own.top, own.bottom))

@@ -119,10 +119,13 @@ class Galerkin:
 
     def currents(self, u: NDArray, sheets: csc_matrix, films: Films) -> NDArray:
         """K u in A, of inner unknowns. u: V, shape (inner + terminals, k)."""
+        in_sheets = (self.restricted(sheets) @ u)[: self.inner]
+        if not films.any:
+            return in_sheets
         U = u[self.inner :]
         V = u - self._system.unknowns.at_foils[self._rows] @ U
         in_films = self.restricted(films.stiffness) @ V + films.current[self._rows] @ U
-        return (self.restricted(sheets) @ u + in_films)[: self.inner]
+        return in_sheets + in_films[: self.inner]
 
     def sheet_energy(self, W: NDArray[np.float64], sheets: csc_matrix) -> NDArray[np.float64]:
         """W'KW in W of sheets alone. W: V, shape (inner + terminals, k). sheets: of the system."""

@@ -97,6 +97,43 @@ def continued_fraction(
     return value
 
 
+@compiled(error_model="numpy")
+def continued_fractions(
+    t: NDArray, diagonal: NDArray, squared: NDArray, steps: int
+) -> NDArray:  # pragma: no cover
+    """`continued_fraction` of every t to the same bits, all of them side by side."""
+    count = len(t)
+    real, imag, across, along = np.empty((4, count))
+    for k in range(count):
+        real[k], imag[k] = 1.0 + t[k].real * diagonal[steps - 1], t[k].imag * diagonal[steps - 1]
+    for step in range(steps - 2, -1, -1):
+        a, b = diagonal[step], squared[step + 1]
+        _invert(real, imag)
+        for k in range(count):
+            across[k] = (t[k].real * t[k].real - t[k].imag * t[k].imag) * b
+            along[k] = (t[k].real * t[k].imag + t[k].imag * t[k].real) * b
+        for k in range(count):
+            re, im = real[k], imag[k]
+            real[k] = 1.0 + t[k].real * a - (across[k] * re - along[k] * im)
+            imag[k] = t[k].imag * a - (across[k] * im + along[k] * re)
+    _invert(real, imag)
+    return real + 1j * imag
+
+
+@compiled(error_model="numpy")
+def _invert(real: NDArray, imag: NDArray) -> None:  # pragma: no cover
+    """1 / z without branches, in the steps of a division of complex numbers by Smith's method."""
+    for k in range(len(real)):
+        larger_real = abs(real[k]) >= abs(imag[k])
+        larger = real[k] if larger_real else imag[k]
+        smaller = imag[k] if larger_real else real[k]
+        ratio = smaller / larger
+        whole = larger + smaller * ratio
+        one, other = 1.0 / whole, ratio / whole
+        real[k] = one if larger_real else other
+        imag[k] = -other if larger_real else -one
+
+
 @compiled()
 def last_change(
     s: NDArray, shift: float, at_once: NDArray, diagonal: NDArray, squared: NDArray, steps: int

@@ -34,6 +34,11 @@ class Films:
     current: NDArray[np.float64]
     conductance: NDArray[np.float64]
 
+    @property
+    def any(self) -> bool:
+        """Whether there is any film at all."""
+        return bool(self.stiffness.data.any() or self.current.any())
+
 
 @dataclass(frozen=True)
 class System:

@@ -67,11 +67,11 @@ def limits(
     from ..asked.scene import asked_scene
     from ..bounds.position import chosen_touch
     from ..charts import checked_ending
-    from ..models.plain import folded
+    from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
     from .survey import Question, with_factor, with_interfaces, with_sheets
 
-    plain = folded(asked_scene(scene), "a limit")
+    plain = foldable(asked_scene(scene), "a limit")
     check_numbers(draws=draws, against_rest=against_rest, seed=seed, n=n)
     side = None if size is None else 1e-3 * size
     touch = chosen_touch(plain, side, factor)

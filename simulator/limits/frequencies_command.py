@@ -48,13 +48,13 @@ def frequencies(
     from ..asked.scene import asked_scene
     from ..bounds.position import chosen_touch
     from ..bounds.sets import chosen_band
-    from ..models.plain import folded
+    from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
     from .criteria import checked_criterion
     from .design import check_design, design
     from .survey import with_interfaces
 
-    plain = folded(asked_scene(scene), "a limit")
+    plain = foldable(asked_scene(scene), "a limit")
     loaded = with_interfaces(plain, interface or [])
     check_numbers(against_rest=against_rest)
     check_design(n, grid, repeats)

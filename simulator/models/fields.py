@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..press.press import Press
+from ..progress import Tell, tell_nothing
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene, checked_interface, interface_names
+from .outlook import Remaining
 from .varied.coefficients import ELECTRODES
 from .varied.discretised import Discretised
 from .varied.meshes import indented, meshes
@@ -51,22 +53,30 @@ class Fields:
 
 
 def fields(
-    scene: Scene, press: Press, frequencies: Sequence[float], interface: str, rtol: float = 1e-3
+    scene: Scene,
+    press: Press,
+    frequencies: Sequence[float],
+    interface: str,
+    rtol: float = 1e-3,
+    tell: Tell = tell_nothing,
 ) -> Fields:
     """Those of a press at frequencies in Hz.
 
     Solved on the flat skin at rest, on a mesh that keeps the tolerance of Rs and Cp; currents and
-    power are those per length and area of the flat skin. Raises InputError where the interface is
-    none of the scene's, ToleranceError where the tolerance is not reached.
+    power are those per length and area of the flat skin. tell: is told how far it has come. Raises
+    InputError where the interface is none of the scene's, ToleranceError where the tolerance is not
+    reached.
     """
     frequency = np.array(sorted(frequencies), dtype=np.float64)
     drive = interface_names(scene).index(checked_interface(interface, scene))
-    discretised, Z = _resolved(scene, press, frequency, rtol)
+    discretised, Z = _resolved(scene, press, frequency, rtol, tell)
     sampler = Sampler(scene, discretised)
     s = laplace_variable(frequency, scene.skin.foam.loss)
-    potential, current, power, rises = zip(
-        *(_at(discretised, sampler, drive, complex(each)) for each in s), strict=True
-    )
+    found = []
+    for k, each in enumerate(s):
+        tell(f"fields, frequencies: {s.size}", k / s.size)
+        found.append(_at(discretised, sampler, drive, complex(each)))
+    potential, current, power, rises = zip(*found, strict=True)
     by_rise = np.stack(rises)
     x, coefficients = sampler.surface.x, discretised.coefficients
     by_Rs, by_Cp = _relative(scene, by_rise, Z[drive], frequency)
@@ -88,13 +98,19 @@ def fields(
 
 
 def _resolved(
-    scene: Scene, press: Press, frequency: Real, rtol: float
+    scene: Scene, press: Press, frequency: Real, rtol: float, tell: Tell
 ) -> tuple[Discretised, Complex]:
     """A mesh that keeps the tolerance at all frequencies, and Z in ohm, (interface, frequency)."""
-    finer = meshes(scene, *indented(scene, press, rtol), rtol)
+    if press.indented:
+        tell("pressing the skin in")
+    touched = indented(scene, press, rtol)
+    solving, remaining = f"solving, frequencies: {frequency.size}", Remaining(rtol)
+    tell(solving)
+    finer = meshes(scene, *touched, rtol)
     while True:
         discretised = finer.finer(frequency)
         rung = discretised.rung(frequency, rtol)
+        tell(solving, remaining.share(float(rung.error.max())))
         if rung.error.max() <= rtol:
             return discretised, rung.Z
 

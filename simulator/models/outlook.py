@@ -58,6 +58,39 @@ def check_within_reach(needed: float, most: int, order: float, what: str) -> Non
         raise ToleranceError(f"the tolerance needs more than {most} {what}", times)
 
 
+class Remaining:
+    """How long it still takes until errors are within a tolerance, by those of the answers so far.
+
+    clock: s.
+    """
+
+    def __init__(self, rtol: float, clock: Callable[[], float] = perf_counter) -> None:
+        self._rtol, self._clock = rtol, clock
+        self._start = clock()
+        self._known = list[tuple[float, float]]()
+
+    def after(self, error: float) -> tuple[float, float]:
+        """Since the start and still to come, s, told the largest error of one more answer."""
+        elapsed = self._clock() - self._start
+        self._known.append((elapsed, error))
+        return elapsed, self._left(self._known[-3:])
+
+    def share(self, error: float) -> float:
+        """Of all the work, what is done; told as `after`."""
+        elapsed, left = self.after(error)
+        return elapsed / (elapsed + left) if left > 0 else 1.0
+
+    def _left(self, known: list[tuple[float, float]]) -> float:
+        """By the power of the error that the time has grown with, s."""
+        (then, larger), (now, error) = known[0], known[-1]
+        if not error > self._rtol:
+            return 0.0
+        if not (larger > error and now > then > 0):
+            return now
+        power = min(np.log(now / then) / np.log(larger / error), STEEPEST)
+        return now * float((error / self._rtol) ** power - 1)
+
+
 class Outlook:
     """Tells once how long a press will still take, where that is a minute or more.
 
@@ -70,25 +103,13 @@ class Outlook:
 
     def of(self, press: str) -> Callable[[float], None]:
         """To be told the largest error of each answer to a press, from now on."""
-        start, known = self._clock(), list[tuple[float, float]]()
+        remaining = Remaining(self._rtol, self._clock)
 
         def saw(error: float) -> None:
-            elapsed = self._clock() - start
-            known.append((elapsed, error))
-            left = self._left(known[-3:])
+            elapsed, left = remaining.after(error)
             if not self._told and elapsed >= SURE_AFTER and left >= WORTH_A_WORD:
                 self._told = True
                 told = f"error {error:.0e} after {elapsed:.0f} s, asked {self._rtol:g}"
                 LOG.info("press %s: %s: will take about %s more", press, told, duration(left))
 
         return saw
-
-    def _left(self, known: list[tuple[float, float]]) -> float:
-        """By the power of the error that the time has grown with, s."""
-        (then, larger), (now, error) = known[0], known[-1]
-        if not error > self._rtol:
-            return 0.0
-        if not (larger > error and now > then > 0):
-            return now
-        power = min(np.log(now / then) / np.log(larger / error), STEEPEST)
-        return now * float((error / self._rtol) ** power - 1)

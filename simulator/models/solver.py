@@ -158,9 +158,11 @@ class Solver:
             return progress.reject(f"reduced: {reason}")
 
     def _applicators_reduce(self, press: Press) -> bool:
+        if self.model != "reduced" or not press.indented:
+            return False
         from .reduced.indented.draws import spreads
 
-        return self.model == "reduced" and bool(press.indented) and spreads(self.scene)
+        return spreads(self.scene)
 
     def _under_applicators(self, press: Press, progress: Progress) -> None:
         """What a reduced model answers of pixels pressed by depth and force."""

@@ -8,7 +8,8 @@ from pydantic import Field, model_validator
 
 from .validation import Number, Table, Whole, above_zero
 
-Target = Literal["pixel", "column", "row", "pair"]
+Target = Literal["pixel", "column", "row", "pair", "position"]
+POSITION = "position"
 Ohms = Annotated[Number, above_zero("ohm/sq")]
 Metres = Annotated[Number, above_zero("m")]
 Hertz = Annotated[Number, above_zero("Hz")]
@@ -18,7 +19,8 @@ Part = Annotated[Number, Field(gt=0, le=1)]
 class Design(Table):
     """What `rcskin design` keeps to, and what it looks for; everything else stays as it is.
 
-    target, want: what is to be told, and for what share of sweeps. wires, readings, frequencies: at
+    target, want: what is to be told, and for what share of sweeps; within: of positions, to how
+    many m half of the time. wires, readings, frequencies: at
     most so many foils are wired, so many pairs of sets of them read, at so many frequencies each;
     as many as the scene has unless given. seconds: that a sweep may take on the meter, at most.
     band: of the frequencies [Hz], else the scene's own. sheet_resistance: bounds of both sheets
@@ -31,6 +33,7 @@ class Design(Table):
 
     target: Target = "pixel"
     want: Annotated[Number, Field(gt=0, lt=1)] | None = None
+    within: Metres | None = None
     wires: Annotated[Whole, Field(ge=2, le=8)] | None = None
     readings: Annotated[Whole, Field(ge=1, le=40)] = 5
     frequencies: Annotated[Whole, Field(ge=1, le=100)] | None = None
@@ -44,6 +47,14 @@ class Design(Table):
     foil_length: tuple[Part, Part] = (0.2, 0.99)
     against_rest: Annotated[Whole, Field(ge=0, le=10**6)] = 6
     casts: Annotated[Whole, Field(ge=1, le=100)] = 10
+
+    @model_validator(mode="after")
+    def _wish_suits(self) -> Self:
+        if self.want is not None and self.target == POSITION:
+            raise ValueError("want is a share of sweeps; positions have `within`, in m")
+        if self.within is not None and self.target != POSITION:
+            raise ValueError(f"within is of the target {POSITION}; a {self.target} has `want`")
+        return self
 
     @model_validator(mode="after")
     def _bounds_ascend(self) -> Self:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from ..measure.symmetry import Pixel
-from ..models.plain import folded
+from ..models.mechanics.in_depths import foldable
 from ..models.validity import warnings
 from ..progress import Track
 from ..scene.files import scene_text
@@ -43,7 +43,7 @@ def scenes_of(table: Mapping[str, Any], axes: Sequence[Axis], trial: Trial) -> l
     scenes = []
     for values in itertools.product(*(axis.values for axis in axes)):
         given = dict(zip((axis.key for axis in axes), values, strict=True))
-        scene = folded(with_values(table, given), "a study")
+        scene = foldable(with_values(table, given), "a study")
         trial.check(scene)
         scenes.append(scene)
     return scenes

@@ -6,10 +6,20 @@ from .impedance import branch_reactance, parallel_capacitance, series_capacitanc
 from .joining import read_joined
 from .laws.passivity import Violation, violations
 from .needs import check_needs
-from .schema import UNPRESSED, build, check, concatenate, impedance, side_by_side, tabled
+from .schema import (
+    OPENING,
+    UNPRESSED,
+    build,
+    check,
+    concatenate,
+    impedance,
+    side_by_side,
+    tabled,
+)
 from .table import Table
 
 __all__ = [
+    "OPENING",
     "UNPRESSED",
     "InputError",
     "Table",

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 P = ParamSpec("P")
 UNPRESSED = "none"
+OPENING = "opening"
+"""Coordinate of sweeps at rest that are told apart: the first of a session, or else the latest."""
 MEASURED, VIRTUAL = "measured", "virtual meter"
 """The attribute `model` of sweeps that a meter recorded, and that the virtual one did."""
 QUANTITIES = {

@@ -11,7 +11,7 @@ import typer
 from ..asked.options import SceneName
 
 if TYPE_CHECKING:
-    from ..progress import Track
+    from ..progress import Tell
     from ..scene.scene import Scene
     from .scenery import Stage
 
@@ -74,16 +74,16 @@ def view(
     from dataclasses import replace
 
     from ..asked.telling import note, written
-    from ..progress import on_terminal
+    from ..progress import on_terminal, told_on_terminal
     from .outputs import write_output
 
-    with on_terminal() as track:
-        every = every and animate != "phase"
-        stage = _stage(scene, press, frequency, interface, rtol, every, track)
-        stage = replace(stage, wrapped=wrapped, exaggeration=exaggerate)
-        if output is not None:
-            write_output(output, stage, what, animate, track, note)
+    every = every and animate != "phase"
+    with told_on_terminal() as tell:
+        stage = _stage(scene, press, frequency, interface, rtol, every, tell)
+    stage = replace(stage, wrapped=wrapped, exaggeration=exaggerate)
     if output is not None:
+        with on_terminal() as track:
+            write_output(output, stage, what, animate, track, note)
         shown = what if output.suffix not in ALL_FIELDS else "all fields"
         written(f"{shown} of press {stage.press} at {_told(stage)}", output)
     if interactive:
@@ -127,7 +127,7 @@ def _stage(
     interface: str | None,
     rtol: float,
     every: bool,
-    track: Track,
+    tell: Tell,
 ) -> Stage:
     from ..asked.scene import asked_scene
     from ..asked.telling import warn
@@ -143,10 +143,7 @@ def _stage(
     for one_terminal in scene.driven_by_touch:
         if one_terminal.interface == chosen:
             warn(f"{name}: {one_terminal}")
-    (found,) = [
-        fields(scene, pressed, each, chosen, rtol)
-        for each in track([frequencies], f"solving, frequencies: {len(frequencies)}")
-    ]
+    found = fields(scene, pressed, frequencies, chosen, rtol, tell)
     wiring = next(each for each in scene.interfaces if each.name == chosen)
     return Stage(scene, pressed, wiring, found)
 

@@ -219,3 +219,44 @@ def test_poles_of_a_passive_function(rival):
     assert fits.polynomials(f, passive, degree=3).poles_off_axis == 0
     resonant = passive + 1 / (s**2 + s + 25)
     assert fits.polynomials(f, resonant, degree=5).poles_off_axis == 2
+
+
+def test_triangles_of_one_size_on_a_square(rival, make_scene):
+    """Order 1 falls by h², as the reference is smooth along a line."""
+    from skfem import MeshTri
+
+    scene = at(make_scene, U)
+    skin, truth = scene.skin, Line(scene).impedance(Press(), scene.frequencies)[0]
+    c = skin.foam.rest_capacitance_per_area
+    square = MeshTri().scaled((skin.length, skin.width))
+
+    def error_at(halved):
+        Z = rival("scikit_fem_triangles").impedance(
+            square.refined(halved),
+            1,
+            lambda x: x[0] < 1e-9,
+            lambda x: np.full(x.shape[1:], c),
+            skin.top.sheet_resistance + skin.bottom.sheet_resistance,
+            scene.frequencies,
+        )
+        return error(scene, Z, truth)
+
+    assert error_at(4) < 2e-2
+    assert math.log2(error_at(3) / error_at(4)) > 1.7
+
+
+def test_membrane_on_a_grid_falls_off_as_the_exponential(rival):
+    """Beside a held strip of linear foam w = depth exp(-x / sqrt(T d / E))."""
+    from rcskin.simulator.scene.files import load_scene
+
+    tension, modulus, depth = 20.0, 30e3, 1e-6
+    foam = {"porosity": 0.67, "solid_permittivity": 2.79, "modulus": modulus, "tension": tension}
+    scene = load_scene("foam").with_(
+        {"skin.foam.mechanics": foam, "pixels.rows": 1, "press.depth": depth}
+    )
+    w = rival("membrane_grid").deflection(scene, (1, 1), 64)[0]
+    length = math.sqrt(tension * scene.skin.foam.thickness / modulus)
+    cell = scene.skin.length / len(w)
+    beside = w[64:72]
+    expected = depth * np.exp(-cell * np.arange(1, 9) / length)
+    assert beside == pytest.approx(expected, rel=5e-3)

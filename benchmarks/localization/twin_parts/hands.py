@@ -18,6 +18,7 @@ from rcskin.hardware.live.link import Link
 from rcskin.hardware.meter.accuracy import Conditions, read_table
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.record.checks import Limits
+from rcskin.hardware.steer import ask
 from rcskin.hardware.virtual.control import Control
 from rcskin.hardware.virtual.server import running
 from rcskin.hardware.virtual.serving import instrument, simulated
@@ -25,6 +26,8 @@ from rcskin.simulator.measure.specimen import SessionErrors
 
 TALK = 0.008
 """s of a reading beside measuring: commands and their answers."""
+TURN = 0.03
+"""s of a turn of the switch, settling of its relays included."""
 FIRST_TOUCH = 10.0
 """s of rest at the beginning."""
 
@@ -52,45 +55,62 @@ def visits(random: np.random.Generator, pixels: int, count: int) -> list[Touch]:
 
 @dataclass
 class Stage:
-    """A twin under hands, at a virtual meter. now: s of the meter's own time."""
+    """A twin under hands, at a virtual meter. now: s of the meter's own time.
+
+    interfaces: those that are read; a switch turns between several.
+    """
 
     twin: Twin
     touches: list[Touch]
+    interfaces: tuple[str, ...]
     now: float = 0.0
     _held: Touch | None = field(default=None, init=False)
     _press: str = field(default="none", init=False)
+    _here: str = field(default="", init=False)
 
     def __post_init__(self) -> None:
-        scene = self.twin.scene
-        self._bench = self.twin.at(scene.interfaces[0].name)
-        self._errors = SessionErrors(scene, seed=1000 * self.twin.number)
+        scene, number = self.twin.scene, 1000 * self.twin.number
+        self._benches = {name: self.twin.at(name) for name in self.interfaces}
+        self._errors = {
+            name: SessionErrors(scene, seed=number + k) for k, name in enumerate(self.interfaces)
+        }
 
-    def check(self, press: str) -> str:
-        """Whoever presses through the side door presses nothing."""
-        return self._bench.check("none")
+    def pressed(self, asked: str) -> str:
+        """What the hand makes of a press, the same at every interface."""
+        (made,) = {bench.check(asked) for bench in self._benches.values()}
+        return made
 
-    def impedance(self, press: str, frequency: float) -> complex:
+    def impedance(self, interface: str, frequency: float) -> complex:
         """Z in ohm under what the hand does now."""
+        self._here = interface
         held = next((each for each in self.touches if each.begun <= self.now < each.ended), None)
         if held is not self._held:
             self._held = held
-            self._press = self._bench.check(f"{held.row},{held.column}" if held else "none")
-        return self._bench.impedance(self._press, frequency)
+            self._press = self.pressed(f"{held.row},{held.column}" if held else "none")
+        return self._benches[interface].impedance(self._press, frequency)
 
     def read(self, Z: complex, at_hand: Conditions) -> complex:
         """What the meter makes of it, in its time."""
         self.now += at_hand.seconds + TALK
-        return self._errors.read(Z, at_hand.range)
+        return self._errors[self._here].read(Z, at_hand.range)
 
     @contextmanager
     def link(self, localizer: Localizer) -> Iterator[Link]:
         """The meter of a live session, on TCP."""
         scene = self.twin.scene
-        name = scene.interfaces[0].name
-        meter = instrument(simulated(scene_data(scene, name), {name: self}, self.read), pace=0.0)
+        data = scene_data(scene, self.interfaces)
+        seats = {name: Seat(self, name) for name in self.interfaces}
+        meter = instrument(simulated(data, seats, self.read), pace=0.0)
         with running(meter, Control(meter)) as ports:
+            switch = Relays(self, f"{ports.host}:{ports.control}")
             link = Link(
-                localizer, lambda: open_meter(ports.resource, 5.0), read_table(), Limits(), 30.0
+                localizer,
+                lambda: open_meter(ports.resource, 5.0),
+                read_table(),
+                Limits(),
+                30.0,
+                switch if len(self.interfaces) > 1 else None,
+                clock=lambda: self.now,
             )
             self.now = 0.0
             try:
@@ -98,3 +118,38 @@ class Stage:
             finally:
                 link.leave()
         meter.worker.end()
+
+
+@dataclass(frozen=True)
+class Seat:
+    """The stage as one of its interfaces sees it."""
+
+    stage: Stage
+    interface: str
+
+    def check(self, press: str) -> str:
+        """Whoever presses through the side door presses nothing."""
+        return self.stage.pressed("none")
+
+    def impedance(self, press: str, frequency: float) -> complex:
+        """Z in ohm under what the hand does now."""
+        return self.stage.impedance(self.interface, frequency)
+
+
+@dataclass
+class Relays:
+    """The virtual meter's switch, whose turns take TURN of the meter's own time."""
+
+    stage: Stage
+    control: str
+    selected: str | None = field(default=None, init=False)
+
+    def select(self, name: str) -> None:
+        """Turn, where it is elsewhere."""
+        if name != self.selected:
+            ask(self.control, "select", interface=name)
+            self.stage.now += TURN
+            self.selected = name
+
+    def close(self) -> None:
+        """Nothing is held."""

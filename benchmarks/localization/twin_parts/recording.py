@@ -35,20 +35,20 @@ def recorded(twin: Twin, presses: Sequence[str], interfaces: Sequence[str]) -> x
     return whole.assign_coords(session=("sweep", [twin.number] * len(presses)))
 
 
-def scene_data(scene: Scene, interface: str) -> SceneData:
-    """What the meter's side knows of a scene at one interface."""
+def scene_data(scene: Scene, interfaces: tuple[str, ...]) -> SceneData:
+    """What the meter's side knows of a scene at some of its interfaces."""
     return SceneData(
         name=scene.name,
         text=scene_text(scene),
         frequencies=scene.sweep.frequencies,
         rows=scene.pixels.rows,
         columns=scene.pixels.columns,
-        interfaces=(interface,),
+        interfaces=interfaces,
     )
 
 
 def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
-    scene, data = twin.scene, scene_data(twin.scene, interface)
+    scene, data = twin.scene, scene_data(twin.scene, (interface,))
     number = [each.name for each in scene.interfaces].index(interface)
     errors = SessionErrors(scene, seed=1000 * twin.number + number)
     skins = {interface: twin.at(interface)}

@@ -1,7 +1,6 @@
 """As `full`, in the small basis of a model that is trained for all terminals of a skin.
 
-Touches on cells are so many that M of a press is turned to its own directions once, see
-`dense.solved`. dY = u'(dK + s dM + ds M) u.
+dY = u'(dK + s dM + ds M) u with the potentials u of 1 V.
 """
 
 from __future__ import annotations
@@ -17,7 +16,6 @@ from ...fem.galerkin import one_blas_thread
 from ...models.network.terminals import read, with_chain
 from ...models.parameters import by_sheets
 from ...models.reduced.cases import Case
-from ...models.reduced.dense import added
 from ...models.reduced.greedy import Basis, unseen
 from ...models.reduced.model import Reduced
 from ...models.reduced.resolving import unreduced
@@ -28,6 +26,7 @@ from ...scene.scene import Scene
 from .answer import NONE, Answer, Maps, at_meter
 from .full import CELLS_PER_PIXEL
 from .full import RTOL as MESH_RTOL
+from .pressed import PressedSkin
 
 RTOL = 4e-4
 ABOUT = 0.2
@@ -56,6 +55,7 @@ class ReducedFields:
         divided = scene.on_grid(*self.grid).model_copy(update={"sweep": band})
         self._touch = touch
         self._skin = read(self._trained(with_chain(divided), highest), scene.interfaces).skin(None)
+        self._pressed = PressedSkin(self._skin)
 
     def respond(
         self,
@@ -67,20 +67,18 @@ class ReducedFields:
         """Of one map of c, as `Fields` does."""
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
         with one_blas_thread():
-            rises = (factors - 1).ravel()
-            cells = np.flatnonzero(rises)
-            found = self._skin.solved(cells, rises[cells], s)
-            u, Y = np.stack([own for own, _ in found]), np.stack([own for _, own in found])
+            M = self._pressed.rest + self._pressed.mass(factors - 1)
+            u = self._pressed.solved(M, s)
             maps = {**directions, **of_foam}
-            by = {name: s * _energy(u, self._mass(change)) for name, change in maps.items()}
-            by_s = _energy(u, self._rest + self._mass(rises))
-            by_K = np.stack([_energy(u, term) for term in self._skin.reduced.stiffness])
+            by = {name: s * u.energy(self._pressed.mass(change)) for name, change in maps.items()}
+            by_s = u.energy(M)
+            by_K = np.stack([u.energy(term) for term in self._stiffness])
         of_s = slopes_of_s(frequency, self.scene.skin.foam.loss)
         by |= {name: by_s * of_s[name] for name in ("capacitance", "loss_tangent")}
         by |= by_sheets(by_K[:2], *self.scene.skin.sheet_resistances)
         if len(by_K) > 2:
             by["contact_resistance"] = -by_K[2:].sum(axis=0)
-        return at_meter(1 / Y, by, self.scene.leads, frequency)
+        return at_meter(1 / u.Y, by, self.scene.leads, frequency)
 
     def _trained(self, scene: Scene, highest: float) -> Reduced:
         """A basis that a batch of fresh touches is told in, on the mesh that `Fields` takes."""
@@ -105,20 +103,10 @@ class ReducedFields:
         return Case(None, cells, rises[cells])
 
     @cached_property
-    def _rest(self) -> NDArray[np.float64]:
-        """M at rest in F, shape (N + n, N + n)."""
-        return self._mass(np.ones(self.grid))
-
-    def _mass(self, change: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What a map adds to M, in F."""
-        cells = np.flatnonzero(change)
-        return added(self._skin.reduced.factors, cells, change.ravel()[cells])
-
-
-def _energy(u: NDArray[np.complex128], form: NDArray[np.float64]) -> NDArray[np.complex128]:
-    """u'(form)u, shape (drive, s)."""
-    turned = (form @ u.view(np.float64)).view(np.complex128)
-    return (u * turned).sum(axis=1)
+    def _stiffness(self) -> NDArray[np.float64]:
+        """K of each sheet, then of each film, in S."""
+        turn = self._skin.turn
+        return turn.T @ self._skin.reduced.stiffness @ turn
 
 
 def _covered(

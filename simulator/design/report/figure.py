@@ -14,6 +14,7 @@ from ...scene.scene import Scene
 from ...scene.skin import curves
 from ..flat import Along
 from ..search import Step
+from .scale import Scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,41 +28,41 @@ LETTERS = {"top": 0.08, "bottom": -0.08}
 """How far outside its foil a letter stands, over the skin's longer side."""
 
 
-def draw_steps(steps: Sequence[Step], wanted: float | None, to: Path) -> None:
+def draw_steps(steps: Sequence[Step], wanted: float | None, scale: Scale, to: Path) -> None:
     """The bound after each step: nine of ten casts, and the skin as it was meant."""
     with chart(to, 7, 0.6 + 0.45 * len(steps)) as figure:
         axes = figure.subplots()
         places = range(len(steps))
         shades = [COLOURS[0] if step.taken else "0.75" for step in steps]
-        axes.barh(list(places), [100 * step.tenth for step in steps], color=shades)
+        axes.barh(list(places), [scale.number(step.tenth) for step in steps], color=shades)
         axes.plot(
-            [100 * step.nominal for step in steps],
+            [scale.number(step.nominal) for step in steps],
             list(places),
             "o",
             color=COLOURS[1],
             label="as it was meant",
         )
         if wanted is not None:
-            axes.axvline(100 * wanted, color=AT_REST, linestyle="--", label="wanted")
+            axes.axvline(scale.number(wanted), color=AT_REST, linestyle="--", label="wanted")
         axes.set_yticks(list(places), [step.name for step in steps])
         axes.invert_yaxis()
-        axes.set_xlabel("right at most, nine of ten casts (%); grey: not taken")
+        axes.set_xlabel(f"{scale.of}, nine of ten casts ({scale.unit}); grey: not taken")
         axes.set_axisbelow(True)
         figure.legend(loc="outside upper right", ncols=2)
 
 
-def draw_flat(found: Sequence[Along], to: Path) -> None:
+def draw_flat(found: Sequence[Along], scale: Scale, to: Path) -> None:
     """The bound where numbers are cast off by a factor."""
     with chart(to, 6, 3.4) as figure:
         axes = figure.subplots()
         for each, colour in zip(found, COLOURS, strict=False):
-            shares = [100 * share for share in each.tenths]
+            shares = [scale.number(merit) for merit in each.tenths]
             axes.plot(each.factors, shares, "o-", color=colour, label=each.name)
         axes.set_xscale("log")
         axes.set_xticks(found[0].factors, [f"{factor:g}" for factor in found[0].factors])
         axes.minorticks_off()
         axes.set_xlabel("cast over designed")
-        axes.set_ylabel("right at most, nine of ten casts (%)")
+        axes.set_ylabel(f"{scale.of}, nine of ten casts ({scale.unit})")
         axes.legend()
 
 

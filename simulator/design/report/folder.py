@@ -17,6 +17,7 @@ from ..judged import designed
 from ..picking import sweep_time
 from ..search import Found, Step
 from .figure import draw_flat, draw_steps, draw_wiring
+from .scale import Scale, scale_of
 from .wiring import Row, rows, write_wiring
 
 DESIGN = "design.toml"
@@ -32,17 +33,20 @@ def scene_of(found: Found) -> Scene:
 def answer(found: Found, asking: Asking) -> str:
     """What was found, and whether that is what was wanted, in one line."""
     asked, best = asking.asked, found.best
+    scale = scale_of(found.bench.scene, asked)
     told = (
-        f"{asked.target}s right at most {_percent(best.tenth)} % on nine of ten casts "
-        f"(as it was: {_percent(found.before.tenth)} %), "
+        f"{asked.target}s {scale.of} {scale.text(best.tenth)} {scale.unit} on nine of ten casts "
+        f"(as it was: {scale.text(found.before.tenth)} {scale.unit}), "
         f"{_counted(len(best.layout.readings), 'reading')} of "
         f"{_counted(len(found.bench.wired), 'wire')}"
     )
-    if asked.want is None:
+    wanted = scale.wanted(asked)
+    if wanted is None:
         return told
-    if best.tenth >= asked.want:
-        return f"{100 * asked.want:g} % is within reach: {told}"
-    return f"{100 * asked.want:g} % is not reached by any design found; the best: {told}"
+    wish = f"{scale.number(wanted):g} {scale.unit}"
+    if best.tenth >= wanted:
+        return f"{wish} is within reach: {told}"
+    return f"{wish} is not reached by any design found; the best: {told}"
 
 
 def write_folder(found: Found, asking: Asking, folder: Path) -> None:
@@ -50,23 +54,28 @@ def write_folder(found: Found, asking: Asking, folder: Path) -> None:
     scene, layout = scene_of(found), found.best.layout
     asking.tell("how flat it is")
     flat, lost = along_all(found.bench, layout), worth(found.bench, layout)
+    scale = scale_of(found.bench.scene, asking.asked)
     folder.mkdir(exist_ok=True)
     with whole_file(folder / DESIGN) as unfinished:
         unfinished.write_text(scene_text(scene), encoding="utf-8")
     table = rows(scene, found.bench.wired, layout.readings)
     write_wiring(table, folder / "wiring.csv")
-    draw_steps(found.steps, asking.asked.want, folder / "steps.png")
-    draw_flat(flat, folder / "flat.png")
+    draw_steps(found.steps, scale.wanted(asking.asked), scale, folder / "steps.png")
+    draw_flat(flat, scale, folder / "flat.png")
     draw_wiring(scene, layout.readings, folder / "wiring.png")
-    numbers = _numbers(found, flat, lost)
+    numbers = _numbers(found, flat, lost, scale)
     with whole_file(folder / "design.json") as unfinished:
         unfinished.write_text(json.dumps(numbers, indent=2, allow_nan=False) + "\n")
-    _write_report(found, asking, flat, lost, table, folder)
+    _write_report(found, asking, (flat, lost), scale, table, folder)
 
 
-def _numbers(found: Found, flat: Sequence[Along], lost: Sequence[float]) -> dict[str, Any]:
+def _numbers(
+    found: Found, flat: Sequence[Along], lost: Sequence[float], scale: Scale
+) -> dict[str, Any]:
+    """Shares of sweeps, or merits of positions beside the distance at merit 0."""
     picked, layout = found.picked, found.best.layout
-    return {
+    guess = {} if scale.guess is None else {"distance_of_a_guess_m": scale.guess}
+    return guess | {
         "steps": [
             {
                 "step": step.name,
@@ -82,7 +91,7 @@ def _numbers(found: Found, flat: Sequence[Along], lost: Sequence[float]) -> dict
             for step in found.steps
         ],
         "lost_without": dict(zip((each.name for each in layout.readings), lost, strict=False)),
-        "less_than_a_point_lost": {each.name: each.within for each in flat},
+        "less_than_a_point_lost": {each.name: each.within(scale.point) for each in flat},
         "by_pairs": {
             "share": picked.share,
             "most_by_other_readings": picked.most_by_readings,
@@ -94,8 +103,8 @@ def _numbers(found: Found, flat: Sequence[Along], lost: Sequence[float]) -> dict
 def _write_report(
     found: Found,
     asking: Asking,
-    flat: Sequence[Along],
-    lost: Sequence[float],
+    measured: tuple[Sequence[Along], Sequence[float]],
+    scale: Scale,
     table: Sequence[Row],
     folder: Path,
 ) -> None:
@@ -107,24 +116,22 @@ def _write_report(
         undefined=StrictUndefined,
         keep_trailing_newline=True,
     )
-    asked, best = asking.asked, found.best
+    asked, best, (flat, lost) = asking.asked, found.best, measured
     text = environment.get_template("report.html.jinja").render(
         name=found.bench.scene.name,
         answer=answer(found, asking),
         target=asked.target,
+        scale=scale,
         against=_against(asked.against_rest),
         casts=asked.casts,
         draws=asking.draws,
-        steps=_rows(found.steps),
-        wiring=[
-            row._asdict() | {"worth": part}
-            for row, part in zip(table, [f"{100 * part:.1f}" for part in lost] or [""], strict=True)
-        ],
+        steps=_rows(found.steps, scale),
+        wiring=_wired(table, lost, scale),
         frequencies=", ".join(f"{f:g}" for f in best.layout.frequencies),
         time=f"{_time(best):.2f}",
-        cast=_cast(scene_of(found), flat),
-        flat=[_told(each) for each in flat],
-        far=_far(found),
+        cast=_cast(scene_of(found), flat, scale),
+        flat=[_told(each, scale) for each in flat],
+        far=_far(found, scale),
         pictures={
             name: b64encode((folder / f"{name}.png").read_bytes()).decode("ascii")
             for name in ("steps", "flat", "wiring")
@@ -134,19 +141,24 @@ def _write_report(
         unfinished.write_text(text, encoding="utf-8")
 
 
-def _rows(steps: Sequence[Step]) -> list[dict[str, str]]:
+def _wired(table: Sequence[Row], lost: Sequence[float], scale: Scale) -> list[dict[str, str]]:
+    told = [f"{_change(part, scale):.2g}" for part in lost] or [""]
+    return [row._asdict() | {"worth": part} for row, part in zip(table, told, strict=True)]
+
+
+def _rows(steps: Sequence[Step], scale: Scale) -> list[dict[str, str]]:
     before = (None, *steps[:-1])
-    return [_row(step, other) for step, other in zip(steps, before, strict=True)]
+    return [_row(step, other, scale) for step, other in zip(steps, before, strict=True)]
 
 
-def _row(step: Step, before: Step | None) -> dict[str, str]:
+def _row(step: Step, before: Step | None, scale: Scale) -> dict[str, str]:
     material = step.layout.material
-    gained = "" if before is None else f"{100 * (step.tenth - before.tenth):+.1f}"
+    gained = "" if before is None else f"{scale.change(step.tenth - before.tenth):+.2g}"
     return {
         "name": step.name,
-        "tenth": _percent(step.tenth),
+        "tenth": scale.text(step.tenth),
         "gained": gained,
-        "nominal": _percent(step.nominal),
+        "nominal": scale.text(step.nominal),
         "sheets": f"{1e-3 * material.top:.3g}, {1e-3 * material.bottom:.3g}",
         "readings": str(len(step.layout.readings)),
         "frequencies": str(len(step.layout.frequencies)),
@@ -155,32 +167,36 @@ def _row(step: Step, before: Step | None) -> dict[str, str]:
     }
 
 
-def _cast(scene: Scene, flat: Sequence[Along]) -> list[str]:
+def _cast(scene: Scene, flat: Sequence[Along], scale: Scale) -> list[str]:
     """What a person mixes: sheets with their tolerance, and the foam."""
-    low, high = flat[0].within
-    foam = scene.skin.foam
+    within, foam = flat[0].within(scale.point), scene.skin.foam
     sheets = [
-        f"{name} sheet: {1e-3 * sheet.sheet_resistance:.3g} kohm/sq, {_between(sheet, low, high)}"
+        f"{name} sheet: {1e-3 * sheet.sheet_resistance:.3g} kohm/sq, "
+        f"{_between(sheet, within, scale)}"
         for name, sheet in (("top", scene.skin.top), ("bottom", scene.skin.bottom))
     ]
     thick = "" if foam.thickness is None else f", {1e3 * foam.thickness:.3g} mm thick"
     return [*sheets, f"foam: {1e9 * foam.rest_capacitance_per_area:.3g} nF/m²{thick}"]
 
 
-def _between(sheet: Any, low: float, high: float) -> str:
-    ends = (1e-3 * sheet.sheet_resistance * end for end in (low, high))
-    return "from {:.3g} to {:.3g} kohm/sq less than a point is lost, both together".format(*ends)
+def _between(sheet: Any, within: tuple[float, float], scale: Scale) -> str:
+    ends = (1e-3 * sheet.sheet_resistance * end for end in within)
+    told = "from {:.3g} to {:.3g} kohm/sq less than {} is lost, both together"
+    return told.format(*ends, scale.named)
 
 
-def _told(each: Along) -> str:
-    low, high = each.within
-    return f"{each.name}: less than a point is lost from {low:.2g} to {high:.2g} times"
+def _told(each: Along, scale: Scale) -> str:
+    low, high = each.within(scale.point)
+    return f"{each.name}: less than {scale.named} is lost from {low:.2g} to {high:.2g} times"
 
 
-def _far(found: Found) -> str:
+def _far(found: Found, scale: Scale) -> str:
     picked = found.picked
+    kind = "a share that pairs of presses give"
+    if scale.guess is not None:
+        kind = "how far touches are told over how far guesses are, taken from 1"
     return (
-        "Readings and frequencies are picked by a share that pairs of presses give "
+        f"Readings and frequencies are picked by {kind} "
         f"({_percent(picked.share)} % here), a concave function of what is read. At these "
         f"frequencies no other so many readings exceed {_percent(picked.most_by_readings)} % of "
         "it; of these readings no other so many candidates of frequencies exceed "
@@ -194,6 +210,11 @@ def _against(rests: int) -> str:
     if not rests:
         return "a sweep alone, with the meter's errors of the session"
     return f"a sweep against {_counted(rests, 'sweep')} at rest of the same session"
+
+
+def _change(part: float, scale: Scale) -> float:
+    """What is lost, as a positive number."""
+    return abs(scale.change(part)) if part > 0 else -abs(scale.change(part))
 
 
 def _time(step: Step) -> float:

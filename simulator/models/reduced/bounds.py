@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...fem.estimate import certified
 from ...fem.lanczos import potentials
 from .cases import Case, by_skin
+from .certificate import residual_power, side_by_side
 from .dense import mass_of
 from .family import Family
 from .kernel import Feed, dense_pencil
@@ -38,14 +39,11 @@ def _on_skin(
     solved = [_solved(skin, case, feed, s) for case in cases for feed in skin.feeds]
     u = skin.turn @ np.hstack([each for each, _ in solved])
     Y = np.stack([each for _, each in solved])
-    potential = reduced.coordinates @ np.hstack([u.real, u.imag])
+    potential = reduced.coordinates @ side_by_side(u)
     current = family.space.currents(potential, skin.system.sheets, skin.system.films)
     charge = _charges(family, [family.foam_of(case) for case in cases], potential)
-    s, (real, imag) = np.tile(s, len(solved)), np.split(charge, 2, axis=1)
-    turned = np.hstack([s.real * real - s.imag * imag, s.real * imag + s.imag * real])
-    residual = current + turned
-    power = (residual * family.space.solve(residual)).sum(axis=0).reshape(2, *Y.shape).sum(axis=0)
-    bound = certified(Y, power / skin.least_conductance)
+    power = residual_power(family.space, current, charge, np.tile(s, len(solved)))
+    bound = certified(Y, power.reshape(Y.shape) / skin.least_conductance)
     return bound.max(axis=0).reshape(len(cases), -1).max(axis=1)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...fem.compiled import compiled
 from ...fem.estimate import LOST_SUSCEPTANCE
-from ...fem.kernels import continued_fraction
+from ...fem.kernels import continued_fraction, continued_fractions
 from ...fem.lanczos import FEWEST_STEPS, MOST_STEPS, Pencil, respond
 
 
@@ -177,8 +177,13 @@ def _respond(
         if steps >= FEWEST_STEPS and change <= rtol and change_before <= rtol:
             break
         change_before = change
+    if steps == 0:
+        Y[:] = feed.conductance + s * capacitance
+        return
+    fractions = continued_fractions(s, diagonal, squared, steps)
     for k in range(len(s)):
-        Y[k] = _admittance(feed, capacitance, s[k], diagonal, squared, steps)
+        at_once = feed.conductance + s[k] * capacitance
+        Y[k] = at_once - s[k] * s[k] * squared[0] * fractions[k]
 
 
 @compiled(fastmath={"reassoc"})

@@ -29,7 +29,7 @@ from ...sweeps import ToleranceError
 from ..parameters import Variation, foam_parts, nominal
 from ..varied.materials import gauged
 from .cases import Case, touched
-from .certificate import certificate, least_conductance
+from .certificate import certificate, least_conductance, side_by_side
 from .dense import feed_of, own_coordinates, solved
 from .family import Family, Mesh, changes, weights_under
 from .kernel import Rest, impedances
@@ -208,10 +208,10 @@ class ReducedSkin:
     ) -> NDArray[np.float64]:
         """Bound on what the reduction leaves out of Rs and Cp of one press, relatively, of shape
         (2, interface, s); s in rad/s, by default of the scene's frequencies."""
-        s, family = self.s if s is None else s, self.reduced.family
+        s, family, W = self.s if s is None else s, self.reduced.family, self.reduced.coordinates
         mass, skin = family.mass(self.map_of(cells, rises)), self.under(cells, rises)
         with one_blas_thread():
-            solved = ((self.reduced.coordinates @ u, Y) for u, Y in skin.solved(cells, rises, s))
+            solved = ((W @ side_by_side(u), Y) for u, Y in skin.solved(cells, rises, s))
             return certificate(family.space, skin.system, mass, solved, s, skin.least_conductance)
 
     def by_mesh(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> float:

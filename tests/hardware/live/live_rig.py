@@ -8,7 +8,7 @@ from rcskin.hardware.live.answer import answer_of_classes
 from rcskin.hardware.live.command import live_command
 from rcskin.hardware.meter.errors import MeterError
 from rcskin.simulator.cli import app, run
-from rcskin.simulator.sweeps import InputError, impedance
+from rcskin.simulator.sweeps import OPENING, InputError, impedance
 
 R, C, RISE = 10e3, 1e-9, 0.01
 SHAPE = ROWS, COLUMNS = 2, 3
@@ -61,7 +61,7 @@ class Columns:
     def answer(self, sweep, rest, gap, during, /):
         """The nearest column, as sure as it is near."""
         self.asked.append(sweep)
-        rest_C = capacitance(rest).mean() if rest is not None else C
+        rest_C = capacitance(latest(rest)).mean() if rest is not None else C
         distance = np.abs((capacitance(sweep).mean() / rest_C - 1) / RISE - np.arange(4))
         likely = np.exp(-0.5 * (distance / 0.2) ** 2) + 1e-6
         return by_column(int(distance.argmin()), likely / likely.sum())
@@ -81,9 +81,14 @@ class Pixels(Columns):
     def answer(self, sweep, rest, gap, during, /):
         """The nearest pixel, surely."""
         self.asked.append(sweep)
-        rises = capacitance(sweep).mean((0, 2)) / capacitance(rest).mean((0, 2)) - 1
+        rises = capacitance(sweep).mean((0, 2)) / capacitance(latest(rest)).mean((0, 2)) - 1
         column, row = np.rint(rises / RISE).astype(int).tolist()
         return answer_of_classes("pixel", f"{row},{column}", [f"{row},{column}"], np.ones(1), SHAPE)
+
+
+def latest(rest):
+    """The sweeps at rest that touches are told against."""
+    return rest.isel(sweep=np.flatnonzero(~rest[OPENING].values))
 
 
 def capacitance(sweeps):

@@ -30,11 +30,12 @@ def instrument(make_instrument):
 def session(session, ports, press):
     """A function that makes a session that presses PRESSES, one after each answer."""
 
-    def switched(then=None, settle=0.0, awaited=2.0, patience=5.0):
+    def switched(then=None, settle=0.0, awaited=2.0, patience=5.0, localizer=None):
         control = f"127.0.0.1:{ports.control}"
         switch = Turning(lambda: VirtualSwitch(control), NAMES, settle, awaited)
         then = then or {n: press(where) for n, where in enumerate(PRESSES, start=1)}
-        return session(then, localizer=Pixels(), switch=switch, patience=patience)
+        localizer = localizer or Pixels()
+        return session(then, localizer=localizer, switch=switch, patience=patience)
 
     return switched
 
@@ -48,6 +49,53 @@ def truth(press):
 
 
 RIGHT = [truth(press) for press in ["none", *PRESSES]]
+
+
+class Asking(Pixels):
+    """Reads once at each interface, beginning at the one that takes less time, and answers."""
+
+    def questions(self, rest, gap, /):
+        return Once(self, rest)
+
+
+class Once:
+    def __init__(self, localizer, rest):
+        self.localizer, self.rest, self.told, self.seconds = localizer, rest, {}, []
+
+    def next(self, seconds, /):
+        self.seconds.append(seconds)
+        left = [name for name in self.localizer.interfaces if name not in self.told]
+        cost = dict(zip(self.localizer.interfaces, seconds[:, 1], strict=True))
+        return (min(left, key=cost.get), self.localizer.frequencies[1]) if left else None
+
+    def tell(self, interface, frequency, Z, /):
+        self.told[interface] = frequency, Z
+
+    def answer(self, during, /):
+        sweep = self.rest[{"sweep": [0]}].copy(deep=True)
+        for place, name in enumerate(self.localizer.interfaces):
+            frequency, Z = self.told[name]
+            sweep["X"].values[0, place] = Z.imag * frequency / sweep["frequency"].values
+        return Pixels.answer(self.localizer, sweep, self.rest, 0.0, during)
+
+
+def test_chosen_readings_go_on_where_the_switch_stands_and_count_its_turn(session, instrument):
+    live = session(localizer=Asking(), settle=0.05)
+    begun, asked = [], []
+    questions = live.localizer.questions
+    live.localizer.questions = lambda *known: asked.append(questions(*known)) or asked[-1]
+    select = live.link.turns.switch.select
+    live.link.turns.switch.select = lambda name: begun.append(name) or select(name)
+    live.run(6)
+    assert (labels(live), live.failed) == (RIGHT, 0)
+    assert all(moment.remarks == () for moment in live.show.moments)
+    at_ends = [list(once.told) for once in asked]
+    assert at_ends[1:] == [list(reversed(one)) for one in at_ends[:-1]]
+    cost = asked[-1].seconds[0].max(axis=1) - asked[-1].seconds[0].min(axis=1).min()
+    assert min(cost) < 0.05 <= max(cost) < 0.5
+    seen = live.show.moments[-1].seen
+    assert seen.frequencies == ((4e3,), (4e3,))
+    assert sorted(trace.interface for trace in seen.sweep.traces) == ["bottom", "left"]
 
 
 def test_pixels_are_told_from_both_interfaces(session):

@@ -89,11 +89,23 @@ class Parts:
     target, interfaces, frequencies = "column", ("left",), (1e3, 4e3, 16e3)
 
 
+def test_parts_of_two_interfaces_stand_in_their_places():
+    posted = []
+    localizer = Parts()
+    localizer.interfaces = ("left", "bottom")
+    shown = Shown(localizer, posted.append)
+    trace = Trace((1e-9,), (2e3,), (-4e3,), (0,), "bottom")
+    shown.answer(
+        Moment(Answer("column 1"), Seen(Sweep((trace,)), ((4e3,),)), "now", 0, 0, None, None, 0)
+    )
+    assert posted[-1]["measured"]["Z"] == [[None] * 3, [None, (2e3, -4e3), None]]
+
+
 def test_what_was_not_read_is_left_empty():
     posted = []
     shown = Shown(Parts(), posted.append)
-    trace = Trace((1e-9, 1e-9), (1e3, 2e3), (-3e3, -4e3), (0, 0))
-    seen = Seen(Sweep((trace,)), (1e3, 16e3))
+    trace = Trace((1e-9, 1e-9), (1e3, 2e3), (-3e3, -4e3), (0, 0), "left")
+    seen = Seen(Sweep((trace,)), ((1e3, 16e3),))
     shown.answer(Moment(Answer("column 1", 0.9), seen, "now", 0.1, 0.1, None, None, 0))
     assert posted[-1]["measured"]["Z"] == [[(1e3, -3e3), None, (2e3, -4e3)]]
     assert posted[-1]["measured"]["rest"] is None

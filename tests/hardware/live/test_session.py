@@ -252,10 +252,12 @@ class Two:
         self.wanted = list(localizer.frequencies)
 
     def next(self, seconds, /):
-        assert seconds.shape == (3,) and (seconds > 0).all()
-        return self.wanted.pop(-1 if len(self.wanted) == 3 else 0) if len(self.told) < 2 else None
+        assert seconds.shape == (1, 3) and (seconds > 0).all()
+        if len(self.told) == 2:
+            return None
+        return "left", self.wanted.pop(-1 if len(self.wanted) == 3 else 0)
 
-    def tell(self, frequency, Z, /):
+    def tell(self, interface, frequency, Z, /):
         self.told[frequency] = Z
 
     def answer(self, during, /):
@@ -273,7 +275,7 @@ def test_single_frequencies_are_measured_in_any_order_and_answered(session, pres
     live._pace.show = live.show.reading
     live.run(RENEWED_AFTER + 3)
     whole, part = list(live.localizer.frequencies), [16e3, 1e3]
-    renewing = part * (RENEWED_AFTER - 1) + whole
+    renewing = part * (RENEWED_AFTER - 2) + whole + part
     assert asked == [*whole, *whole, *renewing, *part * 3]
     assert live.show.labels == [*["nothing pressed"] * (RENEWED_AFTER + 1), *["column 3"] * 2]
     assert any("follow slow drift" in note for note in live.show.notes)

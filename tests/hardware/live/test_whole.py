@@ -12,7 +12,8 @@ from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene import Pixels
 from rcskin.simulator.sweeps import concatenate
 from typer.testing import CliRunner
 
@@ -65,6 +66,33 @@ def test_touches_are_followed_by_few_frequencies_where_a_model_inverts_the_simul
         ask(f"127.0.0.1:{ports.control}", "press", press="1,2")
         where += ["--adaptive", "--rest-file", str(rest)]
         assert labels(live(*where, "--sweeps", "4"))[-2:] == ["column 2"] * 2
+
+
+def test_two_interfaces_are_read_by_choice_and_shown_on_a_page(tmp_path, serve):
+    """Of 2x2 pixels: no sweep is whole, both interfaces are asked, and the answers are right."""
+    scene = load_scene("sheet-5x5-two-interfaces")
+    sweep = scene.sweep.model_copy(update={"frequencies": (1e3, 5e3, 25e3)})
+    scene = scene.model_copy(update={"pixels": Pixels(rows=2, columns=2), "sweep": sweep})
+    pixels = [f"{i},{j}" for i in (1, 2) for j in (1, 2)]
+    presses = [*NOTHING, *(f"{pixel}:{f}" for pixel in pixels for f in (1.8, 2.2))]
+    exact = simulate(Solver(scene), [parse_press(press, 2.0) for press in presses])
+    random, registry = np.random.default_rng(0), estimators(rcskin._model_based())
+    sweeps = concatenate([read_out(exact, scene.readout, random, k) for k in range(2)])
+    path = tmp_path / "pixels.skops"
+    quantities = ("dlnZ", "dphase")
+    save(path, train(sweeps, "pixel", "model-based", quantities=quantities, registry=registry))
+    (tmp_path / "two.toml").write_text(scene_text(scene))
+    data = rcskin._scene_data(str(tmp_path / "two.toml"), None)
+    exhibit = simulated(data, rcskin._skins(data), rcskin._readout(data, 7))
+    with serve(instrument(exhibit, pace=0)) as ports:
+        control = f"127.0.0.1:{ports.control}"
+        where = ["--resource", ports.resource, "--model", str(path), "--switch", control]
+        where += ["--settle", "0"]
+        rest = tmp_path / "rest.nc"
+        assert labels(live(*where, "--sweeps", "1", "--log", str(rest))) == ["nothing pressed"]
+        ask(control, "press", press="2,1")
+        told = live(*where, "--adaptive", "--page", "--rest-file", str(rest), "--sweeps", "3")
+        assert labels(told) == ["pixel 2,1"] * 3
 
 
 def live(*arguments):

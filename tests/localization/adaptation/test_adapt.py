@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.localization.adaptation.adaptation import adapted
+from rcskin.localization.adaptation.places import adapted_places
 from rcskin.localization.learners.registry import estimators
 from rcskin.localization.model.file import load, save
 from rcskin.localization.model.training import train
-from rcskin.simulator.sweeps import concatenate, write
+from rcskin.simulator.sweeps import InputError, concatenate, write
 
 FREQUENCY = np.geomspace(1e3, 200e3, 20)
 
@@ -85,15 +86,55 @@ def test_sweeps_unlike_the_training_are_answered_once_the_skin_is_known(make_swe
 
 
 @pytest.fixture(scope="module")
+def placing(make_sweeps):
+    """Of places along the strip, by the curves of skins as simulated."""
+    known = concatenate([make_sweeps(1, 4, session=k, seed=k, noise=0.01) for k in range(3)])
+    return train(_placed(known), "position", quantities=("dlnZ", "dphase"))
+
+
+def test_places_on_other_sessions_are_told_better_after_than_before(placing, other):
+    touches, unseen = _placed(other(2)), _placed(other(4).isel(sweep=slice(40, None)))
+    samples = placing.samples(touches)
+    found = adapted_places(placing, samples, placing.gate.samples(touches))
+    (before, _), (after, deviation) = (each.positions(unseen) for each in (placing, found.model))
+    truth = placing.samples(unseen)
+    off = [np.abs(told[truth.rows, 0] - truth.y[:, 0]).mean() for told in (before, after)]
+    assert off[1] < 0.7 * off[0]
+    assert np.median(found.after.distance) < 0.8 * np.median(found.before.distance)
+    ratio = (after[truth.rows, 0] - truth.y[:, 0]) / deviation[truth.rows, 0]
+    assert 0.4 < np.sqrt(np.mean(ratio**2)) < 2.0
+    shown = [each.answers(unseen).told.mean() for each in (placing, found.model)]
+    assert shown[0] < 0.5 and shown[1] > 0.7
+
+
+def test_no_touch_judges_places_that_it_taught(placing, other):
+    samples = placing.samples(_placed(other(3)))
+    nonsense = replace(samples, y=np.random.default_rng(0).permutation(samples.y))
+    lies, found = adapted_places(placing, nonsense), adapted_places(placing, samples)
+    np.testing.assert_array_equal(found.before.truth, found.after.truth)
+    assert np.median(found.after.distance) < 0.5 * np.median(lies.after.distance)
+    assert "whole sessions held out" in found.validation
+
+
+def test_places_told_by_the_simulator_are_not_moved(placing, other):
+    inverting = replace(placing, estimator="model-adapted")
+    with pytest.raises(InputError, match="by model-adapted cannot be adapted: it knows the skin"):
+        adapted_places(inverting, placing.samples(_placed(other(1))))
+
+
+@pytest.fixture(scope="module")
 def folder(model, other, make_sweeps, tmp_path_factory):
     folder = tmp_path_factory.mktemp("adapt")
     save(folder / "m.skops", model)
     touches = other(2)
     save(folder / "a.skops", adapted(model, model.samples(touches), estimators()).model)
-    places = train(_placed(make_sweeps()), "position", quantities=("dlnZ",))
+    places = train(_placed(make_sweeps(1, 4)), "position", quantities=("dlnZ",))
     save(folder / "p.skops", places)
+    taught = adapted_places(places, places.samples(_placed(make_sweeps(1, 4)))).model
+    save(folder / "q.skops", taught)
+    write(_placed(make_sweeps(1, 4, 2)).isel(sweep=slice(6)), folder / "five-places.nc")
     write(touches, folder / "touches.nc")
-    write(_placed(make_sweeps()), folder / "strip.nc")
+    write(_placed(make_sweeps(1, 4)), folder / "strip.nc")
     write(touches.isel(sweep=touches["column"].values != 3), folder / "without.nc")
     write(other(1, 1), folder / "few.nc")
     write(concatenate([make_sweeps(1, 5)]), folder / "five.nc")
@@ -115,6 +156,17 @@ def test_figures_before_and_after_are_told(run, folder, tmp_path):
     assert last == f"model: adapted by 38 sweeps -> {out}"
 
 
+def test_figures_of_places_before_and_after_are_told_and_the_model_is_read_back(run, folder):
+    out = folder / "placed.skops"
+    code, told, err = run("adapt", folder / "p.skops", folder / "strip.nc", "-o", out)
+    assert (code, err) == (0, "")
+    first, before, after, *_ = told.splitlines()
+    assert "touches of the skin at hand" in first
+    for line, begins in ((before, "before: "), (after, "after: ")):
+        assert line.startswith(begins) and "median error, mm " in line and "95 % regions" in line
+    assert load(out).pipeline.steps[0][0] == "correct"
+
+
 @pytest.mark.parametrize(
     ("file", "touches", "told"),
     [
@@ -122,7 +174,8 @@ def test_figures_before_and_after_are_told(run, folder, tmp_path):
         ("m.skops", "few.nc", "needs at least 2 sweeps of each column, got 0 of 0 (and 4 more)"),
         ("m.skops", "five.nc", "knows no column 5, which was touched"),
         ("a.skops", "touches.nc", "was adapted before"),
-        ("p.skops", "strip.nc", "model of positions cannot be adapted"),
+        ("p.skops", "five-places.nc", "needs at least 6 touches of known place, got 4"),
+        ("q.skops", "strip.nc", "was adapted before"),
         ("m.skops", "none.nc", "no such file"),
     ],
 )

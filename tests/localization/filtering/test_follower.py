@@ -120,8 +120,8 @@ def test_sweeps_end_early_and_are_right(models, run, rest):
     frequencies = list(model.frequencies)
     for column, own in zip(columns, Z, strict=True):
         questions = Asker(model).begin(rest, 0.0)
-        while (f := questions.next(np.ones(len(frequencies)))) is not None:
-            questions.tell(f, own[frequencies.index(f)])
+        while (wanted := questions.next(np.ones((1, len(frequencies))))) is not None:
+            questions.tell(*wanted, own[frequencies.index(wanted[1])])
             asked += 1
         told = questions.answer(PACE)
         assert told.label == str(column) and told.probability >= 0.95
@@ -129,9 +129,9 @@ def test_sweeps_end_early_and_are_right(models, run, rest):
 
 
 def test_quick_readings_are_taken_first(models, rest):
-    seconds = np.ones(len(models[NAME].frequencies))
+    seconds = np.ones((1, len(models[NAME].frequencies)))
     first = Asker(models[NAME]).begin(rest, 0.0).next(seconds)
-    slow = np.where(np.array(models[NAME].frequencies) == first, 1e3, 1.0)
+    slow = np.where(np.array([models[NAME].frequencies]) == first[1], 1e3, 1.0)
     assert Asker(models[NAME]).begin(rest, 0.0).next(slow) != first
 
 

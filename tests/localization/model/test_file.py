@@ -28,7 +28,7 @@ def rewrite(source, target, change):
             new.writestr(name, change(data.decode()) if name == "schema.json" else data)
 
 
-@pytest.mark.parametrize("classifier", CLASSIFIERS)
+@pytest.mark.parametrize("classifier", [*CLASSIFIERS, "gaussian"])
 @pytest.mark.parametrize("target", ["column", "pixel"])
 def test_a_model_read_back_is_the_same_model(sheet, tmp_path, classifier, target):
     model = train(sheet, target, classifier)

@@ -33,7 +33,7 @@ def test_the_coth_law_of_a_constant_phase_line_behind_leads(make_scene, exponent
 
 
 @pytest.mark.parametrize("exponent", [0.8, 1.0])
-@pytest.mark.parametrize("rtol", [1e-3, 1e-5])
+@pytest.mark.parametrize("rtol", [1e-3, pytest.param(1e-5, marks=pytest.mark.slow)])
 def test_the_tolerance_is_kept_behind_leads(make_scene, exponent, rtol):
     crossed = make_scene({"top-left": {}, "bottom-bottom": {}}, rows=2, columns=2, c=2e-8)
     scene = behind(crossed, phase_exponent=exponent)

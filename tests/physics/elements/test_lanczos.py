@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.fem.estimate import relative_difference
-from rcskin.simulator.fem.kernels import continued_fraction, last_change
+from rcskin.simulator.fem.kernels import continued_fraction, continued_fractions, last_change
 from rcskin.simulator.fem.lanczos import (
     Pencil,
     continued_fraction_readable,
@@ -30,6 +30,16 @@ def test_the_fraction_is_that_of_the_matrix_written_out(steps, seed):
         assert continued_fraction(*given) == pytest.approx(
             continued_fraction_readable(*given), rel=1e-10
         )
+
+
+@pytest.mark.kernel
+@given(steps=st.integers(1, 12), seed=st.integers(0, 2**32))
+def test_fractions_side_by_side_are_those_one_by_one_to_the_bit(steps, seed):
+    rng = np.random.default_rng(seed)
+    diagonal, squared = 10 ** rng.uniform(-9, 1, (2, steps))
+    t = np.geomspace(1e-3, 1e9, 13) * np.exp(1j * rng.uniform(0, np.pi, 13))
+    one_by_one = [continued_fraction(complex(each), diagonal, squared, steps) for each in t]
+    np.testing.assert_array_equal(continued_fractions(t, diagonal, squared, steps), one_by_one)
 
 
 @pytest.mark.kernel
@@ -100,7 +110,7 @@ def test_against_complex_solves_where_direct_current_may_flow(random, frequency_
     np.testing.assert_allclose(Z, sheet.impedance(Press(), frequency), rtol=1e-7)
 
 
-@settings(max_examples=10)
+@settings(max_examples=5)
 @given(data=st.data())
 def test_lower_orders_are_nested_in_higher_ones(random, frequency_at, data):
     scene = data.draw(random.between())

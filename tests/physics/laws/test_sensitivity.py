@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
@@ -48,6 +48,7 @@ def test_admittance_to_capacitance(random, frequency_at, plain_skin, data, at):
     assert abs(derivative(Y, 2e-3) - predicted) < 1e-8 * abs(Y(0.0))
 
 
+@settings(max_examples=10)
 @given(data=st.data(), at=st.sampled_from([0.1, 1.0, 30.0]))
 def test_impedance_to_sheet_resistance(random, frequency_at, plain_skin, data, at):
     """dZ = integral of dR J.J / I², J = grad V / R, without a conjugate."""

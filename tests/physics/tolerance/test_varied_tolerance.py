@@ -120,7 +120,7 @@ def test_rectangles_of_squares_and_of_triangles(random_scene, off, seed):
         assert_kept(refined(Squares, scene, plain, f, rtol)[0], of_triangles, rtol, off)
 
 
-@pytest.mark.parametrize("seed", [100, 104])
+@pytest.mark.parametrize("seed", [100, pytest.param(104, marks=pytest.mark.slow)])
 def test_outlines_of_any_shape(random_scene, off, seed):
     scene, press, f = random_scene(seed, 4 + seed % 5)
     _, Z = refined(Triangles, scene, press, f, 1e-4)
@@ -128,7 +128,7 @@ def test_outlines_of_any_shape(random_scene, off, seed):
         assert_kept(refined(Triangles, scene, press, f, rtol)[0], Z, rtol, off)
 
 
-@pytest.mark.parametrize("angle", [None, 0.8, -0.8])
+@pytest.mark.parametrize("angle", [None, 0.8, pytest.param(-0.8, marks=pytest.mark.slow)])
 def test_a_foil_that_ends_at_an_inner_corner(varied, off, angle):
     """The worst of singularities: r^(1/3), and less where the sheet conducts along a direction."""
     skin = {"outline.points": L_SHAPE.tolist()}

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.design.choosing import bound, chosen
 from rcskin.simulator.design.curves import Pairs
+from rcskin.simulator.design.merits import Near
 from rcskin.simulator.design.proxy import Ties, by_frequency, by_reading
 
 KNOWN, UNKNOWN = Ties(), Ties(gain=0.5, turn=2.0)
@@ -87,3 +88,31 @@ def test_more_is_never_less():
     share = by_reading(some_pairs(size=0.3), UNKNOWN)
     shares = [chosen(share.score, share.slope, 7, n).share for n in range(1, 8)]
     assert shares == sorted(shares) and not math.isclose(shares[0], shares[-1])
+
+
+def some_places(seed=1, places=12):
+    random = np.random.default_rng(seed)
+    scale = np.array([2e2, 1e2, 1.0])
+    apart = scale * random.standard_normal((places, 7, 9, 2, 3))
+    return Pairs(apart, np.full(places, 1 / places))
+
+
+@pytest.mark.parametrize("told", [by_reading, by_frequency])
+@pytest.mark.parametrize("ties", [KNOWN, UNKNOWN])
+def test_how_near_places_are_told_is_concave_and_its_slopes_are_those_of_differences(told, ties):
+    share, random = told(some_places(), ties, Near((0.1, 0.05))), np.random.default_rng(2)
+    h = 1e-5
+    for _ in range(10):
+        weights, other = 0.2 + random.random((2, share.candidates))
+        value, slope = share.slope(weights)
+        assert 0 < value < 1
+        assert share.slope(other)[0] <= value + slope @ (other - weights) + 1e-12
+        ahead, behind = (share.slope(weights + sign * h * other)[0] for sign in (1, -1))
+        assert slope @ other == pytest.approx((ahead - behind) / (2 * h), rel=1e-5)
+
+
+def test_nothing_read_leaves_the_distance_of_a_guess():
+    near = Near((0.1, 0.05))
+    told = near(np.zeros((1, 3, 3)), np.ones(1))
+    assert float(told.value) == pytest.approx(0, abs=1e-12)
+    assert near.guess == pytest.approx(np.hypot(0.1, 0.05) / np.sqrt(12))

@@ -8,7 +8,7 @@ import pytest
 from rcskin.simulator.bounds.sets import equation_6
 from rcskin.simulator.design.bench import Asking, Bench
 from rcskin.simulator.design.journal import Journal
-from rcskin.simulator.design.judged import Judge, designed
+from rcskin.simulator.design.judged import Judge, designed, merits
 from rcskin.simulator.design.pool import terminals
 from rcskin.simulator.design.search import best_along, search
 from rcskin.simulator.design.trained import Material
@@ -94,7 +94,7 @@ def test_common_draws_judge_a_lossy_cast_behind_leads_as_draws_of_its_own_do(str
     judge = Judge(scene, Design(casts=1), 4000, 1)
     own = bench(scene, band=None).own
     on = trained.on(trained.cast(0), own.material, own.readings)
-    told = judge.shares(trained, own)[1]
+    told = merits(judge, trained, own, 1)[1]
     assert 0.3 < told < 0.99
     anew = judge.drawn_anew(on, scene.frequencies)
     assert told == pytest.approx(anew, abs=4 * math.sqrt(0.5 / 4000))

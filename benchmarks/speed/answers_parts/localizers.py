@@ -1,0 +1,69 @@
+"""Which pixel of 6x6 is pressed: the share told wrong on skins never seen, and the time for one."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from rcskin.benchmarks.bench import Run, best_time
+from rcskin.benchmarks.localization.localizers import AGAINST_REST, CASES, sweeps_of
+from rcskin.benchmarks.speed.answers_parts.question import Answer, Question
+from rcskin.localization.evaluation.evaluation import score
+from rcskin.localization.inputs.samples import Samples, samples_of
+from rcskin.localization.inversion.registered import NAME, model_based
+from rcskin.localization.learners.registry import chosen, estimators
+from rcskin.localization.trust.fitting import learn_classes
+from rcskin.simulator.inversion.tables import templates
+
+CASE = replace(CASES[1], sweeps=8000, session=100)
+FEW = replace(CASE, sweeps=900)
+"""Of the quick pass."""
+SESSIONS = (10, 20, 60)
+"""That are trained on; the last quarter of all is held back."""
+HELD_BACK = 0.25
+LEARNED = ("knn", "ksvm-ovo", "ksvm-components", "network")
+PAPER = "ksvm-ovo on Rs, Cp as they are"
+MODEL = f"{NAME}, nothing learned"
+
+
+def answers(run: Run) -> Iterator[Answer]:
+    """Every localizer, trained on ever more sessions; what inverts the simulator, once."""
+    case = run.sized(CASE, FEW)
+    sessions = run.sized(SESSIONS, (5,))
+    with tempfile.TemporaryDirectory() as folder:
+        sweeps = sweeps_of(case, (case,), Path(folder))
+        against_rest = samples_of(sweeps, case.target, AGAINST_REST)
+        as_read = samples_of(sweeps, case.target, ("Rs", "Cp"))
+    for count in sessions:
+        for name in run.sized(LEARNED, LEARNED[:2]):
+            yield _answered(name, name, against_rest, count)
+        yield _answered(PAPER, "ksvm-ovo", as_read, count)
+    yield _answered(MODEL, NAME, against_rest, sessions[0])
+
+
+def _answered(way: str, name: str, samples: Samples, sessions: int) -> Answer:
+    held_back = samples.sessions >= (1 - HELD_BACK) * (samples.sessions.max() + 1)
+    train = samples.part(np.flatnonzero(samples.sessions < sessions))
+    test = samples.part(np.flatnonzero(held_back))
+    learned = learn_classes(train, chosen(name, "pixel", estimators(model_based(templates))))
+    wrong = 1 - float(score(learned, test).right.mean())
+    one = test.part(np.array([0]))
+    seconds = best_time(lambda: score(learned, one))
+    return Answer(way, f"{len(train.X)} sweeps", wrong, seconds)
+
+
+LOCALIZERS = Question(
+    title="Localizers: pixel of 6x6, two interfaces, trained on more sweeps",
+    error="Share told wrong",
+    time="Time to one answer (ms)",
+    ours=(MODEL,),
+    answers=answers,
+    pick=(
+        "Take model-based where the scene is known and tens of milliseconds are to spare, "
+        "a network or ksvm-components where many sweeps can be simulated."
+    ),
+    wrong=0.7,
+)

@@ -1,0 +1,44 @@
+"""How long a switch takes to turn, as it turns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from ..switch.switch import Switch
+
+USUAL = 0.1
+"""s that a turn takes where none was seen yet."""
+
+
+@dataclass
+class Turns:
+    """A switch whose turns are timed, by a clock in s. latest: s that the newest turn took.
+
+    spent: s of all that it was asked, with and without a turn.
+    """
+
+    switch: Switch
+    clock: Callable[[], float]
+    latest: float = field(default=USUAL, init=False)
+    spent: float = field(default=0.0, init=False)
+
+    @property
+    def selected(self) -> str | None:
+        """As of `Switch`."""
+        return self.switch.selected
+
+    def select(self, name: str) -> None:
+        """As of `Switch`."""
+        before, begun = self.selected, self.clock()
+        try:
+            self.switch.select(name)
+        finally:
+            took = self.clock() - begun
+            self.spent += took
+        if before not in (None, name):
+            self.latest = took
+
+    def close(self) -> None:
+        """As of `Switch`."""
+        self.switch.close()

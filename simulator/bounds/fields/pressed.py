@@ -1,0 +1,77 @@
+"""Potentials of one pressed skin in the small basis of its reduced model, for any readings.
+
+In coordinates in which K is 1, M of a press inside is turned to its own directions once: then every
+s is diagonal. Each terminal at 1 V is solved for; what floats is eliminated between terminals, so
+that energies of any number of readings cost as much as those of the terminals.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.network.skin import wiring_of
+from ...models.reduced.dense import added, mass_of
+from ...models.reduced.model import ReducedSkin
+
+
+@dataclass(frozen=True)
+class Potentials:
+    """of_terminals: at 1 V of each terminal, shape (N + n, N, s). at: the terminals' potentials of
+    each reading at 1 V, shape (reading, N, s). Y: in S, shape (reading, s)."""
+
+    of_terminals: NDArray[np.complex128]
+    at: NDArray[np.complex128]
+    Y: NDArray[np.complex128]
+
+    def energy(self, form: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """u'(form)u of each reading, shape (reading, s); form: shape (N + n, N + n)."""
+        T, count = self.of_terminals, len(form)
+        turned = (form @ T.reshape(count, -1)).reshape(T.shape)
+        own = np.einsum("ias,ibs->abs", T, turned)
+        return np.einsum("ras,abs,rbs->rs", self.at, own, self.at, optimize=True)
+
+
+class PressedSkin:
+    """A skin of a model that is trained for all terminals, under presses that are maps of c."""
+
+    def __init__(self, skin: ReducedSkin) -> None:
+        self._skin = skin
+
+    @cached_property
+    def rest(self) -> NDArray[np.float64]:
+        """M at rest in F, shape (N + n, N + n)."""
+        return mass_of(self._skin.rest, np.zeros(0, dtype=np.int64), np.zeros(0))
+
+    def mass(self, change: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What a map of c over that at rest, of any shape of its cells, adds to M in F."""
+        cells = np.flatnonzero(change)
+        weights = change.ravel()[cells] * self._skin.rest_factors[cells]
+        return added(self._skin.rest.factors, cells, weights)
+
+    def solved(self, M: NDArray[np.float64], s: NDArray[np.complex128]) -> Potentials:
+        """Of a press with this M, at s in rad/s."""
+        skin = self._skin
+        N = len(skin.conductance)
+        own, axes = np.linalg.eigh(M[N:, N:])
+        beside = axes.T @ M[N:, :N]
+        P = 1 / (1 + s[:, None] * own)
+        delayed = (beside.T * P[:, None]) @ beside
+        dynamic = s[:, None, None] * M[:N, :N] - s[:, None, None] ** 2 * delayed
+        circuit = skin.reduced.circuit
+        wiring = wiring_of(circuit.drives, skin.reduced.terminal_field, skin.conductance)
+        at, Y = [], []
+        for drive, count in enumerate(wiring.counts):
+            allowed = wiring.potentials[drive, :, :count]
+            Y_of = wiring.conductance[drive, :count, :count] + allowed.T @ dynamic @ allowed
+            floating = -np.linalg.solve(Y_of[:, 1:, 1:], Y_of[:, 1:, :1])[:, :, 0]
+            Y.append(Y_of[:, 0, 0] + (Y_of[:, 0, 1:] * floating).sum(axis=1))
+            at.append(allowed[:, :1] + allowed[:, 1:] @ floating.T)
+        weighed = (-s * P.T)[:, None] * beside[:, :, None]
+        inside = (axes @ weighed.reshape(len(axes), -1)).reshape(weighed.shape)
+        u = np.empty((N + len(inside), N, len(s)), dtype=np.complex128)
+        u[:N], u[N:] = np.eye(N)[:, :, None], inside
+        return Potentials(u, np.stack(at), np.stack(Y))

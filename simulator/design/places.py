@@ -1,0 +1,87 @@
+"""What the readings of a skin tell of where it is touched."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..bounds.fields import TouchSize
+from ..bounds.fields.answer import at_meter
+from ..bounds.fields.pressed import PressedSkin
+from ..bounds.information import error_model, in_noise, session_errors
+from ..bounds.position import WANTED, Cells, Place, Slopes, chosen_touch, places_on
+from ..fem.galerkin import one_blas_thread
+from ..models.reduced.cases import Case
+from ..scene.frequency import laplace_variable
+from ..scene.scene import Scene
+from ..sweeps import InputError
+from .curves import Pairs
+from .merits import Near
+
+if TYPE_CHECKING:
+    from .trained import OnSkin
+
+CELLS = 3
+"""Along each side of a pixel, that touches are laid on."""
+ALONG = 5
+"""Places along each side of the skin, at most."""
+ABOUT = 0.2
+"""Of the rise of a touch: so far from it a model is trained."""
+
+
+class Touches:
+    """Touches as large as a pixel, anywhere on a scene."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Raises InputError for pixels that are groups."""
+        if scene.pixels.groups is not None:
+            raise InputError(f"{scene.name}: a design for positions needs pixels without `groups`")
+        rows, columns = (CELLS * count for count in scene.pixels.shape)
+        self.divided = scene.on_grid(rows, columns)
+        self.size: TouchSize = chosen_touch(scene)
+        self.places: list[Place] = places_on(scene, self.size, CELLS, ALONG)
+        self.sides = scene.skin.length, scene.skin.width
+        self.room = self.sides[0] - self.size.width, self.sides[1] - self.size.height
+        self.cells = Cells.of(*self.sides, (rows, columns))
+
+    @property
+    def near(self) -> Near:
+        """The merit of these."""
+        return Near(self.room)
+
+    def drawn(self, random: np.random.Generator) -> Case:
+        """One of them, for training."""
+        half = self.size.width / 2, self.size.height / 2
+        x, y = (h + random.uniform(0, room) for h, room in zip(half, self.room, strict=True))
+        rise = self.size.rise * random.uniform(1 - ABOUT, 1 + ABOUT)
+        rises = (rise * self.cells.raised((x, y), self.size)["strength"]).ravel()
+        pressed = np.flatnonzero(rises)
+        return Case(None, pressed, rises[pressed])
+
+    def slopes(self, on: OnSkin, frequency: NDArray[np.float64], against_rest: int) -> Slopes:
+        """Of a skin of the divided scene, at every place; frequency in Hz, ascending."""
+        skin = on.at(frequency)
+        scene = skin.reduced.scene
+        model = error_model(scene, len(frequency), against_rest)
+        s = laplace_variable(frequency, scene.skin.foam.loss)
+        pressed = PressedSkin(skin)
+        errors, prior = session_errors(model)
+        found = []
+        with one_blas_thread():
+            for place in self.places:
+                changes = self.cells.raised(place, self.size)
+                M = pressed.rest + pressed.mass(self.size.rise * changes["strength"])
+                u = pressed.solved(M, s)
+                by = {name: s * u.energy(pressed.mass(changes[name])) for name in WANTED}
+                told = at_meter(1 / u.Y, by, scene.leads, frequency)
+                own = in_noise(told.Z, [told.by[name] for name in WANTED], model)
+                found.append(np.concatenate([own, errors], axis=-1))
+        known = np.concatenate([np.zeros(len(WANTED)), prior])
+        return Slopes(np.array(self.places), np.stack(found), known, frequency, self.room)
+
+    def pairs(self, on: OnSkin, frequency: NDArray[np.float64], against_rest: int) -> Pairs:
+        """The same as `Pairs` has it, each place with its share of the weight."""
+        by = self.slopes(on, frequency, against_rest).by[..., : len(WANTED)]
+        return Pairs(by, np.full(len(by), 1 / len(by)))

@@ -1,0 +1,91 @@
+"""The skin at rest of a live session: told against it as recordings are."""
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rcskin.hardware.live.answer import NOTHING_PRESSED, Answer
+from rcskin.hardware.live.log import rest_dataset
+from rcskin.hardware.live.rest import RENEWED_AFTER, Rest
+from rcskin.hardware.record.sweep import Sweep, Trace
+from rcskin.localization.inputs.rest import OPENING, RECENT, log_at_rest, means_at_rest
+from rcskin.simulator.sweeps import build
+
+_rig = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))
+LOCALIZER = _rig["Columns"]()
+QUIET, TOUCHED = Answer(NOTHING_PRESSED, 0.99), Answer("column 2", 0.99)
+AT_REST = np.array([1e4 - 1e5j, 1e4 - 3e4j, 1e4 - 1e4j])
+
+
+def sweep(grown):
+    Z = AT_REST * (1 + grown)
+    trace = Trace((1e-9,) * 3, tuple(Z.real), tuple(Z.imag), (0,) * 3, "left")
+    return Sweep((trace,))
+
+
+def test_live_and_evaluation_tell_a_sweep_against_the_same_rest_of_a_skin_that_drifts():
+    """A recording of what live took for rest, and the sweeps in between; asked at every sweep."""
+    random, rest, taken, known = np.random.default_rng(0), Rest(RECENT), [], []
+    sweeps = [sweep(1e-4 * k + 1e-3 * random.standard_normal()) for k in range(150)]
+    told = [QUIET] * 150
+    told[40:70] = [TOUCHED] * 30
+    for k, (each, answer) in enumerate(zip(sweeps, told, strict=True)):
+        if not rest.complete:
+            rest.add(each)
+            taken.append(k)
+            continue
+        known.append((k, *means_at_rest(rest_dataset(rest, LOCALIZER))))
+        if rest.follow(each, answer):
+            taken.append(next(j for j in range(k + 1) if sweeps[j] is rest.sweeps[-1]))
+    row = np.isin(np.arange(150), taken).astype(int) ^ 1
+    Z = np.array([each.Z for each in sweeps])
+    press = ["none" if k in taken else "1,1" for k in range(150)]
+    recording = build(
+        Z, LOCALIZER.frequencies, interface=["left"], press=press, row=row, column=row
+    )
+    judged = log_at_rest(recording)
+    place = {k: number for number, k in enumerate(judged.rows.tolist())}
+    same = [(k, *means) for k, *means in known if k - 1 not in taken]
+    assert len(taken) > OPENING + RECENT and len(same) > 100
+    for k, recent, opening in same:
+        np.testing.assert_allclose(recent, judged.recent[place[k]], rtol=1e-12)
+        np.testing.assert_allclose(opening, judged.opening[place[k]], rtol=1e-12)
+    drifted = abs(known[-1][1] - known[-1][2]).max()
+    assert drifted > 5e-3, "the latest follow the drift, the opening does not"
+
+
+def test_no_sweep_of_a_steady_touch_ever_becomes_rest_however_long_it_lasts():
+    rest = Rest(3)
+    for _ in range(3):
+        rest.add(sweep(0.0))
+    for answer in (TOUCHED, Answer("cannot tell"), Answer(NOTHING_PRESSED, 0.9)):
+        for _ in range(50 * RENEWED_AFTER):
+            assert not rest.follow(sweep(0.02), answer)
+    assert all(each.Z == pytest.approx(AT_REST[None]) for each in rest.sweeps)
+
+
+def test_a_sweep_in_which_a_touch_begins_is_not_taken_though_it_looks_like_rest():
+    """Nothing is pressed for long, and each touch begins in the fifth quiet sweep or later."""
+    rest = Rest(3)
+    for _ in range(3):
+        rest.add(sweep(0.0))
+    for _ in range(20):
+        for _ in range(RENEWED_AFTER - 1):
+            rest.follow(sweep(0.0), QUIET)
+        rest.follow(sweep(0.01), QUIET)
+        rest.follow(sweep(0.02), TOUCHED)
+    assert all(each.Z == pytest.approx(AT_REST[None]) for each in [*rest.sweeps, *rest.opening])
+    assert len(rest.opening) == 8
+
+
+def test_a_part_of_a_sweep_never_becomes_rest_and_a_whole_one_is_asked_for_in_time():
+    rest, due = Rest(2), []
+    rest.add(sweep(0.0))
+    rest.add(sweep(0.0))
+    for _ in range(4 * RENEWED_AFTER):
+        due.append(rest.due)
+        rest.follow(sweep(0.001) if rest.due else None, QUIET)
+    assert sum(due) == 4 and len(rest.opening) == 2 and len(rest._firsts) == 6
+    for _ in range(2 * RENEWED_AFTER):
+        assert not rest.follow(None, QUIET)

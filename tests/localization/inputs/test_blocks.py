@@ -1,0 +1,69 @@
+"""Features of many sweeps are found block by block: the same numbers, in little more room."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+from rcskin.localization.inputs import features
+from rcskin.simulator.sweeps import build, concatenate
+
+RELATIVE = ("dlnZ", "dphase", "lnZ0", "phase0")
+
+
+@pytest.fixture
+def mountings(make_sweeps):
+    """Of several sessions, one of which never shows the skin at rest, taken in turns."""
+    parts = [
+        make_sweeps(1, 3, 3, rests=3 * (k != 2), unpressed=k != 2, session=k, seed=k)
+        for k in range(5)
+    ]
+    whole = concatenate(parts)
+    turns = np.argsort(np.concatenate([np.arange(part.sizes["sweep"]) for part in parts]))
+    return whole.isel(sweep=turns)
+
+
+@pytest.mark.parametrize("quantities", [("Rs", "Cp"), ("lnZ", "X"), RELATIVE, ("Cp", *RELATIVE)])
+@pytest.mark.parametrize("block", [1, 7, 20, 1000])
+def test_blocks_of_any_size_give_the_same_bits(mountings, monkeypatch, quantities, block):
+    whole = features.told_features(mountings, quantities)
+    monkeypatch.setattr(features, "BLOCK", block)
+    for found, truth in zip(features.told_features(mountings, quantities), whole, strict=True):
+        np.testing.assert_array_equal(found, truth)
+
+
+def test_a_skin_at_rest_of_its_own_serves_every_block(mountings, monkeypatch, make_sweeps):
+    rest = make_sweeps(1, 1, 1, rests=4).isel(sweep=slice(3))
+    whole = features.told_features(mountings, RELATIVE, rest=rest)
+    monkeypatch.setattr(features, "BLOCK", 10)
+    for found, truth in zip(
+        features.told_features(mountings, RELATIVE, rest=rest), whole, strict=True
+    ):
+        np.testing.assert_array_equal(found, truth)
+
+
+def peak_of(sweeps):
+    """Bytes taken at once on the way to the features, over those of the features."""
+    tracemalloc.start()
+    X, _ = features.told_features(sweeps, RELATIVE)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return peak / X.nbytes
+
+
+def test_room_is_taken_for_little_more_than_the_features(monkeypatch):
+    count, sessions, f = 4000, 40, np.geomspace(1e3, 2e5, 10)
+    rested = np.arange(count) // sessions < 8
+    Z = 1e4 * np.exp(-1j * np.random.default_rng(0).uniform(0.1, 1.5, (count, 1, f.size)))
+    sweeps = build(
+        Z,
+        f,
+        interface=["left"],
+        press=["none" if rest else "1,1:2.0" for rest in rested],
+        row=(~rested).astype(int).tolist(),
+        column=(~rested).astype(int).tolist(),
+        session=(np.arange(count) % sessions).tolist(),
+    )
+    monkeypatch.setattr(features, "BLOCK", 200)
+    by_blocks = peak_of(sweeps)
+    monkeypatch.setattr(features, "BLOCK", 10 * count)
+    assert by_blocks < 2 < peak_of(sweeps)

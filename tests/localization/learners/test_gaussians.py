@@ -1,0 +1,61 @@
+"""Normal densities: the best answers there are where classes are so, of skins that differ."""
+
+import numpy as np
+import pytest
+from rcskin.localization.learners.gaussians import GaussianClassifier
+from scipy.stats import norm
+from sklearn.utils.estimator_checks import parametrize_with_checks
+
+SWEEPS = 6000
+
+
+@parametrize_with_checks([GaussianClassifier()])
+def test_it_keeps_the_rules_of_estimators(estimator, check):
+    check(estimator)
+
+
+def labels(random):
+    return random.integers(0, 2, SWEEPS)
+
+
+def share_right(X, y, **more):
+    half = SWEEPS // 2
+    model = GaussianClassifier(**more).fit(X[:half], y[:half])
+    return (model.predict(X[half:]) == y[half:]).mean()
+
+
+def test_it_is_as_right_as_the_best_answers_to_normal_classes():
+    random = np.random.default_rng(1)
+    y, turn = labels(random), np.linalg.qr(random.standard_normal((6, 6)))[0]
+    X = random.standard_normal((SWEEPS, 6))
+    X[:, 0] += 2.0 * y
+    best = norm.cdf(1.0)
+    assert share_right(X @ turn, y) == pytest.approx(best, abs=0.02)
+
+
+def test_the_curve_at_rest_tells_how_far_a_touch_moves_each_skin():
+    random = np.random.default_rng(2)
+    y, skin = labels(random), random.standard_normal((SWEEPS, 1))
+    far = 5 + 0.4 * y[:, None] + skin + 0.5 * skin**2
+    X = 0.1 * random.standard_normal((SWEEPS, 3)) + far * np.array([[1.0, 0.0, 2.0]])
+    known = np.hstack([X, skin @ np.array([[1.0, -1.0]])])
+    assert share_right(X, y) < 0.7
+    assert share_right(known, y, curve=(3, 4)) > 0.95
+
+
+def test_strengths_of_touches_drop_out_with_how_they_bend():
+    random = np.random.default_rng(3)
+    y, t = labels(random), 1 + 0.3 * random.standard_normal(SWEEPS)
+    ways = np.where(y[:, None], [[10.0, 1.0, 0.0, 0.0]], [[10.0, 0.0, 0.0, 0.0]])
+    bends = 6 * np.square(t - 1)[:, None] * [[0.0, 0.0, 1.0, 0.0]]
+    X = t[:, None] * ways + bends + 0.15 * random.standard_normal((SWEEPS, 4))
+    assert share_right(X, y) > 0.99
+
+
+def test_probabilities_are_those_of_the_densities():
+    random = np.random.default_rng(4)
+    y = labels(random)
+    X = random.standard_normal((SWEEPS, 2)) + 1.5 * y[:, None]
+    told = GaussianClassifier().fit(X, y).predict_proba(X)[:, 1]
+    exact = 1 / (1 + np.exp(-1.5 * (X.sum(axis=1) - 1.5)))
+    assert np.abs(told - exact).mean() < 0.02

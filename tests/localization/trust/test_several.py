@@ -1,0 +1,91 @@
+"""Two touches shown in training teach a localizer of one to notice them, at any strength."""
+
+import numpy as np
+import pytest
+from rcskin.benchmarks.localization.several_parts.best import KnownSkin, log_ratio
+from rcskin.localization.inputs.touches import counts_of
+from rcskin.localization.model.file import load, save
+from rcskin.localization.model.training import train
+from rcskin.simulator.measure.readout import read_out
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.randomisation import Randomisation, Session
+from rcskin.simulator.sweeps import build, concatenate
+
+EVEN = Randomisation(session=Session(unevenness=0, foam_spread=0))
+SCENE = load_scene("sheet-5x5").model_copy(update={"dataset": EVEN})
+RESTS = 3
+CHANGES = ("dlnZ", "dphase")
+
+
+@pytest.fixture(scope="module")
+def skin():
+    return KnownSkin(SCENE, 1e-2)
+
+
+@pytest.fixture(scope="module")
+def session(skin):
+    """A function that reads the skin at rest, pressed once and by two touches, in one session."""
+
+    def read(number, count=80):
+        random = np.random.default_rng(number)
+        presses = [skin.presses(random, touches, count) for touches in (1, 2)]
+        at_rest = np.zeros((RESTS, 0), dtype=np.int64), np.ones((RESTS, 0))
+        logs = [skin.log_impedance(*each) for each in (at_rest, *presses)]
+        (cells, factors), (both, strengths) = presses
+        texts = ["none"] * RESTS + [_text(*each) for each in zip(cells, factors, strict=True)]
+        texts += [_text(*each) for each in zip(both, strengths, strict=True)]
+        none, other = np.zeros(RESTS, dtype=int), np.full(count, -1)
+        sweeps = build(
+            np.exp(np.concatenate(logs))[:, None],
+            SCENE.sweep.frequencies,
+            interface=["left"],
+            press=texts,
+            row=np.concatenate([none, cells[:, 0] // 5 + 1, other]),
+            column=np.concatenate([none, cells[:, 0] % 5 + 1, other]),
+        )
+        return read_out(sweeps, SCENE.readout, random, number)
+
+    return read
+
+
+def _text(cells, factors):
+    return "+".join(
+        f"{cell // 5 + 1},{cell % 5 + 1}:{factor:.6f}"
+        for cell, factor in zip(cells, factors, strict=True)
+    )
+
+
+@pytest.fixture(scope="module")
+def known(session):
+    return concatenate([session(number) for number in range(8)])
+
+
+def rates(model, asked):
+    """Pairs that are not answered, and single presses that are."""
+    told, touches = model.answers(asked).told, counts_of(asked)
+    return 1 - told[touches == 2].mean(), told[touches == 1].mean()
+
+
+def test_pairs_shown_in_training_are_noticed_more_often(session, known, tmp_path):
+    without = train(known.isel(sweep=counts_of(known) < 2), quantities=CHANGES)
+    save(tmp_path / "m.skops", train(known, quantities=CHANGES))
+    asked = concatenate([session(number) for number in range(90, 98)])
+    (before, _), (pairs, single) = (
+        rates(model, asked) for model in (without, load(tmp_path / "m.skops"))
+    )
+    assert pairs >= before + 0.02
+    assert pairs >= 0.8
+    assert single >= 0.97
+
+
+def test_raw_readings_leave_it_to_the_spread_of_single_presses(known):
+    assert train(known, quantities=("Rs", "Cp")).learned.guards.several is None
+    assert train(known, quantities=CHANGES).learned.guards.several is not None
+
+
+def test_the_best_test_notices_more_and_by_its_own_count(skin):
+    random = np.random.default_rng(0)
+    seen = np.concatenate([skin.drawn(random, touches, 100) for touches in (1, 2)])
+    ratio = log_ratio(skin, seen, 24)
+    assert (ratio[:100] < 0).mean() > 0.9 > 0.85 > (ratio[100:] < 0).mean()
+    assert (ratio[100:] > np.quantile(ratio[:100], 0.95)).mean() > 0.85

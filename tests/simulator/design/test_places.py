@@ -1,0 +1,71 @@
+"""Designs for positions: slopes against the full solver, and the command."""
+
+import json
+
+import numpy as np
+import pytest
+from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.bounds.position import position_slopes
+from rcskin.simulator.design.bench import Asking, Bench
+from rcskin.simulator.design.journal import Journal
+from rcskin.simulator.design.places import CELLS, Touches
+from rcskin.simulator.design.pool import terminals
+from rcskin.simulator.scene.design import Design
+
+POSITIONS = {"target": "position", "casts": 1, "sheet_ratio": 1.0, "readings": 2}
+
+
+@pytest.fixture(scope="module")
+def scene(make_scene):
+    """A sheet of few pixels with two pairs of foils."""
+    apart = {"span": [0.02, 1.0]}
+    foils = {f"{sheet}-{edge}": apart for edge in ("left", "bottom") for sheet in ("top", "bottom")}
+    ways = {edge: (f"top-{edge}", f"bottom-{edge}") for edge in ("left", "bottom")}
+    tones = (300.0, 1e3, 3e3, 1e4)
+    made = make_scene(foils, ways, rows=2, columns=2, frequencies=tones, bottom=50e3)
+    noise = {"magnitude_noise": 3e-3, "phase_noise": 3e-3}
+    return made.with_({"readout": noise, "dataset.session.unevenness": 0.0})
+
+
+def bench(scene):
+    asking = Asking(Design(**POSITIONS), 1, 100, Journal(None, {}), lambda *_: None)
+    return Bench(scene, asking, terminals(scene))
+
+
+def test_bounds_are_those_of_the_full_solver(scene):
+    found, touches = bench(scene), Touches(scene)
+    on = found._trained.on(None, found.own.material, scene.interfaces)
+    told = touches.slopes(on, scene.frequencies, 6)
+    fields = Fields(scene, float(scene.frequencies[-1]), CELLS)
+    exact = position_slopes(fields, touches.places, touches.size, scene.frequencies, against_rest=6)
+    for name in ("x", "y", "strength"):
+        one, other = (getattr(each.bounds(), name) for each in (told, exact))
+        assert np.isfinite(other).any()
+        np.testing.assert_allclose(one, other, rtol=0.05)
+
+
+def test_a_share_is_no_wish_of_positions(run, strip_file):
+    code, _, err = run("design", strip_file, "--target", "position", "--want", 0.9)
+    assert code == 2 and "positions have `within`" in err and err.count("\n") == 1
+    code, _, err = run("design", strip_file, "--within", 3)
+    assert code == 2 and "within is of the target position" in err and err.count("\n") == 1
+
+
+def test_a_search_for_positions_tells_millimetres(run, strip_file, tmp_path):
+    quick = ("--casts", 1, "--sheet-ratio", 1, "--target", "position")
+    code, out, err = run("design", strip_file, *quick, "--within", 1e-3, "-o", tmp_path / "d")
+    assert (code, err) == (0, "")
+    assert out.startswith("0.001 mm is not reached by any design found; the best: positions half")
+    numbers = json.loads((tmp_path / "d" / "design.json").read_text())
+    first, *_, last = (each["nine_of_ten_casts"] for each in numbers["steps"])
+    assert first <= last < 1 and numbers["distance_of_a_guess_m"] > 0
+    page = (tmp_path / "d" / "report.html").read_text(encoding="utf-8")
+    assert "Cramér and Rao" in page and "a tenth of a millimetre" in page
+
+
+def test_groups_of_pixels_are_refused(scene):
+    grouped = scene.model_copy(
+        update={"pixels": scene.pixels.model_copy(update={"groups": (("a", "b"), ("c", "d"))})}
+    )
+    with pytest.raises(ValueError, match="without `groups`"):
+        Touches(grouped)

@@ -1,0 +1,120 @@
+"""Skins pressed by depth or force at the command line: trained on, evaluated, told live."""
+
+import logging
+
+import numpy as np
+import pytest
+from rcskin import __main__ as rcskin
+from rcskin.hardware.steer import ask
+from rcskin.hardware.virtual.control import Control
+from rcskin.hardware.virtual.server import running
+from rcskin.hardware.virtual.serving import instrument, simulated
+from rcskin.simulator.measure.readout import read_out
+from rcskin.simulator.measure.under_touches import factors_under
+from rcskin.simulator.models.mechanics.in_depths import in_depths
+from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.sweeps import InputError, concatenate, read, write
+from typer.testing import CliRunner
+
+FOAM = {"porosity": 0.67, "solid_permittivity": 2.79, "modulus": 30e3}
+
+
+def strip(tension=20.0, **press):
+    foam = {"thickness": 4e-3, "mechanics": {**FOAM, "tension": tension}}
+    sheet = {"sheet_resistance": 50e3}
+    edges = [{"name": name, "electrode": name, "edge": "left"} for name in ("top", "bottom")]
+    return Scene.model_validate(
+        {
+            "name": "foam strip",
+            "skin": {"length": 0.09, "width": 0.03, "top": sheet, "bottom": sheet, "foam": foam},
+            "contact": edges,
+            "interface": [{"name": "meter", "high": ["top"], "low": ["bottom"]}],
+            "pixels": {"rows": 1, "columns": 3},
+            "press": press or {"depth": 2e-3},
+            "sweep": {"frequencies": [1e3, 1e4, 1e5]},
+            "readout": dict.fromkeys(("magnitude_noise", "phase_noise"), 1e-3),
+        }
+    )
+
+
+def run(*arguments):
+    done = CliRunner().invoke(rcskin.app, [str(each) for each in arguments])
+    assert done.exit_code == 0, done.exception
+    return done
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    """Noise-free sweeps of each pixel by depths and forces, and of the skin at rest."""
+    folder = tmp_path_factory.mktemp("strip")
+    (folder / "strip.toml").write_text(scene_text(strip()), encoding="utf-8")
+    strengths = (":1mm", "", ":2.2mm", ":3N")
+    presses = ["none"] * 6 + [f"1,{j}{by}" for j in (1, 2, 3) for by in strengths]
+    asked = [part for press in presses for part in ("--press", press)]
+    output = folder / "swept.nc"
+    run("sweep", folder / "strip.toml", *asked, "--model", "reduced", "--rtol", 1e-3, "-o", output)
+    return output
+
+
+def test_positions_are_learned_from_presses_by_depth_and_force(swept):
+    model, answers = swept.with_name("places.skops"), swept.with_name("answers.csv")
+    seen = ("--features", "dlnZ,dphase", "--target", "position")
+    run("train", swept, *seen, "-o", model)
+    assert "median error, mm" in run("evaluate", model, swept).stdout
+    run("localize", model, swept, "-o", answers)
+    rows = [line.split(",")[-6:] for line in answers.read_text().splitlines()[1:]]
+    told = np.array([[float(x), float(factor)] for x, _, factor, *_ in rows[6:]])
+    scene = strip()
+    depths = np.array([1e-3, 2e-3, 2.2e-3])
+    factors = told[:, 1].reshape(3, 4)
+    np.testing.assert_allclose(factors[:, :3], [scene.pressed_factors(depths)] * 3, rtol=0.2)
+    assert (np.abs(told[:, 0].reshape(3, 4) - [[15], [45], [75]]) < 15).all()
+
+
+def test_live_tells_columns_of_a_skin_pressed_by_depth(swept):
+    model, random = swept.with_name("columns.skops"), np.random.default_rng(0)
+    several = [read_out(read(swept), strip().readout, random, k) for k in range(4)]
+    write(concatenate(several), swept.with_name("several.nc"))
+    run("train", swept.with_name("several.nc"), "--features", "dlnZ,dphase", "-o", model)
+    data = rcskin._scene_data(str(swept.with_name("strip.toml")), None)
+    meter = instrument(simulated(data, rcskin._skins(data), rcskin._readout(data, 7)), pace=0)
+    with running(meter, Control(meter, ())) as ports:
+        where = ["--resource", ports.resource, "--model", model, "--sweeps", 2]
+        rest = swept.with_name("rest.nc")
+        run("live", *where, "--log", rest)
+        for column, by in ((1, ""), (3, ":1.5mm")):
+            ask(f"127.0.0.1:{ports.control}", "press", press=f"1,{column}{by}")
+            told = run("live", *where, "--rest-file", rest).stdout
+            assert told.count(f"column {column}") == 2
+
+
+def test_forces_stand_for_the_depths_that_they_take(caplog):
+    """Without tension of the foam's own law; with it of what the membrane adds."""
+    scene = strip(tension=0.0, force=4.0)
+    foam, area = scene.skin.foam.mechanics, 0.03 * 0.03
+    (factor,) = factors_under(scene_text(scene), "1,1:4N")
+    strain = foam.strain_at(np.array(factor))
+    assert foam.elastic.stress(strain) * area == pytest.approx(4.0, rel=1e-6)
+    with caplog.at_level(logging.INFO):
+        depth = in_depths(scene).press.depth
+    assert depth == pytest.approx(strain * 4e-3, rel=1e-6)
+    assert "4 N take pixels" in caplog.text
+    assert in_depths(strip(tension=20.0, force=4.0)).press.depth < depth
+
+
+def test_scenes_pressed_by_force_are_drawn_and_calibrated(tmp_path):
+    scene = strip(force=4.0)
+    (tmp_path / "strip.toml").write_text(scene_text(scene), encoding="utf-8")
+    paths = [tmp_path / name for name in ("strip.toml", "swept.nc", "set.zarr", "found")]
+    run("sweep", paths[0], "--rtol", 1e-3, "-o", paths[1])
+    run("calibrate", paths[0], paths[1], "--fit", "sheet_resistance", "-o", paths[3])
+    found = (paths[3] / "parameters.csv").read_text()
+    value = float(found.splitlines()[1].split(",")[2])
+    assert value == pytest.approx(0.0, abs=0.01)
+    run("dataset", paths[0], "--sweeps", 5, "--rtol", 1e-3, "--workers", 1, "-o", paths[2])
+
+
+def test_a_force_that_closes_the_cells_is_refused_in_a_line():
+    with pytest.raises(InputError, match="force must leave the depth"):
+        in_depths(strip(force=1e4))
