@@ -15,7 +15,7 @@ from ..bounds.position import WANTED, Cells, Place, Slopes, chosen_touch, places
 from ..fem.galerkin import one_blas_thread
 from ..models.reduced.cases import Case
 from ..scene.frequency import laplace_variable
-from ..scene.scene import Pixels, Scene
+from ..scene.scene import Scene
 from ..sweeps import InputError
 from .curves import Pairs
 from .merits import Near
@@ -39,7 +39,7 @@ class Touches:
         if scene.pixels.groups is not None:
             raise InputError(f"{scene.name}: a design for positions needs pixels without `groups`")
         rows, columns = (CELLS * count for count in scene.pixels.shape)
-        self.divided = scene.model_copy(update={"pixels": Pixels(rows=rows, columns=columns)})
+        self.divided = scene.on_grid(rows, columns)
         self.size: TouchSize = chosen_touch(scene)
         self.places: list[Place] = places_on(scene, self.size, CELLS, ALONG)
         self.sides = scene.skin.length, scene.skin.width

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from ...fem.assembly import EXTRA_ORDER, fill, quadrilateral
+from ...fem.dropped import DROPPED
 from ...fem.galerkin import Galerkin
-from ...fem.pattern import DROPPED
 from ...fem.quadrature import gauss_rule, stiffness_terms, surface
 from ...fem.system import Films, PixelSystem, build_system, conducting
 from ...mesh.quadrilaterals import Resolution, pixel_mesh
