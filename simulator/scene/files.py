@@ -195,7 +195,7 @@ def read_scene(path: Path) -> Scene:
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not text in UTF-8: {error.reason}") from error
+        raise InputError(f"{path}: cannot be read: not text in UTF-8 ({error.reason})") from error
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error}") from error
 

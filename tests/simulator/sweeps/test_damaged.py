@@ -54,7 +54,7 @@ def test_a_scene_may_begin_with_a_byte_order_mark_and_must_be_text(tmp_path):
     (tmp_path / "a.toml").write_bytes(b"\xef\xbb\xbf" + text)
     assert read_scene(tmp_path / "a.toml") == read_scene(SCENE)
     (tmp_path / "b.toml").write_bytes(b"\xff\xfe" + text)
-    with pytest.raises(InputError, match=r"b\.toml: not text in UTF-8: "):
+    with pytest.raises(InputError, match=r"b\.toml: cannot be read: not text in UTF-8 "):
         read_scene(tmp_path / "b.toml")
 
 
