@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.sweeps import InputError, check, open_zarr, read
+from ...simulator.sweeps import InputError, check, loaded, open_zarr, read
 from ...simulator.sweeps.joining import join
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def _some_of(path: Path, most: int) -> xr.Dataset:
     stored = open_zarr(path).drop_dims("drawn_session", errors="ignore")
     if "session" not in stored.variables:
         return check(stored)
-    some = stored.isel(sweep=_whole_sessions(stored["session"].values, most)).load()
+    some = loaded(stored.isel(sweep=_whole_sessions(stored["session"].values, most)), path)
     texts = [name for name, variable in some.variables.items() if variable.dtype.kind == "T"]
     return check(some.assign_coords({name: some[name].astype(object) for name in texts}))
 

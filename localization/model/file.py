@@ -69,6 +69,8 @@ def load(path: str | Path, registry: Registry | None = None) -> Model:
         data = path.read_bytes()
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    if not data:
+        raise InputError(f"{path}: not a model in the format of skops: it is empty")
     fields = _trusted_content(path, data)
     try:
         count_cores()

@@ -191,10 +191,12 @@ def read_scene(path: Path) -> Scene:
     """The scene in a TOML file; raises InputError as `load_scene` does."""
     check_file_kind(path, "scene")
     try:
-        return parse_scene(path.read_text(encoding="utf-8"), str(path), path.parent)
+        return parse_scene(path.read_text(encoding="utf-8-sig"), str(path), path.parent)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
-    except (OSError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: cannot be read: not text in UTF-8 ({error.reason})") from error
+    except OSError as error:
         raise InputError(f"{path}: cannot be read: {error}") from error
 
 

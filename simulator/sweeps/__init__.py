@@ -1,7 +1,7 @@
 """Sweeps: simulated and measured impedance spectra in one schema, and the files that hold them."""
 
 from .errors import InputError, ToleranceError
-from .files import checked_output, counted, open_zarr, read, whole_file, write
+from .files import checked_output, counted, loaded, open_zarr, read, whole_file, write
 from .impedance import branch_reactance, parallel_capacitance, series_capacitance
 from .joining import read_joined
 from .laws.passivity import Violation, violations
@@ -33,6 +33,7 @@ __all__ = [
     "concatenate",
     "counted",
     "impedance",
+    "loaded",
     "open_zarr",
     "parallel_capacitance",
     "read",

@@ -17,7 +17,7 @@ from .file_kinds import check_file_kind
 from .formats.csv import read_csv, write_csv, write_rows
 from .formats.netcdf import write_table
 from .needs import check_needs
-from .schema import check
+from .schema import QUANTITIES, check
 from .table import DIMENSIONS, Table
 
 if TYPE_CHECKING:
@@ -76,13 +76,15 @@ def read(path: str | Path) -> xr.Dataset:
 def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:
     """The same path, if such a file can be written there: to be asked before any work is done.
 
-    Raises InputError where the ending is another or the folder does not exist.
+    Raises InputError where the ending is another, the folder does not exist or the path is one.
     """
     path = Path(path)
     if path.suffix not in endings:
         raise InputError(f"{path}: must end in {' or '.join(endings)}, got {path.suffix!r}")
     if not path.parent.is_dir():
         raise InputError(f"{path}: the folder {path.parent} does not exist")
+    if path.suffix != ".zarr" and path.is_dir():
+        raise InputError(f"{path}: is a folder, not a file to write to")
     if path.suffix == ".zarr":
         check_zarr(path)
     return path
@@ -159,7 +161,7 @@ OF_DATASETS = {".nc": _write_netcdf, ".zarr": _write_zarr, ".csv": write_csv}
 
 
 def _read_zarr(path: Path) -> xr.Dataset:
-    sweeps = open_zarr(path).load()
+    sweeps = loaded(open_zarr(path), path)
     texts = [name for name, variable in sweeps.variables.items() if variable.dtype.kind == "T"]
     return sweeps.assign_coords({name: sweeps[name].astype(object) for name in texts})
 
@@ -173,9 +175,32 @@ def open_zarr(path: Path) -> xr.Dataset:
 
     check_zarr(path)
     try:
-        return xr.open_zarr(path)
+        stored = xr.open_zarr(path)
     except (OSError, ValueError, KeyError) as error:
         raise InputError(f"{path}: cannot be read as .zarr: {error}") from error
+    _check_whole(path)
+    return stored
+
+
+def loaded(stored: xr.Dataset, path: Path) -> xr.Dataset:
+    """Sweeps of `open_zarr` in memory. Raises InputError naming the path where they are damaged."""
+    try:
+        return stored.load()
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(f"{path}: damaged, cannot be read as .zarr: {error}") from error
+
+
+def _check_whole(path: Path) -> None:
+    """Raises InputError where chunks of readings are not there, which would be read as zeros."""
+    import zarr
+
+    group = zarr.open_group(path, mode="r")
+    for name in {*QUANTITIES} & {*group.array_keys()}:
+        array = group[name]
+        assert isinstance(array, zarr.Array)
+        if array.nchunks_initialized < array.nchunks:
+            told = f"{array.nchunks_initialized} of {array.nchunks} parts of `{name}`"
+            raise InputError(f"{path}: cut off, holds {told}")
 
 
 def check_zarr(path: Path) -> None:

@@ -16,6 +16,9 @@ SYNTAX = (
     "of FACTOR, touches joined by '+', or 'none'"
 )
 
+MOST_FACTOR = 1e6
+"""Times the capacitance at rest: far beyond what foam can be pressed to."""
+
 JOINT = re.compile(r"(?<!\de)\+", re.IGNORECASE)
 TOUCH = re.compile(
     r"\s*(?:(?P<row>\d+)\s*,\s*(?P<column>\d+)|(?P<shape>rect|disc|poly)\s*\((?P<place>[^()]*)\))"
@@ -129,7 +132,12 @@ def _corners(given: list[str], text: str) -> tuple[float, ...]:
 def _strength(given: str, text: str) -> WrittenStrength:
     match = MEASURED.fullmatch(given)
     if match is None:
-        return WrittenStrength(_positive(given, "FACTOR", text), "")
+        factor = _positive(given, "FACTOR", text)
+        if factor > MOST_FACTOR:
+            raise InputError(
+                f"press {text!r}: FACTOR must be <= {MOST_FACTOR:g}, got {given.strip()}"
+            )
+        return WrittenStrength(factor, "")
     if match["unit"] == "N":
         return WrittenStrength(_positive(match["number"], "force in N", text), "N")
     depth = _positive(match["number"], f"depth in {match['unit']}", text)
