@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..models.parameters import PARAMETERS
+from ..models.parameters import KNOWN
 from ..models.varied.meshes import single_field
 from ..sweeps import InputError
 from .measured import Measured
@@ -38,8 +38,8 @@ def candidates(
     on.
     """
     for name in (*fit, *fix):
-        if name not in PARAMETERS and not (fit and name == OTHERS and name in fix):
-            raise InputError(f"`parameter` must be one of {', '.join(PARAMETERS)}, got {name!r}")
+        if name not in KNOWN and not (fit and name == OTHERS and name in fix):
+            raise InputError(f"`parameter` must be one of {', '.join(KNOWN)}, got {name!r}")
     for name in fit:
         if name in fix:
             raise InputError(f"{name} cannot be both fitted and fixed")
@@ -47,8 +47,8 @@ def candidates(
             raise InputError(f"{name} changes nothing in this scene; free are {', '.join(free)}")
         if name not in priors:
             raise InputError(f"{name} is known: [dataset.session] does not draw it")
-    known = set(PARAMETERS) - set(fit) if OTHERS in fix else set(fix)
-    unknown = [name for name in PARAMETERS if name in free and name in priors.keys() - known]
+    known = set(KNOWN) - set(fit) if OTHERS in fix else set(fix)
+    unknown = [name for name in KNOWN if name in free and name in priors.keys() - known]
     if not unknown:
         raise InputError("every parameter is fixed: there is nothing to fit")
     in_series = "sheet_resistance" in unknown and single_field(measured.scene) is not None
@@ -66,7 +66,7 @@ class Options:
     them, and count as unknown. fix: names that are known, as the scene has them, or OTHERS.
     band: lowest and highest frequency, Hz. session: the only one that counts. strengths: whether
     those of presses are unknown too, about what is said of them, with the scene's spread. prior:
-    see `prior`.
+    see `prior`. uneven: whether slow waves of the foam are parameters, too.
     """
 
     fit: tuple[str, ...] = ()
@@ -75,3 +75,4 @@ class Options:
     session: int | None = None
     strengths: bool = True
     prior: Kind = "wide"
+    uneven: bool = False

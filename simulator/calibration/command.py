@@ -45,6 +45,14 @@ def calibrate(
             "dataset.session draws)."
         ),
     ] = "wide",
+    uneven: Annotated[
+        bool,
+        typer.Option(
+            "--uneven",
+            help="Fit slow waves of the foam's capacitance too: foam_x, foam_y, foam_xy. With "
+            "--prior session, also where dataset.session draws a smooth foam_pattern.",
+        ),
+    ] = False,
     charts: Charts = "png",
     anyway: Annotated[
         bool, typer.Option("--anyway", help="Take sweeps that were recorded for another skin.")
@@ -87,6 +95,7 @@ def calibrate(
         session,
         not fixed_strength,
         checked_kind(prior),
+        uneven,
     )
     asked, sweeps = asked_scene(scene), read_joined(measured)
     names = ", ".join(each.name for each in measured)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..models.parameters import FACTORS, VALUES, own_values
+from ..models.parameters import FACTORS, FOAM_WAVES, VALUES, own_values
 from ..scene.scene import Scene
 from .fit import Fit
 from .information import Information
@@ -27,6 +27,7 @@ from .sheets import (
 
 CONFIDENCE = 0.95
 UNITS = {name: unit if unit.isalpha() else "" for name, unit in VALUES.items()}
+UNITS |= dict.fromkeys(FOAM_WAVES, "")
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,8 @@ def quantities(
 
     fit, information: as of `intervals`. fitted: names of parameters.
     """
-    own, start = intervals(scene, fit, information, freedom), own_values(scene)
+    own = intervals(scene, fit, information, freedom)
+    start = own_values(scene) | dict.fromkeys(FOAM_WAVES, 0.0)
     told = information.told
     hanging = hang_on_ratio(scene, information)
     series = of_series(scene, fit, information, quantile(freedom)) if hanging else {}

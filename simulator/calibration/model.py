@@ -27,10 +27,15 @@ Model = Forward | LineModel
 """Both answer `respond`, `certificate` and `cells` alike, and know what is `free`."""
 
 
-def model_of(scene: Scene, rtol: float, tell: Tell = tell_nothing) -> Model:
-    """The cheapest one that serves. rtol: largest relative error of Rs and Cp at the skin."""
+def model_of(
+    scene: Scene, rtol: float, tell: Tell = tell_nothing, *, uneven: bool = False
+) -> Model:
+    """The cheapest one that serves. rtol: largest relative error of Rs and Cp at the skin.
+
+    uneven: whether slow waves of the foam are to be among its parameters.
+    """
     try:
-        if scene.press.plain:
+        if scene.press.plain and not uneven:
             return LineModel(scene)
     except InputError:
         pass
@@ -60,8 +65,14 @@ class Around:
         """Of one press; `by_cell` is to the rises here."""
         own = self.own(values)
         response = self.model.respond(cells, rises, own)
-        by_rise = math.exp(own["capacitance"]) * response.by_cell + response.by_gauge
+        by_rise = self._at_rest(own, response) * response.by_cell + response.by_gauge
         return replace(response, by_cell=by_rise)
+
+    def _at_rest(self, own: Mapping[str, float], response: Response) -> NDArray[np.float64] | float:
+        """c of each cell at rest over that of the scene."""
+        if isinstance(self.model, LineModel):
+            return math.exp(own["capacitance"])
+        return self.model.factors_at_rest(own)[: response.by_cell.shape[-1]]
 
     def certificate(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], values: Mapping[str, float]

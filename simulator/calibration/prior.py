@@ -8,8 +8,9 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from ..models.parameters import FACTORS, Spread, own_values, session_spreads
+from ..models.parameters import FACTORS, FOAM_WAVES, Spread, own_values, session_spreads
 from ..scene.meter import Readout
+from ..scene.scene import Scene
 from ..sweeps import InputError
 from .measured import Measured
 
@@ -19,6 +20,8 @@ WIDE = math.log(10)
 MISMATCH = math.log(3)
 LOSS = 0.3
 EXPONENT = 0.3
+UNEVEN, MOST_UNEVEN = 0.1, 0.3
+"""Of slow waves of the foam over its mean: three at most leave it above zero."""
 LEAST_EXPONENT = 0.5 + 1e-6
 
 
@@ -40,10 +43,14 @@ def checked_kind(name: str) -> Kind:
     raise InputError(f"`prior` must be one of {', '.join(get_args(Kind))}, got {name!r}")
 
 
-def priors(measured: Measured, kind: Kind) -> dict[str, Prior]:
-    """Of every parameter that is not known."""
-    own = own_values(measured.scene)
+def priors(measured: Measured, kind: Kind, uneven: bool = False) -> dict[str, Prior]:
+    """Of every parameter that is not known. uneven: whether slow waves of the foam are."""
+    own = own_values(measured.scene) | dict.fromkeys(FOAM_WAVES, 0.0)
     spreads = wide(measured) if kind == "wide" else session_spreads(measured.scene)
+    if uneven:
+        smooth = kind == "session" and drawn_uneven(measured.scene)
+        spread = measured.scene.dataset.session.foam_spread if smooth else UNEVEN
+        spreads = spreads | dict.fromkeys(FOAM_WAVES, Spread(0.0, spread))
     return {
         name: Prior(own[name] + shift, deviation, *limits(name))
         for name, (shift, deviation) in spreads.items()
@@ -51,10 +58,18 @@ def priors(measured: Measured, kind: Kind) -> dict[str, Prior]:
     }
 
 
+def drawn_uneven(scene: Scene) -> bool:
+    """Whether sessions of a scene differ by slow waves of the foam."""
+    session = scene.dataset.session
+    return session.foam_pattern == "smooth" and session.foam_spread > 0
+
+
 def limits(name: str) -> tuple[float, float]:
     """Values that make sense at all."""
     if name in FACTORS:
         return -math.inf, math.inf
+    if name in FOAM_WAVES:
+        return -MOST_UNEVEN, MOST_UNEVEN
     return (LEAST_EXPONENT, 1.0) if name == "phase_exponent" else (0.0, math.inf)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.readout import ErrorModel, observed, observed_slope
-from ..models.parameters import FACTORS, PARAMETERS
+from ..models.parameters import FACTORS, KNOWN
 from ..press.press import pressed_factor
 from ..scene.meter import Readout
 from .measured import Measured, Reading
@@ -52,7 +52,7 @@ class Asked:
             for (name, prior), each in zip(self.fitted.items(), u, strict=False)
         }
         both = {**self.fixed, **found}
-        return {name: both[name] for name in PARAMETERS}
+        return {name: both[name] for name in KNOWN if name in both}
 
     def unknowns(self, values: Mapping[str, float]) -> NDArray[np.float64]:
         """From values of parameters; all else at its center."""

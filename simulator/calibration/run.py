@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from ..models.line_slopes import LineModel
 from ..models.mechanics.in_depths import in_depths
-from ..models.parameters import own_values, scene_with
+from ..models.parameters import FOAM_WAVES, own_values, scene_with
 from ..models.plain import folded
+from ..models.slow_foam import check_even, map_of
 from ..progress import Tell, tell_nothing
 from ..scene.scene import Scene
 from .choice import Options, candidates
@@ -23,7 +24,7 @@ from .fit import Fit, allowed, fitted, model_tolerance
 from .information import Information, information, with_unknown
 from .measured import Measured, measured
 from .model import Around, Model, around, checked_model, model_of
-from .prior import Noise, noise_of, priors, with_noise
+from .prior import Noise, drawn_uneven, noise_of, priors, with_noise
 from .problem import Asked
 from .starts import capacitance_off
 
@@ -102,7 +103,7 @@ def calibrate(
     return Calibration(
         values=fit.values,
         intervals=bounds,
-        scene=scene_with(scene, fit.values),
+        scene=_fitted_scene(scene, fit.values),
         told=told.told,
         quantities=quantities(scene, unknown, told, degrees, names),
         information=told,
@@ -115,6 +116,15 @@ def calibrate(
     )
 
 
+def _fitted_scene(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """The scene with its parameters, and with the waves of its foam as a map."""
+    found = scene_with(scene, values)
+    if not any(values.get(name) for name in FOAM_WAVES):
+        return found
+    foam = found.skin.foam.model_copy(update={"map": map_of(scene, values)})
+    return found.model_copy(update={"skin": found.skin.model_copy(update={"foam": foam})})
+
+
 class _Job:
     """A calibration under way: the model at hand, and what is to be remarked."""
 
@@ -124,9 +134,15 @@ class _Job:
         self.measured, self.options, self._tell = measured, options, tell
         self.remarks = [f"left out: {reason}" for reason in measured.left_out]
         self.noise = noise_of(measured)
-        self.priors = priors(measured, options.prior)
-        at_hand = model or model_of(measured.scene, self._tolerance, tell)
-        asked = candidates(measured, at_hand.free, self.priors, options.fit, options.fix)
+        self._uneven = options.uneven or (
+            options.prior == "session" and drawn_uneven(measured.scene) and model is None
+        )
+        if self._uneven:
+            check_even(measured.scene)
+        self.priors = priors(measured, options.prior, self._uneven)
+        at_hand = model or model_of(measured.scene, self._tolerance, tell, uneven=self._uneven)
+        free = (*at_hand.free, *(FOAM_WAVES if self._uneven else ()))
+        asked = candidates(measured, free, self.priors, options.fit, options.fix)
         self.names, self.held = asked.fitted, {name: self.priors[name] for name in asked.held}
         self._ready = self._prepared(at_hand, trained=model is not None)
         self._begin: Mapping[str, float] | None = None
@@ -139,7 +155,8 @@ class _Job:
         return self._fit(), self.noise
 
     def _fit(self) -> Fit:
-        own = own_values(self.measured.scene)
+        waves = dict.fromkeys(FOAM_WAVES, 0.0) if self._uneven else {}
+        own = own_values(self.measured.scene) | waves
         asked = Asked(
             self.measured,
             self.noise.readout,

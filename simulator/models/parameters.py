@@ -102,6 +102,13 @@ VALUES = {
 PARAMETERS = (*FACTORS, *VALUES)
 
 
+FOAM_WAVES = ("foam_x", "foam_y", "foam_xy")
+"""Amplitudes of slow waves of the foam's capacitance over its mean, of WAVES but the first: 0 in
+every scene, and parameters only where they are asked for."""
+
+KNOWN = (*PARAMETERS, *FOAM_WAVES)
+
+
 def own_values(scene: Scene) -> dict[str, float]:
     """The scene's own parameters."""
     foam, leads = scene.skin.foam, scene.leads
@@ -118,8 +125,8 @@ def own_values(scene: Scene) -> dict[str, float]:
 def all_values(scene: Scene, given: Mapping[str, float] | None) -> dict[str, float]:
     """Those given, and the scene's own for the others. Raises InputError for an unknown name."""
     for name in given or {}:
-        if name not in PARAMETERS:
-            raise InputError(f"`parameter` must be one of {', '.join(PARAMETERS)}, got {name!r}")
+        if name not in KNOWN:
+            raise InputError(f"`parameter` must be one of {', '.join(KNOWN)}, got {name!r}")
     return own_values(scene) | dict(given or {})
 
 

@@ -31,6 +31,7 @@ from ..parameters import (
     own_values,
     variation_of,
 )
+from ..slow_foam import by_waves, of_pixels, uneven
 from ..varied.materials import gauge_slopes, gauged, gauges
 from ..varied.meshes import single_field
 from .cases import Case, Draw, pixel_touches, touched
@@ -158,6 +159,8 @@ class Forward:
         assert skin.variation is not None and skin.weights is not None
         weighed = found.by_weight[..., :terms] * skin.weights
         by_name |= self._by_weights(weighed, skin.variation)
+        pressed = math.exp(values["capacitance"]) * touched(self.divided, cells, rises)
+        by_name |= by_waves(found.by_cell, pressed, values, self._waves)
         by_term, leads = found.by_weight[..., terms:], leads_of(values)
         at_meter = _at_meter(found, by_name, by_term, leads, self.scene.frequencies)
         if not gauged(self.scene.skin):
@@ -231,7 +234,7 @@ class Forward:
     def _skin(self, values: Mapping[str, float]) -> ReducedSkin:
         """The last one is kept: many presses of one skin are asked for in a row."""
         if self._kept is None or self._kept[0] != values:
-            self._kept = dict(values), self.reduced.skin(variation_of(self.divided, values))
+            self._kept = dict(values), self.reduced.skin(self._variation(values))
         return self._kept[1]
 
     def _s(self, values: Mapping[str, float]) -> NDArray[np.complex128]:
@@ -247,6 +250,17 @@ class Forward:
         bottom = skin.bottom.sheet_resistance / variation.bottom[0]
         energy = np.moveaxis(sheets.sum(axis=-1), -1, 0)
         return by_sheets(energy, top, bottom) | {"contact_resistance": -films.sum(axis=-1)}
+
+    @cached_property
+    def _waves(self) -> NDArray[np.float64]:
+        return of_pixels(self.divided)
+
+    def _variation(self, values: Mapping[str, float]) -> Variation:
+        return uneven(variation_of(self.divided, values), values, self._waves)
+
+    def factors_at_rest(self, values: Mapping[str, float]) -> NDArray[np.float64]:
+        """c of each cell at rest over that of the scene, shape (cell,)."""
+        return self._variation(all_values(self.scene, values)).foam(self.divided)
 
     def _of_sheets(
         self, weighed: NDArray[np.complex128]

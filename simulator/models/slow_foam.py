@@ -1,0 +1,75 @@
+"""Slow unevenness of the foam: half waves over the skin that its capacitance goes with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mesh.held import held
+from ..scene.maps import Grid
+from ..scene.scene import Scene
+from ..sweeps import InputError
+from .parameters import FOAM_WAVES, WAVES, Variation, mode_values
+
+NODES = 9
+"""Of a map of the waves, along each side: between them it is off by 2 % of an amplitude."""
+
+
+def amplitudes(values: Mapping[str, float]) -> NDArray[np.float64]:
+    """Of the mean, 1, and of each wave over it, shape (wave,)."""
+    return np.array([1.0, *(values.get(name, 0.0) for name in FOAM_WAVES)])
+
+
+def of_pixels(scene: Scene) -> NDArray[np.float64]:
+    """Each wave at the middle of the skin of each pixel, shape (wave, row, column)."""
+    middles = held(scene).middle
+    return mode_values(scene, middles, len(WAVES)).reshape(-1, *scene.pixels.shape)
+
+
+def uneven(even: Variation, values: Mapping[str, float], waves: NDArray[np.float64]) -> Variation:
+    """The skin with the waves among the values on its foam. waves: as of `of_pixels`."""
+    if not any(values.get(name) for name in FOAM_WAVES):
+        return even
+    factors = np.tensordot(amplitudes(values), waves, axes=1)
+    return replace(even, capacitance=even.capacitance * factors)
+
+
+def by_waves(
+    by_cell: NDArray[np.complex128],
+    pressed: NDArray[np.float64],
+    values: Mapping[str, float],
+    waves: NDArray[np.float64],
+) -> dict[str, NDArray[np.complex128]]:
+    """Slopes by the amplitudes among the values, from those by c of each cell over the scene's.
+
+    by_cell: shape (..., cell). pressed: that c where no wave is, shape (part,). waves: as of
+    `of_pixels`.
+    """
+    flat = waves.reshape(len(waves), -1)[1:]
+    slopes = by_cell[..., : flat.shape[1]] * pressed[: flat.shape[1]]
+    named = zip(FOAM_WAVES, flat, strict=True)
+    return {name: slopes @ wave for name, wave in named if name in values}
+
+
+def map_of(scene: Scene, values: Mapping[str, float]) -> Grid:
+    """The waves as a map, whose mean over the sides is 1."""
+    lines = (np.linspace(0.0, side, NODES) for side in scene.skin.sides)
+    waves = mode_values(scene, np.stack(np.meshgrid(*lines)), len(WAVES))
+    rows = np.tensordot(amplitudes(values), waves, axes=1)
+    return Grid(values=tuple(tuple(row) for row in rows.tolist()))
+
+
+def check_even(scene: Scene) -> None:
+    """Raises InputError where waves of the foam cannot be told apart from what the scene has."""
+    if scene.skin.foam.map is not None:
+        raise InputError(
+            f"{scene.name}: slow waves of the foam are fitted to foam without `skin.foam.map` alone"
+        )
+    if not scene.press.plain:
+        raise InputError(
+            f"{scene.name}: slow waves of the foam are fitted to presses by "
+            "`press.capacitance_factor` alone, got `press.depth`"
+        )

@@ -1,0 +1,109 @@
+"""Slow unevenness of the foam among what a calibration fits: on twins whose waves are known."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.calibration.choice import Options
+from rcskin.simulator.calibration.run import calibrate
+from rcskin.simulator.measure.readout import read_out
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.parameters import FOAM_WAVES
+from rcskin.simulator.models.reduced.forward import Forward
+from rcskin.simulator.models.slow_foam import map_of
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import every_press
+from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.sweeps import InputError
+
+FIT = ("sheet_resistance", "capacitance", *FOAM_WAVES)
+UNEVEN = Options(fit=FIT, fix=("others",), strengths=False, uneven=True)
+EVEN = Options(fit=FIT[:2], fix=("others",), strengths=False)
+TRUE = {"foam_x": 0.08, "foam_y": -0.06, "foam_xy": 0.04}
+
+
+def scene_fed_at_a_corner():
+    """Unlike along x and y, so that no wave looks like another."""
+    frequencies = {"sweep.frequencies": [1e3, 5e3, 2.5e4, 1e5]}
+    noise = {f"readout.{part}_noise": 2e-3 for part in ("magnitude", "phase")}
+    exact = {f"readout.{part}_accuracy": 0.0 for part in ("magnitude", "phase")}
+    spans = {"contact.top-left.span": [0.0, 0.4], "contact.bottom-left.span": [0.0, 0.4]}
+    return load_scene("sheet-4x4").with_(frequencies | noise | exact | spans)
+
+
+def twin_of(scene, waves, rtol=1e-4):
+    made = scene.with_({"skin.foam.map": map_of(scene, waves).model_dump()})
+    return simulate(Solver(made, rtol), every_press(scene)).assign_attrs(scene=scene_text(scene))
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return scene_fed_at_a_corner()
+
+
+@pytest.fixture(scope="module")
+def twin(scene):
+    return twin_of(scene, TRUE)
+
+
+@pytest.fixture(scope="module")
+def model(scene):
+    return Forward(scene, rtol=2e-4)
+
+
+def test_slopes_by_waves_are_those_of_the_answers(model):
+    step = 1e-5
+    cells, rises = np.array([6]), np.array([1.0])
+    own = dict(TRUE, capacitance=0.2)
+    found = model.respond(cells, rises, own)
+    for name in FOAM_WAVES:
+        ends = [
+            model.respond(cells, rises, own | {name: own[name] + turn}).Z for turn in (-step, step)
+        ]
+        slope = (ends[1] - ends[0]) / (2 * step)
+        scale = 1e-4 * np.abs(found.Z).max()
+        np.testing.assert_allclose(found.by_parameter[name], slope, rtol=1e-3, atol=scale)
+
+
+def test_waves_of_twins_are_found_and_their_intervals_hold_them(scene, twin, model):
+    """Five readings of one twin: the exact waves lie in nearly all of 15 intervals."""
+    held, random = [], np.random.default_rng(1)
+    for session in range(5):
+        read = read_out(twin, scene.readout, random, session)
+        found = calibrate(scene, read, UNEVEN, model=model)
+        held += [low <= TRUE[name] <= high for name, (low, high) in _waves(found).items()]
+        assert all(found.told[name] for name in FOAM_WAVES)
+    assert sum(held) >= 12
+
+
+def _waves(found):
+    return {name: found.intervals[name] for name in FOAM_WAVES}
+
+
+def test_the_fit_gains_and_the_fitted_scene_says_the_waves(scene, twin, model):
+    even, uneven = (calibrate(scene, twin, each, model=model) for each in (EVEN, UNEVEN))
+    assert uneven.rms_error < 0.1 * even.rms_error
+    again = simulate(Solver(uneven.scene, 1e-4), every_press(scene))
+    off = np.abs(again["Cp"] / twin["Cp"] - 1).max()
+    assert (
+        off
+        < 0.1
+        * np.abs(simulate(Solver(even.scene), every_press(scene))["Cp"] / twin["Cp"] - 1).max()
+    )
+
+
+def test_what_a_line_does_not_tell_is_said(scene, twin):
+    """Fed along a whole edge, rows look alike, and a wave across them is known by its prior."""
+    lined = scene.with_(
+        {"contact.top-left.span": [0.0, 1.0], "contact.bottom-left.span": [0.0, 1.0]}
+    )
+    rest = simulate(Solver(lined), every_press(lined)[:1])
+    found = calibrate(lined, rest, UNEVEN)
+    assert not found.told["foam_y"] and not found.told["foam_xy"]
+    assert any("foam_y: the data say nothing of it" in line for line in found.unclear)
+
+
+def test_waves_are_refused_where_they_cannot_be_told_from_a_map(scene, twin):
+    mapped = scene.with_({"skin.foam.map": map_of(scene, TRUE).model_dump()})
+    with pytest.raises(InputError, match="without `skin.foam.map` alone"):
+        calibrate(mapped, twin, UNEVEN)
+    with pytest.raises(InputError, match="foam_x changes nothing in this scene"):
+        calibrate(scene, twin, Options(fit=("foam_x",)))
