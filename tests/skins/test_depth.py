@@ -27,7 +27,7 @@ from rcskin.simulator.study.point import Trial
 from rcskin.simulator.study.sharing import families, member_curves, solve, tasks
 from rcskin.simulator.sweeps import InputError, impedance, open_zarr
 
-RTOL, CLOSELY = 1e-3, 3e-4
+RTOL, CLOSELY = 1e-3, 1e-4
 COLUMNS = 3
 FACTORS = 1.1, 4.0
 DEEP = Depth(2e-3)

@@ -15,7 +15,7 @@ from scipy.optimize import least_squares
 
 LEFT, BOTTOM = ("top-left", "bottom-left"), ("top-bottom", "bottom-bottom")
 TWO_PAIRS = (*LEFT, *BOTTOM)
-TRIALS = 80
+TRIALS = 150
 
 
 def slopes_of(scene, most=4, **question):
