@@ -24,6 +24,7 @@ from joblib import Parallel, delayed
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.twin import RTOL, SEED, equip, localizers, simulated
 from rcskin.benchmarks.localization.twin_parts.hands import Stage, Touch, visits
+from rcskin.benchmarks.localization.twin_parts.replaying import Replay, Told
 from rcskin.benchmarks.localization.twin_parts.scenes import believed, built
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.benchmarks.localization.twin_parts.trials import ONE, SINGLE, TWO
@@ -32,8 +33,7 @@ from rcskin.hardware.live.link import Link
 from rcskin.hardware.live.log import Log
 from rcskin.hardware.live.model import ModelLocalizer
 from rcskin.hardware.live.rest import Rest
-from rcskin.hardware.live.session import Moment, Session
-from rcskin.hardware.record.sweep import Sweep, Watch
+from rcskin.hardware.live.session import Session
 from rcskin.localization.filtering.asking import Asker, skin_at_hand
 from rcskin.localization.filtering.follower import Follower
 from rcskin.localization.model.model import Model
@@ -90,46 +90,6 @@ WHOLE = ("dlnZ", "dphase", "lnZ0", "phase0")
 LATE = 0.6
 """s after a release, within which an answer of the touch is not false."""
 CERTAIN = 0.95
-
-
-@dataclass
-class Told:
-    """What is shown: answers with the times when they came, s."""
-
-    stage: Any
-
-    def __post_init__(self) -> None:
-        self.answers: list[tuple[float, str]] = []
-
-    def reading(self, frequency: float, reading: object) -> None:
-        """Not of interest."""
-
-    def answer(self, moment: Moment) -> None:
-        """An answer came."""
-        self.answers.append((self.stage.now, moment.answer.label))
-
-    def no_answer(self, why: str) -> None:
-        """Not of interest."""
-
-    def note(self, text: str) -> None:
-        """Not of interest."""
-
-
-class Replay:
-    """A link whose sweeps were measured before: (begun, ended, sweep). now: s."""
-
-    def __init__(self, link: Link, sweeps: list[tuple[float, float, Sweep]]) -> None:
-        self.judge, self.header, self.now, self.turns = link.judge, link.header, 0.0, None
-        self.left = list(reversed(sweeps))
-
-    def ready(self) -> None:
-        """When the next sweep begins."""
-        self.now = self.left[-1][0]
-
-    def sweep(self, watch: Watch) -> Sweep:
-        """The next."""
-        _, self.now, sweep = self.left.pop()
-        return sweep
 
 
 def localizer(model: Model, filters: bool, asks: bool) -> ModelLocalizer:

@@ -38,6 +38,7 @@ def test_the_time_left_counts_down_from_what_is_done_and_is_not_made_up():
 def test_a_terminal_shows_it(capsys, monkeypatch):
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     with told_on_terminal() as tell:
         tell("solving")
         tell("solving", 0.5)

@@ -6,14 +6,16 @@ from rcskin.simulator.press.press import Press, check_press, order, parse_press,
 from rcskin.simulator.press.touch import Depth, Disc, Force, Indentation, Polygon, Rectangle, Touch
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.sweeps import InputError
+from rcskin.simulator.sweeps.press_text import MOST_FACTOR
 
 PLACE = st.floats(-1e3, 1e3)
 POSITIVE = st.floats(min_value=0, exclude_min=True, allow_infinity=False)
-pixels = st.builds(Touch, st.integers(1, 1000), st.integers(1, 1000), POSITIVE)
-rectangles = st.builds(Rectangle, PLACE, PLACE, POSITIVE, POSITIVE, POSITIVE)
-discs = st.builds(Disc, PLACE, PLACE, POSITIVE, POSITIVE)
+FACTOR = st.floats(min_value=0, max_value=MOST_FACTOR, exclude_min=True)
+pixels = st.builds(Touch, st.integers(1, 1000), st.integers(1, 1000), FACTOR)
+rectangles = st.builds(Rectangle, PLACE, PLACE, POSITIVE, POSITIVE, FACTOR)
+discs = st.builds(Disc, PLACE, PLACE, POSITIVE, FACTOR)
 polygons = st.builds(
-    Polygon, st.lists(st.tuples(PLACE, PLACE), min_size=3, max_size=6).map(tuple), POSITIVE
+    Polygon, st.lists(st.tuples(PLACE, PLACE), min_size=3, max_size=6).map(tuple), FACTOR
 )
 places = st.one_of(
     st.builds(Rectangle, PLACE, PLACE, POSITIVE, POSITIVE, st.just(1.0)),

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.inversion.tables import strength_prior
 from rcskin.simulator.measure.experiment import own_presses, planned_presses
 from rcskin.simulator.measure.simulate import resimulated, simulate
@@ -13,19 +12,14 @@ from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.sweeps import InputError, impedance
 
 
-def calibrated(scene):
-    return calibrate(scene, simulate(Solver(scene), [parse_press("none", 2.0)]))
-
-
 @pytest.mark.parametrize(
     "asked",
     [
-        calibrated,
         lambda scene: planned_presses(scene, np.random.default_rng(1)),
         own_presses,
         lambda scene: strength_prior(scene, "press"),
     ],
-    ids=["calibrate", "planned", "own presses", "tables"],
+    ids=["planned", "own presses", "tables"],
 )
 def test_a_force_is_refused_by_its_key(foam_scene, asked):
     with pytest.raises(InputError, match=r"`press\.force`.*`press.depth`"):

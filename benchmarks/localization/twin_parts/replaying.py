@@ -1,0 +1,50 @@
+"""Live sessions without a screen: what is answered when, and sweeps that were measured before."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from rcskin.hardware.live.link import Link
+from rcskin.hardware.live.session import Moment
+from rcskin.hardware.record.sweep import Sweep, Watch
+
+
+@dataclass
+class Told:
+    """What is shown: answers with the times when they came, s."""
+
+    stage: Any
+
+    def __post_init__(self) -> None:
+        self.answers: list[tuple[float, str]] = []
+
+    def reading(self, frequency: float, reading: object) -> None:
+        """Not of interest."""
+
+    def answer(self, moment: Moment) -> None:
+        """An answer came."""
+        self.answers.append((self.stage.now, moment.answer.label))
+
+    def no_answer(self, why: str) -> None:
+        """Not of interest."""
+
+    def note(self, text: str) -> None:
+        """Not of interest."""
+
+
+class Replay:
+    """A link whose sweeps were measured before: (begun, ended, sweep). now: s."""
+
+    def __init__(self, link: Link, sweeps: list[tuple[float, float, Sweep]]) -> None:
+        self.judge, self.header, self.now, self.turns = link.judge, link.header, 0.0, None
+        self.left = list(reversed(sweeps))
+
+    def ready(self) -> None:
+        """When the next sweep begins."""
+        self.now = self.left[-1][0]
+
+    def sweep(self, watch: Watch) -> Sweep:
+        """The next."""
+        _, self.now, sweep = self.left.pop()
+        return sweep
