@@ -49,7 +49,7 @@ def _panel(axes: Axes, question: Question, table: pd.DataFrame) -> None:
     names = list(dict.fromkeys(table["way"]))
     looks = looks_of([name for name in names if name not in question.ours], question.ours)
     for name, rows in table.groupby("way", sort=False):
-        curve(axes, str(name), rows, looks[str(name)], question.wrong)
+        curve(axes, str(name), rows, looks[str(name)], question.wrong, name not in question.ours)
     axes.set_title(question.title, loc="left")
     axes.set_xlabel(question.time)
     axes.set_ylabel(question.error)

@@ -57,12 +57,20 @@ def looks_of(others: list[str], ours: tuple[str, ...]) -> dict[str, dict]:
     return looks
 
 
-def curve(axes: Axes, name: str, rows: pd.DataFrame, look: dict, wrong: float = WRONG) -> None:
-    """One way, in ms, with what more work does not cure beside it. wrong: an error of no use."""
+def curve(
+    axes: Axes,
+    name: str,
+    rows: pd.DataFrame,
+    look: dict,
+    wrong: float = WRONG,
+    stalls: bool = True,
+) -> None:
+    """One way, in ms, with what more work does not cure beside it. wrong: an error of no use.
+    stalls: whether it is told where errors no longer fall."""
     errors = np.clip(rows["error"].to_numpy(), FLOOR, None)
     times = 1e3 * rows["seconds"].to_numpy()
     axes.loglog(times, errors, label=name, markersize=5, **look)
-    failure = _failure(errors, wrong)
+    failure = _failure(errors, wrong, stalls)
     if failure:
         axes.annotate(
             f"{name} {failure}",
@@ -74,9 +82,9 @@ def curve(axes: Axes, name: str, rows: pd.DataFrame, look: dict, wrong: float = 
         )
 
 
-def _failure(errors: NDArray[np.float64], wrong: float) -> str | None:
+def _failure(errors: NDArray[np.float64], wrong: float, stalls: bool) -> str | None:
     """What more work does not cure, in a word."""
     if errors.min() > wrong:
         return "is wrong"
-    stalled = len(errors) > 1 and errors[-1] > STALLED * errors[-2] > 1e3 * FLOOR
+    stalled = stalls and len(errors) > 1 and errors[-1] > STALLED * errors[-2] > 1e3 * FLOOR
     return "stalls" if stalled else None

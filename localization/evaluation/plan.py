@@ -41,6 +41,7 @@ def draw_plan(axes: Axes, plan: Plan) -> None:
             color=FOIL[foil.electrode],
             linewidth=WIDTH[foil.electrode],
             solid_capstyle="butt",
+            clip_on=False,
             zorder=0.7,
             label=None if foil.electrode in named else f"foils of the {foil.electrode} sheet",
         )

@@ -31,7 +31,7 @@ LEARNED = {
 OF_PAPER = (10, 60)
 HELD_BACK = 0.25
 """Of all sessions, the last."""
-PAPER = "ksvm-ovo on Rs, Cp as they are"
+PAPER = "ksvm-ovo on Rs, Cp"
 MODEL = f"{NAME}, nothing learned"
 
 
@@ -67,8 +67,8 @@ LOCALIZERS = Question(
     ours=(MODEL,),
     answers=answers,
     pick=(
-        "Take model-based where the scene is known and tens of milliseconds are to spare, "
-        "a network or ksvm-components where many sweeps can be simulated."
+        "Take model-based where the scene is known: it tells most, in a millisecond; "
+        "ksvm-components where there is nothing but sweeps."
     ),
     wrong=0.7,
 )
