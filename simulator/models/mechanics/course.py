@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from ...press.press import Press
 from ...press.touch import Depth, Indentation, Touch
@@ -68,6 +67,8 @@ class Course:
 
         def stress(depth: NDArray[np.float64] | float) -> NDArray[np.float64]:
             return elastic.stress(np.maximum(depth, SMALLEST) / thickness)
+
+        from scipy.optimize import brentq
 
         nodes, between = np.split(self.depth, [self.count])
         area = self.force / stress(self.depth)

@@ -14,7 +14,6 @@ from ...press.touch import Depth, Force, Indentation, Touch
 from ...scene.scene import Scene
 from ...scene.skin import Sheet
 from ..plain import folded
-from .indentation import pressed
 
 LOG = logging.getLogger(__name__)
 SAMPLE = 9
@@ -49,6 +48,8 @@ def _bare(scene: Scene) -> Scene:
 @lru_cache(maxsize=16)
 def _median(scene: Scene) -> float:
     """Of the depths that its force takes in pixels, m."""
+    from .indentation import pressed
+
     pixels, force = pixels_with_skin(scene), scene.press.force
     assert force is not None
     some = [
@@ -69,6 +70,8 @@ def settled(scene: Scene, press: Press) -> Press:
 
     Raises InputError and ToleranceError as `pressed`.
     """
+    from .indentation import pressed
+
     if not any(isinstance(touch.by, Force) for touch in press.indented):
         return press
     depths = pressed(scene, press, FACTOR_RTOL).depth

@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,9 @@ from ....press.pixels import pixels_with_skin
 from ....press.touch import Touch
 from ....scene.foam_mechanics import Mechanics
 from ....scene.scene import Scene
-from ...mechanics.course import Course, course, spread
+
+if TYPE_CHECKING:
+    from ...mechanics.course import Course
 
 REACH = 0.9
 """Of the strain at which cells are closed: how deep applicators are known."""
@@ -100,6 +103,8 @@ def applicators(scene: Scene, rtol: float) -> Applicators:
 
     rtol: the tolerance asked of Rs and Cp. Raises as `course`.
     """
+    from ...mechanics.course import spread
+
     rows, columns = scene.pixels.shape
     count, lengths = rows * columns, np.array(scene.skin.sides)
     of_pixel, turn, shift = np.full(count, -1), np.ones((count, 2)), np.zeros((count, 2))
@@ -125,6 +130,8 @@ def applicators(scene: Scene, rtol: float) -> Applicators:
 
 
 def _course(scene: Scene, place: Sequence[int], rtol: float) -> Course:
+    from ...mechanics.course import course
+
     column, row = place
     factor_rtol = min(COARSEST, FACTOR_SHARE * rtol)
     pixel = Touch(row + 1, column + 1, 1.0)
