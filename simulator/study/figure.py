@@ -145,16 +145,25 @@ def _edges(axis: Axis) -> NDArray[np.float64]:
 
 def _scale(panel: Axes, name: Literal["x", "y"], axis: Axis) -> None:
     """Ticks, label and spacing of a chart's axis."""
-    from matplotlib.ticker import EngFormatter, MaxNLocator
+    from matplotlib.ticker import MaxNLocator
 
     ruler = panel.xaxis if name == "x" else panel.yaxis
-    if axis.key.unit:
-        ruler.set_major_formatter(EngFormatter(sep=" "))
+    told = _numbers(axis.key.unit)
+    ruler.set_major_formatter(told)
     if axis.logarithmic:
-        _logarithmic(panel, name, EngFormatter(sep=" ") if axis.key.unit else "{x:g}")
+        _logarithmic(panel, name, told)
     if axis.key.whole:
         ruler.set_major_locator(MaxNLocator(integer=True))
     ruler.set_label_text(axis_label(axis.key))
+
+
+def _numbers(unit: str) -> Formatter:
+    """With prefixes where there is a unit; lengths in full, as m stands for milli as well."""
+    from matplotlib.ticker import EngFormatter, StrMethodFormatter
+
+    if not unit:
+        return StrMethodFormatter("{x:g}")
+    return EngFormatter(unit=unit if unit == "m" else "", sep=" ")
 
 
 def _logarithmic(panel: Axes, name: Literal["x", "y"], told: str | Formatter = "{x:g}") -> None:
