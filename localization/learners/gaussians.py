@@ -86,10 +86,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         X = np.asarray(X, np.float64)
         check_classification_targets(y)
         self.classes_, index = np.unique(y, return_inverse=True)
-        curve = np.isin(np.arange(X.shape[1]), self.curve)
-        if 2 * curve.sum() == len(curve):
-            X = X.copy()
-            X[:, ~curve] += self.drift * _apart(X[:, curve])
+        X, curve = self.drifted(X), np.isin(np.arange(X.shape[1]), self.curve)
         self._of_change = _axes(X[:, ~curve], self.components)
         self._of_curve = _axes(X[:, curve], self.of_curve, alike=True)
         change, known = self._seen(X)
@@ -111,6 +108,15 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
             for fit, n in zip(fits, counts.tolist(), strict=True)
         ]
         return self
+
+    def drifted(self, X: Array) -> Array:
+        """The same sweeps, of skins that have drifted since the rest before, see `drift`."""
+        curve = np.isin(np.arange(X.shape[1]), self.curve)
+        if 2 * curve.sum() != len(curve):
+            return X
+        X = X.copy()
+        X[:, ~curve] += self.drift * _apart(X[:, curve])
+        return X
 
     def decision_function(self, X):
         """ln of the density of each class with its share, shape (sweep, K); (sweep,) of two."""

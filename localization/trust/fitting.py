@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.neighbors import KNeighborsRegressor
@@ -98,9 +100,11 @@ def _spread(told: NDArray[np.float64], residual: NDArray[np.float64]) -> Pipelin
 
 
 def _guards(samples: Samples, splits: Splits, pipeline: Pipeline) -> Guards | None:
-    """None where the pipeline tells novelties by itself."""
+    """None where the pipeline tells novelties by itself; what it takes for drift is no novelty."""
     if tells_novelty(pipeline):
         return None
+    drifted = getattr(pipeline[-1], "drifted", lambda X: X)
+    samples = replace(samples, X=drifted(samples.X))
     some, problem = samples.at_most(PLENTY), samples.problem
     groups = some.sessions if by_session(some.sessions) else None
     told, _ = told_by_press(problem.quantities, problem.features)
