@@ -13,7 +13,7 @@ from rcskin.benchmarks.rivals import scikit_fem_script
 from rcskin.benchmarks.rivals.scikit_fem_script import Elements
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.scene import Pixels, Scene
+from rcskin.simulator.scene.scene import Scene
 from scipy.sparse import csc_matrix, diags_array, eye_array, kron
 from scipy.sparse.linalg import spsolve
 
@@ -28,7 +28,7 @@ def impedance(
     rows, columns = (cells * count for count in scene.pixels.shape)
     strain = deflection(scene, pixel, cells) / scene.skin.foam.thickness
     factor = scene.skin.foam.mechanics.factor(strain)
-    laid = scene.model_copy(update={"pixels": Pixels(rows=rows, columns=columns)})
+    laid = scene.on_grid(rows, columns)
     touches = [Touch(int(i) + 1, int(j) + 1, float(f)) for (i, j), f in np.ndenumerate(factor)]
     return scikit_fem_script.impedance(laid, Press(tuple(touches)), frequencies, Elements(1, 1))
 
