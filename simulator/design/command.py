@@ -95,7 +95,7 @@ def design(
     given = {
         "target": target,
         "want": want,
-        "within": None if within is None else 1e-3 * within,
+        "within": _metres("--within", within),
         "wires": wires,
         "readings": readings,
         "frequencies": frequencies,
@@ -147,6 +147,16 @@ def _bounds(option: str, text: str | None) -> tuple[float, float] | None:
     except ValueError:
         raise InputError(f"{option} must be LOW:HIGH, got {text!r}") from None
     return low, high
+
+
+def _metres(option: str, millimetres: float | None) -> float | None:
+    from ..sweeps import InputError
+
+    if millimetres is None:
+        return None
+    if not 0 < millimetres < float("inf"):
+        raise InputError(f"{option} must be finite and > 0 mm, got {millimetres:g}")
+    return 1e-3 * millimetres
 
 
 def _own_band(scene: Scene) -> tuple[float, float]:
