@@ -55,8 +55,12 @@ def load(scene: str | Path) -> Scene:
     return load_scene(scene)
 
 
+def _scene(given: Scene | str | Path) -> Scene:
+    return load(given) if isinstance(given, str | Path) else given
+
+
 def sweep(
-    scene: Scene,
+    scene: Scene | str | Path,
     presses: Sequence[str | Press] | None = None,
     *,
     rtol: float = 1e-4,
@@ -64,15 +68,16 @@ def sweep(
 ) -> xr.Dataset:
     """Noise-free sweeps of presses, with the estimated errors of Rs and Cp.
 
-    presses: as texts ("2,3", "1,1:1.5+4,4", "none") or parsed; by default nothing pressed, then
-    every pixel. rtol: the largest relative error of Rs and of Cp. model: auto, lumped, line, sheet
-    or reduced. Raises InputError for a press that does not fit the scene, ToleranceError where
-    rtol cannot be kept.
+    scene: or its name or path, as for `load`. presses: as texts ("2,3", "1,1:1.5+4,4", "none") or
+    parsed; by default nothing pressed, then every pixel. rtol: the largest relative error of Rs and
+    of Cp. model: auto, lumped, line, sheet or reduced. Raises InputError for a press that does not
+    fit the scene, ToleranceError where rtol cannot be kept.
     """
     from .simulator.measure.simulate import simulate
     from .simulator.models.solver import Solver, checked_model
     from .simulator.press.press import every_press, press_on
 
+    scene = _scene(scene)
     asked = every_press(scene) if presses is None else presses
     parsed = [press_on(scene, each) if isinstance(each, str) else each for each in asked]
     return simulate(Solver(scene, rtol, checked_model(model)), parsed)
@@ -147,38 +152,43 @@ def localize(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -
     return model.answers(sweeps, rest)
 
 
-def reduce(scene: Scene, rtol: float = 1e-4) -> Reduced:
+def reduce(scene: Scene | str | Path, rtol: float = 1e-4) -> Reduced:
     """A model of the scene's whole family of skins and presses that answers in microseconds.
 
-    Raises InputError for scenes that are more than plain, ToleranceError where rtol is out of
-    reach.
+    scene: or its name or path. Raises InputError for a scene that cannot be reduced, ToleranceError
+    where rtol is out of reach.
     """
     from .simulator.models.reduced.greedy import reduce as reduced
 
-    return reduced(scene, rtol)
+    return reduced(_scene(scene), rtol)
 
 
-def limits(scene: Scene, target: str = "column", **options: Any) -> tuple[float, float]:
+def limits(
+    scene: Scene | str | Path, target: str = "column", **options: Any
+) -> tuple[float, float]:
     """Share of sweeps that the best classifier of a known skin gets right, and its standard error.
 
-    target: column, row, pixel, pair or touches. options: as of
+    scene: or its name or path. target: column, row, pixel, pair or touches. options: as of
     `rcskin.simulator.limits.bayes_accuracy`. Raises InputError for a meter without noise.
     """
     from .simulator.limits import bayes_accuracy
 
-    return bayes_accuracy(scene, target, **options)
+    return bayes_accuracy(_scene(scene), target, **options)
 
 
-def calibrate(scene: Scene, sweeps: xr.Dataset, *, anyway: bool = False) -> Calibration:
+def calibrate(
+    scene: Scene | str | Path, sweeps: xr.Dataset, *, anyway: bool = False
+) -> Calibration:
     """The scene fitted to measured sweeps, with what the data tell of each parameter.
 
-    anyway: take sweeps of another skin too. Raises InputError where sweeps and scene do not fit,
-    ToleranceError where no model holds.
+    scene: or its name or path. anyway: take sweeps of another skin too. Raises InputError where
+    sweeps and scene do not fit, ToleranceError where no model holds.
     """
     from .simulator.calibration.run import calibrate as calibrated
     from .simulator.scene.files import scene_text
     from .simulator.sweeps.same_skin import check_same_skin
 
+    scene = _scene(scene)
     if not anyway:
         check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(scene), "sweeps")
 

@@ -12,6 +12,7 @@ from .sweeps import InputError, checked_output, whole_file
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.ticker import Formatter
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Of M. Okabe and K. Ito, "Color Universal Design" (2008), the darker ones first."""
@@ -45,7 +46,19 @@ def frequency_axis(axes: Axes) -> None:
     """A logarithmic x axis of frequencies given in kHz."""
     axes.set_xscale("log")
     axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter(between_decades("{x:g}"))
     axes.set_xlabel("Frequency (kHz)")
+
+
+def between_decades(told: str) -> Formatter:
+    """Labels of the ticks within a decade, as `told` says, on axes of few decades."""
+    from matplotlib.ticker import LogFormatter
+
+    class Between(LogFormatter):
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            return told.format(x=x) if super().__call__(x, pos) else ""
+
+    return Between(minor_thresholds=(2, 0.4))
 
 
 def checked_chart(path: str | Path, *more: str) -> Path:

@@ -280,7 +280,7 @@ def _add_lines(
 
 def lifted(line: Real, skin: Surface, times: float = 1.0, towards: Real | None = None) -> Real:
     """A line (3, n) on the skin raised a little, to be seen: off it, or towards an eye (3,)."""
-    way = skin.normals[:, skin.nearest(line)] if towards is None else towards[:, None]
+    way = skin.normals_near(line) if towards is None else towards[:, None]
     return line + times * LIFTED * skin.size * way
 
 

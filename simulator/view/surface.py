@@ -21,6 +21,8 @@ SAME_PLACE = 1.234e-7
 """Of the skin's extent."""
 WITHIN = 1e-3
 """Of the skin's size: beside an edge, where the skin is looked for."""
+AROUND = 24
+"""Points whose normals are one where a line is raised."""
 SHOWN_DEPTH = 0.08
 """Of the skin's size: how deep the deepest place is drawn."""
 
@@ -95,6 +97,12 @@ class Surface:
     def nearest(self, places: Real) -> NDArray[np.int64]:
         """The numbers of the points that are nearest to places (3, n) in space."""
         return np.asarray(self._tree.query(places.T)[1])
+
+    def normals_near(self, places: Real) -> Real:
+        """Unit normals (3, n) beside places (3, n) in space, alike on both sides of a crease."""
+        near = self._tree.query(places.T, k=min(AROUND, self.points.shape[1]))[1]
+        mean = self.normals[:, near].mean(axis=-1)
+        return mean / np.linalg.norm(mean, axis=0)
 
     @cached_property
     def _tree(self) -> KDTree:

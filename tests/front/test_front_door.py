@@ -42,6 +42,12 @@ def test_sweeps_of_texts_and_of_all_pixels(scene, sweeps):
     assert np.array_equal(both["Rs"], some["Rs"])
 
 
+def test_a_scene_by_its_name_is_the_scene(sweeps):
+    assert rcskin.sweep("sheet-3x3", rtol=1e-3).identical(sweeps)
+    with pytest.raises(InputError, match="sheet-33"):
+        rcskin.sweep("sheet-33")
+
+
 def test_a_changed_scene_is_another_skin(scene, sweeps):
     double = scene.with_({"skin.sheet_resistance": 2 * scene.skin.top.sheet_resistance})
     faster = double.with_({"sweep.frequencies": (scene.frequencies / 2).tolist()})

@@ -1,7 +1,8 @@
 """Charts are pictures or lines, by the ending of their file."""
 
 import pytest
-from rcskin.simulator.charts import ENDINGS, chart, checked_chart, checked_ending
+from matplotlib.figure import Figure
+from rcskin.simulator.charts import ENDINGS, chart, checked_chart, checked_ending, frequency_axis
 from rcskin.simulator.sweeps import InputError
 
 BEGINS = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
@@ -28,3 +29,18 @@ def test_charts_in_a_folder_have_the_ending_that_is_named():
     assert checked_ending("pdf") == ".pdf"
     with pytest.raises(InputError, match="--charts must be png or svg or pdf, got 'jpg'"):
         checked_ending("jpg")
+
+
+@pytest.mark.parametrize("high, least, most", [(6.5, 4, 9), (15, 4, 11), (1000, 3, 4)])
+def test_a_frequency_axis_has_plain_labels_enough_to_read_and_few_enough(high, least, most):
+    figure = Figure()
+    axes = figure.subplots()
+    axes.plot([0.7, high], [0, 1])
+    frequency_axis(axes)
+    figure.draw_without_rendering()
+    low, top = axes.get_xlim()
+    ticks = [*axes.xaxis.get_major_ticks(), *axes.xaxis.get_minor_ticks()]
+    told = [t.label1.get_text() for t in ticks if low <= t.get_loc() <= top]
+    labels = [each for each in told if each]
+    assert least <= len(labels) <= most
+    assert all(float(each) > 0 for each in labels)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 
 SIDE, EACH_CLASS = 3.6, 0.3
 """Inches: of a matrix at least, and of a class in a large one."""
+TITLE_WIDTH = 46
+"""Letters of a line above a matrix."""
 
 
 def main_cases(findings: Findings, name: str) -> dict[str, Accuracy]:
@@ -30,7 +33,7 @@ def main_cases(findings: Findings, name: str) -> dict[str, Accuracy]:
     most, last = max(findings.trial.splits), stages[-1]
     if most:
         added = f"{most} {noun.adjective} sweeps of each pixel"
-        told = f"Trained on simulation, {last} calibration,\nand {added}"
+        told = f"Trained on simulation, {last} calibration, and {added}"
         cases[told] = findings.stages[last].transfer[name][most]
     for found in list(findings.own[name].values())[:1]:
         told = f"Trained on {noun.adjective} sweeps, cross-validated by {found.grouping or 'sweep'}"
@@ -48,6 +51,7 @@ def draw_confusions(findings: Findings, name: str, style: Style, path: Path) -> 
         for axes, (told, accuracy) in zip(panels, cases.items(), strict=False):
             axes.grid(False)
             draw_confusion(axes, accuracy.confusion)
-            axes.set_title(f"{told}\n{axes.get_title()}", fontsize=9)
+            lines = [*textwrap.wrap(told, TITLE_WIDTH, break_on_hyphens=False), axes.get_title()]
+            axes.set_title("\n".join(lines), fontsize=9)
         for axes in panels[len(cases) :]:
             axes.set_axis_off()

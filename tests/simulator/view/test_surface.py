@@ -141,3 +141,14 @@ def test_foils_and_pixels_of_a_mesh_lie_along_its_groups(fields, stage, tmp_path
     assert drawn.middles[:, 0] == pytest.approx(np.array([[0.03, 0.09], [0.04, 0.04], [0, 0]]))
     high, low = drawn.foils
     assert high.quads[0].max() < 0 and low.quads[0].min() > 0.12
+
+
+def test_a_line_around_a_dent_is_raised_alike_all_along_its_crease(fields):
+    skin = surface(fields(depth=4e-3, n=(97, 33)), exaggeration=5.0)
+    steep = np.argmin(skin.normals[2])
+    along = skin.points[0, steep] + np.linspace(-0.004, 0.004, 60)
+    line = np.array([along, np.full(60, skin.points[1, steep]), np.full(60, skin.points[2, steep])])
+    ways = lifted(line, skin) - line
+    turns = np.linalg.norm(np.diff(ways, axis=1), axis=0) / np.linalg.norm(ways[:, 0])
+    single = skin.normals[:, skin.nearest(line)]
+    assert turns.max() < np.linalg.norm(np.diff(single, axis=1), axis=0).max()
