@@ -203,6 +203,22 @@ def presses(draw, scene):
 
 
 @pytest.fixture(scope="session")
+def moved():
+    """Values of a scene's parameters, each away from where the scene has it."""
+    return {
+        "sheet_resistance": 0.3,
+        "sheet_mismatch": -0.4,
+        "capacitance": 0.2,
+        "contact_resistance": 0.5,
+        "loss_tangent": 0.03,
+        "phase_exponent": 0.94,
+        "lead_resistance": 50.0,
+        "lead_inductance": 1e-3,
+        "stray_capacitance": 4e-12,
+    }
+
+
+@pytest.fixture(scope="session")
 def make_scene():
     """A function that builds a scene from a few keywords."""
     return build_scene

@@ -11,17 +11,6 @@ from rcskin.simulator.sweeps import InputError, parallel_capacitance
 FILMS = {"top-left": {"resistance": 200.0}, "bottom-left": {"resistance": 100.0}}
 CROSSED = {"top-left": {"resistance": 200.0}, "bottom-bottom": {"resistance": 300.0}}
 FREQUENCIES = tuple(np.geomspace(1e3, 2e5, 5))
-OFF = {
-    "sheet_resistance": 0.3,
-    "sheet_mismatch": -0.4,
-    "capacitance": 0.2,
-    "contact_resistance": 0.5,
-    "loss_tangent": 0.03,
-    "phase_exponent": 0.94,
-    "lead_resistance": 50.0,
-    "lead_inductance": 1e-3,
-    "stray_capacitance": 4e-12,
-}
 RTOL = 1e-4
 
 
@@ -31,42 +20,43 @@ def forward(request, make_scene):
     return Forward(scene, rtol=RTOL)
 
 
-def test_values_are_those_of_the_full_solver(forward):
+def test_values_are_those_of_the_full_solver(forward, moved):
     press = parse_press("1,2:1.8+2,3:2.5", 2.0)
-    response = forward.respond(*forward.cells(press), OFF)
-    truth = Solver(scene_with(forward.scene, OFF), 1e-6).solve(press).Z
+    response = forward.respond(*forward.cells(press), moved)
+    truth = Solver(scene_with(forward.scene, moved), 1e-6).solve(press).Z
     np.testing.assert_allclose(response.Z.real, truth.real, rtol=RTOL)
     frequency = forward.scene.frequencies
     Cp, true_Cp = (parallel_capacitance(Z, frequency) for Z in (response.Z, truth))
     np.testing.assert_allclose(Cp, true_Cp, rtol=RTOL)
 
 
-def test_a_batch_gives_the_same_values(forward):
+def test_a_batch_gives_the_same_values(forward, moved):
     cells, rises = forward.cells(parse_press("2,1:1.4", 2.0))
-    one = forward.respond(cells, rises, OFF).Z
-    batch = forward.impedances(cells, rises, np.array([0, len(cells)]), OFF)[0]
+    one = forward.respond(cells, rises, moved).Z
+    batch = forward.impedances(cells, rises, np.array([0, len(cells)]), moved)[0]
     np.testing.assert_allclose(batch, one, rtol=0.1 * RTOL)
 
 
 @pytest.mark.parametrize("name", PARAMETERS)
-def test_slopes_by_parameters_are_differences(forward, name):
+def test_slopes_by_parameters_are_differences(forward, name, moved):
     cells, rises = forward.cells(parse_press("1,2:1.8", 2.0))
-    step = 1e-5 * (OFF[name] if name.startswith(("lead", "stray")) else 1.0)
+    step = 1e-5 * (moved[name] if name.startswith(("lead", "stray")) else 1.0)
     ahead, behind = (
-        forward.respond(cells, rises, OFF | {name: OFF[name] + turn * step}).Z for turn in (1, -1)
+        forward.respond(cells, rises, moved | {name: moved[name] + turn * step}).Z
+        for turn in (1, -1)
     )
-    slope = forward.respond(cells, rises, OFF).by_parameter[name]
+    slope = forward.respond(cells, rises, moved).by_parameter[name]
     difference = (ahead - behind) / (2 * step)
     np.testing.assert_allclose(slope, difference, rtol=1e-5, atol=1e-8 * np.abs(slope).max())
 
 
-def test_slopes_by_cells_are_differences(forward):
+def test_slopes_by_cells_are_differences(forward, moved):
     cells, rises = np.arange(6), np.array([0.0, 0.8, 0.1, 0.0, 0.3, 1.2])
-    response, step = forward.respond(cells, rises, OFF), 1e-5
+    response, step = forward.respond(cells, rises, moved), 1e-5
     for cell in range(6):
         turn = step * np.eye(6)[cell]
-        ahead, behind = (forward.respond(cells, rises + t, OFF).Z for t in (turn, -turn))
-        difference = (ahead - behind) / (2 * step) / np.exp(OFF["capacitance"])
+        ahead, behind = (forward.respond(cells, rises + t, moved).Z for t in (turn, -turn))
+        difference = (ahead - behind) / (2 * step) / np.exp(moved["capacitance"])
         np.testing.assert_allclose(response.by_cell[..., cell], difference, rtol=1e-5)
 
 

@@ -10,17 +10,6 @@ from rcskin.simulator.sweeps import InputError
 
 FILMS = {"top-left": {"resistance": 200.0}, "bottom-left": {"resistance": 120.0}}
 RIGHT = {"top-right": {"resistance": 200.0}, "bottom-right": {"resistance": 120.0}}
-OFF = {
-    "sheet_resistance": 0.3,
-    "sheet_mismatch": -0.4,
-    "capacitance": 0.2,
-    "contact_resistance": 0.5,
-    "loss_tangent": 0.03,
-    "phase_exponent": 0.94,
-    "lead_resistance": 50.0,
-    "lead_inductance": 1e-3,
-    "stray_capacitance": 4e-12,
-}
 
 
 @pytest.fixture(params=[FILMS, RIGHT], ids=["fed left", "fed right"])
@@ -29,34 +18,34 @@ def model(request, make_scene):
 
 
 @pytest.mark.parametrize("press", ["none", "1,2:1.8+1,3:2.5"])
-def test_values_are_those_of_the_solver(model, press):
+def test_values_are_those_of_the_solver(model, press, moved):
     touched = parse_press(press, 2.0)
-    Z = model.respond(*model.cells(touched), OFF).Z
-    same_films = OFF | {"sheet_mismatch": 0.0}
+    Z = model.respond(*model.cells(touched), moved).Z
+    same_films = moved | {"sheet_mismatch": 0.0}
     truth = Solver(scene_with(model.scene, same_films), 1e-6).solve(touched).Z
     np.testing.assert_allclose(model.respond(*model.cells(touched), same_films).Z, truth, rtol=1e-9)
     assert np.abs(Z / truth - 1).max() > 1e-4
 
 
 @pytest.mark.parametrize("name", PARAMETERS)
-def test_slopes_by_parameters_are_differences(model, name):
+def test_slopes_by_parameters_are_differences(model, name, moved):
     cells, rises = model.cells(parse_press("1,2:1.8", 2.0))
-    step = 1e-4 * OFF[name]
+    step = 1e-4 * moved[name]
     ahead, behind = (
-        model.respond(cells, rises, OFF | {name: OFF[name] + turn * step}).Z for turn in (1, -1)
+        model.respond(cells, rises, moved | {name: moved[name] + turn * step}).Z for turn in (1, -1)
     )
-    slope = model.respond(cells, rises, OFF).by_parameter[name]
+    slope = model.respond(cells, rises, moved).by_parameter[name]
     difference = (ahead - behind) / (2 * step)
     np.testing.assert_allclose(slope, difference, rtol=1e-5, atol=1e-7 * np.abs(slope).max())
 
 
-def test_slopes_by_cells_are_differences(model):
+def test_slopes_by_cells_are_differences(model, moved):
     cells, rises, step = np.arange(3), np.array([0.0, 0.8, 1.2]), 1e-5
-    response = model.respond(cells, rises, OFF)
+    response = model.respond(cells, rises, moved)
     for cell in range(3):
         turn = step * np.eye(3)[cell]
-        ahead, behind = (model.respond(cells, rises + t, OFF).Z for t in (turn, -turn))
-        difference = (ahead - behind) / (2 * step) / np.exp(OFF["capacitance"])
+        ahead, behind = (model.respond(cells, rises + t, moved).Z for t in (turn, -turn))
+        difference = (ahead - behind) / (2 * step) / np.exp(moved["capacitance"])
         np.testing.assert_allclose(response.by_cell[..., cell], difference, rtol=1e-5)
 
 
