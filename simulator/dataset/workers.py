@@ -35,6 +35,9 @@ workers are copies of."""
 AHEAD = 4
 """Blocks handed out beforehand, for each worker."""
 RETRIES = 10
+MOST_TOGETHER, TASKS_EACH = 16, 20
+"""Blocks in one task of a cluster at most; tasks for each of its workers at least, where blocks
+suffice: a scheduler takes as long for a small task as for a large one."""
 SECONDS_TO_CONNECT = 10
 SECONDS_TO_END = 1.0
 
@@ -151,11 +154,16 @@ def _outlive(parent: BaseProcess) -> None:
     os._exit(1)
 
 
-def cluster(workshop: Workshop, blocks: Sequence[int], address: str) -> Iterator[int]:
+def cluster(
+    workshop: Workshop,
+    blocks: Sequence[int],
+    address: str,
+    make: Callable[[Workshop, int], int] = make_block,
+) -> Iterator[int]:
     """Make the blocks on a Dask cluster whose workers see the same disk; yields each when finished.
 
-    Blocks of workers that die are made again by others. Raises InputError where the scheduler
-    cannot be reached, WorkerError where blocks are lost again and again.
+    Blocks of workers that die are made again by others. make: makes one of them. Raises InputError
+    where the scheduler cannot be reached, WorkerError where blocks are lost again and again.
     """
     check_needs(f"--scheduler {address}", "scale", "distributed")
     from distributed import Client, KilledWorker, as_completed
@@ -165,13 +173,25 @@ def cluster(workshop: Workshop, blocks: Sequence[int], address: str) -> Iterator
     except (OSError, ValueError) as error:
         raise InputError(f"--scheduler {address}: cannot be reached: {error}") from error
     with client:
-        waiting = iter(blocks)
-        ahead = AHEAD * max(1, sum(client.nthreads().values()))
-        submit = partial(client.submit, make_block, workshop, pure=False, retries=RETRIES)
-        running = as_completed([submit(block) for block in islice(waiting, ahead)])
+        workers = max(1, sum(client.nthreads().values()))
+        waiting = iter(tasks_of(blocks, workers))
+        submit = partial(client.submit, _make_all, make, workshop, pure=False, retries=RETRIES)
+        running = as_completed([submit(task) for task in islice(waiting, AHEAD * workers)])
         try:
             for future in running:
-                yield future.result()
-                running.update([submit(block) for block in islice(waiting, 1)])
+                yield from future.result()
+                running.update([submit(task) for task in islice(waiting, 1)])
         except KilledWorker as error:
             raise WorkerError(f"{error}; the same command goes on from here") from None
+
+
+def tasks_of(blocks: Sequence[int], workers: int) -> list[Sequence[int]]:
+    """The blocks in tasks of equally many, fewer where workers would have too few tasks."""
+    together = min(MOST_TOGETHER, max(1, len(blocks) // (TASKS_EACH * workers)))
+    return [blocks[first : first + together] for first in range(0, len(blocks), together)]
+
+
+def _make_all(
+    make: Callable[[Workshop, int], int], workshop: Workshop, blocks: Sequence[int]
+) -> list[int]:
+    return [make(workshop, block) for block in blocks]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
-NEEDS = {"scale/dataset": "psutil"}
+NEEDS = {"scale/dataset": "psutil", "scale/cluster": "psutil"}
 MARKS = {"pictures/gallery": pytest.mark.pictures}
 TIMEOUT = 400
 """s, on a machine that does much besides."""

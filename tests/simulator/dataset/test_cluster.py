@@ -6,6 +6,7 @@ import signal
 import pytest
 from distributed import LocalCluster
 from rcskin.simulator.dataset.run import generate
+from rcskin.simulator.dataset.workers import MOST_TOGETHER, TASKS_EACH, tasks_of
 from rcskin.simulator.sweeps import InputError
 
 
@@ -48,3 +49,16 @@ def test_a_scheduler_that_is_not_there_is_told(toy, tmp_path, monkeypatch):
             scheduler="tcp://127.0.0.1:1",
             training=toy.training(),
         )
+
+
+@pytest.mark.parametrize("blocks, workers", [(0, 3), (1, 4), (160, 4), (1_000_003, 100)])
+def test_tasks_hold_every_block_once_and_leave_every_worker_enough(blocks, workers):
+    tasks = tasks_of(range(blocks), workers)
+    assert [block for task in tasks for block in task] == list(range(blocks))
+    sizes = {len(task) for task in tasks[:-1]}
+    assert len(sizes) <= 1 and max(sizes, default=1) <= MOST_TOGETHER
+    assert len(tasks) >= min(blocks, TASKS_EACH * workers)
+
+
+def test_many_blocks_go_into_one_task_of_a_large_data_set():
+    assert len(tasks_of(range(1_000_000), 100)[0]) == MOST_TOGETHER

@@ -1,0 +1,1 @@
+"""What `cluster.py` is made of: workers that sleep, workers that are killed, slow disks."""
