@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
 
 from ...fem.circuit import Circuit
 from ...fem.estimate import (
@@ -25,7 +26,7 @@ from ..answer import Rung
 from .coefficients import Coefficients
 from .effect import SAFETY, Course, by_orders, evened
 from .elements import Elements
-from .system import PressedSystem, pressed_system
+from .system import PressedSystem, foam, pressed_system
 from .unsure import NEGLIGIBLE, Raised, missed, of_rule
 
 
@@ -93,16 +94,22 @@ class Discretised:
     ) -> NDArray[np.float64]:
         """Of Rs and Cp, relatively, by raised coefficients, shape (2, interface, frequency)."""
         own = self.coarse
-        system = pressed_system(self.circuit, own.elements, raised)
-        space = Galerkin(system, self.circuit, own.elements.order)
         s, drives = laplace_variable(frequency, self.loss), self.circuit.drives
-        pairs: list[tuple[Galerkin, PressedSystem]] = [(own.space, own.system), (space, system)]
+        pairs = [(own.space, own.system.mass), self._raised(raised)]
         with one_blas_thread():
             Z, other = (
-                swept(each, of.mass, drives, s, KRYLOV_SHARE * rtol)[0] for each, of in pairs
+                swept(space, mass, drives, s, KRYLOV_SHARE * rtol)[0] for space, mass in pairs
             )
         off = relative_difference(Z, other, 2 * np.pi * frequency)
         return np.sqrt(off * off.max(axis=0))
+
+    def _raised(self, raised: Raised) -> tuple[Galerkin, csc_matrix]:
+        """The space of raised coefficients, which is the same but on gauges, and M in F."""
+        own = self.coarse
+        if not raised.gauged:
+            return own.space, foam(self.circuit, own.elements, raised, own.system.unknowns)
+        system = pressed_system(self.circuit, own.elements, raised)
+        return Galerkin(system, self.circuit, own.elements.order), system.mass
 
     @cached_property
     def missed(self) -> NDArray[np.float64]:
