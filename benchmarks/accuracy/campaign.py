@@ -1,11 +1,13 @@
 """Where answers are further off than was asked or told, on scenes of every kind drawn at random.
 
-Run: python benchmarks/accuracy/campaign.py -o LINES [--kinds KIND,KIND] [--seeds A:B] [--workers N]
+Run: python benchmarks/accuracy/campaign.py -o LINES [--in-turn] [--kinds KIND,KIND] [--seeds A:B]
+     [--workers N]
 
 Each scene is answered at a tolerance drawn with it, and by another route that shares no mesh with
 the first: another telling of the same skin, polygons for discs, a formula, or a finer file.
 Verdicts go to LINES as they come, so that a campaign that was ended goes on where it was. One of
-all kinds and SEEDS ends in results/campaign.csv, of which verification.py makes its section.
+all kinds and SEEDS ends in results/campaign.csv, one --in-turn, of the kinds that are no even
+rectangles at 1e-3, 1e-4 and 1e-5, in results/campaign_in_turn.csv; verification.py tells of both.
 """
 
 from __future__ import annotations
@@ -16,16 +18,16 @@ import time
 from pathlib import Path
 
 from rcskin.benchmarks.accuracy.campaign_parts import record
-from rcskin.benchmarks.accuracy.campaign_parts.judging import drawn
-from rcskin.benchmarks.accuracy.campaign_parts.kinds import KINDS
+from rcskin.benchmarks.accuracy.campaign_parts.judging import FIRST_IN_TURN, drawn
+from rcskin.benchmarks.accuracy.campaign_parts.kinds import KINDS, NOT_EVEN
 from rcskin.benchmarks.accuracy.campaign_parts.running import verdicts
 from rcskin.benchmarks.accuracy.campaign_parts.verdict import Verdict
 from rcskin.benchmarks.bench import Run, launch
 from rcskin.simulator.scene.files import scene_text
 
-SEEDS = range(9)
+SEEDS, SEEDS_IN_TURN = range(9), range(FIRST_IN_TURN, FIRST_IN_TURN + 6)
 TIMEOUT = 90.0
-TABLE = "campaign.csv"
+TABLES = {"campaign.csv": (KINDS, SEEDS), "campaign_in_turn.csv": (NOT_EVEN, SEEDS_IN_TURN)}
 QUICK = (
     ("foils", 0),
     ("films", 0),
@@ -36,7 +38,9 @@ QUICK = (
 def main(run: Run) -> int:
     """Judge what is not judged yet; 1 where a tolerance is broken or anything fails."""
     asked = run.asked
-    cases = run.sized([(kind, seed) for seed in asked.seeds for kind in asked.kinds], list(QUICK))
+    kinds, seeds = TABLES["campaign_in_turn.csv" if asked.in_turn else "campaign.csv"]
+    cases = [(kind, seed) for seed in asked.seeds or seeds for kind in asked.kinds or kinds]
+    cases = run.sized(cases, list(QUICK))
     if asked.show:
         return shown(cases)
     lines = asked.output or run.folder / "campaign.jsonl"
@@ -49,8 +53,9 @@ def main(run: Run) -> int:
         told(verdict)
         print(f"{count} of {len(left)}, {time.perf_counter() - start:.0f} s", file=sys.stderr)
     found = [known[case] for case in cases]
-    if run.quick or set(cases) >= {(kind, seed) for kind in KINDS for seed in SEEDS}:
-        record.publish(run.results / TABLE, found)
+    for table, (kinds, seeds) in TABLES.items():
+        if run.quick or set(cases) == {(kind, seed) for kind in kinds for seed in seeds}:
+            record.publish(run.results / table, found)
     print(summary(found))
     return int(any(each.broken or each.outcome == "failed" for each in found))
 
@@ -89,8 +94,11 @@ def options() -> argparse.ArgumentParser:
     parser.add_argument(
         "-o", "--output", type=Path, help="lines of JSON, continued; campaign.jsonl beside results/"
     )
-    parser.add_argument("--kinds", type=_kinds, default=list(KINDS), help=", ".join(KINDS))
-    parser.add_argument("--seeds", type=_seeds, default=SEEDS, help="A:B, B not among them")
+    parser.add_argument(
+        "--in-turn", action="store_true", help="no even rectangles; at 1e-3, 1e-4, 1e-5 in turn"
+    )
+    parser.add_argument("--kinds", type=_kinds, help=", ".join(KINDS))
+    parser.add_argument("--seeds", type=_seeds, help="A:B, B not among them")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--timeout", type=float, default=TIMEOUT, help="s of a processor a scene")
     parser.add_argument("--show", action="store_true", help="print the scenes instead")

@@ -37,7 +37,7 @@ class Galerkin:
 
     def __init__(self, system: System, circuit: Circuit, order: int) -> None:
         """order: that of the system, or from 2 on a lower one."""
-        self.circuit = circuit
+        self.circuit, self.order = circuit, order
         self.terminal_field = np.array([terminal.field for terminal in circuit.terminals])
         terminals = len(self.terminal_field)
         inner = np.flatnonzero(system.unknowns.degree <= order)

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
 
 from ..press.press import Press
+from ..scene.planar import Circle
 from ..scene.scene import Scene
 from .domain import Domain
 from .drawing import Shape, drawing_of
 from .drawn import drawn
 from .imported import imported
+
+KEPT = 8
+"""Meshes, the same of all depths or factors of an applicator: the latest asked for."""
+Corners = tuple[tuple[float, ...], ...]
 
 
 def domain(scene: Scene, press: Press, size: float, creases: Sequence[Shape] = ()) -> Domain:
@@ -24,5 +32,18 @@ def domain(scene: Scene, press: Press, size: float, creases: Sequence[Shape] = (
     Raises InputError where a mesh file does not serve, or the mesher is not installed;
     ToleranceError where lines or circles lie too near to each other.
     """
-    drawing = drawing_of(scene, press, creases)
-    return drawn(drawing, size) if scene.skin.mesh is None else imported(drawing)
+    if scene.skin.mesh is not None:
+        return imported(drawing_of(scene, press, creases))
+    return _drawn(scene, press, size, tuple(map(_fixed, creases)))  # pyright: ignore[reportArgumentType]
+
+
+def _fixed(crease: Shape) -> Circle | Corners:
+    return crease if isinstance(crease, Circle) else tuple(map(tuple, crease.tolist()))
+
+
+@lru_cache(maxsize=KEPT)
+def _drawn(
+    scene: Scene, press: Press, size: float, creases: tuple[Circle | Corners, ...]
+) -> Domain:
+    edges = [each if isinstance(each, Circle) else np.array(each) for each in creases]
+    return drawn(drawing_of(scene, press, edges), size)

@@ -18,8 +18,6 @@ TABLE, CHART = "campaign.csv", "campaign.png"
 COMMAND = (
     ".venv/bin/python benchmarks/accuracy/campaign.py -o campaign.jsonl --workers 2 --timeout 150"
 )
-EVEN = ("rectangles", "foils", "films", "one-sheet", "lossy", "behind-leads")
-"""Kinds of rectangles with even sheets and foam, touched by rectangles."""
 LEAST_TOLD, MOST_TOLD = 0.3, 10.0
 """Of the truth: what an estimate is wished to be."""
 QUANTILES = (0.5, 0.95, 0.99, 1.0)
@@ -118,7 +116,7 @@ def section(run: Run) -> Section:
 
 def _of_estimates(found: Iterable[Verdict]) -> str:
     """How far estimates of skins that are not plain lie from the truth, each scene by its worst."""
-    judged = [each for each in found if each.outcome == "judged" and each.kind not in EVEN]
+    judged = [each for each in found if each.outcome == "judged" and each.kind in NOT_EVEN]
     times = np.array([told.max() / true.max() for true, told, _ in (v.errors for v in judged)])
     within = np.mean((times >= LEAST_TOLD) & (times <= MOST_TOLD))
     return (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -21,6 +22,8 @@ SETTLED = 1e-10
 
 SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0}
 MOST_STEPS = 100
+GAINED = 10.0
+"""Of what is left: a step that gains less is damped, and followed by new factors."""
 SUFFICIENT = 1e-4
 ROUNDING = 1e-13
 
@@ -63,24 +66,46 @@ def at_rest(
     """Least energy less the work of given forces, by damped Newton steps from deflections `start`.
 
     held: (node,) number of the applicator that holds each node, -1 where none does. Nodes that one
-    of given force holds move as one, and what holds them adds up to that force.
+    of given force holds move as one, and what holds them adds up to that force. The factors of one
+    step serve the following ones as long as those gain GAINED, undamped.
     """
     turn, fixed = _freedoms(held, pushed)
     q = _first(start, held, pushed)
     work, count = np.zeros_like(q), len(pushed.by_force)
     work[len(q) - count :] = pushed.force[pushed.by_force]
-    for _ in range(MOST_STEPS):
+
+    def pulled(q: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
         w = turn @ q + fixed
         reaction = body.residual(w)
-        downhill = work - turn.T @ reaction
-        if np.abs(downhill).max(initial=0.0) <= SETTLED * np.abs(reaction).max():
+        return w, reaction, work - turn.T @ reaction
+
+    w, reaction, downhill = pulled(q)
+    solve, before = None, np.inf
+    for _ in range(MOST_STEPS):
+        left = np.abs(downhill).max(initial=0.0)
+        if left <= SETTLED * np.abs(reaction).max():
             return _rest(w, reaction, held, pushed, q[len(q) - count :])
-        stiffness = (turn.T @ body.tangent(w) @ turn).tocsc()
-        step = splu(stiffness, options={"SymmetricMode": True}, **SYMMETRIC).solve(downhill)
+        if solve is None or left > before / GAINED:
+            solve, before = _factors(body, turn, w), left
+        step = solve(downhill)
         if np.abs(step).max() <= STILL * np.abs(q).max():
             return _rest(w, reaction, held, pushed, q[len(q) - count :])
-        q = q + _damped(body, turn, fixed, work, q, step, float(downhill @ step)) * step
+        ahead = pulled(q + step)
+        if not np.abs(ahead[2]).max() <= left / GAINED:
+            part = _damped(body, turn, fixed, work, q, step, float(downhill @ step))
+            step, solve = part * step, None
+            ahead = pulled(q + step)
+        q, before = q + step, left
+        w, reaction, downhill = ahead
     raise ToleranceError("the press did not come to rest: its depth or force is too great")
+
+
+def _factors(
+    body: Body, turn: csr_matrix, w: NDArray[np.float64]
+) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    """From what pulls at q to a Newton step."""
+    stiffness = (turn.T @ body.tangent(w) @ turn).tocsc()
+    return splu(stiffness, options={"SymmetricMode": True}, **SYMMETRIC).solve
 
 
 def _freedoms(held: NDArray[np.int64], pushed: Pushed) -> tuple[csr_matrix, NDArray[np.float64]]:

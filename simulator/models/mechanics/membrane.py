@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 
 import numpy as np
@@ -21,6 +22,7 @@ from skfem.assembly import Dofs
 from skfem.models.poisson import laplace
 from skfem.quadrature import get_quadrature
 
+from ...fem.pattern import pattern_of_pairs
 from ...scene.foam_mechanics import Elastic
 
 ELEMENT = ElementTriP4()
@@ -90,21 +92,19 @@ class _Pattern:
     def __init__(self, nodes: NDArray[np.int64], count: int) -> None:
         """nodes: (node of the element, triangle) of so many."""
         own, count_of = nodes.T, len(nodes)
-        rows = np.repeat(own, count_of, axis=1).ravel()
-        columns = np.tile(own, count_of).ravel()
-        keys, self._slot = np.unique(rows * count + columns, return_inverse=True)
-        self._indices = keys % count
-        self._indptr = np.searchsorted(keys, count * np.arange(count + 1))
-        self._shape = count, count
+        rows, columns = np.repeat(own, count_of, axis=1), np.tile(own, count_of)
+        self._pattern, slots = pattern_of_pairs(columns, rows, count)
+        self._slot = slots.ravel()
 
     def values(self, matrices: NDArray[np.float64]) -> NDArray[np.float64]:
         """Those of each triangle, shape (triangle, node * node), added up."""
-        found = np.bincount(self._slot, matrices.ravel(), len(self._indices))
+        found = np.bincount(self._slot, matrices.ravel(), len(self._pattern.indices))
         return np.asarray(found, dtype=np.float64)
 
     def matrix(self, values: NDArray[np.float64]) -> csr_matrix:
         """With these values, shape (node, node)."""
-        return csr_matrix((values, self._indices, self._indptr), shape=self._shape)
+        size, pattern = self._pattern.size, self._pattern
+        return csr_matrix((values, pattern.indices, pattern.indptr), shape=(size, size))
 
 
 class Net:
@@ -171,6 +171,10 @@ def _tail() -> NDArray[np.float64]:
 _TAIL = _tail()
 
 FIRST_LOOK, LAST_LOOK = 4, 256
+LOOKED_UP = 4
+"""Sets of positions, the latest, whose triangles are kept."""
+Located = tuple[NDArray[np.int64], NDArray[np.float64]]
+"""The triangle of each point, and where in it."""
 
 INSIDE = -1e-9
 
@@ -194,6 +198,7 @@ class Surface:
         sides = np.moveaxis(corners[:, 1:] - self.origin[:, None], 2, 0)
         self.inverse = np.linalg.inv(sides)
         self.tree = KDTree(corners.mean(axis=1).T)
+        self._known: deque[tuple[NDArray[np.float64], Located]] = deque(maxlen=LOOKED_UP)
 
     def __call__(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """At flat positions x (2, ...) in m; beside the skin as at its nearest triangle."""
@@ -206,7 +211,7 @@ class Surface:
     def located(self, x: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """The triangle (point,) of positions x (2, ...), and what share each of its nodes has of w
         there, shape (node of the element, point)."""
-        triangle, at = self._located(np.reshape(x, (2, -1)))
+        triangle, at = self._found(x)
         shares = [self.element.lbasis(at, k)[0] for k in range(len(self.nodes))]
         return triangle, np.array(shares).reshape(len(shares), -1)
 
@@ -216,12 +221,21 @@ class Surface:
         """What is even in each triangle, shape (triangle,), at positions as of w."""
 
         def at(x: NDArray[np.float64]) -> NDArray[np.float64]:
-            triangle, _ = self._located(np.reshape(x, (2, -1)))
+            triangle, _ = self._found(x)
             return np.reshape(values[triangle], x.shape[1:])
 
         return at
 
-    def _located(self, x: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    def _found(self, x: NDArray[np.float64]) -> Located:
+        """As `_located`, kept for positions that are asked for again."""
+        for known, found in self._known:
+            if known is x:
+                return found
+        found = self._located(np.reshape(x, (2, -1)))
+        self._known.append((x, found))
+        return found
+
+    def _located(self, x: NDArray[np.float64]) -> Located:
         """The triangle (point,) that each point lies in, and where in it (2, point)."""
         triangle = np.zeros(x.shape[1], np.int64)
         missing, look = np.arange(x.shape[1]), FIRST_LOOK

@@ -2,29 +2,32 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
 
 from ...fem.circuit import Circuit
-from ...fem.estimate import KRYLOV_SHARE, Swept, checked, relative_difference
+from ...fem.estimate import (
+    KRYLOV_SHARE,
+    ROUNDING,
+    Swept,
+    frequencies_around,
+    relative_difference,
+)
 from ...fem.galerkin import Galerkin, one_blas_thread, swept
 from ...fem.quadrature import interpolated, rule_at
 from ...fem.unknowns import on_cells
 from ...scene.frequency import Loss, laplace_variable
 from ..answer import Rung
 from .coefficients import Coefficients
+from .effect import SAFETY, Course, by_orders, evened
 from .elements import Elements
-from .system import PressedSystem, pressed_system
+from .system import PressedSystem, foam, pressed_system
 from .unsure import NEGLIGIBLE, Raised, missed, of_rule
-
-LESS_GAINED = 2.0
-"""How much less than on plain skins the next order may gain, at the worst of singularities: where a
-foil ends at an inner corner, or in a sheet that conducts far better along one direction. Without
-it one of some fifty random skins was off by more than was told; with it, of forty others none by
-more than a third of that."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +43,9 @@ class Solved:
 class Discretised:
     """told: the mesh in words. error: relative, of Rs and Cp, by what is not quite as asked.
 
-    coarser: of an order less than `coarse`, where the one finer may agree with it by chance. felt:
-    what Rs and Cp feel of the error of mechanics, relative, shape (2, interface, frequency).
+    lower: of one and of two orders less than `coarse`, where they tell how much `fine` shows.
+    course: where meshes before do. felt: what Rs and Cp feel of the error of mechanics, relative,
+    shape (2, interface, frequency).
     """
 
     circuit: Circuit
@@ -51,7 +55,8 @@ class Discretised:
     fine: Solved
     told: str
     error: float = 0.0
-    coarser: Solved | None = None
+    lower: tuple[Solved, ...] = ()
+    course: Course = dataclasses.field(default_factory=Course)
     felt: NDArray[np.float64] | float = 0.0
 
     def rung(self, frequency: NDArray[np.float64], rtol: float) -> Rung:
@@ -60,39 +65,51 @@ class Discretised:
         Parts of the error may cancel in the difference of two orders alone, in Rs or in Cp: the
         geometric mean with the larger one covers that.
         """
-
-        def sweep(around: NDArray[np.float64], tolerance: float) -> list[Swept]:
-            s = laplace_variable(around, self.loss)
-            drives = self.circuit.drives
-            with one_blas_thread():
-                return [
-                    swept(each.space, each.system.mass, drives, s, tolerance)
-                    for each in (self.coarse, self.fine, self.coarser)
-                    if each is not None
-                ]
-
-        Z, error = checked(sweep, frequency, rtol)
-        both = np.sqrt(error * error.max(axis=0))
-        told = LESS_GAINED * both + self.error + self.felt
+        around = frequencies_around(frequency)
+        (Z, change), (finer, _), *lower = self._swept(around, KRYLOV_SHARE * rtol)
+        omega = 2 * np.pi * around
+        if lower:
+            order = self.coarse.space.order
+            off = by_orders(order, [finer, Z, *(each for each, _ in lower)], omega)
+        else:
+            shown = evened(relative_difference(Z, finer, omega))
+            off = self.course.effect(frequency, Z, finer) * shown
+        here = np.s_[:, : len(frequency)]
+        told = SAFETY * np.sqrt(off * off.max(axis=0)) + change[here] + ROUNDING
+        told = told + self.error + self.felt
         if self.missed.max() > NEGLIGIBLE * rtol:
             told += self.changes(of_rule(self.coefficients, self.missed), frequency, rtol)
-        return Rung(self.told, self.coarse.space.inner, Z, told)
+        return Rung(self.told, self.coarse.space.inner, Z[here], told)
+
+    def _swept(self, frequency: NDArray[np.float64], rtol: float) -> list[Swept]:
+        s, drives = laplace_variable(frequency, self.loss), self.circuit.drives
+        with one_blas_thread():
+            return [
+                swept(each.space, each.system.mass, drives, s, rtol)
+                for each in (self.coarse, self.fine, *self.lower)
+            ]
 
     def changes(
         self, raised: Raised, frequency: NDArray[np.float64], rtol: float
     ) -> NDArray[np.float64]:
         """Of Rs and Cp, relatively, by raised coefficients, shape (2, interface, frequency)."""
         own = self.coarse
-        system = pressed_system(self.circuit, own.elements, raised)
-        space = Galerkin(system, self.circuit, own.elements.order)
         s, drives = laplace_variable(frequency, self.loss), self.circuit.drives
-        pairs: list[tuple[Galerkin, PressedSystem]] = [(own.space, own.system), (space, system)]
+        pairs = [(own.space, own.system.mass), self._raised(raised)]
         with one_blas_thread():
             Z, other = (
-                swept(each, of.mass, drives, s, KRYLOV_SHARE * rtol)[0] for each, of in pairs
+                swept(space, mass, drives, s, KRYLOV_SHARE * rtol)[0] for space, mass in pairs
             )
         off = relative_difference(Z, other, 2 * np.pi * frequency)
         return np.sqrt(off * off.max(axis=0))
+
+    def _raised(self, raised: Raised) -> tuple[Galerkin, csc_matrix]:
+        """The space of raised coefficients, which is the same but on gauges, and M in F."""
+        own = self.coarse
+        if not raised.gauged:
+            return own.space, foam(self.circuit, own.elements, raised, own.system.unknowns)
+        system = pressed_system(self.circuit, own.elements, raised)
+        return Galerkin(system, self.circuit, own.elements.order), system.mass
 
     @cached_property
     def missed(self) -> NDArray[np.float64]:

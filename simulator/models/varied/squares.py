@@ -29,7 +29,7 @@ CELLS_TO_A_LENGTH = 2.0
 """For the shortest length of a map, of elements of order 1; fewer of higher order."""
 
 LOWEST = 1
-"""The first level that has two orders below the one that checks it."""
+"""The first level that has two orders below the one that answers."""
 
 
 class Squares:
@@ -62,9 +62,9 @@ class Squares:
         coefficients = Coefficients(self.materials, factors, None, circuit.fields)
         elements = squares(pixels, resolution.order)
         system = pressed_system(circuit, elements, coefficients)
-        coarser, coarse, fine = (
+        fine, coarse, *lower = (
             Solved(Galerkin(system, circuit, resolution.order - less), system, elements)
-            for less in (2, 1, 0)
+            for less in range(4)
         )
         answered = replace(resolution, order=resolution.order - 1)
         return Discretised(
@@ -74,7 +74,7 @@ class Squares:
             coarse,
             fine,
             f"2-D elements, {circuit.told}, varied, {answered}",
-            coarser=coarser,
+            lower=tuple(lower),
         )
 
     def _varied(self, resolution: Resolution) -> Resolution:

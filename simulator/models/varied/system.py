@@ -35,7 +35,7 @@ def pressed_system(
         unknowns=unknowns,
         sheets=_sheets(circuit, elements, coefficients, unknowns),
         films=films(circuit, unknowns, film_of(circuit, elements, coefficients, unknowns)),
-        mass=_mass(circuit, elements, coefficients, unknowns),
+        mass=foam(circuit, elements, coefficients, unknowns),
     )
 
 
@@ -66,9 +66,10 @@ def add_sheet(
         _add(values, unknowns.slots[cells], terms)
 
 
-def _mass(
+def foam(
     circuit: Circuit, elements: Elements, coefficients: Coefficients, unknowns: Unknowns
 ) -> csc_matrix:
+    """M in F of one press."""
     values = np.zeros(len(unknowns.pattern.indices))
     c = coefficients.capacitance(elements.surface.x)
     add_foam(values, circuit.coupling, elements, unknowns, c)

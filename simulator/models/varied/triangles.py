@@ -20,6 +20,7 @@ from ...sweeps import InputError, ToleranceError
 from ..outlook import cells_needed, check_within_reach
 from .coefficients import Coefficients
 from .discretised import Discretised, Solved, indicators, most
+from .effect import Course
 from .elements import triangles
 from .materials import Materials
 from .system import pressed_system
@@ -55,6 +56,7 @@ class Triangles:
         self.order = next(order for least, order in ORDERS if rtol >= least)
         self._before: Discretised | None = None
         self._domain: Domain | None = None
+        self._course = Course()
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
         """The next one, for frequencies in Hz.
@@ -116,6 +118,7 @@ class Triangles:
             fine,
             f"2-D elements, {self.circuit.told}, {mesh.t.shape[1]} triangles of order {self.order}",
             left_out,
+            course=self._course,
         )
 
     def _solved(self, mesh: Domain, order: int, coefficients: Coefficients) -> Solved:

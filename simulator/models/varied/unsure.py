@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ...fem.quadrature import Rule, divided
 from .coefficients import Coefficients
 from .elements import Elements
+from .materials import gauged
 
 if TYPE_CHECKING:
     from ..mechanics.pressed import Pressed
@@ -41,9 +42,13 @@ class Raised(Coefficients):
 
     def conductance(self, field: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """As of `Coefficients`."""
-        skin = self.materials.scene.skin
         S = super().conductance(field, x)
-        return S * self._raise if skin.top.piezoresistance or skin.bottom.piezoresistance else S
+        return S * self._raise if self.gauged else S
+
+    @property
+    def gauged(self) -> bool:
+        """Whether conductance changes at all."""
+        return gauged(self.materials.scene.skin)
 
     def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """As of `Coefficients`."""
@@ -92,5 +97,6 @@ def missed(elements: Elements, known: Coefficients) -> NDArray[np.float64]:
 
 def _integrated(elements: Elements, known: Coefficients, rule: Rule) -> NDArray[np.float64]:
     """Capacitance of each cell in F by a rule, shape (cell,)."""
-    at = elements.surface_at(rule, slice(None))
+    own = rule is elements.rule
+    at = elements.surface if own else elements.surface_at(rule, slice(None))
     return (known.capacitance(at.x) * at.area) @ rule.weights

@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 import pytest
+from rcskin.simulator.mesh import skin_mesh
 from rcskin.simulator.mesh.drawing import shape_of, sharp_touches
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.press import Press, parse_press
@@ -158,17 +159,23 @@ def test_lines_that_nearly_coincide_are_one(make_scene, tools):
 
 def test_meshes_are_the_same_each_time(tools):
     scene = load_scene(tools.SCENES / "l-shape.toml")
-    first, second = (domain(scene, TOUCHED, 0.02) for _ in range(2))
+    first = domain(scene, TOUCHED, 0.02)
+    assert domain(scene, TOUCHED, 0.02) is first
+    skin_mesh._drawn.cache_clear()
+    second = domain(scene, TOUCHED, 0.02)
+    assert second is not first
     for name in ("p", "t", "pixel", "covered"):
         assert np.array_equal(getattr(first, name), getattr(second, name))
 
 
 def test_meshing_is_silent(make_scene, capfd):
+    skin_mesh._drawn.cache_clear()
     domain(make_scene(), TOUCHED, 0.03)
     assert capfd.readouterr() == ("", "")
 
 
 def test_a_library_that_is_missing_is_told(make_scene, monkeypatch):
     monkeypatch.setitem(sys.modules, "pythoncdt", None)
+    skin_mesh._drawn.cache_clear()
     with pytest.raises(InputError, match=r"meshed by pythoncdt.*pip install 'rcskin\[mesh\]'"):
         domain(make_scene(), REST, 0.03)

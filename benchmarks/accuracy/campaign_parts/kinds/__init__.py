@@ -53,3 +53,6 @@ OF_ALL = (
     meshes.curved_from_files,
 )
 KINDS: dict[str, Callable[[Rng], Case]] = {each.__name__.replace("_", "-"): each for each in OF_ALL}
+EVEN = ("rectangles", "foils", "films", "one-sheet", "lossy", "behind-leads")
+"""Kinds of rectangles with even sheets and foam, touched by rectangles."""
+NOT_EVEN = tuple(name for name in KINDS if name not in EVEN)

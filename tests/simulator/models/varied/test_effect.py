@@ -1,0 +1,70 @@
+"""What part of an error two orders show: told by meshes, told by orders, and against the truth."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.fem.estimate import WINDOW, frequencies_around, relative_difference
+from rcskin.simulator.models.varied.effect import (
+    LEAST,
+    SAFETY,
+    UNSEEN,
+    Course,
+    by_orders,
+    evened,
+)
+
+FREQUENCY = np.array([1e3, 1e4, 1e5])
+AROUND = frequencies_around(FREQUENCY)
+OMEGA = 2 * np.pi * AROUND
+Z = (1 / (1e-6 + 1j * OMEGA * 1e-10))[None]
+WAY = np.exp(0.7j) * np.abs(1 / Z)
+"""Along which the admittance is off."""
+
+
+def off_by(error):
+    return 1 / (1 / Z + error * WAY)
+
+
+def test_meshes_tell_how_much_of_the_error_the_next_order_shows():
+    course, k = Course(), 2.5
+    pairs = [(off_by(error), off_by(error * (1 - 1 / k))) for error in (1e-2, 3e-3, 2.9e-3)]
+    assert course.effect(FREQUENCY, *pairs[0]) == UNSEEN
+    assert course.effect(FREQUENCY, *pairs[1]) == pytest.approx(k, rel=1e-6)
+    left, kept = FREQUENCY[1:], np.isin(AROUND, frequencies_around(FREQUENCY[1:]))
+    later = [each[:, kept] for each in pairs[2]]
+    assert course.effect(left, *later) == pytest.approx(k, rel=1e-6)
+
+
+def test_what_does_not_change_tells_nothing():
+    course = Course()
+    for _ in range(3):
+        assert course.effect(FREQUENCY, off_by(1e-3), off_by(1e-5)) == UNSEEN
+
+
+def test_smooth_errors_are_not_taken_for_less_than_the_least():
+    course = Course()
+    for error in (1e-2, 1e-3):
+        found = course.effect(FREQUENCY, off_by(error), Z)
+    assert found == LEAST
+
+
+@pytest.mark.parametrize("power", [1.5, 2.0, 4.0, 8.0])
+@pytest.mark.parametrize("order", [3, 5, 9])
+def test_orders_tell_how_their_errors_fall(order, power):
+    orders = [off_by(1e-2 * p**-power) for p in range(order + 1, order - 3, -1)]
+    true = evened(relative_difference(orders[1], Z, OMEGA))
+    told = SAFETY * by_orders(order, orders, OMEGA)
+    assert (told >= true).all()
+    assert (told <= 5 * true).all()
+
+
+def test_orders_that_gain_by_twos_are_not_believed():
+    """In a cell far wider than a layer the next order hardly changes the answer."""
+    orders = [off_by(error) for error in (0.99e-2, 1e-2, 2.5e-2, 2.6e-2)]
+    assert (SAFETY * by_orders(3, orders, OMEGA)).max() >= 1e-2
+
+
+def test_what_grows_with_frequency_is_told_as_it_is_and_what_changes_sign_is_not_lost():
+    steep = (AROUND / 1e3) ** 3
+    np.testing.assert_allclose(evened(steep), steep[: len(FREQUENCY)])
+    crossing = np.abs(AROUND / FREQUENCY[0] / 1.001 - 1)
+    assert evened(crossing)[0] > 0.01 * (WINDOW - 1)
