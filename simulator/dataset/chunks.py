@@ -15,7 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 LEFT_OVER = "*.partial"
-LEVEL = 3
+CODECS = {
+    "numbers": {"cname": "lz4", "clevel": 5, "shuffle": "bitshuffle"},
+    "whole numbers": {"cname": "zstd", "clevel": 1, "shuffle": "bitshuffle"},
+    "texts": {"cname": "zstd", "clevel": 1, "shuffle": "noshuffle"},
+}
+"""What readings lose by quicker codecs is little, for most of their digits are noise."""
 
 
 def put(folder: Path, number: int, values: NDArray, size: int) -> None:
@@ -24,21 +29,27 @@ def put(folder: Path, number: int, values: NDArray, size: int) -> None:
     folder: of the array. values: of the array's type, or texts. size: of a chunk along the first
     dimension; a last chunk that holds less is filled up with zeros or empty texts.
     """
-    place = folder / "c" / "/".join(map(str, (number, *[0] * (values.ndim - 1))))
-    place.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = place.with_name(f"{place.name}.{os.getpid()}.partial")
-    unfinished.write_bytes(_encoded(_filled_up(values, size)))
+    place = "/".join([str(folder), "c", str(number), *["0"] * (values.ndim - 1)])
+    unfinished = f"{place}.{os.getpid()}.partial"
+    encoded = _encoded(_filled_up(values, size))
+    try:
+        _write(unfinished, encoded)
+    except FileNotFoundError:
+        os.makedirs(os.path.dirname(place), exist_ok=True)
+        _write(unfinished, encoded)
     os.replace(unfinished, place)
+
+
+def _write(path: str, content: bytes) -> None:
+    with open(path, "wb") as file:
+        file.write(content)
 
 
 def compression(dtype: str) -> Mapping[str, Any]:
     """Settings of Blosc for texts ("str") or numbers of a type."""
-    text = dtype == "str"
-    return {
-        "cname": "zstd",
-        "clevel": LEVEL,
-        "shuffle": "noshuffle" if text else "bitshuffle",
-    }
+    if dtype == "str":
+        return CODECS["texts"]
+    return CODECS["numbers" if np.issubdtype(dtype, np.floating) else "whole numbers"]
 
 
 def _filled_up(values: NDArray, size: int) -> NDArray:

@@ -18,7 +18,7 @@ from ..scene.files import parse_scene, scene_text
 from ..scene.scene import Scene
 from ..sweeps import InputError
 
-LAYOUT = 2
+LAYOUT = 3
 """To be raised whenever the same plan would give other bytes."""
 MOST_VALUES = 2**22
 """Readings of one quantity in a session."""
@@ -37,7 +37,7 @@ class Plan:
     sweeps: int
     seed: int
     rtol: float
-    block_values: int = 2**17
+    block_values: int = 2**18
 
     def __post_init__(self) -> None:
         """Raises InputError where a number is out of range or a press does not fit the scene."""

@@ -13,7 +13,6 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
-from importlib import import_module
 from itertools import islice
 from multiprocessing import forkserver
 from multiprocessing.context import ForkServerContext
@@ -28,7 +27,7 @@ NEEDED = (
     "numcodecs.vlen",
     "rcskin.simulator.cli",
     "rcskin.simulator.dataset.block",
-    "rcskin.simulator.models.reduced.kernel",
+    "rcskin.simulator.dataset.warmed",
 )
 """What every block needs, and what starts the command: imported once, by the process that all
 workers are copies of."""
@@ -53,10 +52,11 @@ def here(workshop: Workshop, blocks: Sequence[int]) -> Iterator[int]:
 
 @contextmanager
 def hired(workers: int) -> Iterator[Processes | None]:
-    """So many processes on this machine, which get ready while this one does something else.
+    """So many processes on this machine, for which all is made ready while this one works.
 
-    None where one is asked for: there is work for this process alone. Raises WorkerError where a
-    process is killed. What is unfinished when this ends is given up.
+    They begin with the first blocks. None where one is asked for: there is work for this process
+    alone. Raises WorkerError where a process is killed. What is unfinished when this ends is given
+    up.
     """
     if workers <= 1:
         yield None
@@ -64,9 +64,6 @@ def hired(workers: int) -> Iterator[Processes | None]:
     others = multiprocessing.active_children()
     with _copies() as fresh, ProcessPoolExecutor(workers, fresh, _begin) as pool:
         try:
-            with _uninterrupted():
-                for _ in range(workers):
-                    pool.submit(_get_ready)
             yield Processes(pool, workers)
         except BrokenProcessPool:
             raise WorkerError("a worker was killed; the same command goes on from here") from None
@@ -79,10 +76,15 @@ def hired(workers: int) -> Iterator[Processes | None]:
 
 @contextmanager
 def _copies() -> Iterator[ForkServerContext]:
-    """Processes begun in here are copies of one that has imported what is NEEDED."""
+    """Processes begun in here are copies of one that has imported what is NEEDED.
+
+    That is begun here and not waited for.
+    """
     context = multiprocessing.get_context("forkserver")
     server: Any = forkserver._forkserver
     context.set_forkserver_preload([*NEEDED])
+    with _uninterrupted():
+        forkserver.ensure_running()
     try:
         yield context
     finally:
@@ -99,12 +101,6 @@ class Processes:
     def make(self, workshop: Workshop, blocks: Sequence[int]) -> Iterator[int]:
         """Make the blocks; yields each when it is finished."""
         return _handed_out(partial(self.pool.submit, make_block, workshop), blocks, self.workers)
-
-
-def _get_ready() -> None:
-    """Import what could not be beforehand."""
-    for name in NEEDED:
-        import_module(name)
 
 
 def _handed_out(submit: Callable, blocks: Sequence[int], workers: int) -> Iterator[int]:

@@ -99,39 +99,48 @@ def continued_fraction(
 
 @compiled(error_model="numpy")
 def continued_fractions(
-    t: NDArray, diagonal: NDArray, squared: NDArray, steps: int
-) -> NDArray:  # pragma: no cover
-    """`continued_fraction` of every t to the same bits, all of them side by side."""
-    count = len(t)
-    real, imag, across, along = np.empty((4, count))
-    for k in range(count):
-        real[k], imag[k] = 1.0 + t[k].real * diagonal[steps - 1], t[k].imag * diagonal[steps - 1]
+    t: NDArray, diagonal: NDArray, squared: NDArray, steps: int, value: NDArray
+) -> None:  # pragma: no cover
+    """`continued_fraction` of every t to rounding, all of them side by side, into `value`.
+
+    t: real and imaginary parts of t, then of t², shape (4, n). value: both parts, shape (2, n).
+    """
+    re, im, square_re, square_im = t
+    real, imag = value
+    for k in range(t.shape[1]):
+        real[k], imag[k] = 1.0 + re[k] * diagonal[steps - 1], im[k] * diagonal[steps - 1]
     for step in range(steps - 2, -1, -1):
         a, b = diagonal[step], squared[step + 1]
-        _invert(real, imag)
-        for k in range(count):
-            across[k] = (t[k].real * t[k].real - t[k].imag * t[k].imag) * b
-            along[k] = (t[k].real * t[k].imag + t[k].imag * t[k].real) * b
-        for k in range(count):
-            re, im = real[k], imag[k]
-            real[k] = 1.0 + t[k].real * a - (across[k] * re - along[k] * im)
-            imag[k] = t[k].imag * a - (across[k] * im + along[k] * re)
-    _invert(real, imag)
-    return real + 1j * imag
+        for k in range(t.shape[1]):
+            share = b / (real[k] * real[k] + imag[k] * imag[k])
+            x, y = real[k] * share, -imag[k] * share
+            real[k] = 1.0 + re[k] * a - (square_re[k] * x - square_im[k] * y)
+            imag[k] = im[k] * a - (square_re[k] * y + square_im[k] * x)
+    for k in range(t.shape[1]):
+        share = 1.0 / (real[k] * real[k] + imag[k] * imag[k])
+        real[k], imag[k] = real[k] * share, -imag[k] * share
 
 
-@compiled(error_model="numpy")
-def _invert(real: NDArray, imag: NDArray) -> None:  # pragma: no cover
-    """1 / z without branches, in the steps of a division of complex numbers by Smith's method."""
-    for k in range(len(real)):
-        larger_real = abs(real[k]) >= abs(imag[k])
-        larger = real[k] if larger_real else imag[k]
-        smaller = imag[k] if larger_real else real[k]
-        ratio = smaller / larger
-        whole = larger + smaller * ratio
-        one, other = 1.0 / whole, ratio / whole
-        real[k] = one if larger_real else other
-        imag[k] = -other if larger_real else -one
+Convergent = tuple[complex, complex, complex, complex]
+
+
+@compiled()
+def next_convergent(
+    convergent: Convergent, t: complex, a: float, b_squared: float, step: int
+) -> Convergent:  # pragma: no cover
+    """Numerator and denominator of `continued_fraction` to one step more, and those before.
+
+    They are scaled so that the denominator is of modulus 1. step: how many there are already, from
+    the convergent (0, 1, 0, 0) on; a and b_squared: of the new one.
+    """
+    P, Q, P_before, Q_before = convergent
+    if step == 0:
+        P, Q, P_before, Q_before = 1.0 + 0.0j, 1.0 + t * a, P, Q
+    else:
+        P, P_before = (1.0 + t * a) * P - t * t * b_squared * P_before, P
+        Q, Q_before = (1.0 + t * a) * Q - t * t * b_squared * Q_before, Q
+    scale = 1.0 / np.sqrt(Q.real * Q.real + Q.imag * Q.imag)
+    return P * scale, Q * scale, P_before * scale, Q_before * scale
 
 
 @compiled()

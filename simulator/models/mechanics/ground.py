@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 from skfem import MeshTri
 
 from ...mesh.domain import Domain
@@ -56,6 +55,8 @@ class Ground:
     @cached_property
     def cornered(self) -> NDArray[np.bool_]:
         """(triangle,): those with a corner of an applicator for a point."""
+        from scipy.spatial import KDTree
+
         if not self.sharp.size:
             return np.zeros(self.domain.t.shape[1], bool)
         points = KDTree(self.domain.p.T).query(self.sharp.T)[1]

@@ -8,7 +8,6 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, diags_array
-from scipy.spatial import KDTree
 from skfem import (
     Basis,
     ElementH1,
@@ -192,6 +191,8 @@ class Surface:
         nodes: NDArray[np.int64],
         w: NDArray[np.float64],
     ) -> None:
+        from scipy.spatial import KDTree
+
         self.element, self.nodes, self.w = element, nodes, w
         corners = p[:, nodes[:3]]
         self.origin = corners[:, 0]

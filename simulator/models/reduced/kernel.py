@@ -14,8 +14,11 @@ from numpy.typing import NDArray
 
 from ...fem.compiled import compiled
 from ...fem.estimate import LOST_SUSCEPTANCE
-from ...fem.kernels import continued_fraction, continued_fractions
+from ...fem.kernels import continued_fractions, next_convergent
 from ...fem.lanczos import FEWEST_STEPS, MOST_STEPS, Pencil, respond
+
+ROOM = 7
+"""Vectors that Lanczos' method works with."""
 
 
 class Rest(NamedTuple):
@@ -61,9 +64,22 @@ def swept(
     Cp, for Lanczos' method to end at.
     """
     Y = np.empty((len(starts) - 1, len(s)), np.complex128)
+    farthest = s[np.argmax(np.abs(s))]
+    parts = np.stack((np.real(s), np.imag(s), np.real(s * s), np.imag(s * s)))
+    room, fractions = np.empty((ROOM, rest.rows.shape[1])), np.empty((2, len(s)))
+    diagonal, squared = np.empty(MOST_STEPS), np.empty(MOST_STEPS)
     for press in range(len(starts) - 1):
-        touched = slice(starts[press], starts[press + 1])
-        _respond(rest, feed, cells[touched], rises[touched], s, rtol, Y[press])
+        own = slice(starts[press], starts[press + 1])
+        touched = cells[own], rises[own]
+        steps, capacitance = _steps(rest, feed, touched, farthest, rtol, room, diagonal, squared)
+        delayed = 0.0
+        if steps:
+            delayed = squared[0]
+            continued_fractions(parts, diagonal, squared, steps, fractions)
+        for k in range(len(s)):
+            at_once = feed.conductance + s[k] * capacitance
+            late = complex(parts[2, k], parts[3, k]) * complex(fractions[0, k], fractions[1, k])
+            Y[press, k] = at_once - delayed * late if steps else at_once
     return Y
 
 
@@ -131,31 +147,36 @@ def dense_pencil(mass: NDArray[np.float64], feed: Feed) -> Pencil:
 
 
 @compiled()
-def _respond(
+def _steps(
     rest: Rest,
     feed: Feed,
-    cells: NDArray,
-    rises: NDArray,
-    s: NDArray,
+    touched: tuple[NDArray, NDArray],
+    s: complex,
     rtol: float,
-    Y: NDArray,
-) -> None:  # pragma: no cover
-    """Lanczos' steps until two in a row change neither Rs nor Cp at the largest |s| by rtol."""
+    room: NDArray,
+    diagonal: NDArray,
+    squared: NDArray,
+) -> tuple[int, float]:  # pragma: no cover
+    """Lanczos' steps until two in a row change neither Rs nor Cp at s by rtol.
+
+    touched: cells and their rises. room: for vectors, shape (ROOM, m). diagonal, squared: filled as
+    `continued_fraction` takes them. Returns how many steps, and the capacitance at once in F.
+    """
     terminals, m = rest.rows.shape
-    diagonal, squared = np.empty(MOST_STEPS), np.empty(MOST_STEPS)
-    potential, charge, own = np.zeros(m), np.zeros(m), 1.0
-    potential[:terminals] = feed.driven
+    room[:] = 0.0
+    potential, charge, common, w = room[0], room[1], room[2], room[3]
+    residual, product, solution = room[4], room[5], room[6]
+    potential[:terminals], own = feed.driven, 1.0
+    floating = len(feed.tied) + len(feed.common) > 0
     if len(feed.common):
-        common = np.zeros(m)
         common[:terminals] = feed.common[0]
-        _charge(rest, cells, rises, common, charge)
+        _charge(rest, touched, common, charge, True)
         own = _dot(feed.common[0], charge[:terminals])
         _neutralise(feed, charge, own, potential)
-    residual, product, solution, w = np.empty(m), np.empty(m), np.empty(m), np.zeros(m)
-    _charge(rest, cells, rises, potential, residual)
+    _charge(rest, touched, potential, residual, True)
     capacitance = _dot(potential, residual)
-    farthest = s[np.argmax(np.abs(s))]
-    now = feed.conductance + farthest * capacitance
+    now = feed.conductance + s * capacitance
+    convergent = 0.0j, 1.0 + 0.0j, 0.0j, 0.0j
     steps, change_before, beside = 0, np.inf, 0.0
     while steps < MOST_STEPS:
         _solve(feed, residual, solution)
@@ -165,48 +186,67 @@ def _respond(
         if not square > 0.0:
             break
         beside = np.sqrt(square)
-        solution /= beside
-        _charge(rest, cells, rises, solution, product)
-        squared[steps], diagonal[steps] = square, _dot(solution, product)
+        share = 1.0 / beside
         for k in range(m):
-            w_before, w[k] = w[k], residual[k] / beside
-            residual[k] = product[k] - diagonal[steps] * w[k] - beside * w_before
+            solution[k] *= share
+        _charge(rest, touched, solution, product, floating)
+        squared[steps], diagonal[steps] = square, _dot(solution, product)
+        a = diagonal[steps]
+        for k in range(m):
+            w_before, w[k] = w[k], residual[k] * share
+            residual[k] = product[k] - a * w[k] - beside * w_before
+        convergent = next_convergent(convergent, s, a, square, steps)
         steps += 1
-        before, now = now, _admittance(feed, capacitance, farthest, diagonal, squared, steps)
+        fraction = convergent[0] * convergent[1].conjugate()
+        before, now = now, feed.conductance + s * capacitance - s * s * squared[0] * fraction
         change = _difference(before, now)
         if steps >= FEWEST_STEPS and change <= rtol and change_before <= rtol:
             break
         change_before = change
-    if steps == 0:
-        Y[:] = feed.conductance + s * capacitance
-        return
-    fractions = continued_fractions(s, diagonal, squared, steps)
-    for k in range(len(s)):
-        at_once = feed.conductance + s[k] * capacitance
-        Y[k] = at_once - s[k] * s[k] * squared[0] * fractions[k]
+    return steps, capacitance
 
 
-@compiled(fastmath={"reassoc"})
+@compiled(fastmath={"reassoc", "contract"})
 def _charge(
-    rest: Rest, cells: NDArray, rises: NDArray, v: NDArray, charge: NDArray
+    rest: Rest, touched: tuple[NDArray, NDArray], v: NDArray, charge: NDArray, floating: bool
 ) -> None:  # pragma: no cover
-    """charge = M v in C."""
+    """charge = M v in C; unless floating, v is 0 at terminals and their charge is left out.
+
+    Rows of factors are taken four at a time: v and charge are then read less often.
+    """
     terminals, m = rest.rows.shape
     for k in range(terminals, m):
         charge[k] = rest.diagonal[k - terminals] * v[k]
-    for row in range(terminals):
+    for row in range(terminals if floating else 0):
         charge[row] = _dot(rest.rows[row], v)
         for k in range(terminals, m):
             charge[k] += rest.rows[row, k] * v[row]
-    for k in range(len(cells)):
-        factor = rest.factors[cells[k]]
-        for row in range(len(factor)):
-            part = rises[k] * _dot(factor[row], v)
-            for column in range(m):
-                charge[column] += part * factor[row, column]
+    cells, rises = touched
+    for touch in range(len(cells)):
+        factor, rise = rest.factors[cells[touch]], rises[touch]
+        whole = len(factor) - len(factor) % 4
+        for row in range(0, whole, 4):
+            a, b, c, d = 0.0, 0.0, 0.0, 0.0
+            for k in range(m):
+                a += factor[row, k] * v[k]
+                b += factor[row + 1, k] * v[k]
+                c += factor[row + 2, k] * v[k]
+                d += factor[row + 3, k] * v[k]
+            a, b, c, d = rise * a, rise * b, rise * c, rise * d
+            for k in range(m):
+                charge[k] += (
+                    a * factor[row, k]
+                    + b * factor[row + 1, k]
+                    + c * factor[row + 2, k]
+                    + d * factor[row + 3, k]
+                )
+        for row in range(whole, len(factor)):
+            part = rise * _dot(factor[row], v)
+            for k in range(m):
+                charge[k] += part * factor[row, k]
 
 
-@compiled(fastmath={"reassoc"})
+@compiled(fastmath={"reassoc", "contract"})
 def _dot(u: NDArray, v: NDArray) -> float:  # pragma: no cover
     total = 0.0
     for k in range(len(u)):
@@ -240,15 +280,12 @@ def _solve(feed: Feed, y: NDArray, solution: NDArray) -> None:  # pragma: no cov
 @compiled()
 def _difference(Y: complex, other: complex) -> float:  # pragma: no cover
     """Of Rs and of Cp, relative to the other's."""
-    Rs = abs((1.0 / Y).real / (1.0 / other).real - 1.0)
-    return max(Rs, abs(Y.imag - other.imag) / max(abs(other.imag), LOST_SUSCEPTANCE * abs(other)))
+    own, others = _square(Y), _square(other)
+    Rs = abs(Y.real * others / (other.real * own) - 1.0)
+    B = max(abs(other.imag), LOST_SUSCEPTANCE * np.sqrt(others))
+    return max(Rs, abs(Y.imag - other.imag) / B)
 
 
 @compiled()
-def _admittance(
-    feed: Feed, capacitance: float, s: complex, diagonal: NDArray, squared: NDArray, steps: int
-) -> complex:  # pragma: no cover
-    at_once = feed.conductance + s * capacitance
-    if steps == 0:
-        return at_once
-    return at_once - s * s * squared[0] * continued_fraction(s, diagonal, squared, steps)
+def _square(z: complex) -> float:  # pragma: no cover
+    return z.real * z.real + z.imag * z.imag

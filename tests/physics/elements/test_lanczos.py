@@ -6,7 +6,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.fem.estimate import relative_difference
-from rcskin.simulator.fem.kernels import continued_fraction, continued_fractions, last_change
+from rcskin.simulator.fem.kernels import (
+    continued_fraction,
+    continued_fractions,
+    last_change,
+    next_convergent,
+)
 from rcskin.simulator.fem.lanczos import (
     Pencil,
     continued_fraction_readable,
@@ -34,12 +39,31 @@ def test_the_fraction_is_that_of_the_matrix_written_out(steps, seed):
 
 @pytest.mark.kernel
 @given(steps=st.integers(1, 12), seed=st.integers(0, 2**32))
-def test_fractions_side_by_side_are_those_one_by_one_to_the_bit(steps, seed):
+def test_fractions_side_by_side_are_those_one_by_one(steps, seed):
     rng = np.random.default_rng(seed)
     diagonal, squared = 10 ** rng.uniform(-9, 1, (2, steps))
     t = np.geomspace(1e-3, 1e9, 13) * np.exp(1j * rng.uniform(0, np.pi, 13))
     one_by_one = [continued_fraction(complex(each), diagonal, squared, steps) for each in t]
-    np.testing.assert_array_equal(continued_fractions(t, diagonal, squared, steps), one_by_one)
+    parts, found = np.stack([t.real, t.imag, (t * t).real, (t * t).imag]), np.empty((2, len(t)))
+    continued_fractions(parts, diagonal, squared, steps, found)
+    np.testing.assert_allclose(found[0] + 1j * found[1], one_by_one, rtol=1e-9)
+
+
+@pytest.mark.kernel
+@given(steps=st.integers(1, 12), seed=st.integers(0, 2**32))
+def test_each_convergent_is_the_fraction_to_that_step(steps, seed):
+    rng = np.random.default_rng(seed)
+    diagonal, squared = rng.uniform(0.1, 2, steps), rng.uniform(0.01, 0.1, steps)
+    for t in 1j * np.geomspace(1e-3, 1e3, 7) - rng.uniform(0, 0.1):
+        convergent = 0.0j, 1.0 + 0.0j, 0.0j, 0.0j
+        for step in range(steps):
+            convergent = next_convergent(
+                convergent, complex(t), diagonal[step], squared[step], step
+            )
+            P, Q, *_ = convergent
+            assert abs(Q) == pytest.approx(1.0)
+            expected = continued_fraction(complex(t), diagonal, squared, step + 1)
+            assert P * Q.conjugate() == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.kernel

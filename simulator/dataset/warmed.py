@@ -1,0 +1,27 @@
+"""All that a block needs, imported and with its kernels loaded, by making a small reduced model.
+
+For the process that workers are copies of, which has nothing else to do.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..models.reduced.greedy import reduce
+from ..scene.files import load_scene
+from .block import make_block
+
+SCENE, RTOL = "sheet-3x3", 1e-2
+READY = make_block
+"""What workers are then asked for."""
+
+
+def warm() -> None:
+    """Load what the first block would load."""
+    skin = reduce(load_scene(SCENE), RTOL).skin(None)
+    cell, rise = np.zeros(1, dtype=np.int64), np.ones(1)
+    skin.sweeps(cell, rise, np.array([0, 1]))
+    skin.certificate(cell, rise)
+
+
+warm()
