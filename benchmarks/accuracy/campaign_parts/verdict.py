@@ -70,6 +70,14 @@ class Verdict:
         sure = doubt <= KNOWN * np.maximum(true, told)
         return (true / told)[sure | (true - doubt > told)]
 
+    @property
+    def overstated(self) -> float:
+        """Largest error told over the largest true one; nan where a reference tells of none."""
+        if self.outcome != "judged":
+            return np.nan
+        true, told, doubt = self.errors
+        return float(told.max() / true.max()) if doubt.max() < true.max() else np.nan
+
     def line(self) -> str:
         """For people: what is wrong, and how to have it again."""
         named = f"{self.kind} seed {self.seed} rtol {self.rtol:g}"

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from rcskin.benchmarks.accuracy.campaign_parts.judging import IN_TURN
 from rcskin.benchmarks.accuracy.campaign_parts.kinds import KINDS
 from rcskin.benchmarks.accuracy.campaign_parts.record import published
 from rcskin.benchmarks.accuracy.campaign_parts.verdict import Verdict
@@ -14,9 +15,12 @@ from rcskin.benchmarks.accuracy.verification_parts.report import FAILED, PASSED,
 from rcskin.benchmarks.bench import RESULTS, Run
 from rcskin.simulator.charts import AT_REST, COLOURS, chart
 
-TABLE, CHART = "campaign.csv", "campaign.png"
+TABLE, TABLE_IN_TURN, CHART = "campaign.csv", "campaign_in_turn.csv", "campaign.png"
 COMMAND = (
     ".venv/bin/python benchmarks/accuracy/campaign.py -o campaign.jsonl --workers 2 --timeout 150"
+)
+COMMAND_IN_TURN = (
+    ".venv/bin/python benchmarks/accuracy/campaign.py -o in_turn.jsonl --in-turn --timeout 25"
 )
 LEAST_TOLD, MOST_TOLD = 0.3, 10.0
 """Of the truth: what an estimate is wished to be."""
@@ -107,23 +111,31 @@ def section(run: Run) -> Section:
         "polygons for discs; formulas; other files of the same surface. Not judged are those whose "
         "reference is not sure to a quarter of the tolerance or takes too long; refused those that "
         f"the solver has no answer to at their tolerance. Recorded by `{COMMAND}`. "
-        f"{_of_estimates(found)}",
+        f"{_of_estimates(published(RESULTS / TABLE_IN_TURN))}",
         (*(check(kind) for kind in kinds), check_of_all(whole)),
         CHART,
         (*kinds, whole),
     )
 
 
-def _of_estimates(found: Iterable[Verdict]) -> str:
+def _of_estimates(found: list[Verdict]) -> str:
     """How far estimates of skins that are not plain lie from the truth, each scene by its worst."""
-    judged = [each for each in found if each.outcome == "judged" and each.kind in NOT_EVEN]
-    times = np.array([told.max() / true.max() for true, told, _ in (v.errors for v in judged)])
+    judged = [each for each in found if each.outcome == "judged"]
+    times = np.array([each.overstated for each in judged])
+    times = times[np.isfinite(times)]
     within = np.mean((times >= LEAST_TOLD) & (times <= MOST_TOLD))
+    asked = ", ".join(
+        f"{sum(each.rtol == rtol for each in judged)} at {rtol:g}" for rtol in IN_TURN
+    )
     return (
-        f"Of the {len(judged)} judged that are more than even rectangles the largest error told is "
+        f"{len(found)} other scenes that are more than even rectangles, {len(judged)} of them "
+        f"judged ({asked}), were recorded by `{COMMAND_IN_TURN}`: "
+        f"{sum(each.broken for each in judged)} broke their tolerance, "
+        f"{sum(each.boasted for each in judged)} were further off than told. Of the {len(times)} "
+        "whose reference is surer than the error it finds the largest error told is "
         f"{LEAST_TOLD:g} to {MOST_TOLD:g} times the largest true one in {within:.0%} (wished: "
-        f"95%), less in {np.mean(times < LEAST_TOLD):.0%} and more in "
-        f"{np.mean(times > MOST_TOLD):.0%}; in the median {np.median(times):.2g} times."
+        f"95%), from {times.min():.2g} to {times.max():.2g}; in the median "
+        f"{np.median(times):.2g} times."
     )
 
 
