@@ -69,18 +69,20 @@ def sweep_time(of_each: Sequence[Sequence[float]]) -> float:
 def budgets(scene: Scene, asked: Design, low: float, pool: int) -> list[tuple[int, int]]:
     """How many readings at how many frequencies each may be picked; low: of the band, Hz.
 
-    Within a time every frequency is taken to be as slow as the lowest. Raises InputError where not
-    even one fits.
+    Within a time every frequency is taken to be as slow as the lowest. More readings at as many
+    frequencies never tell less, so fewer are not looked at. Raises InputError where not even one
+    fits.
     """
     most, each = min(asked.readings, pool), asked.frequencies or len(scene.frequencies)
     if asked.seconds is None:
         return [(most, each)]
-    found = []
+    found: list[tuple[int, int]] = []
     for readings in range(1, most + 1):
         count = each
         while count and sweep_time([[low] * count] * readings) > asked.seconds:
             count -= 1
         if count:
+            found = [each for each in found if each[1] > count]
             found.append((readings, count))
     if not found:
         raise InputError(
