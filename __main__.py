@@ -92,18 +92,23 @@ def _scene_data(name: str, interfaces: list[str] | None) -> SceneData:
     from .simulator.scene.files import scene_text
     from .simulator.scene.scene import checked_interface, interface_names
 
-    scene = asked_scene(name)
+    scene = asked_scene(name, own_frequencies=True)
     asked = dict.fromkeys(interfaces or interface_names(scene))
+    read = [checked_interface(each, scene) for each in asked]
+    whole = scene.sweep.frequencies
+    own = {each.name: each.frequencies or whole for each in scene.interfaces if each.name in read}
+    frequencies = tuple(sorted(set().union(*own.values())))
     there, (rows, columns) = set(pixels_with_skin(scene)), scene.pixels.shape
     every = [(i, j) for i in range(1, rows + 1) for j in range(1, columns + 1)]
     return SceneData(
         name=scene.name,
         text=scene_text(scene),
-        frequencies=scene.sweep.frequencies,
+        frequencies=frequencies,
         rows=rows,
         columns=columns,
-        interfaces=tuple(checked_interface(each, scene) for each in asked),
+        interfaces=tuple(read),
         without_skin=tuple(each for each in every if each not in there),
+        of_each={name: each for name, each in own.items() if each != frequencies},
     )
 
 
@@ -137,8 +142,11 @@ def _live_localizer(path: Path, manner: Manner) -> LiveLocalizer:
     from .localization.learners.registry import estimators
     from .localization.model.file import load
     from .simulator.scene.files import parse_scene
+    from .simulator.sweeps import InputError
 
     model = load(path, estimators(_model_based()))
+    if model.problem.taken:
+        raise InputError(f"{path}: live takes no interfaces with `frequencies` of their own")
     answer_at_once(model.pipeline)
     tell_age(model, path)
     scene = parse_scene(model.scene, str(path))
@@ -204,7 +212,10 @@ def _factors(text: str, press: str) -> Sequence[float]:
 
 def _linked_page(data: SceneData, kind: str, nonce: str) -> str:
     from .simulator.page.linked import linked_page
+    from .simulator.sweeps import InputError
 
+    if data.of_each:
+        raise InputError(f"{data.name}: the page takes no `frequencies` of interfaces")
     return linked_page(data.text, data.name, data.frequencies, data.interfaces, kind, nonce)
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -10,7 +11,8 @@ class SceneData:
     """A scene at some of its interfaces.
 
     text: the scene's TOML. frequencies: Hz, ascending. without_skin: (row, column) from 1 of the
-    pixels that cannot be pressed.
+    pixels that cannot be pressed. of_each: of interfaces that are read at some of the frequencies
+    alone, by name: these, Hz, ascending.
     """
 
     name: str
@@ -20,3 +22,4 @@ class SceneData:
     columns: int
     interfaces: tuple[str, ...]
     without_skin: tuple[tuple[int, int], ...] = ()
+    of_each: Mapping[str, tuple[float, ...]] = field(default_factory=dict)

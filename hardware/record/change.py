@@ -25,11 +25,12 @@ def unseen_press(sweep: Sweep, rests: Sequence[Sweep]) -> list[str]:
     """
     if not rests:
         return []
-    change = sweep.Z / rests[-1].Z - 1
-    at_rest = np.array([rest.Z for rest in rests])
-    noise = np.array([_noise(part, at_rest[:, k]) for k, part in enumerate(change)])
-    if any(_size(part) > SEEN for part in change / noise):
+    at_rest = [np.array([rest.traces[k].Z for rest in rests]) for k, _ in enumerate(sweep.traces)]
+    changes = [own.Z / known[-1] - 1 for own, known in zip(sweep.traces, at_rest, strict=True)]
+    noises = [_noise(part, known) for part, known in zip(changes, at_rest, strict=True)]
+    if any(_size(part / own) > SEEN for part, own in zip(changes, noises, strict=True)):
         return []
+    change, noise = np.concatenate(changes), np.concatenate(noises)
     return [
         f"no press is seen: the readings are those at rest, to {100 * _size(change):.2g} %, and "
         f"the meter's noise is {100 * _size(noise + 1j * noise):.2g} %"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,12 +35,16 @@ class Limits:
 
 @dataclass(frozen=True)
 class Judge:
-    """What a sweep is judged by. frequency: Hz. settings: the meter's, as in a snapshot."""
+    """What a sweep is judged by. frequency: Hz. settings: the meter's, as in a snapshot.
+
+    of_each: frequencies of interfaces that have their own, by name.
+    """
 
     frequency: NDArray[np.float64]
     table: AccuracyTable
     settings: Mapping[str, Any]
     limits: Limits
+    of_each: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     def remarks(self, sweep: Sweep, earlier: Sequence[Sweep], at_rest: bool) -> list[str]:
         """What is wrong with a sweep, in words; empty where it is sound.
@@ -51,7 +55,9 @@ class Judge:
         for place, trace in enumerate(sweep.traces):
             before = [one.traces[place] for one in earlier]
             where = f"interface {trace.interface}: " if len(sweep.traces) > 1 else ""
-            found += [where + remark for remark in self._of_trace(trace, before, at_rest)]
+            frequency = np.array(self.of_each.get(trace.interface, self.frequency))
+            own = replace(self, frequency=frequency)
+            found += [where + remark for remark in own._of_trace(trace, before, at_rest)]
         return found
 
     def _of_trace(self, trace: Trace, earlier: Sequence[Trace], at_rest: bool) -> list[str]:

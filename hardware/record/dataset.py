@@ -18,6 +18,7 @@ from .sweep import flagged, trace_times
 
 if TYPE_CHECKING:
     import xarray as xr
+    from numpy.typing import ArrayLike, NDArray
 
 
 def gather(header: Header, entries: Sequence[Entry]) -> xr.Dataset:
@@ -30,16 +31,20 @@ def gather(header: Header, entries: Sequence[Entry]) -> xr.Dataset:
     """
     steps = [_step(entry.press, header) for entry in entries]
     answers = [entry.answer or (entry.press, None) for entry in entries]
+    taken = _taken(header)
     told = {} if header.order else {"answers": json.dumps(answers)}
     return build(
-        np.stack([entry.sweep.Z for entry in entries]),
+        np.stack([_spread([each.Z for each in entry.sweep.traces], taken) for entry in entries]),
         np.array(header.frequencies),
         interface=header.interfaces,
         press=[step.press for step in steps],
         row=[step.row for step in steps],
         column=[step.column for step in steps],
         time=[entry.time for entry in entries],
-        Cp=np.array([entry.sweep.Cp for entry in entries]),
+        Cp=np.array(
+            [_spread([each.Cp for each in entry.sweep.traces], taken) for entry in entries]
+        ),
+        taken=taken if header.of_each else None,
         attributes={
             "scene": header.scene,
             "model": origin(header.meter),
@@ -49,13 +54,35 @@ def gather(header: Header, entries: Sequence[Entry]) -> xr.Dataset:
             "times": json.dumps([[entry.begun, entry.ended] for entry in entries]),
             "interface_times": json.dumps([trace_times(entry.sweep) for entry in entries]),
             "remarks": json.dumps([list(entry.remarks) for entry in entries]),
-            "flagged": json.dumps(flagged([entry.sweep for entry in entries])),
+            "flagged": json.dumps(_placed(flagged([entry.sweep for entry in entries]), taken)),
             SESSIONS: json.dumps({0: header.session}),
             **told,
             "accuracy": header.accuracy,
             "software": f"rcskin {version('rcskin')}",
         },
     )
+
+
+def _taken(header: Header) -> NDArray[np.bool_]:
+    """Which interface is read at which frequency, shape (interface, frequency)."""
+    whole = header.frequencies
+    return np.array([np.isin(whole, header.of_each.get(n, whole)) for n in header.interfaces])
+
+
+def _spread(traces: Sequence[ArrayLike], taken: NDArray[np.bool_]) -> NDArray:
+    """What was read in its places, NaN elsewhere, shape (interface, frequency)."""
+    read = np.concatenate([np.asarray(trace) for trace in traces])
+    found = np.full(taken.shape, np.nan, dtype=read.dtype)
+    found[taken] = read
+    return found
+
+
+def _placed(
+    flags: Sequence[tuple[int, int, int, int]], taken: NDArray[np.bool_]
+) -> list[tuple[int, int, int, int]]:
+    """Numbers of frequencies among all, in place of those among what an interface is read at."""
+    places = [np.flatnonzero(own).tolist() for own in taken]
+    return [(sweep, at, places[at][index], code) for sweep, at, index, code in flags]
 
 
 def _step(press: str, header: Header) -> Step:

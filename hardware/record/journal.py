@@ -11,7 +11,7 @@ import os
 import shutil
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,8 @@ from ...simulator.sweeps.files import locked
 from .sweep import Sweep, Trace
 
 HEADER, SWEEPS = "recording.json", "[0-9]*.json"
+OWN = "of_each"
+"""The field of a header that is left out where it is empty."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class Header:
 
     order: presses; empty where they come as they come. frequencies: Hz. asked: settings asked for;
     settings: all the meter had. session: name of the mounting. accuracy: name of the table that
-    sweeps are judged by.
+    sweeps are judged by. of_each: as of the scene's data.
     """
 
     scene: str
@@ -45,6 +47,7 @@ class Header:
     begun: str
     session: str
     accuracy: str
+    of_each: dict[str, tuple[float, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -84,7 +87,8 @@ class Journal:
         self.folder.mkdir(exist_ok=True)
         for path in self.folder.glob(SWEEPS):
             path.unlink()
-        _write(self.folder / HEADER, asdict(header))
+        told = asdict(header)
+        _write(self.folder / HEADER, told if header.of_each else _without(OWN, told))
 
     def keep(self, number: int, entry: Entry) -> None:
         """Put a finished sweep on the disk."""
@@ -140,9 +144,15 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _header(content: dict[str, Any], path: Path) -> Header:
+    content = {OWN: {}, **content}
     _check_keys(content, Header, path)
     lists = {name: tuple(content[name]) for name in ("interfaces", "frequencies", "order")}
-    return Header(**{**content, **lists})
+    own = {name: tuple(each) for name, each in content[OWN].items()}
+    return Header(**{**content, **lists, OWN: own})
+
+
+def _without(name: str, content: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in content.items() if key != name}
 
 
 def _entry(content: dict[str, Any], path: Path, asked: tuple[str, ...]) -> Entry:

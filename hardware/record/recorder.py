@@ -71,7 +71,13 @@ def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
     try:
         if header is None:
             header = _begun(journal, task, station)
-        judge = Judge(np.array(header.frequencies), task.table, header.settings, task.limits)
+        judge = Judge(
+            np.array(header.frequencies),
+            task.table,
+            header.settings,
+            task.limits,
+            header.of_each,
+        )
         course = Course(task, station, operator, judge, entries)
         missing = deque(number for number in range(len(task.order)) if number not in entries)
         while missing:
@@ -139,6 +145,7 @@ class Course:
             task.switch,
             self.operator.watch,
             self.operator.turn,
+            task.scene.of_each,
         )
         assert self.station.header is not None
         require(meter, self.station.header.settings)
@@ -200,6 +207,7 @@ def _asked(task: Task) -> dict[str, Any]:
         "name": task.scene.name,
         "interfaces": tuple(task.scene.interfaces),
         "frequencies": tuple(task.scene.frequencies),
+        "of_each": dict(task.scene.of_each),
         "rows": task.scene.rows,
         "columns": task.scene.columns,
         "order": tuple(step.press for step in task.order),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import pairwise
@@ -118,12 +118,14 @@ def measure_sweep(
     switch: Switch | None = None,
     watch: Watch = lambda frequency, reading: None,
     turn: Turn = lambda interface: None,
+    of_each: Mapping[str, Sequence[float]] | None = None,
 ) -> Sweep:
     """A reading at each interface and frequency [Hz], in any order, none older than this call.
 
     The interface that is connected comes first: a switch turns once less in each sweep. switch: of
     the interfaces; without it the meter stays where it is. turn: called with each interface before
-    the switch turns, watch: with each reading as it comes.
+    the switch turns, watch: with each reading as it comes. of_each: frequencies of interfaces that
+    have their own, by name.
     Raises InputError where the meter cannot take a frequency, MeterError where a reading or the
     switch fails.
     """
@@ -132,7 +134,7 @@ def measure_sweep(
         turn(name)
         if switch:
             switch.select(name)
-        traces[name] = _trace(meter, frequencies, name, watch)
+        traces[name] = _trace(meter, (of_each or {}).get(name, frequencies), name, watch)
     return Sweep(tuple(traces[name] for name in interfaces))
 
 

@@ -51,7 +51,8 @@ def train_command(
         from .asking import told_for
 
         checked_output(output, (ENDING,))
-        known = told_for(target, read_some(sweeps, most), factors)
+        given = read_some(sweeps, most, own_frequencies=True)
+        known = told_for(target, given, factors)
         with progress() as track:
             model = train_model(
                 known,

@@ -108,7 +108,7 @@ class Observer:
 
     @property
     def _readings(self) -> int:
-        return len(self.model.interfaces) * len(self.model.frequencies)
+        return self.model.problem.features // len(self.model.quantities)
 
     def _early(self, cut: float, features: int) -> NDArray[np.bool_]:
         """Which features are of readings before a cut: in each quantity, in the order measured."""

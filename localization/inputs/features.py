@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError, impedance
+from ...simulator.sweeps.schema import taken_of
 from .rest import check_told, log_at_rest
 
 if TYPE_CHECKING:
@@ -57,8 +58,8 @@ def told_features(
     """The same of the sweeps that have them, shape (row, feature), and which these are, ascending.
 
     Quantity by quantity as asked, within it interface by interface, within it by ascending
-    frequency. interfaces: those looked at, in that order; all without. rest: sweeps of the skin at
-    rest, if they are not among `sweeps` (see `log_at_rest`).
+    frequency, only what was read (`taken_of`). interfaces: those looked at, in that order; all
+    without. rest: sweeps of the skin at rest, if they are not among `sweeps` (see `log_at_rest`).
     Raises InputError for a quantity that is not one of QUANTITIES, none at all, or one asked twice;
     an interface that the sweeps lack.
     """
@@ -66,7 +67,7 @@ def told_features(
     seen = seen_from(sweeps, interfaces)
     at_rest = None if rest is None else seen_from(rest, interfaces)
     count = seen.sizes["sweep"]
-    width = len(asked) * seen.sizes["interface"] * seen.sizes["frequency"]
+    width = len(asked) * readings_of(seen)
     X, told = np.empty((count, width)), np.zeros(count, dtype=bool)
     for block in _blocks(seen, needs_rest(asked)):
         found, rows = _of_block(seen.isel(sweep=block), asked, at_rest)
@@ -113,8 +114,29 @@ def _of_block(
         found = {name: values[rows] for name, values in found.items()}
         found |= _parts(absolute[rows] - at_rest.recent, AGAINST_REST)
         found |= _parts(at_rest.opening, AT_REST)
-    blocks = [found[name].reshape(rows.size, np.prod(found[name].shape[1:])) for name in asked]
+    taken = taken_of(seen)
+    blocks = [_flat(found[name], taken) for name in asked]
     return np.concatenate(blocks, axis=1), rows
+
+
+def _flat(values: NDArray[np.float64], taken: NDArray[np.bool_] | None) -> NDArray[np.float64]:
+    """What was read, interface by interface, shape (row, reading)."""
+    if taken is not None:
+        return values[:, taken]
+    return values.reshape(len(values), np.prod(values.shape[1:]))
+
+
+def readings_of(sweeps: xr.Dataset) -> int:
+    """How many readings a sweep is of."""
+    taken = taken_of(sweeps)
+    whole = sweeps.sizes["interface"] * sweeps.sizes["frequency"]
+    return whole if taken is None else int(taken.sum())
+
+
+def taken_rows(sweeps: xr.Dataset) -> tuple[tuple[bool, ...], ...]:
+    """As `taken_of`, row by row; empty where all interfaces were read at all frequencies."""
+    taken = taken_of(sweeps)
+    return () if taken is None else tuple(tuple(row) for row in taken.tolist())
 
 
 def seen_from(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> xr.Dataset:

@@ -9,28 +9,34 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError, check, loaded, open_zarr, read
+from ...simulator.sweeps.files import all_taken
 from ...simulator.sweeps.joining import join
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def read_some(files: Path | Sequence[Path], most: int) -> xr.Dataset:
+def read_some(
+    files: Path | Sequence[Path], most: int, *, own_frequencies: bool = False
+) -> xr.Dataset:
     """The first sweeps of a file or several, at most so many, and of whole sessions if it can be.
 
-    Of a `.zarr` no more than these are read. Raises InputError as `read` and `join`, and for
-    `most` < 1.
+    own_frequencies: as of `read`. Of a `.zarr` no more than these are read. Raises InputError as
+    `read` and `join`, and for `most` < 1.
     """
     if most < 1:
         raise InputError(f"--most must be >= 1, got {most}")
     paths = [files] if isinstance(files, Path) else files
-    sweeps = join([_some_of(path, most) for path in paths], paths)
+    parts = [_some_of(path, most) for path in paths]
+    if not own_frequencies:
+        parts = [all_taken(part, path) for part, path in zip(parts, paths, strict=True)]
+    sweeps = join(parts, paths)
     return sweeps.isel(sweep=_whole_sessions(sweeps["session"].values, most))
 
 
 def _some_of(path: Path, most: int) -> xr.Dataset:
     if path.suffix != ".zarr" or not path.exists():
-        return read(path)
+        return read(path, own_frequencies=True)
     stored = open_zarr(path).drop_dims("drawn_session", errors="ignore")
     if "session" not in stored.variables:
         return check(stored)

@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...simulator.sweeps import InputError
-from .features import DEFAULT_QUANTITIES, checked_quantities, seen_from, told_features
+from .features import (
+    DEFAULT_QUANTITIES,
+    checked_quantities,
+    seen_from,
+    taken_rows,
+    told_features,
+)
 from .rest import check_told
 from .targets import has_target, labels, positions
 from .touches import counts_of
@@ -24,7 +30,8 @@ class Problem:
     """What a localizer is to tell, and from what.
 
     target: as of `labels`, or "position". features: how many numbers a sweep has. frequencies: Hz,
-    ascending. scene: TOML text of the skin, empty where unknown.
+    ascending. scene: TOML text of the skin, empty where unknown. taken: as of `taken_of`, row by
+    row; empty where all interfaces are read at all frequencies.
     """
 
     target: str
@@ -33,6 +40,7 @@ class Problem:
     interfaces: tuple[str, ...]
     frequencies: tuple[float, ...]
     scene: str
+    taken: tuple[tuple[bool, ...], ...] = ()
 
     @property
     def continuous(self) -> bool:
@@ -177,6 +185,7 @@ def samples_of(
         interfaces=tuple(str(name) for name in seen["interface"].values),
         frequencies=tuple(float(f) for f in seen["frequency"].values),
         scene=str(sweeps.attrs.get("scene", "")),
+        taken=taken_rows(seen),
     )
     y = positions(some) if problem.continuous else labels(some, target)
     left_out = _left_out(fitting, rows, sweeps["session"].values)

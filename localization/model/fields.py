@@ -89,6 +89,8 @@ PROBLEM = {
     "frequencies": tuple,
     "scene": str,
 }
+OWN_FREQUENCIES = {"taken": tuple}
+"""Also of a problem whose interfaces have frequencies of their own."""
 
 
 ANOTHER_LAYOUT = f"a model of another layout than {LAYOUT}, which this version reads; train it anew"
@@ -117,10 +119,15 @@ def fields_of(model: Model) -> dict[str, Any]:
         "answered": getattr(learned, "answered", 0),
         "held_out": getattr(learned, "held_out", 0),
         "median_error": getattr(learned, "median_error", 0.0),
-        "problem": asdict(model.problem),
+        "problem": _told(model.problem),
         **{name: getattr(model, name) for name in COPIED},
         "gate": None if model.gate is None else fields_of(model.gate),
     }
+
+
+def _told(problem: Problem) -> dict[str, Any]:
+    told = asdict(problem)
+    return {name: told[name] for name in told if name not in OWN_FREQUENCIES or told[name]}
 
 
 def model_of(fields: Any) -> Model:
@@ -128,7 +135,8 @@ def model_of(fields: Any) -> Model:
     if _is_earlier(fields):
         raise EarlierLayoutError(ANOTHER_LAYOUT)
     _check(fields, {"layout": int, **KINDS})
-    _check(fields["problem"], PROBLEM)
+    own = fields["problem"]
+    _check(own, PROBLEM | OWN_FREQUENCIES if OWN_FREQUENCIES.keys() <= own.keys() else PROBLEM)
     problem = Problem(**fields["problem"])
     return Model(
         learned=_learned(fields, problem.continuous),

@@ -11,7 +11,7 @@ from sklearn.pipeline import Pipeline
 
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.same_skin import check_same_skin
-from ..inputs.features import told_features
+from ..inputs.features import seen_from, taken_rows, told_features
 from ..inputs.rest import check_told
 from ..inputs.samples import Problem, Samples, samples_of
 from ..inversion.region import Region
@@ -229,6 +229,11 @@ class Model:
             raise InputError(
                 f"the model was trained on interfaces {', '.join(self.interfaces)}, "
                 f"the sweeps have {', '.join(given_names)}"
+            )
+        if taken_rows(seen_from(sweeps, self.interfaces)) != self.problem.taken:
+            raise InputError(
+                "the model was trained on interfaces read at other `frequencies` of their own "
+                "than the sweeps"
             )
         trained, given = np.array(self.frequencies), sweeps["frequency"].values
         if given.size != trained.size:

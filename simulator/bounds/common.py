@@ -24,7 +24,7 @@ from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene, interface_names
 from ..sweeps import InputError
 from .bayes import FIRST_LOOK, STEP, Accuracy, Templates, likeliest
-from .information import error_model
+from .information import errors_of_taken
 from .readings import Hypothesis, hypotheses
 
 NODES = 6
@@ -80,10 +80,11 @@ class CommonDraws:
     def judged(self, skin: ReducedSkin, told: NDArray[np.bool_] | None = None) -> Judged:
         """For one skin and the readings of its model's scene, all at that scene's frequencies.
 
-        told: which readings are taken, shape (interface, frequency); all of them for None.
+        told: which readings are taken, shape (interface, frequency); those of the scene for None.
         """
         scene = skin.reduced.scene
         whole = len(scene.interfaces), len(scene.frequencies)
+        told = scene.taken if told is None else told
         told = np.ones(whole, dtype=np.bool_) if told is None else told
         nodes = self._whitened(skin, told)
         origin = nodes.reshape(-1, nodes.shape[-1]).mean(axis=0)
@@ -144,7 +145,7 @@ class CommonDraws:
         What all frequencies share of a session's errors is taken from their mean.
         """
         readout, kept = self._scene.readout, numbers[..., told]
-        noise = error_model(self._scene, 1, self._against_rest).deviation.reshape(2, -1)[:, :1]
+        noise = errors_of_taken(self._scene, self._against_rest).noise[:, None]
         shared = np.array([[readout.magnitude_accuracy], [readout.phase_accuracy]])
         lessened = 1 - 1 / np.sqrt(1 + told.sum() * (shared / noise) ** 2)
         if told.any() and not self._against_rest:

@@ -51,17 +51,30 @@ def _on_diagonal(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def error_model(scene: Scene, frequencies: int, against_rest: int = 0) -> ErrorModel:
-    """The errors of a sweep of a scene at so many frequencies. Raises InputError without noise."""
+    """The errors of a sweep of a scene at so many frequencies. Raises InputError without noise,
+    and where interfaces have frequencies of their own."""
+    scene.require_shared_frequencies("this bound")
     return ErrorModel(scene.readout, len(scene.interfaces), frequencies, against_rest=against_rest)
+
+
+def errors_of_taken(scene: Scene, against_rest: int = 0) -> ErrorModel:
+    """Of what is read of a scene, at its own frequencies. Raises InputError without noise."""
+    return ErrorModel(
+        scene.readout,
+        len(scene.interfaces),
+        len(scene.frequencies),
+        against_rest=against_rest,
+        taken=scene.taken,
+    )
 
 
 def in_noise(
     Z: NDArray[np.complex128], slopes: Sequence[NDArray[np.complex128]], model: ErrorModel
 ) -> NDArray[np.float64]:
-    """Slopes of ln |Z| and phase over the noise, shape (interface, frequency, 2, slope)."""
+    """Slopes of ln |Z| and phase over the noise, shape (interface, frequency, 2, slope); 0 where
+    nothing is read."""
     shape = 2, model.interfaces, model.frequencies
-    deviation = model.deviation.reshape(shape)
-    columns = [observed_slope(Z, dZ).reshape(shape) / deviation for dZ in slopes]
+    columns = [observed_slope(Z, dZ).reshape(shape) / _deviation(model) for dZ in slopes]
     return np.moveaxis(np.stack(columns, axis=-1), 0, 2)
 
 
@@ -72,10 +85,17 @@ def session_errors(model: ErrorModel) -> tuple[NDArray[np.float64], NDArray[np.f
     quantities = [] if model.against_rest else np.flatnonzero(accuracy > 0).tolist()
     unknown = [(i, q) for i in range(model.interfaces) for q in quantities]
     slopes = np.zeros((model.interfaces, model.frequencies, 2, len(unknown)))
-    deviation = model.deviation.reshape(2, model.interfaces, model.frequencies)
+    deviation = _deviation(model)
     for number, (i, q) in enumerate(unknown):
         slopes[i, :, q, number] = 1 / deviation[q, i]
     return slopes, np.array([accuracy[q] ** -2 for _, q in unknown])
+
+
+def _deviation(model: ErrorModel) -> NDArray[np.float64]:
+    """Of each reading, infinite where there is none, shape (2, interface, frequency)."""
+    read = np.ones((model.interfaces, model.frequencies), dtype=bool)
+    noise = model.noise[:, None, None]
+    return np.where(read if model.taken is None else model.taken, noise, np.inf)
 
 
 def pixel_maps(scene: Scene, cells: int) -> dict[str, NDArray[np.float64]]:

@@ -25,6 +25,7 @@ from .fields import Answer, AnyFields, TouchSize
 from .information import (
     covariances,
     error_model,
+    errors_of_taken,
     in_noise,
     pixel_maps,
     session_errors,
@@ -211,7 +212,12 @@ def position_slopes(
     noise.
     """
     scene = fields.scene
-    model = error_model(scene, len(frequency), against_rest)
+    whole = np.array_equal(frequency, scene.frequencies)
+    model = (
+        errors_of_taken(scene, against_rest)
+        if whole
+        else error_model(scene, len(frequency), against_rest)
+    )
     errors, prior = session_errors(model)
     skin = SkinUnknowns(fields, frequency, model) if unknown_skin else None
     grid = Cells.of(scene.skin.length, scene.skin.width, fields.grid)

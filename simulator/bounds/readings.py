@@ -22,7 +22,7 @@ from ..scene.planar import covered
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .information import error_model
+from .information import errors_of_taken
 
 TARGETS = ("column", "row", "pixel", "pair", "touches")
 
@@ -103,7 +103,7 @@ class Readings:
         if size is not None:
             require_whole_pixels(scene, "a touch of a size")
         self.scene, self._size = scene, size
-        self.model = error_model(scene, len(scene.frequencies), against_rest)
+        self.model = errors_of_taken(scene, against_rest)
         self._factors = (
             min(LEAST_FACTOR, float(presses.low)),
             max(LARGEST_FACTOR, float(presses.high)),

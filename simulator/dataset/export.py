@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..sweeps import InputError, check_needs, checked_output, open_zarr, read, whole_file
+from ..sweeps.files import all_taken
 from ..sweeps.formats.csv import append_csv
 from ..sweeps.schema import DIMENSIONS, QUANTITIES
 
@@ -32,7 +33,9 @@ def export(data: Path, output: Path) -> Mapping[str, int]:
         raise InputError(f"{data}: no such file")
     if output.suffix == ".parquet":
         check_needs(output, "scale", "pyarrow")
-    opened = open_zarr(data) if data.suffix == ".zarr" else read(data)
+    opened = open_zarr(data) if data.suffix == ".zarr" else read(data, own_frequencies=True)
+    if output.suffix != ".nc":
+        all_taken(opened, data)
     with opened as sweeps, whole_file(output) as unfinished:
         writers[output.suffix](sweeps, unfinished)
         return {name: sweeps.sizes[name] for name in DIMENSIONS}

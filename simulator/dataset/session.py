@@ -116,4 +116,7 @@ def drawn_session(plan: Plan, family: Family, number: int) -> Drawn:
 def _shown(scene: Scene, Z: NDArray[np.complex128]) -> dict[str, NDArray[np.float64]]:
     values = {"Rs": Z.real, "X": Z.imag, "Cp": parallel_capacitance(Z, scene.frequencies)}
     digits = scene.readout.display_digits
-    return {name: displayed(value, digits) for name, value in values.items()}
+    shown = {name: displayed(value, digits) for name, value in values.items()}
+    if scene.taken is None:
+        return shown
+    return {name: np.where(scene.taken, value, np.nan) for name, value in shown.items()}

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..sweeps.schema import DIMENSIONS, TAKEN
 from .chunks import LEFT_OVER, compression, put
 from .layout import SESSION, SWEEP, Variable, sizes, variables
 from .plan import Plan
@@ -95,10 +96,13 @@ def _axes(plan: Plan) -> list[tuple[Variable, NDArray]]:
     scene = plan.scene
     interfaces = np.array([interface.name for interface in scene.interfaces], dtype=object)
     contacts = np.array([contact.name for contact in scene.contacts], dtype=object)
+    taken = scene.taken
+    told = Variable(TAKEN, DIMENSIONS[1:], "int8", "whether it was read")
     return [
         (Variable("interface", ("interface",), "str", "how the meter is connected"), interfaces),
         (Variable("frequency", ("frequency",), "float64", "frequency", "Hz"), scene.frequencies),
         (Variable("contact", ("contact",), "str", "foil on a sheet"), contacts),
+        *([] if taken is None else [(told, taken)]),
     ]
 
 

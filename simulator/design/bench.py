@@ -5,6 +5,7 @@ Answers are kept in a journal; the skin is trained at the first one that is not 
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
@@ -113,11 +114,28 @@ class Bench:
 
         return self._asking.journal.kept(asked, answer)["most"]
 
+    def of_each(self, material: Material, picked: Picked) -> Layout:
+        """What was picked, each reading with the frequencies of its own that `Picker` finds."""
+        asked = {"of each": [list(picked.readings), list(picked.frequencies)], **self._at(material)}
+
+        def answer() -> dict[str, list[list[int]]]:
+            return {"numbers": self._picker.of_each(material, picked)}
+
+        numbers = self._asking.journal.kept(asked, answer)["numbers"]
+        told = [tuple(float(self.frequency[k]) for k in own) for own in numbers]
+        readings = [
+            self.pool[k].model_copy(update={"frequencies": own})
+            for k, own in zip(picked.readings, told, strict=True)
+            if own
+        ]
+        return Layout(material, tuple(readings), tuple(sorted(set(itertools.chain(*told)))))
+
     def shares(self, layout: Layout) -> tuple[float, ...]:
         """Merits of the skin as it was meant and of each cast: see `Judge`, `PlaceJudge`."""
         read = [[list(each.high), list(each.low)] for each in layout.readings]
         asked = {
             "shares": [read, list(layout.frequencies)],
+            **_own(layout),
             **self._at(layout.material),
         }
 
@@ -133,6 +151,11 @@ class Bench:
     @cached_property
     def _text(self) -> str:
         return scene_text(self.scene)
+
+
+def _own(layout: Layout) -> dict[str, object]:
+    """Frequencies of readings that have their own, as a journal keeps them."""
+    return {"of each": [list(each) for each in layout.of_each]} if layout.own else {}
 
 
 def first_bench(scene: Scene, asking: Asking) -> Bench:

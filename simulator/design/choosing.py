@@ -68,6 +68,30 @@ def bound(slope: Slope, best: NDArray[np.int64], candidates: int) -> float:
     return least
 
 
+def exchanged_by_slope(
+    slope: Slope, begun: NDArray[np.int64], candidates: int
+) -> NDArray[np.int64]:
+    """A choice of as many as that begun with, ascending, at least as good: of exchanges of the
+    least by the slope for the best, as many at once as gain, half as many where they do not."""
+    best, count = np.sort(begun), len(begun)
+    value, by = slope(_weights(best, candidates))
+    while count:
+        inside = best[np.argsort(by[best], kind="stable")[:count]]
+        left = np.setdiff1d(np.arange(candidates), best)
+        outside = left[np.argsort(-by[left], kind="stable")[:count]]
+        pairs = min(len(inside), len(outside))
+        gains = by[outside[:pairs]] > by[inside[:pairs]]
+        tried = np.sort(
+            np.concatenate([np.setdiff1d(best, inside[:pairs][gains]), outside[:pairs][gains]])
+        )
+        found, turned = slope(_weights(tried, candidates))
+        if found > value:
+            best, value, by = tried, found, turned
+        else:
+            count //= 2
+    return best
+
+
 def _weights(chosen: NDArray[np.int64], candidates: int) -> NDArray[np.float64]:
     found = np.zeros(candidates)
     found[chosen] = 1.0

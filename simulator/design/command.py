@@ -35,6 +35,10 @@ def design(
     frequencies: Annotated[
         int | None, typer.Option(help="Frequencies of each reading, at most.")
     ] = None,
+    own_frequencies: Annotated[
+        bool | None,
+        typer.Option("--own-frequencies", help="Each reading may have its own, as many in all."),
+    ] = None,
     seconds: Annotated[
         float | None, typer.Option(help="What a sweep may take on the meter, at most.")
     ] = None,
@@ -99,6 +103,7 @@ def design(
         "wires": wires,
         "readings": readings,
         "frequencies": frequencies,
+        "own_frequencies": own_frequencies,
         "seconds": seconds,
         "band": None if band is None else parse_band(band, _own_band(loaded)),
         "sheet_resistance": _bounds("--sheet-resistance", sheet_resistance),

@@ -24,11 +24,27 @@ TENTH = 0.1
 
 @dataclass(frozen=True)
 class Layout:
-    """What is read of a skin of a material: readings, and frequencies in Hz, ascending."""
+    """What is read of a skin of a material: readings, and frequencies in Hz, ascending, of all of
+    them that have none of their own."""
 
     material: Material
     readings: tuple[Interface, ...]
     frequencies: tuple[float, ...]
+
+    @property
+    def of_each(self) -> list[tuple[float, ...]]:
+        """Frequencies in Hz at which each reading is taken, ascending."""
+        return [each.frequencies or self.frequencies for each in self.readings]
+
+    @property
+    def own(self) -> bool:
+        """Whether readings have frequencies of their own."""
+        return any(each.frequencies is not None for each in self.readings)
+
+    @property
+    def numbers(self) -> int:
+        """Readings at all their frequencies."""
+        return sum(map(len, self.of_each))
 
 
 class Judge:

@@ -17,7 +17,7 @@ from ..scene.design import Design
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.pace import SETTLE, reading_time
-from .choosing import Choice, bound, chosen
+from .choosing import Choice, bound, chosen, exchanged_by_slope
 from .curves import Pairs, pairs
 from .merits import Merit
 from .places import Touches
@@ -60,30 +60,33 @@ def candidate_frequencies(scene: Scene, band: tuple[float, float]) -> NDArray[np
     return np.unique(np.concatenate([own, even]))
 
 
-def sweep_time(readings: int, frequencies: Sequence[float]) -> float:
-    """s that a meter takes for a sweep, with a switch between the readings."""
-    return readings * (SETTLE * (readings > 1) + sum(map(reading_time, frequencies)))
+def sweep_time(of_each: Sequence[Sequence[float]]) -> float:
+    """s that a meter takes for a sweep of readings at frequencies in Hz, with a switch between."""
+    settled = SETTLE * len(of_each) * (len(of_each) > 1)
+    return settled + sum(reading_time(f) for own in of_each for f in own)
 
 
 def budgets(scene: Scene, asked: Design, low: float, pool: int) -> list[tuple[int, int]]:
     """How many readings at how many frequencies each may be picked; low: of the band, Hz.
 
-    Within a time every frequency is taken to be as slow as the lowest. Raises InputError where not
-    even one fits.
+    Within a time every frequency is taken to be as slow as the lowest. More readings at as many
+    frequencies never tell less, so fewer are not looked at. Raises InputError where not even one
+    fits.
     """
     most, each = min(asked.readings, pool), asked.frequencies or len(scene.frequencies)
     if asked.seconds is None:
         return [(most, each)]
-    found = []
+    found: list[tuple[int, int]] = []
     for readings in range(1, most + 1):
         count = each
-        while count and sweep_time(readings, [low] * count) > asked.seconds:
+        while count and sweep_time([[low] * count] * readings) > asked.seconds:
             count -= 1
         if count:
+            found = [each for each in found if each[1] > count]
             found.append((readings, count))
     if not found:
         raise InputError(
-            f"`design.seconds` must be >= {sweep_time(1, [low]):.3g} s, what one reading at "
+            f"`design.seconds` must be >= {sweep_time([[low]]):.3g} s, what one reading at "
             f"{low:g} Hz takes, got {asked.seconds:g}"
         )
     return found
@@ -178,8 +181,16 @@ class Picker:
             return None
         every = len(self.frequency)
         told = by_both(self._pairs(material).of(picked.readings, range(every)), self._told.merit)
-        own = np.add.outer(every * np.arange(len(picked.readings)), picked.frequencies)
-        return bound(told.slope, own.ravel().astype(np.int64), told.candidates)
+        return bound(told.slope, _by_both(picked, every), told.candidates)
+
+    def of_each(self, material: Material, picked: Picked) -> list[list[int]]:
+        """Frequencies for each of the readings picked, as many in all as were picked together: the
+        best found by exchanges that the slope of the share names. A reading may be left with none.
+        """
+        every = len(self.frequency)
+        told = by_both(self._pairs(material).of(picked.readings, range(every)), self._told.merit)
+        best = exchanged_by_slope(told.slope, _by_both(picked, every), told.candidates)
+        return [(best[best // every == k] % every).tolist() for k in range(len(picked.readings))]
 
     def picked(
         self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
@@ -240,6 +251,12 @@ class Picker:
             weight = np.concatenate([each.weight for each in found]) / len(found)
             self._kept = material, Pairs(apart, weight)
         return self._kept[1]
+
+
+def _by_both(picked: Picked, every: int) -> NDArray[np.int64]:
+    """What was picked, among candidates of `by_both` of so many frequencies."""
+    own = np.add.outer(every * np.arange(len(picked.readings)), picked.frequencies)
+    return own.ravel().astype(np.int64)
 
 
 def _known(noise: float, accuracy: float) -> float:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..bounds.fields import TouchSize
 from ..bounds.fields.answer import at_meter
 from ..bounds.fields.pressed import PressedSkin
-from ..bounds.information import error_model, in_noise, session_errors
+from ..bounds.information import errors_of_taken, in_noise, session_errors
 from ..bounds.position import WANTED, Cells, Place, Slopes, chosen_touch, places_on
 from ..fem.galerkin import one_blas_thread
 from ..models.reduced.cases import Case
@@ -64,7 +64,7 @@ class Touches:
         """Of a skin of the divided scene, at every place; frequency in Hz, ascending."""
         skin = on.at(frequency)
         scene = skin.reduced.scene
-        model = error_model(scene, len(frequency), against_rest)
+        model = errors_of_taken(scene, against_rest)
         s = laplace_variable(frequency, scene.skin.foam.loss)
         pressed = PressedSkin(skin)
         errors, prior = session_errors(model)

@@ -126,6 +126,9 @@ class _Walk:
                 material, picked = found
         for name, others in geometries(bench.scene, self._asking.asked):
             picked = self._elsewhere(name, others(self._bench.scene), material, picked)
+        if self._asking.asked.own_frequencies:
+            own = self._bench.of_each(material, picked)
+            self._judged("frequencies of each reading", own)
         return Found(self._bench, tuple(self._steps), picked)
 
     def _elsewhere(
@@ -201,11 +204,11 @@ class _Walk:
     def _allowed(self, layout: Layout) -> bool:
         asked, sheets = self._asking.asked, (layout.material.top, layout.material.bottom)
         most = asked.frequencies or len(self._bench.scene.frequencies)
-        time = sweep_time(len(layout.readings), layout.frequencies)
+        time = sweep_time(layout.of_each)
         low, high = asked.sheet_resistance
         return (
             len(layout.readings) <= asked.readings
-            and len(layout.frequencies) <= most
+            and layout.numbers <= most * (asked.readings if layout.own else len(layout.readings))
             and (asked.seconds is None or time <= asked.seconds)
             and low * (1 - ROUNDING) <= min(sheets)
             and max(sheets) <= high * (1 + ROUNDING)

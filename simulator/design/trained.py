@@ -21,7 +21,7 @@ from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced, ReducedSkin
 from ..progress import Tell, tell_nothing
-from ..scene.contacts import Interface
+from ..scene.contacts import Interface, taken
 from ..scene.design import Design
 from ..scene.frequency import laplace_variable
 from ..scene.meter import Sweep
@@ -191,7 +191,11 @@ class CastReadings:
         self._on, self._frequency = on, frequency
         readings = len(on.scene.interfaces)
         self.model = ErrorModel(
-            on.scene.readout, readings, len(frequency), against_rest=against_rest
+            on.scene.readout,
+            readings,
+            len(frequency),
+            against_rest=against_rest,
+            taken=taken(on.scene.interfaces, frequency),
         )
 
     def of_each(

@@ -73,6 +73,7 @@ def _of_mean_skin(text: str, target: str, presses: str) -> Tables:
 
 def _tables(unknown: UnknownSkin, target: str, presses: str, drift: float) -> Tables:
     scene = unknown.forward.scene
+    scene.require_shared_frequencies("what answers by the model of a skin")
     readings = len(scene.interfaces), len(scene.frequencies)
     chances = np.zeros(3)
     chances[: len(scene.dataset.press.touches)] = scene.dataset.press.touches

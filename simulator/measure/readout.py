@@ -84,7 +84,8 @@ class ErrorModel:
 
     readout: of the meter. interfaces, frequencies: how many. averaged: sweeps that are averaged.
     against_rest: of how many sweeps of the skin at rest, averaged, it is the difference; 0 tells
-    it as it is, with the errors of the session.
+    it as it is, with the errors of the session. taken: which interface is read at which frequency,
+    shape (interface, frequency); all at all for None.
     """
 
     readout: Readout
@@ -92,6 +93,7 @@ class ErrorModel:
     frequencies: int
     averaged: int = 1
     against_rest: int = 0
+    taken: NDArray[np.bool_] | None = None
 
     def __post_init__(self) -> None:
         """Raises InputError where the meter is without noise."""
@@ -104,24 +106,36 @@ class ErrorModel:
 
     @property
     def deviation(self) -> NDArray[np.float64]:
-        """Of each number by the noise of readings, shape (2 * readings,)."""
-        readings = self.interfaces * self.frequencies
-        noise = np.repeat([self.readout.magnitude_noise, self.readout.phase_noise], readings)
+        """Of each number by the noise of readings, shape (2 * readings taken,)."""
+        readings = self.interfaces * self.frequencies if self.taken is None else self.taken.sum()
+        return np.repeat(self.noise, readings)
+
+    @property
+    def noise(self) -> NDArray[np.float64]:
+        """Standard deviations of one ln |Z| and one phase by the noise of readings, shape (2,)."""
         rest = 1 / self.against_rest if self.against_rest else 0.0
-        return noise * np.sqrt(1 / self.averaged + rest)
+        both = np.array([self.readout.magnitude_noise, self.readout.phase_noise])
+        return both * np.sqrt(1 / self.averaged + rest)
 
     @property
     def covariance(self) -> NDArray[np.float64]:
-        """Of all numbers together, shape (2 * readings, 2 * readings)."""
+        """Of all numbers together, shape (2 * readings taken, 2 * readings taken)."""
         C = np.diag(self.deviation**2)
         if self.against_rest:
             return C
         shared = np.kron(np.eye(self.interfaces), np.ones((self.frequencies, self.frequencies)))
+        if self.taken is not None:
+            shared = shared[np.ix_(self.taken.ravel(), self.taken.ravel())]
         accuracy = self.readout.magnitude_accuracy, self.readout.phase_accuracy
         return C + np.kron(np.diag(np.square(accuracy)), shared)
 
     def whitened(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The numbers turned so that each errs by 1 on its own; shape (..., 2 * readings)."""
+        """Those taken, turned so that each errs by 1 on its own, shape (..., 2 * readings taken).
+
+        numbers: of all readings as of `observed`, shape (..., 2 * readings).
+        """
+        if self.taken is not None:
+            numbers = numbers[..., np.tile(self.taken.ravel(), 2)]
         factor = np.linalg.cholesky(self.covariance)
         flat = np.linalg.solve(factor, numbers.reshape(-1, numbers.shape[-1]).T)
         return flat.T.reshape(numbers.shape).astype(np.float64)

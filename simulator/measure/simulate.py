@@ -56,6 +56,7 @@ def gather(solver: Solver, answered: Iterable[tuple[Press, Answer]]) -> Table:
             "seed": solver.scene.experiment.seed,
             "software": f"rcskin {version('rcskin')}",
         },
+        taken=solver.scene.taken,
     )
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from .form.outline import Outline
+from .meter import Hertz, ascending
 from .skin import Electrode, Name, Skin, curves, on_skin
 from .validation import Number, Table, at_least_zero, whole_within_rounding
 
@@ -158,11 +159,46 @@ class Contact(Table):
 
 
 class Interface(Table):
-    """One way of connecting the meter; contacts in neither list float."""
+    """One way of connecting the meter; contacts in neither list float.
+
+    frequencies: those of [sweep] at which it is read [Hz], all of them unless given.
+    """
 
     name: Name
     high: Annotated[tuple[str, ...], Field(min_length=1)]
     low: Annotated[tuple[str, ...], Field(min_length=1)]
+    frequencies: (
+        Annotated[tuple[Hertz, ...], Field(min_length=1), AfterValidator(ascending)] | None
+    ) = None
+
+
+def taken(
+    interfaces: Sequence[Interface], frequency: NDArray[np.float64]
+) -> NDArray[np.bool_] | None:
+    """Which interface is read at which of the frequencies in Hz, shape (interface, frequency).
+
+    None where all are read at all.
+    """
+    if all(each.frequencies is None for each in interfaces):
+        return None
+    told = [frequency if each.frequencies is None else each.frequencies for each in interfaces]
+    found = np.stack([np.isin(frequency, own) for own in told])
+    return None if found.all() else found
+
+
+def check_frequencies(interfaces: Sequence[Interface], frequency: Sequence[float]) -> None:
+    """Raises ValueError unless frequencies of interfaces are among these and take all of them."""
+    for each in interfaces:
+        foreign = sorted(set(each.frequencies or ()) - set(frequency))
+        if foreign:
+            raise ValueError(
+                f"interface {each.name!r}: `frequencies` must be among those of [sweep], "
+                f"got {foreign[0]:.12g} Hz"
+            )
+    read = taken(interfaces, np.array(frequency))
+    idle = [] if read is None else np.array(frequency)[~read.any(axis=0)].tolist()
+    if idle:
+        raise ValueError(f"`sweep.frequencies`: no interface is read at {idle[0]:.12g} Hz")
 
 
 def _listed(given: object) -> object:

@@ -26,7 +26,8 @@ class Design(Table):
     band: of the frequencies [Hz], else the scene's own. sheet_resistance: bounds of both sheets
     [ohm/sq]; sheet_ratio: one over the other at most. foam_thickness: bounds [m] of a foam whose
     thickness is given. grading: sheet resistance at one edge over that at the opposite one, at
-    most. foils: whether places and lengths of foils may change; foil_length: bounds of their
+    most. own_frequencies: whether each reading may have frequencies of its own, as many in all.
+    foils: whether places and lengths of foils may change; foil_length: bounds of their
     lengths over that of their edge. against_rest: sweeps at rest that each sweep is compared with.
     casts: skins drawn as [dataset.session] says; the tenth that is worst off counts.
     """
@@ -37,6 +38,7 @@ class Design(Table):
     wires: Annotated[Whole, Field(ge=2, le=8)] | None = None
     readings: Annotated[Whole, Field(ge=1, le=40)] = 5
     frequencies: Annotated[Whole, Field(ge=1, le=100)] | None = None
+    own_frequencies: bool = False
     seconds: Annotated[Number, above_zero("s")] | None = None
     band: tuple[Hertz, Hertz] | None = None
     sheet_resistance: tuple[Ohms, Ohms] = (10e3, 400e3)
@@ -54,6 +56,12 @@ class Design(Table):
             raise ValueError("want is a share of sweeps; positions have `within`, in m")
         if self.within is not None and self.target != POSITION:
             raise ValueError(f"within is of the target {POSITION}; a {self.target} has `want`")
+        return self
+
+    @model_validator(mode="after")
+    def _own_frequencies_add_up(self) -> Self:
+        if self.own_frequencies and not self.against_rest:
+            raise ValueError("own_frequencies needs against_rest >= 1, got 0")
         return self
 
     @model_validator(mode="after")

@@ -51,6 +51,14 @@ def _listed(frequencies: object) -> object:
         raise ValueError(one_line(error, FrequencyGrid)) from error
 
 
+def ascending(frequencies: tuple[float, ...]) -> tuple[float, ...]:
+    """The same frequencies in order. Raises ValueError where one is there twice."""
+    distinct = tuple(sorted(set(frequencies)))
+    if len(distinct) < len(frequencies):
+        raise ValueError("frequencies must be distinct")
+    return distinct
+
+
 class Sweep(Table):
     """The frequencies [Hz] of one sweep, kept ascending."""
 
@@ -63,10 +71,7 @@ class Sweep(Table):
 
     @model_validator(mode="after")
     def _distinct_and_ascending(self) -> Self:
-        ascending = tuple(sorted(set(self.frequencies)))
-        if len(ascending) < len(self.frequencies):
-            raise ValueError("frequencies must be distinct")
-        object.__setattr__(self, "frequencies", ascending)
+        object.__setattr__(self, "frequencies", ascending(self.frequencies))
         return self
 
 

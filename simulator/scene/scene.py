@@ -17,9 +17,18 @@ from pydantic import (
 )
 
 from ..sweeps import InputError
-from .contacts import Contact, Interface, Readings, brief, farthest
+from .contacts import (
+    Contact,
+    Interface,
+    Readings,
+    brief,
+    check_frequencies,
+    farthest,
+    taken,
+)
 from .design import Design
 from .foam_mechanics import Mechanics
+from .keys.changing import put
 from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
 from .randomisation import Randomisation
 from .skin import Metre, Name, Skin
@@ -136,6 +145,18 @@ class Scene(Table):
         return np.array(self.sweep.frequencies)
 
     @property
+    def taken(self) -> NDArray[np.bool_] | None:
+        """Which interface is read at which frequency, see `contacts.taken`."""
+        return taken(self.interfaces, self.frequencies)
+
+    def require_shared_frequencies(self, what: str) -> None:
+        """Raises InputError where interfaces have frequencies of their own, naming what it is."""
+        if self.taken is not None:
+            raise InputError(
+                f"{self.name}: {what} takes no interfaces with `frequencies` of their own"
+            )
+
+    @property
     def beyond_plain(self) -> str | None:
         """The first key by which it is more than uniform sheets and foam on a rectangle at rest.
 
@@ -241,7 +262,7 @@ class Scene(Table):
         table = self.model_dump(mode="json", by_alias=True, exclude_none=True)
         for name, value in changes.items():
             for key in (name,) if isinstance(value, Mapping) else BOTH.get(name, (name,)):
-                _put(table, key, value)
+                put(table, key, value)
         try:
             return Scene.model_validate(table)
         except ValidationError as error:
@@ -260,6 +281,7 @@ class Scene(Table):
     @model_validator(mode="after")
     def _contacts_and_interfaces_agree(self) -> Self:
         check_wiring(self.contacts, self.interfaces, self.skin)
+        check_frequencies(self.interfaces, self.sweep.frequencies)
         return self
 
 
@@ -274,25 +296,3 @@ def checked_interface(name: str | None, scene: Scene) -> str:
     if name is not None and name not in names:
         raise InputError(f"`interface` must be one of {', '.join(names)}, got {name!r}")
     return name or names[0]
-
-
-def _put(table: Any, key: str, value: object) -> None:
-    *parents, last = key.split(".")
-    for part in parents:
-        place = _place(table, part, key)
-        table = table.setdefault(place, {}) if isinstance(table, dict) else table[place]
-    place = _place(table, last, key)
-    if value is None and isinstance(table, dict):
-        table.pop(place, None)
-    else:
-        table[place] = value
-
-
-def _place(table: Any, part: str, key: str) -> str | int:
-    """Where a part of a key stands: in a table by name, in a list by number from 1 or by name."""
-    if isinstance(table, dict):
-        return part
-    for number, item in enumerate(table if isinstance(table, list) else ()):
-        if part == str(number + 1) or (isinstance(item, dict) and part == item.get("name")):
-            return number
-    raise InputError(f"`{key}`: there is no {part!r}")

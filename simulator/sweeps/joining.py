@@ -25,9 +25,9 @@ FLAGGED = "flagged"
 """Attribute of readings that were not normal: JSON, the number of the sweep first."""
 
 
-def read_joined(paths: Sequence[Source]) -> xr.Dataset:
+def read_joined(paths: Sequence[Source], *, own_frequencies: bool = False) -> xr.Dataset:
     """The sweeps of one file, or of several joined. Raises InputError as `read` and `join`."""
-    return join([read(path) for path in paths], paths)
+    return join([read(path, own_frequencies=own_frequencies) for path in paths], paths)
 
 
 def join(parts: Sequence[xr.Dataset], sources: Sequence[Source]) -> xr.Dataset:

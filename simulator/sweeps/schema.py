@@ -38,6 +38,9 @@ LABELS = {
     "column": "pressed pixel's column: 0 nothing pressed, -1 no single pixel",
     "session": "mounting or device",
 }
+TAKEN = "taken"
+"""Coordinate of sweeps whose interfaces are not all read at all frequencies: whether one is at one,
+shape (interface, frequency). Quantities are NaN where it is not."""
 TIME = "time"
 """Coordinate of sweeps whose time is known: of their middle, s since 1970-01-01 UTC."""
 SESSIONS = "sessions"
@@ -57,13 +60,15 @@ def tabled(
     Cp: ArrayLike | None = None,
     errors: Mapping[str, ArrayLike] | None = None,
     attributes: Mapping[str, str | int | float] | None = None,
+    taken: NDArray[np.bool_] | None = None,
 ) -> Table:
     """Sweeps from complex impedance, as plain arrays: written where nothing else needs xarray.
 
     Z: ohm, shape (sweep, interface, frequency). frequency: Hz, ascending. press, row, column,
     session: one per sweep. time: of the middle of each, s since 1970-01-01 UTC. Cp: F, shape of Z,
     where a meter displayed its own value instead of the one that follows from Z. errors:
-    `Rs_error` [ohm] and `Cp_error` [F], shape of Z.
+    `Rs_error` [ohm] and `Cp_error` [F], shape of Z. taken: as of TAKEN, all for None; what else
+    stands in the arrays is left out.
     Raises InputError where the result would break the schema (see `check`).
     """
     Z = np.asarray(Z, dtype=np.complex128)
@@ -78,6 +83,8 @@ def tabled(
         "Cp": parallel_capacitance(Z, frequency) if Cp is None else np.asarray(Cp, dtype=float),
         **{name: np.asarray(error, dtype=float) for name, error in (errors or {}).items()},
     }
+    if taken is not None:
+        values = {name: np.where(taken, value, np.nan) for name, value in values.items()}
     described = {**QUANTITIES, **ERRORS}
     quantities = {
         name: Variable(
@@ -101,6 +108,10 @@ def tabled(
             for name, value in labels.items()
         },
     }
+    if taken is not None:
+        coordinates[TAKEN] = Variable(
+            DIMENSIONS[1:], taken.astype(np.int8), {"long_name": "whether it was read"}
+        )
     if time is not None:
         told = {"long_name": "time since 1970-01-01 UTC", "units": "s"}
         coordinates[TIME] = Variable(("sweep",), np.asarray(time, dtype=np.float64), told)
@@ -120,11 +131,35 @@ build = _with_xarray(tabled)
 
 
 def _checked(sweeps: Table) -> Table:
+    taken = sweeps.coordinates[TAKEN].values.astype(bool) if TAKEN in sweeps.coordinates else None
     for name, each in sweeps.quantities.items():
-        _check_finite(name, each.values)
+        _check_readings(name, each.values, taken)
     if TIME in sweeps.coordinates:
         _check_finite(TIME, sweeps.coordinates[TIME].values)
     return sweeps
+
+
+def _check_readings(
+    name: str, values: NDArray[np.float64], taken: NDArray[np.bool_] | None
+) -> None:
+    """values: shape (sweep, interface, frequency)."""
+    if taken is None:
+        return _check_finite(name, values)
+    _check_finite(name, values[:, taken])
+    if not np.isnan(values[:, ~taken]).all():
+        raise InputError(f"`{name}` must be NaN where `{TAKEN}` says that nothing was read")
+
+
+def taken_of(sweeps: xr.Dataset) -> NDArray[np.bool_] | None:
+    """Which interfaces were read at which frequencies, as of TAKEN; None where all were at all.
+
+    Raises InputError where that is of another shape.
+    """
+    if TAKEN not in sweeps.variables:
+        return None
+    if set(sweeps[TAKEN].dims) != set(DIMENSIONS[1:]):
+        raise InputError(f"`{TAKEN}` must have dimensions {DIMENSIONS[1:]}")
+    return sweeps[TAKEN].transpose(*DIMENSIONS[1:]).values.astype(bool)
 
 
 def _check_finite(name: str, values: NDArray[np.float64]) -> None:
@@ -141,10 +176,12 @@ def check(sweeps: xr.Dataset) -> xr.Dataset:
     for name in (*QUANTITIES, *LABELS, "frequency", "interface"):
         if name not in sweeps.variables:
             raise InputError(f"`{name}` is missing from the sweeps")
+    taken = taken_of(sweeps)
     for name in (*QUANTITIES, *(error for error in ERRORS if error in sweeps)):
         if set(sweeps[name].dims) != set(DIMENSIONS):
             raise InputError(f"`{name}` must have dimensions {DIMENSIONS}, got {sweeps[name].dims}")
-        _check_finite(name, sweeps[name].values)
+        values = sweeps[name] if taken is None else sweeps[name].transpose(*DIMENSIONS)
+        _check_readings(name, values.values, taken)
     if TIME in sweeps.variables:
         _check_finite(TIME, sweeps[TIME].values)
     _checked_frequency(sweeps["frequency"].values)
@@ -188,7 +225,16 @@ def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
         for name in ("interface", "frequency"):
             if not np.array_equal(part[name].values, first[name].values):
                 raise InputError(f"sweeps of different `{name}` cannot be joined")
+        if not _taken_alike(part, first):
+            raise InputError("sweeps of different `frequencies` of interfaces cannot be joined")
     return xr.concat(parts, dim="sweep", combine_attrs="override", join="exact")
+
+
+def _taken_alike(one: xr.Dataset, other: xr.Dataset) -> bool:
+    taken = taken_of(one), taken_of(other)
+    if taken[0] is None or taken[1] is None:
+        return taken[0] is taken[1]
+    return np.array_equal(*taken)
 
 
 def side_by_side(parts: Sequence[xr.Dataset]) -> xr.Dataset:

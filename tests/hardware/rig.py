@@ -38,13 +38,15 @@ SKINS = {"left": Pillow(), "bottom": FromBelow()}
 
 
 def scene(name, interfaces):
-    """2 x 2 pixels, whatever the name; `quilt` has two interfaces."""
-    known = ("left", "bottom") if name == "quilt" else ("left",)
+    """2 x 2 pixels, whatever the name; `quilt` and `patches` have two interfaces, `patches` with
+    frequencies of their own."""
+    known = ("left", "bottom") if name in ("quilt", "patches") else ("left",)
     for each in interfaces or ():
         if each not in known:
             raise InputError(f"`interface` must be {' or '.join(known)}, got {each!r}")
     asked = tuple(interfaces or known)
-    return SceneData(name, f'name = "{name}"\n', (1e3, 4e3, 16e3), 2, 2, asked)
+    own = {"left": (1e3, 16e3), "bottom": (4e3, 16e3)} if name == "patches" else {}
+    return SceneData(name, f'name = "{name}"\n', (1e3, 4e3, 16e3), 2, 2, asked, of_each=own)
 
 
 def skins(data):

@@ -13,7 +13,7 @@ from ...scene.scene import Scene
 from ...sweeps import whole_file
 from ..bench import Asking
 from ..flat import Along, along_all, worth
-from ..judged import designed
+from ..judged import Layout, designed
 from ..picking import sweep_time
 from ..search import Found, Step
 from .figure import draw_flat, draw_steps, draw_wiring
@@ -85,6 +85,7 @@ def _numbers(
                 "bottom_ohm_sq": step.layout.material.bottom,
                 "readings": [each.name for each in step.layout.readings],
                 "frequencies_Hz": list(step.layout.frequencies),
+                **_of_each(step.layout),
                 "sweep_s": _time(step),
                 "taken": step.taken,
             }
@@ -128,7 +129,7 @@ def _write_report(
         draws=asking.draws,
         steps=_rows(found.steps, scale),
         wiring=_wired(table, lost, scale),
-        frequencies=", ".join(f"{f:g}" for f in best.layout.frequencies),
+        frequencies=_listed(best.layout),
         time=f"{_time(best):.2f}",
         cast=_cast(scene_of(found), flat, scale),
         flat=[_told(each, scale) for each in flat],
@@ -162,7 +163,7 @@ def _row(step: Step, before: Step | None, scale: Scale) -> dict[str, str]:
         "nominal": scale.text(step.nominal),
         "sheets": f"{1e-3 * material.top:.3g}, {1e-3 * material.bottom:.3g}",
         "readings": str(len(step.layout.readings)),
-        "frequencies": str(len(step.layout.frequencies)),
+        "frequencies": _count(step.layout),
         "time": f"{_time(step):.2f}",
         "taken": "yes" if step.taken else "no",
     }
@@ -193,6 +194,29 @@ def _told(each: Along, scale: Scale) -> str:
 
 def _most_by_each(found: Found) -> float | None:
     return found.bench.most_by_each(found.best.layout.material, found.picked)
+
+
+def _of_each(layout: Layout) -> dict[str, Any]:
+    if not layout.own:
+        return {}
+    names = (each.name for each in layout.readings)
+    return {"frequencies_of_each_Hz": dict(zip(names, map(list, layout.of_each), strict=True))}
+
+
+def _count(layout: Layout) -> str:
+    if not layout.own:
+        return str(len(layout.frequencies))
+    counts = sorted(map(len, layout.of_each))
+    return f"{counts[0]} to {counts[-1]}, {layout.numbers} in all"
+
+
+def _listed(layout: Layout) -> str:
+    if not layout.own:
+        return ", ".join(f"{f:g}" for f in layout.frequencies)
+    return "; ".join(
+        f"{each.name}: {', '.join(f'{f:g}' for f in own)}"
+        for each, own in zip(layout.readings, layout.of_each, strict=True)
+    )
 
 
 def _far(found: Found, scale: Scale) -> str:
@@ -229,7 +253,7 @@ def _change(part: float, scale: Scale) -> float:
 
 
 def _time(step: Step) -> float:
-    return sweep_time(len(step.layout.readings), step.layout.frequencies)
+    return sweep_time(step.layout.of_each)
 
 
 def _percent(share: float) -> str:

@@ -2,16 +2,19 @@
 
 import json
 import sys
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from rcskin.hardware.record.journal import Header, Journal
 from rcskin.hardware.record.operators import Machine
 from rcskin.hardware.steer import ask
 from rcskin.hardware.switch.errors import StuckSwitchError
 from rcskin.hardware.switch.switch import Turning
 from rcskin.hardware.virtual.faults import Fault
+from rcskin.localization.inputs.features import features
 from rcskin.simulator.sweeps import InputError, impedance, read
 from rich.console import Console
 
@@ -34,13 +37,13 @@ def order(tmp_path):
 def recorded(command, ports, order, tmp_path):
     """A function that records the quilt at both interfaces; the sweeps."""
 
-    def recorded(*more):
+    def recorded(*more, scene="quilt"):
         where = ["--resource", ports.resource, "--order", order, "-o", tmp_path / "a.nc"]
-        result = command("record", "quilt", *where, "--settle", 0, *more)
+        result = command("record", scene, *where, "--settle", 0, *more)
         if result.exception:
             raise result.exception
         recorded.output = result.output
-        return read(tmp_path / "a.nc")
+        return read(tmp_path / "a.nc", own_frequencies=True)
 
     return recorded
 
@@ -70,6 +73,30 @@ def test_each_press_is_measured_at_each_interface(recorded, control, switch, rig
     assert sweeps.sizes == {"sweep": 3, "interface": 2, "frequency": 3}
     assert list(sweeps["interface"].values) == BOTH
     assert impedance(sweeps) == pytest.approx(exact(sweeps, rig_skins), rel=1e-5)
+
+
+def test_each_interface_is_read_at_its_own_frequencies(recorded, control, switch, rig_skins):
+    sweeps = recorded(*control, *switch, scene="patches")
+    taken = sweeps["taken"].values.astype(bool)
+    assert taken.tolist() == [[True, False, True], [False, True, True]]
+    Z = impedance(sweeps)
+    assert Z[:, taken] == pytest.approx(exact(sweeps, rig_skins)[:, taken], rel=1e-5)
+    assert np.isnan(Z[:, ~taken]).all()
+    assert features(sweeps).shape == (3, 2 * taken.sum())
+
+
+def test_a_journal_keeps_own_frequencies_and_no_word_without(tmp_path):
+    header = Header(
+        scene="", name="", interfaces=("left",), frequencies=(1e3,), rows=1, columns=1, order=(),
+        asked={}, meter="", settings={}, begun="", session="", accuracy="",
+        of_each={"left": (1e3,)},
+    )  # fmt: skip
+    journal = Journal(tmp_path / "b.nc")
+    journal.begin(header)
+    assert journal.header() == header
+    journal.begin(replace(header, of_each={}))
+    assert "of_each" not in (journal.folder / "recording.json").read_text()
+    assert journal.header() == replace(header, of_each={})
 
 
 def test_the_file_tells_when_each_interface_was_measured(recorded, control, switch):

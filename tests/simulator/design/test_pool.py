@@ -40,17 +40,20 @@ def test_foils_that_touch_take_one_wire():
 
 
 def test_a_time_is_shared_by_readings_and_frequencies():
-    assert sweep_time(1, [1e4] * 20) == pytest.approx(0.1)
-    assert sweep_time(2, [1e4] * 20) == pytest.approx(0.24)
+    assert sweep_time([[1e4] * 20]) == pytest.approx(0.1)
+    assert sweep_time([[1e4] * 20] * 2) == pytest.approx(0.24)
     asked = Design(readings=3, frequencies=50, seconds=0.4)
     for readings, count in budgets(SHEET, asked, 1e3, 25):
-        assert sweep_time(readings, [1e3] * count) <= 0.4
-        assert count == 50 or sweep_time(readings, [1e3] * (count + 1)) > 0.4
+        assert sweep_time([[1e3] * count] * readings) <= 0.4
+        assert count == 50 or sweep_time([[1e3] * (count + 1)] * readings) > 0.4
+    many = budgets(SHEET, Design(readings=12, seconds=1.0), 1e3, 25)
+    assert many[0] == (8, 20)
+    assert all(more[1] < fewer[1] for fewer, more in itertools.pairwise(many))
     with pytest.raises(InputError, match=r"seconds` must be >= 0.005 s.*got 0.004"):
         budgets(SHEET, Design(seconds=0.004), 1e3, 25)
 
 
 def test_slow_frequencies_take_their_periods():
-    each = [sweep_time(1, [f]) for f in (40, 100, 400, 1e5)]
+    each = [sweep_time([[f]]) for f in (40, 100, 400, 1e5)]
     assert each == pytest.approx([0.05, 0.02, 0.005, 0.005])
     assert all(a >= b for a, b in itertools.pairwise(each))
