@@ -22,6 +22,8 @@ COMMAND = (
 COMMAND_IN_TURN = (
     ".venv/bin/python benchmarks/accuracy/campaign.py -o in_turn.jsonl --in-turn --timeout 25"
 )
+PLANNED = 180
+"""Scenes of a whole run of that command."""
 LEAST_TOLD, MOST_TOLD = 0.3, 10.0
 """Of the truth: what an estimate is wished to be."""
 QUANTILES = (0.5, 0.95, 0.99, 1.0)
@@ -128,7 +130,8 @@ def _of_estimates(found: list[Verdict]) -> str:
         f"{sum(each.rtol == rtol for each in judged)} at {rtol:g}" for rtol in IN_TURN
     )
     return (
-        f"{len(found)} other scenes that are more than even rectangles, {len(judged)} of them "
+        f"{len(found)} other scenes that are more than even rectangles, of {PLANNED} planned, "
+        f"{len(judged)} of them "
         f"judged ({asked}), were recorded by `{COMMAND_IN_TURN}`: "
         f"{sum(each.broken for each in judged)} broke their tolerance, "
         f"{sum(each.boasted for each in judged)} were further off than told. Of the {len(times)} "
