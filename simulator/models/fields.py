@@ -101,9 +101,7 @@ def _resolved(
     scene: Scene, press: Press, frequency: Real, rtol: float, tell: Tell
 ) -> tuple[Discretised, Complex]:
     """A mesh that keeps the tolerance at all frequencies, and Z in ohm, (interface, frequency)."""
-    if press.indented:
-        tell("pressing the skin in")
-    touched = indented(scene, press, rtol)
+    touched = indented(scene, press, rtol, tell)
     solving, remaining = f"solving, frequencies: {frequency.size}", Remaining(rtol)
     tell(solving)
     finer = meshes(scene, *touched, rtol)

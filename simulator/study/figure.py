@@ -23,7 +23,10 @@ CONTOURS = {0.7: ":", 0.8: "--", 0.9: "-"}
 NOISE = 1.0
 CONTOURED = 3
 """Values that an axis must have for contours between them."""
-TITLE_WIDTH, DECADE = 70, 10.0
+TITLE_WIDTH, FEW_DECADES = 70, 1000.0
+ROUND = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7))
+LEAST_TICKS, MOST_TICKS = 3, 6
+"""Labelled, on a logarithmic axis."""
 
 
 def draw_study(findings: xr.Dataset, axes: Sequence[Axis], title: str, path: Path) -> None:
@@ -168,14 +171,32 @@ def _numbers(unit: str) -> Formatter:
 
 def _logarithmic(panel: Axes, name: Literal["x", "y"], told: str | Formatter = "{x:g}") -> None:
     """A logarithmic axis with numbers as they are; at every tick where it spans few."""
-    from matplotlib.ticker import NullFormatter
+    from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
     panel.set(**{f"{name}scale": "log"})
     ruler, (low, high) = (
         (panel.xaxis, panel.get_xlim()) if name == "x" else (panel.yaxis, panel.get_ylim())
     )
     ruler.set_major_formatter(told)
-    ruler.set_minor_formatter(told if high < DECADE * low else NullFormatter())
+    if high < FEW_DECADES * low:
+        ruler.set_major_locator(FixedLocator(_within(low, high).tolist()))
+        ruler.set_minor_locator(NullLocator())
+    ruler.set_minor_formatter(NullFormatter())
+
+
+def _within(low: float, high: float) -> NDArray[np.float64]:
+    """The roundest numbers of a logarithmic axis: as few as make LEAST_TICKS, else even ones."""
+    from matplotlib.ticker import MaxNLocator
+
+    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
+    for digits in ROUND:
+        ticks = np.outer(decades, digits).ravel()
+        inside = ticks[(low <= ticks) & (ticks <= high)]
+        if len(inside) >= LEAST_TICKS:
+            return inside
+    even = MaxNLocator(MOST_TICKS, min_n_ticks=LEAST_TICKS)
+    ticks = np.asarray(even.tick_values(low, high))
+    return ticks[(low <= ticks) & (ticks <= high)]
 
 
 def _right(findings: xr.Dataset) -> str:

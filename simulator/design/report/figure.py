@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 IN_A_ROW = 5
+ALL = 100.0
+"""Percent."""
 AROUND = 401
 """Places on an outline that is drawn."""
 OTHER = {"top": 0.0, "bottom": -0.035}
@@ -63,6 +65,10 @@ def draw_flat(found: Sequence[Along], scale: Scale, to: Path) -> None:
         axes.minorticks_off()
         axes.set_xlabel("cast over designed")
         axes.set_ylabel(f"{scale.of}, nine of ten casts ({scale.unit})")
+        if scale.unit == "%":
+            low, high = axes.get_ylim()
+            axes.set_yticks([y for y in axes.get_yticks() if low <= y <= min(high, ALL)])
+            axes.set_ylim(low, high)
         axes.legend()
 
 

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from ...press.press import Press
 from ...press.touch import Depth
+from ...progress import Tell, tell_nothing
 from ...scene.foam_mechanics import Mechanics
 from ...sweeps import InputError
 from ...sweeps.errors import ToleranceError
-from ..outlook import check_within_reach
+from ..outlook import Remaining, check_within_reach
 from .contact import Pushed, Rest, above, at_rest, deepest, held_by
 from .ground import Ground
 from .membrane import ELEMENT, Membrane, Surface, tails
@@ -37,6 +38,7 @@ LEAST_ALONG = 4
 """Triangles for every length of the skins' spread along an applicator's edge."""
 MORE_AGAIN = 4.0
 """Of some fifty presses those that reached their tolerance had at least 1.5 times as many."""
+PRESSING = "pressing the skin in"
 SPREADS = "a tension that spreads it by next to nothing may be set to 0"
 TOO_FINE = f"the press needs more than {MOST_TRIANGLES} triangles at this tolerance; {SPREADS}"
 
@@ -82,27 +84,39 @@ def unsure(membrane: Membrane, w: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def solved(
-    press: Press, ground: Ground, mechanics: Mechanics, thickness: float, rtol: float
+    press: Press,
+    ground: Ground,
+    mechanics: Mechanics,
+    thickness: float,
+    rtol: float,
+    tell: Tell = tell_nothing,
 ) -> Solved:
     """The deflection by a press's applicators, within `rtol` of the factor anywhere.
 
-    Raises InputError where one of given force meets another, ToleranceError where `rtol` is out of
-    reach.
+    tell: is told how far it has come. Raises InputError where one of given force
+    meets another, ToleranceError where `rtol` is out of reach.
     """
     pushed = _pushed(press)
     _check_apart(press, ground, pushed)
     _check_length(ground, mechanics, thickness)
-    pressing = _Pressing(mechanics, thickness, pushed)
+    pressing, remaining = _Pressing(mechanics, thickness, pushed), Remaining(rtol)
+    tell(PRESSING, 0.0)
     level = pressing.level(ground)
     while True:
         check_reached(press, level.rest.depth, mechanics, thickness)
         found = SAFETY * pressing.relative(level)
+        tell(PRESSING, remaining.share(max(float(found.max()), _least(rtol, level))))
         if not (found > rtol).any():
             if level.refined:
                 return level.solved(float(found.max()))
             found *= HALF_AGAIN * rtol / found.max()
         _check_within_reach(level.ground, found / rtol)
         level = pressing.level(_refined(level.ground, found / rtol), level.surface)
+
+
+def _least(rtol: float, level: _Level) -> float:
+    """An error that the first triangles are taken not to be below, as they are refined yet."""
+    return 0.0 if level.refined else HALF_AGAIN * rtol
 
 
 def _check_within_reach(ground: Ground, excess: NDArray[np.float64]) -> None:

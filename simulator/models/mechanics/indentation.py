@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ...mesh.drawing import polygon_of, polygonal
 from ...press.press import Press, check_press
 from ...press.touch import Disc
+from ...progress import Tell, tell_nothing
 from ...scene.foam_mechanics import Mechanics
 from ...scene.planar import ring
 from ...scene.scene import Scene
@@ -30,12 +31,12 @@ of it far above cut-off."""
 __all__ = ["Pressed", "pressed"]
 
 
-def pressed(scene: Scene, press: Press, rtol: float) -> Pressed:
+def pressed(scene: Scene, press: Press, rtol: float, tell: Tell = tell_nothing) -> Pressed:
     """What the touches of given depth or force do, the factor within `rtol` relatively, anywhere.
 
-    Raises InputError as `check_press`, where the foam cannot give way so far, where touches of a
-    given force meet others, and where a touch lies beside the skin; ToleranceError where `rtol` is
-    out of reach.
+    tell: is told how far it has come. Raises InputError as `check_press`, where the foam
+    cannot give way so far, where touches of a given force meet others, and where a touch lies
+    beside the skin; ToleranceError where `rtol` is out of reach.
     """
     touches = press.indented
     if not touches:
@@ -46,7 +47,7 @@ def pressed(scene: Scene, press: Press, rtol: float) -> Pressed:
     check_depths(press, mechanics, thickness)
     if not mechanics.tension:
         return stamped(scene, press, mechanics, thickness)
-    return _spread(scene, press, mechanics, thickness, rtol)
+    return _spread(scene, press, mechanics, thickness, rtol, tell)
 
 
 def _spread(
@@ -55,6 +56,7 @@ def _spread(
     mechanics: Mechanics,
     thickness: float,
     rtol: float,
+    tell: Tell,
 ) -> Pressed:
     from .adaptive import solved
     from .ground import straight_ground
@@ -62,7 +64,7 @@ def _spread(
     places = [touch.place for touch in press.indented]
     kinks = tuple(ring(polygon_of(scene, polygonal(each, DISC_SIDES))) for each in places)
     at_first = straight_ground(scene, places, DISC_SIDES)
-    found = solved(press, at_first, mechanics, thickness, rtol)
+    found = solved(press, at_first, mechanics, thickness, rtol, tell)
     depth, force = tuple(found.rest.depth.tolist()), tuple(found.rest.force.tolist())
     return Pressed(
         mechanics,

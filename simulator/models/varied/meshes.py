@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...fem.circuit import Circuit, one_field, two_fields
 from ...press.press import Press
+from ...progress import Tell, tell_nothing
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from ..plain import electrical
@@ -80,16 +81,18 @@ class Spread:
             self._triangles = self._of(self._pressed)
 
 
-def indented(scene: Scene, press: Press, rtol: float) -> tuple[Press, Pressed | None]:
+def indented(
+    scene: Scene, press: Press, rtol: float, tell: Tell = tell_nothing
+) -> tuple[Press, Pressed | None]:
     """Touches of a factor, and what mechanics makes of the others: factors too, if it can.
 
-    rtol: the tolerance asked of Rs and Cp.
+    rtol: the tolerance asked of Rs and Cp. tell: as of `pressed`.
     """
     if not press.indented:
         return press, None
     from ..mechanics.indentation import pressed
 
-    found = pressed(scene, press, min(COARSEST_FACTOR, FACTOR_SHARE * rtol))
+    found = pressed(scene, press, min(COARSEST_FACTOR, FACTOR_SHARE * rtol), tell)
     return (press.sharp, found) if found.sharp is None else (found.sharp, None)
 
 

@@ -1,0 +1,26 @@
+"""Charts of studies: every axis tells numbers at three places at least."""
+
+import matplotlib.pyplot as plt
+import pytest
+from rcskin.simulator.study.figure import LEAST_TICKS, _logarithmic
+
+
+@pytest.mark.parametrize(
+    ("low", "high"),
+    [(0.8, 60), (1.5, 900), (4e3, 3e4), (4e3, 2.5e4), (0.021, 0.028), (2.2, 2.9), (1e3, 1e6)],
+)
+@pytest.mark.parametrize("name", ["x", "y"])
+def test_logarithmic_axes_have_at_least_three_labelled_ticks(low, high, name):
+    figure, axes = plt.subplots()
+    axes.set(xlim=(low, high), ylim=(low, high))
+    _logarithmic(axes, name)
+    figure.canvas.draw()
+    ruler = axes.xaxis if name == "x" else axes.yaxis
+    ticks = [*ruler.get_major_ticks(), *ruler.get_minor_ticks()]
+    told = [
+        tick.label1.get_text()
+        for tick in ticks
+        if low <= tick.get_loc() <= high and tick.label1.get_text()
+    ]
+    plt.close(figure)
+    assert len(set(told)) == len(told) >= LEAST_TICKS
