@@ -231,10 +231,10 @@ def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def _taken_alike(one: xr.Dataset, other: xr.Dataset) -> bool:
-    taken = taken_of(one), taken_of(other)
-    if taken[0] is None or taken[1] is None:
-        return taken[0] is taken[1]
-    return np.array_equal(*taken)
+    first, second = taken_of(one), taken_of(other)
+    if first is None or second is None:
+        return first is second
+    return np.array_equal(first, second)
 
 
 def side_by_side(parts: Sequence[xr.Dataset]) -> xr.Dataset:
