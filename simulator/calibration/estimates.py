@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from ..models.parameters import FACTORS, FOAM_WAVES, VALUES, own_values
 from ..scene.scene import Scene
 from .fit import Fit
 from .information import Information
+from .law import CONFIDENCE, cut_normal
 from .laws import Laws
 from .prior import limits
 from .sheets import (
@@ -27,7 +27,6 @@ from .sheets import (
     slopes_of,
 )
 
-CONFIDENCE = 0.95
 UNITS = {name: unit if unit.isalpha() else "" for name, unit in VALUES.items()}
 UNITS |= dict.fromkeys(FOAM_WAVES, "")
 
@@ -81,9 +80,9 @@ def intervals(
         if hanging and name == COMMON:
             found[name] = _series(scene, fit, information, width, laws)[COMMON]
         elif laws and (law := laws.of_parameter(name)):
-            found[name] = _about(value, law.interval(CONFIDENCE))
+            found[name] = _about(value, law.interval(width))
         else:
-            found[name] = _cut(value, deviation, width, limits(name))
+            found[name] = cut_normal(value, deviation, width, limits(name))
     return found
 
 
@@ -101,26 +100,6 @@ def _sum(scene: Scene, fit: Fit) -> Product:
 def _about(value: float, interval: Interval) -> Interval:
     """The interval, and the likeliest value with it."""
     return min(interval[0], value), max(interval[1], value)
-
-
-def _cut(value: float, deviation: float, width: float, limits: Interval) -> Interval:
-    """The likeliest 95 of 100 values of a normal law that is cut at limits, about its middle.
-
-    width: times the deviation that 95 of 100 lie within where nothing is cut.
-    """
-    from scipy.optimize import brentq
-    from scipy.special import ndtr
-
-    unit = deviation * width / quantile(math.inf)
-    below, above = (value - limits[0]) / unit, (limits[1] - value) / unit
-
-    def missing(reach: float) -> float:
-        inside = ndtr(min(reach, above)) - ndtr(-min(reach, below))
-        return float(inside - CONFIDENCE * (ndtr(above) - ndtr(-below)))
-
-    root: Any = brentq(missing, 0.0, 2 * quantile(math.inf))
-    reach = unit * float(root)
-    return max(value - reach, limits[0]), min(value + reach, limits[1])
 
 
 def quantities(
@@ -182,7 +161,7 @@ def _factor(
     low, high = series or (product.value / spread, product.value * spread)
     law = laws.of_product(product) if laws and not series else None
     if law:
-        ends = law.interval(CONFIDENCE)
+        ends = law.interval(width)
         low, high = _about(product.value, (math.exp(ends[0]), math.exp(ends[1])))
     told = series is None and information.tells(weights)
     of = tuple(part for part in product.slopes if part in information.names)

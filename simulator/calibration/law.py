@@ -1,90 +1,77 @@
-"""The law of a quantity by its likelihood at some places: chances, quantiles, likeliest values."""
+"""The law of a quantity by the rise of its misfit: where it lies at so many deviations."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
+from scipy.interpolate import PchipInterpolator
 
 Interval = tuple[float, float]
 
-FAR = 3.5
-"""Deviations beyond which next to nothing lies."""
-CELLS = 4000
-NORMAL = 1.959963984540054
-"""Deviations that 95 of 100 values of a normal law lie within."""
+CONFIDENCE, NORMAL = 0.95, 1.959963984540054
+"""Of every interval; deviations that so large a share of a normal law lies within."""
 
 
 @dataclass(frozen=True)
 class Law:
-    """Of a quantity, ascending `places`, all of shape (place,).
+    """Of a quantity, ascending `places`, shape (place,).
 
-    misfit: twice the negative logarithm of its density but for `factor`, the logarithm of what else
-    it goes with. slope: of misfit. limits: beyond which nothing is. width: of half an interval of
-    95 % over the deviation, where all is linear.
+    deviations: of the places, ascending: the square root of how far the misfit there lies above
+    its least, below 0 on the lower side. limits: of the quantity.
     """
 
     places: NDArray[np.float64]
-    misfit: NDArray[np.float64]
-    slope: NDArray[np.float64]
-    factor: NDArray[np.float64]
+    deviations: NDArray[np.float64]
     limits: Interval
-    width: float
-
-    def quantile(self, chance: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values that are not exceeded by these shares."""
-        x, density = self._density
-        steps = np.diff(x) * (density[1:] + density[:-1]) / 2
-        below = np.concatenate([[0.0], np.cumsum(steps)])
-        return np.interp(chance, below / below[-1], x)
 
     def at(self, deviations: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values as likely exceeded as these of a normal law that is as much widened."""
-        from scipy.special import ndtr
+        """Values at these deviations, straight on beyond the last place, to the limits."""
+        own = np.clip(deviations, self.deviations[0], self.deviations[-1])
+        found = PchipInterpolator(self.deviations, self.places)(own)
+        for end, within in ((0, 1), (-1, -2)):
+            step = self.places[end] - self.places[within]
+            slope = step / (self.deviations[end] - self.deviations[within])
+            past = deviations - own
+            found = found + np.where(past < 0 if end == 0 else past > 0, slope * past, 0.0)
+        return np.clip(found, *self.limits)
 
-        return self.quantile(ndtr(deviations * NORMAL / self.width))
+    def interval(self, width: float) -> Interval:
+        """The likeliest 95 of 100 values, the deviations being normal, cut where limits are.
 
-    def interval(self, confidence: float) -> Interval:
-        """Of so large a share: the likeliest values where a limit cuts, else with equal tails."""
-        if not self._cut:
-            low, high = self.quantile(np.array([1 - confidence, 1 + confidence]) / 2)
-            return float(low), float(high)
-        x, density = self._density
-        order = np.argsort(-density)
-        share = np.cumsum(density[order])
-        likely = x[order[: 1 + int(np.searchsorted(share, confidence * share[-1]))]]
-        return float(likely.min()), float(likely.max())
+        width: times the deviation that 95 of 100 lie within where nothing is cut.
+        """
+        low, high = self.at(np.array(cut_normal(0.0, 1.0, width, self._cut())))
+        return float(low), float(high)
 
-    @property
-    def _cut(self) -> bool:
-        _, density = self._density
-        ends = self.places[0] <= self.limits[0], self.places[-1] >= self.limits[1]
-        least = np.exp(-(FAR**2) / 2) * density.max()
-        return bool((ends[0] and density[0] > least) or (ends[1] and density[-1] > least))
+    def _cut(self) -> Interval:
+        low = self.deviations[0] if self.places[0] <= self.limits[0] else -np.inf
+        high = self.deviations[-1] if self.places[-1] >= self.limits[1] else np.inf
+        return float(low), float(high)
 
-    @cached_property
-    def _density(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """On a fine grid, as far as there is any."""
-        x = np.linspace(*self._ends(), CELLS + 1)
-        within = np.clip(x, self.places[0], self.places[-1])
-        rise = CubicHermiteSpline(self.places, self.misfit, self.slope)(within)
-        for side in (0, -1):
-            beyond = x - self.places[side]
-            outside = beyond < 0 if side == 0 else beyond > 0
-            rise[outside] += self.slope[side] * beyond[outside]
-        factor = PchipInterpolator(self.places, self.factor)(within)
-        of = -(rise - self.misfit.min()) / 2 + factor
-        return x, np.exp((of - of.max()) * (NORMAL / self.width) ** 2)
+    def shifted(self, by: float) -> Law:
+        """Of the quantity and a number that is added to it."""
+        low, high = self.limits
+        return Law(self.places + by, self.deviations, (low + by, high + by))
 
-    def _ends(self) -> Interval:
-        """Beyond the last place where no limit is, as far as its slope leaves anything."""
-        low, high = float(self.places[0]), float(self.places[-1])
-        left = (FAR * self.width / NORMAL) ** 2 - (self.misfit - self.misfit.min())
-        if left[0] > 0 > self.slope[0]:
-            low = max(low + left[0] / self.slope[0], self.limits[0])
-        if left[-1] > 0 < self.slope[-1]:
-            high = min(high + left[-1] / self.slope[-1], self.limits[1])
-        return low, high
+
+def cut_normal(value: float, deviation: float, width: float, limits: Interval) -> Interval:
+    """The likeliest 95 of 100 values of a normal law that is cut at limits, about its middle.
+
+    width: times the deviation that 95 of 100 lie within where nothing is cut.
+    """
+    from scipy.optimize import brentq
+    from scipy.special import ndtr
+
+    unit = deviation * width / NORMAL
+    below, above = (value - limits[0]) / unit, (limits[1] - value) / unit
+
+    def missing(reach: float) -> float:
+        inside = ndtr(min(reach, above)) - ndtr(-min(reach, below))
+        return float(inside - CONFIDENCE * (ndtr(above) - ndtr(-below)))
+
+    root: Any = brentq(missing, 0.0, 2 * NORMAL)
+    reach = unit * float(root)
+    return max(value - reach, limits[0]), min(value + reach, limits[1])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +48,7 @@ class Laws:
         if product.name in self._known or list(slopes.values()) != [1.0]:
             return self._once(product.name, lambda: self._linear(slopes, level, ANY))
         law = self.of_parameter(next(iter(slopes)))
-        return law and replace(law, places=law.places + level)
+        return law and law.shifted(level)
 
     def _once(self, name: str, made: Callable[[], Along]) -> Law | None:
         if name not in self._known:

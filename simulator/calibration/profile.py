@@ -1,9 +1,8 @@
 """The likelihood along one quantity, all else at its best: what intervals follow that bend or end.
 
 At each place of the quantity g the least of J(u) = chi-squared and priors is sought under
-g(u) = place. Of the marginal law Laplace's method then leaves exp(-J / 2) det(A)^(-1/2), A being
-the information on all other unknowns there, and what their bounds cut off of them (Tierney and
-Kadane, J. Am. Stat. Assoc. 81, 1986, 82-86).
+g(u) = place. The square root of its rise above the least of all counts the deviations from there,
+however the likelihood bends (Cox and Hinkley, Theoretical Statistics, 1974, section 9.3).
 """
 
 from __future__ import annotations
@@ -19,20 +18,17 @@ from scipy.optimize import least_squares
 
 from ..fem.galerkin import one_blas_thread
 from .fit import INSIDE, Fit
-from .law import FAR, NORMAL, Interval, Law
+from .law import Interval, Law
 
 Gradient = Callable[[NDArray[np.float64]], tuple[float, NDArray[np.float64]]]
 STEP, MOST_STEPS, MOST_SOLVER_STEPS = 0.8, 14, 60
 """Deviations between places where all is linear; places on each side; evaluations at a place."""
-LEAST_GAIN, MOST_GAIN = 0.3, 2.5
-"""How a step may differ from the one before it."""
+LEAST_SHARE, MOST_GAIN = 0.1, 2.5
+"""Of the way to a place that is too far; how much longer a step may be than the one before it."""
 LINEAR = 0.1
-"""Of J at the end of an interval, of the drop that is left there, and of the logarithm of the
-factor: so much off is linear still."""
+"""Of J at an end of an interval, and of the drop that is left there: so little off is linear."""
 OVER = 0.1
 """Of its deviation: so far an unknown may be carried over its bound, and all be linear still."""
-BOUND = 0.03
-"""Of its deviation: so near its bound an unknown is at it."""
 SETTLED = 1e-6
 """Relative change of J, of unknowns and of slopes at which a place is found."""
 
@@ -48,14 +44,11 @@ class Along(NamedTuple):
 
 @dataclass(frozen=True)
 class Place:
-    """The best there. misfit: J. slope: of J by the quantity. factor: logarithm of what
-    exp(-J / 2) is to be multiplied by."""
+    """The best unknowns there, and their J."""
 
     at: float
     u: NDArray[np.float64]
     misfit: float
-    slope: float
-    factor: float
 
 
 class Profile:
@@ -110,44 +103,42 @@ class Profile:
             rise = (place.misfit - start.misfit) / self.width**2
             if abs(rise - 1) > LINEAR or self._left(along, end) > LINEAR * self.width**2:
                 return False
-            if abs(place.factor - start.factor) > LINEAR:
-                return False
         return True
 
     def law(self, along: Along) -> Law:
-        """Of the quantity, from places as far out as anything is likely, or as its limits."""
+        """Of the quantity, from places that reach as far as an interval, or its limits."""
         with one_blas_thread():
             start = self._place(along, along.read(self.best)[0], self.best)
-            sides = [self._walk(along, start, way) for way in (-1.0, 1.0)]
-        places = sorted({each.at: each for each in [*sides[0], start, *sides[1]]}.items())
-        found = [place for _, place in places]
-        return Law(
-            np.array([each.at for each in found]),
-            np.array([each.misfit for each in found]),
-            np.array([each.slope for each in found]),
-            np.array([each.factor for each in found]),
-            along.limits,
-            self.width,
-        )
+            below, above = (self._walk(along, start, way) for way in (-1.0, 1.0))
+        found = sorted([*below, start, *above], key=lambda place: place.at)
+        misfits = np.array([each.misfit for each in found])
+        roots = np.sqrt(misfits - misfits.min())
+        roots[: int(misfits.argmin())] *= -1
+        rising = np.flatnonzero(np.diff(np.maximum.accumulate(roots), prepend=-np.inf) > 0)
+        places = np.array([each.at for each in found])
+        return Law(places[rising], roots[rising], along.limits)
 
     def _walk(self, along: Along, start: Place, way: float) -> list[Place]:
-        """Places on one side, each from the one before it."""
+        """Places on one side, at most twice STEP deviations apart, to a limit or past an end."""
         limit = along.limits[int(way > 0)]
-        found, last, step = [], start, STEP * self.deviation(along)
+        found, last, beyond = list[Place](), start, list[Place]()
+        step = STEP * self.deviation(along)
         for _ in range(MOST_STEPS):
-            room = abs(limit - last.at)
-            if room == 0:
-                break
-            at = limit if step >= room else last.at + way * step
+            if beyond:
+                share = STEP / (_root(beyond[-1], start) - _root(last, start))
+                way_on = beyond[-1].at - last.at
+                at = last.at + max(share, LEAST_SHARE) * way_on if share < 1 else beyond.pop().at
+            else:
+                at = limit if step >= abs(limit - last.at) else last.at + way * step
             place = self._solved(along, at, last.u)
             found.append(place)
             gone = _root(place, start) - _root(last, start)
-            gain = float(np.clip(STEP / max(gone, 1e-3), LEAST_GAIN, MOST_GAIN))
-            if gone <= 2 * STEP:
-                last = place
-                if _root(place, start) > FAR * self.width / NORMAL:
-                    break
-            step *= gain
+            if gone > 2 * STEP:
+                beyond.append(place)
+                continue
+            last, step = place, step * float(np.clip(STEP / max(gone, 1e-3), 1.0, MOST_GAIN))
+            if at == limit or _root(place, start) > self.width:
+                break
         return found
 
     def _solved(self, along: Along, at: float, begin: NDArray[np.float64]) -> Place:
@@ -210,32 +201,8 @@ class Profile:
         return float(downhill @ np.linalg.solve(J.T @ J, downhill))
 
     def _place(self, along: Along, at: float, u: NDArray[np.float64]) -> Place:
-        r, J = self._at(u)
-        slope = 2 * r @ J[:, along.pivot] / along.read(u)[1][along.pivot]
-        return Place(at, u, float(r @ r), float(slope), self._factor(along, u))
-
-    def _factor(self, along: Along, u: NDArray[np.float64]) -> float:
-        """Logarithm of det(A)^(-1/2), and of the shares of bounded unknowns within their bounds."""
-        from scipy.special import log_ndtr
-
-        J, r = self._reduced(along, u), self._at(u)[0]
-        A, downhill = J.T @ J, J.T @ r
-        own = np.delete(u, along.pivot)
-        room = np.minimum(
-            own - np.delete(self._low, along.pivot), np.delete(self._high, along.pivot) - own
-        )
-        deviation = np.sqrt(np.linalg.inv(A).diagonal())
-        pushed = room < BOUND * deviation
-        free = ~pushed
-        found = -0.5 * np.linalg.slogdet(A[np.ix_(free, free)])[1]
-        for k in np.flatnonzero(pushed):
-            between = A[k, free] @ np.linalg.solve(A[np.ix_(free, free)], A[free, k])
-            stiff = np.sqrt(A[k, k] - between)
-            push = abs(downhill[k]) / stiff
-            found += push**2 / 2 + float(log_ndtr(-push)) - np.log(stiff)
-        inner = np.sqrt(np.linalg.inv(A[np.ix_(free, free)]).diagonal())
-        near = room[free] / inner
-        return float(found + log_ndtr(near[near < FAR]).sum())
+        r = self._at(u)[0]
+        return Place(at, u, float(r @ r))
 
 
 def _root(place: Place, start: Place) -> float:
