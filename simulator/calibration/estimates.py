@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -13,10 +12,13 @@ from ..models.parameters import FACTORS, FOAM_WAVES, VALUES, own_values
 from ..scene.scene import Scene
 from .fit import Fit
 from .information import Information
+from .law import CONFIDENCE, cut_normal
+from .laws import Laws
 from .prior import limits
 from .sheets import (
     COMMON,
     MISMATCH,
+    SUM,
     Interval,
     Product,
     hang_on_ratio,
@@ -25,7 +27,6 @@ from .sheets import (
     slopes_of,
 )
 
-CONFIDENCE = 0.95
 UNITS = {name: unit if unit.isalpha() else "" for name, unit in VALUES.items()}
 UNITS |= dict.fromkeys(FOAM_WAVES, "")
 
@@ -64,55 +65,63 @@ def quantile(freedom: float) -> float:
 
 
 def intervals(
-    scene: Scene, fit: Fit, information: Information, freedom: float
+    scene: Scene, fit: Fit, information: Information, freedom: float, laws: Laws | None = None
 ) -> dict[str, Interval]:
     """Of each parameter in its own unit, within what makes sense, whatever the others are.
 
-    fit, information: of all that is not known, see `with_unknown`.
+    fit, information: of all that is not known, see `with_unknown`. laws: where the likelihood is
+    followed as it bends or ends; without them all is linear.
     """
     width = quantile(freedom)
+    hanging = hang_on_ratio(scene, information)
     found = {}
     for (name, prior), own in zip(fit.asked.fitted.items(), information.deviation, strict=True):
-        found[name] = _cut(fit.values[name], prior.deviation * float(own), width, limits(name))
-    if hang_on_ratio(scene, information):
-        found[COMMON] = of_series(scene, fit, information, width)[COMMON]
+        value, deviation = fit.values[name], prior.deviation * float(own)
+        if hanging and name == COMMON:
+            found[name] = _series(scene, fit, information, width, laws)[COMMON]
+        elif laws and (law := laws.of_parameter(name)):
+            found[name] = _about(value, law.interval(width))
+        else:
+            found[name] = cut_normal(value, deviation, width, limits(name))
     return found
 
 
-def _cut(value: float, deviation: float, width: float, limits: Interval) -> Interval:
-    """The likeliest 95 of 100 values of a normal law that is cut at limits, about its middle.
+def _series(
+    scene: Scene, fit: Fit, information: Information, width: float, laws: Laws | None
+) -> dict[str, Interval]:
+    law = laws.of_product(_sum(scene, fit)) if laws else None
+    return of_series(scene, fit, information, width, law)
 
-    width: times the deviation that 95 of 100 lie within where nothing is cut.
-    """
-    from scipy.optimize import brentq
-    from scipy.special import ndtr
 
-    unit = deviation * width / quantile(math.inf)
-    below, above = (value - limits[0]) / unit, (limits[1] - value) / unit
+def _sum(scene: Scene, fit: Fit) -> Product:
+    return next(each for each in sheets(scene, fit.values) if each.name == SUM)
 
-    def missing(reach: float) -> float:
-        inside = ndtr(min(reach, above)) - ndtr(-min(reach, below))
-        return float(inside - CONFIDENCE * (ndtr(above) - ndtr(-below)))
 
-    root: Any = brentq(missing, 0.0, 2 * quantile(math.inf))
-    reach = unit * float(root)
-    return max(value - reach, limits[0]), min(value + reach, limits[1])
+def _about(value: float, interval: Interval) -> Interval:
+    """The interval, and the likeliest value with it."""
+    return min(interval[0], value), max(interval[1], value)
 
 
 def quantities(
-    scene: Scene, fit: Fit, information: Information, freedom: float, fitted: Sequence[str]
+    scene: Scene,
+    fit: Fit,
+    information: Information,
+    freedom: float,
+    fitted: Sequence[str],
+    laws: Laws | None = None,
 ) -> tuple[Quantity, ...]:
     """Of all physical quantities that a fitted parameter changes, and the ratio of the sheets.
 
-    fit, information: as of `intervals`. fitted: names of parameters.
+    fit, information, laws: as of `intervals`. fitted: names of parameters.
     """
-    own = intervals(scene, fit, information, freedom)
+    own = intervals(scene, fit, information, freedom, laws)
     start = own_values(scene) | dict.fromkeys(FOAM_WAVES, 0.0)
     told = information.told
     hanging = hang_on_ratio(scene, information)
-    series = of_series(scene, fit, information, quantile(freedom)) if hanging else {}
+    width = quantile(freedom)
+    series = _series(scene, fit, information, width, laws) if hanging else {}
     factors = [
-        _factor(each, fit, information, quantile(freedom), series.get(each.name))
+        _factor(each, fit, information, width, series.get(each.name), laws)
         for each in _products(scene, fit.values)
         if {*fitted, MISMATCH} & set(information.names) & set(each.slopes)
     ]
@@ -138,13 +147,22 @@ def _products(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
 
 
 def _factor(
-    product: Product, fit: Fit, information: Information, width: float, series: Interval | None
+    product: Product,
+    fit: Fit,
+    information: Information,
+    width: float,
+    series: Interval | None,
+    laws: Laws | None,
 ) -> Quantity:
     """Its logarithm is a sum of parameters, or of a sheet in series its interval is given."""
     steps = np.array([prior.deviation for prior in fit.asked.fitted.values()])
     weights = slopes_of(product, information.names) * steps
     spread = math.exp(width * math.sqrt(weights @ information.covariance @ weights))
     low, high = series or (product.value / spread, product.value * spread)
+    law = laws.of_product(product) if laws and not series else None
+    if law:
+        ends = law.interval(width)
+        low, high = _about(product.value, (math.exp(ends[0]), math.exp(ends[1])))
     told = series is None and information.tells(weights)
     of = tuple(part for part in product.slopes if part in information.names)
     return Quantity(product.name, product.unit, product.start, product.value, low, high, told, of)

@@ -18,14 +18,16 @@ from ..models.slow_foam import check_even, map_of
 from ..progress import Tell, tell_nothing
 from ..scene.scene import Scene
 from .choice import Options, candidates
-from .estimates import Quantity, intervals, quantities, told_together
+from .estimates import Quantity, intervals, quantile, quantities, told_together
 from .explained import Comparison, compared
 from .fit import Fit, allowed, fitted, model_tolerance
 from .information import Information, information, with_unknown
+from .laws import Laws
 from .measured import Measured, measured
 from .model import Around, Model, around, checked_model, model_of
-from .prior import Noise, drawn_uneven, noise_of, priors, with_noise
+from .prior import Noise, Prior, drawn_uneven, noise_of, priors, with_noise
 from .problem import Asked
+from .sheets import MISMATCH
 from .starts import capacitance_off
 
 if TYPE_CHECKING:
@@ -97,7 +99,8 @@ def calibrate(
     told = information(fit, job.held)
     degrees = told.freedom if noise.guessed else noise.freedom
     unknown = with_unknown(fit, job.held)
-    bounds = intervals(scene, unknown, told, degrees)
+    laws = _laws(scene, unknown, told, degrees, job.held)
+    bounds = intervals(scene, unknown, told, degrees, laws)
     names = fit.asked.names
     beaten = "phase_exponent" in names and bounds["phase_exponent"][1] < 1
     return Calibration(
@@ -105,7 +108,7 @@ def calibrate(
         intervals=bounds,
         scene=_fitted_scene(scene, fit.values),
         told=told.told,
-        quantities=quantities(scene, unknown, told, degrees, names),
+        quantities=quantities(scene, unknown, told, degrees, names, laws),
         information=told,
         fit=fit,
         noise=noise,
@@ -114,6 +117,15 @@ def calibrate(
         held=tuple(job.held),
         ideal=compared(fit, tell) if beaten else None,
     )
+
+
+def _laws(
+    scene: Scene, unknown: Fit, told: Information, freedom: float, held: Mapping[str, Prior]
+) -> Laws | None:
+    """None where the scene's values were kept that the data may say are others."""
+    if held.keys() - {MISMATCH}:
+        return None
+    return Laws(scene, unknown, told, quantile(freedom))
 
 
 def _fitted_scene(scene: Scene, values: Mapping[str, float]) -> Scene:

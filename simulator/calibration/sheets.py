@@ -17,13 +17,12 @@ from ..models.varied.meshes import single_field
 from ..scene.scene import Scene
 from .fit import Fit
 from .information import Information
+from .law import Interval, Law
 
 TOP, BOTTOM, SUM, RATIO = "top sheet", "bottom sheet", "both in series", "top over bottom"
 COMMON, MISMATCH = "sheet_resistance", "sheet_mismatch"
 RATIOS, SUMS = 2001, 101
 """Places of equal chance along the law of the ratio, and of the sum at each ratio."""
-
-Interval = tuple[float, float]
 
 
 class Product(NamedTuple):
@@ -58,16 +57,20 @@ def hang_on_ratio(scene: Scene, information: Information) -> bool:
 
 
 def of_series(
-    scene: Scene, fit: Fit, information: Information, width: float
+    scene: Scene, fit: Fit, information: Information, width: float, law: Law | None = None
 ) -> dict[str, Interval]:
     """95 % intervals of sheets that `hang_on_ratio`: TOP, BOTTOM in ohm/sq, the parameter COMMON.
 
-    fit, information: of all that is not known. width: half of an interval over its deviation.
+    fit, information: of all that is not known. width: half of an interval over its deviation. law:
+    of the logarithm of the sum, where that is not normal.
     """
     of = {each.name: each for each in sheets(scene, fit.values)}
     steps = np.array([prior.deviation for prior in fit.asked.fitted.values()])
     pair = np.array([slopes_of(of[name], information.names) for name in (RATIO, SUM)]) * steps
-    log_ratio, log_sum = _law(pair @ information.covariance @ pair.T, width)
+    covariance = pair @ information.covariance @ pair.T
+    log_ratio, log_sum = _law(covariance, width)
+    if law:
+        log_sum = law.at(log_sum / math.sqrt(covariance[1, 1])) - math.log(of[SUM].value)
     ratio, total = of[RATIO].value * np.exp(log_ratio), of[SUM].value * np.exp(log_sum)
     top, bottom = total * ratio / (1 + ratio), total / (1 + ratio)
     both = np.log(top * bottom / (of[TOP].start * of[BOTTOM].start)) / 2

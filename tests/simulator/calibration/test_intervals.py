@@ -1,0 +1,156 @@
+"""Intervals by the profile of the likelihood: of straight problems, curved ridges and limits."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from rcskin.simulator.calibration.choice import Options
+from rcskin.simulator.calibration.law import NORMAL, cut_normal
+from rcskin.simulator.calibration.profile import Along, Profile
+from rcskin.simulator.calibration.run import calibrate
+from scipy.optimize import least_squares
+
+FREE = (np.full(2, -np.inf), np.full(2, np.inf))
+GRID = np.linspace(-6, 6, 2401)
+
+
+def fit_of(reading, slopes, u, bounds=FREE):
+    """Two unknowns with priors of 1, and readings with their slopes to them."""
+    problem = SimpleNamespace(
+        residuals=lambda u: np.append(reading(u), u),
+        jacobian=lambda u: np.vstack([slopes(u), np.eye(2)]),
+        bounds=lambda: bounds,
+    )
+    asked = SimpleNamespace(fitted={"first": None, "second": None})
+    return SimpleNamespace(problem=problem, asked=asked, u=np.array(u, dtype=float))
+
+
+def along(k, limits=(-np.inf, np.inf)):
+    return Along(lambda u: (float(u[k]), np.eye(2)[k]), k, limits)
+
+
+def rises(reading, k, bounds=FREE):
+    """Of the misfit above its least, the other unknown at its best, by trying all of its values."""
+    u = np.stack(np.meshgrid(GRID, GRID, indexing="ij"))
+    readings = np.reshape(reading(u), (-1, *u.shape[1:]))
+    misfit = (readings**2).sum(axis=0) + (u**2).sum(axis=0)
+    for each, low, high in zip(u, *bounds, strict=True):
+        misfit[(each < low) | (each > high)] = np.inf
+    profile = misfit.min(axis=1 - k)
+    return profile - profile.min()
+
+
+def ends(reading, k, bounds=FREE):
+    """Of all values where the misfit has risen by no more than it does along an interval."""
+    within = GRID[rises(reading, k, bounds) <= NORMAL**2]
+    return np.array([within.min(), within.max()])
+
+
+def least_of(reading, bounds=FREE):
+    return least_squares(
+        lambda u: np.append(reading(u), u), np.array([0.5, 0.1]), bounds=bounds, xtol=1e-12
+    ).x
+
+
+def straight(u):
+    return (u[0] + 2 * u[1] - 1) / 0.3
+
+
+def slopes_of_straight(u):
+    return np.array([1.0, 2.0]) / 0.3
+
+
+def test_where_all_is_linear_the_interval_is_the_linear_one():
+    u = np.linalg.lstsq(np.array([[1 / 0.3, 2 / 0.3], [1, 0], [0, 1]]), [1 / 0.3, 0, 0])[0]
+    for scale in (1.0, 1.7):
+        profile = Profile(fit_of(straight, slopes_of_straight, u), scale, NORMAL)
+        for k in (0, 1):
+            assert profile.linear(along(k))
+            reach, middle = NORMAL * profile.deviation(along(k)), profile.best[k]
+            found = profile.law(along(k)).interval(NORMAL)
+            np.testing.assert_allclose(found, (middle - reach, middle + reach), atol=5e-3 * reach)
+
+
+def test_a_wider_interval_is_wider_by_as_much():
+    fit = fit_of(straight, slopes_of_straight, least_of(straight))
+    own, wide = (
+        np.ptp(Profile(fit, 1.0, width).law(along(0)).interval(width))
+        for width in (NORMAL, 1.5 * NORMAL)
+    )
+    assert wide == pytest.approx(1.5 * own, rel=5e-3)
+
+
+@pytest.mark.parametrize("loose", [0.1, 0.5, 2.0])
+@pytest.mark.parametrize("k", [0, 1])
+def test_an_interval_on_a_curved_ridge_ends_where_the_misfit_has_risen(k, loose):
+    """Far above a cut-off the ratio is told, and of the product that it is large, not how large."""
+
+    def reading(u):
+        wall = (np.exp(-1.5 * (u[0] + u[1])) - 0.05) / 0.1
+        return np.array([wall, (u[0] - u[1] - 0.1 * u[0] ** 2) / loose])
+
+    def slopes(u):
+        fall = -15 * np.exp(-1.5 * (u[0] + u[1]))
+        return np.array([[fall, fall], [(1 - 0.2 * u[0]) / loose, -1 / loose]])
+
+    fit = fit_of(reading, slopes, least_of(reading))
+    profile = Profile(fit, 1.0, NORMAL)
+    assert not profile.linear(along(k))
+    exact = ends(reading, k)
+    found = np.array(profile.law(along(k)).interval(NORMAL))
+    reach = NORMAL * profile.deviation(along(k))
+    linear = profile.best[k] + np.array([-reach, reach])
+    np.testing.assert_allclose(found, exact, atol=0.03 * np.ptp(exact))
+    assert np.abs(found - exact).max() < 0.5 * np.abs(linear - exact).max()
+
+
+def test_a_bound_of_another_unknown_moves_the_ends():
+    bounds = (np.array([0.0, -np.inf]), np.full(2, np.inf))
+    best = least_of(straight_down, bounds)
+    profile = Profile(
+        fit_of(straight_down, lambda u: np.array([1.0, 1.0]) / 0.3, best, bounds), 1.0, NORMAL
+    )
+    assert not profile.linear(along(1))
+    found = profile.law(along(1)).interval(NORMAL)
+    exact = ends(straight_down, 1, bounds)
+    np.testing.assert_allclose(found, exact, atol=0.03 * np.ptp(exact))
+
+
+def straight_down(u):
+    """At its least the first unknown would be below 0."""
+    return (u[0] + u[1] + 0.5) / 0.3
+
+
+def test_an_interval_ends_at_a_limit_of_the_quantity_and_is_shorter_beyond_it():
+    bounds = (np.array([0.0, -np.inf]), np.full(2, np.inf))
+
+    def above(u):
+        return (u[0] + u[1] - 0.3) / 0.3
+
+    fit = fit_of(above, lambda u: np.array([1.0, 1.0]) / 0.3, least_of(above, bounds), bounds)
+    low, high = Profile(fit, 1.0, NORMAL).law(along(0, (0.0, np.inf))).interval(NORMAL)
+    rise = rises(above, 0, bounds)
+    at_limit = -np.sqrt(rise[np.searchsorted(GRID, 0.0)])
+    _, share = cut_normal(0.0, 1.0, NORMAL, (at_limit, np.inf))
+    assert low == 0
+    assert share < NORMAL
+    assert high == pytest.approx(GRID[rise <= share**2].max(), rel=0.03)
+
+
+def test_far_above_the_cut_off_the_sheets_are_told_from_below_alone(line, read):
+    """Only R/C is seen there: both may be far larger at once, but not far smaller."""
+    truth = {"sheet_resistance": 3.5, "capacitance": 3.5}
+    found = calibrate(
+        line,
+        read(line, truth, ("none",) * 4, seed=1),
+        Options(fit=("sheet_resistance", "capacitance"), fix=("others",)),
+    )
+    for name, value in found.values.items():
+        if name in truth:
+            low, high = found.intervals[name]
+            assert low < truth[name] < high
+            assert high - value > 1.3 * (value - low)
+    sum_of = {each.name: each for each in found.quantities}["foam capacitance"]
+    assert np.log([sum_of.low, sum_of.high]) - np.log(sum_of.start) == pytest.approx(
+        found.intervals["capacitance"]
+    )
