@@ -12,8 +12,8 @@ from ..models.parameters import FACTORS, FOAM_WAVES, VALUES, own_values
 from ..scene.scene import Scene
 from .fit import Fit
 from .information import Information
-from .law import CONFIDENCE, cut_normal
-from .laws import Laws
+from .likelihood.law import CONFIDENCE, cut_normal
+from .likelihood.laws import Laws
 from .prior import limits
 from .sheets import (
     COMMON,

@@ -22,7 +22,7 @@ from .estimates import Quantity, intervals, quantile, quantities, told_together
 from .explained import Comparison, compared
 from .fit import Fit, allowed, fitted, model_tolerance
 from .information import Information, information, with_unknown
-from .laws import Laws
+from .likelihood.laws import Laws
 from .measured import Measured, measured
 from .model import Around, Model, around, checked_model, model_of
 from .prior import Noise, Prior, drawn_uneven, noise_of, priors, with_noise

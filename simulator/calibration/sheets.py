@@ -17,7 +17,7 @@ from ..models.varied.meshes import single_field
 from ..scene.scene import Scene
 from .fit import Fit
 from .information import Information
-from .law import Interval, Law
+from .likelihood.law import Interval, Law
 
 TOP, BOTTOM, SUM, RATIO = "top sheet", "bottom sheet", "both in series", "top over bottom"
 COMMON, MISMATCH = "sheet_resistance", "sheet_mismatch"

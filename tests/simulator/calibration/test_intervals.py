@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from rcskin.simulator.calibration.choice import Options
-from rcskin.simulator.calibration.law import NORMAL, cut_normal
-from rcskin.simulator.calibration.profile import Along, Profile
+from rcskin.simulator.calibration.likelihood.law import NORMAL, cut_normal
+from rcskin.simulator.calibration.likelihood.profile import Along, Profile
 from rcskin.simulator.calibration.run import calibrate
 from scipy.optimize import least_squares
 

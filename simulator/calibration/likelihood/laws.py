@@ -8,13 +8,13 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.scene import Scene
-from .fit import Fit
-from .information import Information
+from ...scene.scene import Scene
+from ..fit import Fit
+from ..information import Information
+from ..prior import limits
+from ..sheets import COMMON, MISMATCH, RATIO, SUM, Product, hang_on_ratio, sheets
 from .law import Interval, Law
-from .prior import limits
 from .profile import Along, Profile
-from .sheets import COMMON, MISMATCH, RATIO, SUM, Product, hang_on_ratio, sheets
 
 ANY = (-math.inf, math.inf)
 

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from ..fem.galerkin import one_blas_thread
-from .fit import INSIDE, Fit
+from ...fem.galerkin import one_blas_thread
+from ..fit import INSIDE, Fit
 from .law import Interval, Law
 
 Gradient = Callable[[NDArray[np.float64]], tuple[float, NDArray[np.float64]]]
