@@ -28,7 +28,7 @@ from rcskin.simulator.scene.files import load_scene
 from scipy.optimize import nnls
 
 BILLION = 10**9
-CROWDS, FEW_CROWDS = (10, 100, 400), (5,)
+CROWDS, FEW_CROWDS = (10, 30, 100), (5,)
 TASKS_EACH, FEW_TASKS = 6, 2
 SWEEPS, FEW_SWEEPS = 100_000, 2000
 RTOL = 1e-4

@@ -3,7 +3,7 @@
 Run: python benchmarks/scale/dataset.py [--quick] [SWEEPS]
 
 Memory is the sum over all processes of what each has for itself and its share of common pages,
-sampled ten times a second.
+sampled twice a second.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import psutil
 from rcskin.benchmarks.bench import Run, launch, publish
 
 SCENE = "sheet-5x5"
-SWEEPS, FEW_SWEEPS = 200_000, 500
+SWEEPS, FEW_SWEEPS = 1_000_000, 500
 PROCESSES = (1, 2)
 MEGABYTE = 2**20
 
@@ -38,8 +38,8 @@ def measured(sweeps: int, options: list[str], output: Path) -> dict[str, float]:
     while run.poll() is None:
         if not trained and plan.exists():
             trained = time.perf_counter() - start
-        peak = max(peak, memory())
-        time.sleep(0.1)
+        peak = max(peak, memory() if trained else 0)
+        time.sleep(0.5 if trained else 0.05)
     if run.returncode != 0:
         raise RuntimeError(f"{' '.join(command)} ended with code {run.returncode}")
     return {"start": trained, "all": time.perf_counter() - start, "peak": peak / MEGABYTE}
