@@ -40,6 +40,10 @@ class Connection(Protocol):
         ...
 
 
+CLOSED = (OSError, ValueError, TypeError, AttributeError)
+"""What pyvisa-py raises of a line that another thread lets go at that moment."""
+
+
 class VisaConnection:
     """A line through PyVISA with the pyvisa-py backend."""
 
@@ -53,7 +57,7 @@ class VisaConnection:
 
         try:
             self._opened.write(message)
-        except (Error, OSError) as error:
+        except (Error, *CLOSED) as error:
             raise self._lost(error) from error
 
     def read(self, seconds: float = 0.0) -> str:
@@ -65,14 +69,14 @@ class VisaConnection:
         from pyvisa.constants import StatusCode
         from pyvisa.errors import Error, VisaIOError
 
-        self._opened.timeout = max(1, round(1000 * (self._timeout + seconds)))
         try:
+            self._opened.timeout = max(1, round(1000 * (self._timeout + seconds)))
             raw = self._opened.read_bytes(LONGEST_ANSWER, break_on_termchar=True)
         except VisaIOError as error:
             if error.error_code != StatusCode.error_timeout:
                 raise self._lost(error) from error
             raise self._silent(self._timeout + seconds) from error
-        except (Error, OSError) as error:
+        except (Error, *CLOSED) as error:
             raise self._lost(error) from error
         return _text(raw, self.resource)
 
