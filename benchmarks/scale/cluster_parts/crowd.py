@@ -18,10 +18,11 @@ from typing import NamedTuple
 
 import psutil
 from rcskin.simulator.dataset.block import Workshop
+from rcskin.simulator.dataset.model import REDUCED
 from rcskin.simulator.dataset.workers import cluster
 
 Begun = Callable[..., Coroutine[object, object, None]]
-NOWHERE = Workshop(Path(), "", lambda path: None)  # type: ignore[arg-type,return-value]
+NOWHERE = Workshop(Path(), "", REDUCED.load)
 SECONDS_TO_BEGIN = 60
 WARMING = 2
 """Tasks of each worker that are not counted."""
@@ -56,7 +57,8 @@ def busy(workers: int, seconds: float, tasks_each: int) -> Busy:
     with _scheduler() as (address, scheduler), _crowd(address, workers):
         blocks, client = range(workers * tasks_each), psutil.Process()
         warm = range(WARMING * workers)
-        done = sum(1 for _ in cluster(NOWHERE, warm, address, Sleep(min(seconds, 0.1))))
+        for _ in cluster(NOWHERE, warm, address, Sleep(min(seconds, 0.1))):
+            pass
         before = (time.perf_counter(), _used(scheduler), _used(client))
         done = sum(1 for _ in cluster(NOWHERE, blocks, address, Sleep(seconds)))
         after = (time.perf_counter(), _used(scheduler), _used(client))

@@ -46,7 +46,7 @@ def test_fractions_side_by_side_are_those_one_by_one(steps, seed):
     one_by_one = [continued_fraction(complex(each), diagonal, squared, steps) for each in t]
     parts, found = np.stack([t.real, t.imag, (t * t).real, (t * t).imag]), np.empty((2, len(t)))
     continued_fractions(parts, diagonal, squared, steps, found)
-    np.testing.assert_allclose(found[0] + 1j * found[1], one_by_one, rtol=1e-9)
+    np.testing.assert_allclose(found[0] + 1j * found[1], one_by_one, rtol=1e-12)
 
 
 @pytest.mark.kernel
