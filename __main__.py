@@ -155,9 +155,10 @@ def _live_localizer(path: Path, manner: Manner) -> LiveLocalizer:
     touching, adaptive, certain, within = manner
     follower = touching and Follower(model, Touching(*touching), certain)
     asker = Asker(model, certain, follower, within) if adaptive else None
-    known = needs_rest(model.quantities)
-    tables = partial(skin_at_hand, model) if known else None
-    return ModelLocalizer(model, *shape, size, known, follower, asker, tables)
+    told_by_rest = needs_rest(model.quantities)
+    tables = partial(skin_at_hand, model) if told_by_rest else None
+    takes_rest = told_by_rest or model.watches_changes
+    return ModelLocalizer(model, *shape, size, takes_rest, follower, asker, tables)
 
 
 def _model_based() -> list[Estimator]:

@@ -39,7 +39,8 @@ from rcskin.simulator.scene.scene import Scene
 
 PREDICTION = (
     "Pairs shown in training are noticed more often than the spread of single presses alone tells, "
-    "at nearly the same rate of single presses answered; Rs and Cp of unknown skins hide pairs."
+    "at nearly the same rate of single presses answered, also by a localizer that itself looks at "
+    "Rs and Cp: its guards look at changes from rest."
 )
 RTOL = 1e-3
 TRAINED, FEW_TRAINED = 8000, 600
@@ -75,7 +76,7 @@ TRIALS = {
     "random skins of twice the spread": (SKIN, TWICE),
 }
 FEATURES = ("dlnZ", "dphase")
-ASKED_OF = ((FEATURES, "no"), (FEATURES, "yes"), (("Rs", "Cp"), "no"))
+ASKED_OF = ((FEATURES, "no"), (FEATURES, "yes"), (("Rs", "Cp"), "no"), (("Rs", "Cp"), "yes"))
 """Features, and whether pairs are shown in training."""
 
 
@@ -101,7 +102,8 @@ def rows_of(name: str, known: xr.Dataset, asked: xr.Dataset) -> list[dict[str, s
     for quantities, pairs in ASKED_OF:
         model = train(shown[pairs], quantities=quantities)
         X, told = model.told(asked)
-        novel, touches = model.learned.novel(X), counts_of(asked)[told]
+        novel = model.learned.novel(X, model.watched(asked, None, told))
+        touches = counts_of(asked)[told]
         rows.append(
             {
                 "skins": name,

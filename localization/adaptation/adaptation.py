@@ -20,7 +20,7 @@ from ..learners.offsets import Offsets
 from ..learners.registry import Registry
 from ..model.model import Model
 from ..trust.answers import threshold_of
-from ..trust.fitted import Classifier
+from ..trust.fitted import Classifier, Guards, known_at_rest
 from ..trust.folds import splits_of, told
 from ..trust.temperature import probabilities, sharpness_of
 
@@ -112,7 +112,7 @@ def _was_adapted(pipeline: Pipeline) -> bool:
 
 def taught(model: Model, learned: Classifier, samples: Samples, registry: Registry) -> Classifier:
     """The same after these; probabilities are still those that it was trained to."""
-    guards = learned.guards and widened(learned.guards, samples.X)
+    guards = learned.guards and widened(learned.guards, samples)
     pipeline: Any
     if model.estimator in LESSON:
         pipeline = registry[model.estimator].build(model.problem)
@@ -124,9 +124,16 @@ def taught(model: Model, learned: Classifier, samples: Samples, registry: Regist
     return replace(learned, pipeline=pipeline.fit(samples.X, samples.y), guards=guards)
 
 
-def widened(guards: Any, X: NDArray[np.float64]) -> Any:
+def widened(guards: Guards, samples: Samples) -> Guards:
     """The guards that take most of these sweeps for no novelties."""
+    own, changes = _wider(guards, samples.X), guards.changes
+    if changes is None or samples.changes is None:
+        return own
+    known = known_at_rest(samples.changes)
+    return replace(own, changes=_wider(changes, samples.changes[known]) if known.size else changes)
 
+
+def _wider(guards: Guards, X: NDArray[np.float64]) -> Guards:
     def wider(guard: Any) -> Any:
         if guard is None:
             return None

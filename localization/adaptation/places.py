@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -79,7 +78,7 @@ def _taught(learned: Regressor, samples: Samples) -> Regressor:
 
 
 def _opened(guards: Guards | None, samples: Samples) -> Guards | None:
-    return guards and widened(copy(guards), samples.X)
+    return guards and widened(guards, samples)
 
 
 def _stretch(after: PositionScore) -> np.ndarray:

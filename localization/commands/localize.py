@@ -60,6 +60,7 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
             header, rows = _followed(told, asked, resting, touching, pace)
         else:
             header, rows = _table(told, asked, resting)
+        _tell_unguarded(told, asked, resting)
         if output is not None:
             write_table(output, header, rows)
             silent = sum(row[2] == CANNOT_TELL for row in rows)
@@ -69,6 +70,19 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
             typer.echo(",".join(f'"{cell}"' if "," in cell else cell for cell in row))
 
     return localize
+
+
+def _tell_unguarded(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -> None:
+    """A note where several touches may pass for one, for want of the skin at rest."""
+    import numpy as np
+
+    from ..trust.fitted import known_at_rest
+
+    changes = model.watched(sweeps, rest, np.arange(sweeps.sizes["sweep"]))
+    unguarded = 0 if changes is None else len(changes) - known_at_rest(changes).size
+    if unguarded:
+        why = "no skin at rest before them; two touches may pass for one, which --rest guards from"
+        typer.echo(f"rcskin: note: {unguarded} sweeps have {why}", err=True)
 
 
 def _followed(

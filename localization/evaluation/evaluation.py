@@ -115,7 +115,7 @@ def score(learned: Classifier | Regressor, samples: Samples) -> Score:
     """What it tells of samples against what they are."""
     if isinstance(learned, Regressor):
         return _placed(learned, samples)
-    answers = learned.answers(samples.X)
+    answers = learned.answers(samples.X, samples.changes)
     return ClassScore(samples.y, learned.pipeline.predict(samples.X), answers)
 
 

@@ -38,14 +38,19 @@ class Observer:
         """The next sweep follows none."""
         self._before = None
 
-    def observe(self, X: NDArray[np.float64]) -> list[Evidence]:
-        """Of rows of features; each follows the one before, of this call or the last."""
+    def observe(
+        self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
+    ) -> list[Evidence]:
+        """Of rows of features; each follows the one before, of this call or the last.
+
+        changes: as of `Model.watched`.
+        """
         if inverts(self.model):
             return self._by_tables(X)
         first, before = self._before is None, X[:1] if self._before is None else self._before
         earlier = np.concatenate([before, X[:-1]])
         self._before = X[-1:].copy()
-        whole, novel = self._likely(X)
+        whole, novel = self._likely(X, changes)
         spliced, _ = self._likely(np.where(self._early(0.5, X.shape[1]), X, earlier))
         late = np.log(np.where(novel, 1.0, self._usual))
         return [
@@ -70,11 +75,13 @@ class Observer:
             for k in range(len(X))
         ]
 
-    def _likely(self, X: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    def _likely(
+        self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
         """ln likelihood of each state but for a constant of the sweep, shape (sweep, state), and
         whether it is like none that is known."""
         learned = self.model.learned
-        novel = learned.novel(X)
+        novel = learned.novel(X, changes)
         if isinstance(learned, Classifier):
             known, other = _doubted(learned.probabilities(X)), np.full(len(X), DOUBT)
         else:

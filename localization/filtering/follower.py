@@ -80,7 +80,8 @@ class Follower:
         """Of the next sweep. gap: s from the end of the one before to its beginning. during: s that
         it took. Raises InputError as `Model.predict`."""
         X = self.model.features(sweep, rest)
-        return self._through(X, np.array([gap]), np.array([during]))[0]
+        changes = self.model.watched(sweep, rest, np.arange(1))
+        return self._through(X, changes, np.array([gap]), np.array([during]))[0]
 
     def through(self, sweeps: xr.Dataset, rest: xr.Dataset | None, pace: float) -> list[Followed]:
         """Of sweeps in the order in which they were taken, each session by itself.
@@ -92,19 +93,23 @@ class Follower:
         count, session = sweeps.sizes["sweep"], sweeps["session"].values[rows]
         known = sweeps["time"].values if "time" in sweeps.coords else pace * np.arange(count)
         known, found = known[rows], dict[int, Followed]()
+        changes = self.model.watched(sweeps, rest, rows)
         for each in np.unique(session):
             here = np.flatnonzero(session == each)
             apart = np.maximum(np.diff(known[here]), 0.0)
             usual = float(np.median(apart)) if apart.size else pace
             during = np.minimum(np.append(usual, apart), usual)
             self.forget()
-            told = self._through(X[here], np.append(0.0, apart - during[1:]), during)
+            own = None if changes is None else changes[here]
+            told = self._through(X[here], own, np.append(0.0, apart - during[1:]), during)
             found |= dict(zip(rows[here].tolist(), told, strict=True))
         silent = Followed(CANNOT_TELL, 0.0, np.zeros(len(self.model.classes)), 0.0)
         return [found.get(k, silent) for k in range(count)]
 
-    def _through(self, X: NDArray, gaps: NDArray, during: NDArray) -> list[Followed]:
-        evidence = self._observer.observe(X)
+    def _through(
+        self, X: NDArray, changes: NDArray | None, gaps: NDArray, during: NDArray
+    ) -> list[Followed]:
+        evidence = self._observer.observe(X, changes)
         told = self.grid.told(X) if self.grid else [None] * len(X)
         return [self.seen(*each) for each in zip(evidence, gaps, during, told, strict=True)]
 

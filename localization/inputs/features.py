@@ -75,6 +75,22 @@ def told_features(
     return _packed(X, told), np.flatnonzero(told)
 
 
+def changes_from_rest(
+    sweeps: xr.Dataset,
+    *,
+    interfaces: Sequence[str] | None = None,
+    rest: xr.Dataset | None = None,
+) -> NDArray[np.float64]:
+    """AGAINST_REST of each sweep, shape (sweep, feature): NaN where the skin at rest is not known.
+
+    Arguments as of `told_features`; raises InputError as it does.
+    """
+    found, rows = told_features(sweeps, AGAINST_REST, interfaces=interfaces, rest=rest)
+    changes = np.full((sweeps.sizes["sweep"], found.shape[1]), np.nan)
+    changes[rows] = found
+    return changes
+
+
 def _packed(X: NDArray[np.float64], kept: NDArray[np.bool_]) -> NDArray[np.float64]:
     """The rows that are kept, moved to the front of the same array."""
     size = 0

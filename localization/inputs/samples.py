@@ -10,14 +10,16 @@ import numpy as np
 
 from ...simulator.sweeps import InputError
 from .features import (
+    AGAINST_REST,
     DEFAULT_QUANTITIES,
+    changes_from_rest,
     checked_quantities,
     seen_from,
     taken_rows,
     told_features,
 )
 from .rest import check_told
-from .targets import has_target, labels, positions
+from .targets import PIXELS, has_target, labels, positions
 from .touches import counts_of
 
 if TYPE_CHECKING:
@@ -47,6 +49,16 @@ class Problem:
         """Whether a place is told, not a class."""
         return self.target == "position"
 
+    @property
+    def of_one_touch(self) -> bool:
+        """Whether it is asked of sweeps of one touch at most."""
+        return self.target in (*PIXELS, "position")
+
+    @property
+    def unaware_of_change(self) -> bool:
+        """Whether a sweep is told as it stands, whatever the skin at rest read before it."""
+        return not set(AGAINST_REST) & set(self.quantities)
+
 
 class LeftOut(NamedTuple):
     """Sweeps that nothing can be learned from, or told of.
@@ -75,11 +87,12 @@ class LeftOut(NamedTuple):
 class Several(NamedTuple):
     """Sweeps of more touches than one, where the target is of one.
 
-    X: features, shape (n, feature). sessions: shape (n,).
+    X: features, shape (n, feature). sessions: shape (n,). changes: as of `Samples`.
     """
 
     X: NDArray[np.float64]
     sessions: NDArray[np.int64]
+    changes: NDArray[np.float64] | None = None
 
 
 NONE_SEVERAL = Several(np.zeros((0, 0)), np.zeros(0, dtype=np.int64))
@@ -91,7 +104,9 @@ class Samples:
 
     X: features, shape (sweep, feature). y: labels, shape (sweep,), or positions, shape (sweep, 3).
     sessions: shape (sweep,). rows: which of the sweeps that were given these are, shape (sweep,).
-    several: of other touches than the target's, whatever part of the sweeps this is.
+    several: of other touches than the target's, whatever part of the sweeps this is. changes: from
+    the skin at rest, as of `changes_from_rest`, for guards of what is told of one touch by readings
+    as they stand; None where these are told by changes themselves, or of more touches.
     """
 
     problem: Problem
@@ -101,6 +116,7 @@ class Samples:
     rows: NDArray[np.intp]
     left_out: LeftOut = LeftOut()
     several: Several = NONE_SEVERAL
+    changes: NDArray[np.float64] | None = None
 
     @property
     def strata(self) -> NDArray | None:
@@ -112,7 +128,8 @@ class Samples:
     def part(self, index: NDArray[np.intp]) -> Samples:
         """Only those sweeps."""
         parts = {name: getattr(self, name)[index] for name in ("X", "y", "sessions", "rows")}
-        return replace(self, **parts)
+        changes = None if self.changes is None else self.changes[index]
+        return replace(self, **parts, changes=changes)
 
     def of_sessions(self, count: int | None) -> Samples:
         """The first so many sessions, all of them for None; more where a class lacks sweeps.
@@ -141,6 +158,21 @@ class Samples:
             return self
         groups = self.sessions if self.problem.continuous else self.y
         return self.part(drawn(groups, count))
+
+
+def told_by_changes(samples: Samples) -> Samples:
+    """The same sweeps by their changes from the skin at rest, NaN where that is not known."""
+    several, changes = samples.several, samples.changes
+    assert changes is not None and several.changes is not None
+    features = {"quantities": AGAINST_REST, "features": changes.shape[1]}
+    known = np.isfinite(several.changes).all(axis=1)
+    return replace(
+        samples,
+        problem=replace(samples.problem, **features),
+        X=changes,
+        several=Several(several.changes[known], several.sessions[known]),
+        changes=None,
+    )
 
 
 def drawn(groups: NDArray, count: int, seed: int = 0) -> NDArray[np.intp]:
@@ -189,19 +221,31 @@ def samples_of(
     )
     y = positions(some) if problem.continuous else labels(some, target)
     left_out = _left_out(fitting, rows, sweeps["session"].values)
-    several = _several(sweeps, ~fitting[rows], X, rows)
+    changes = None
+    if problem.of_one_touch and problem.unaware_of_change:
+        changes = changes_from_rest(sweeps, interfaces=interfaces, rest=rest)
+    several = _several(sweeps, ~fitting[rows], X, rows, changes)
     sessions = some["session"].values
     X = X if usable.size == rows.size else X[fitting[rows]]
-    return Samples(problem, X, y, sessions, usable, left_out, several)
+    own = None if changes is None else changes[usable]
+    return Samples(problem, X, y, sessions, usable, left_out, several, own)
 
 
 def _several(
-    sweeps: xr.Dataset, other: NDArray[np.bool_], X: NDArray[np.float64], rows: NDArray[np.intp]
+    sweeps: xr.Dataset,
+    other: NDArray[np.bool_],
+    X: NDArray[np.float64],
+    rows: NDArray[np.intp],
+    changes: NDArray[np.float64] | None,
 ) -> Several:
-    """Of the rows without the target, (row,), those of more touches than one."""
+    """Of the rows without the target, (row,), those of more touches than one.
+
+    changes: of all sweeps.
+    """
     some = sweeps.isel(sweep=rows[other])
     more = counts_of(some) > 1
-    return Several(X[other][more], some["session"].values[more])
+    own = None if changes is None else changes[rows[other][more]]
+    return Several(X[other][more], some["session"].values[more], own)
 
 
 def _left_out(

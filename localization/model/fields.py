@@ -29,7 +29,7 @@ from ..trust.novelty import NoveltyGuard
 from ..trust.several import SeveralGuard
 from .model import Model
 
-LAYOUT = 8
+LAYOUT = 9
 """Counts up where files of a model can no longer be read as they were."""
 EARLIER = {"pipeline", "target", "quantities", "interfaces", "frequencies", "scene", "version"}
 """Fields of layout 1, which did not name itself."""
@@ -62,9 +62,7 @@ KINDS = {
     "threshold": float,
     "factor": np.ndarray,
     "spread": Pipeline | None,
-    "guard": NoveltyGuard | None,
-    "kinds": KindGuard | None,
-    "several": SeveralGuard | None,
+    "guards": dict | None,
     "right": int,
     "answered": int,
     "held_out": int,
@@ -78,6 +76,12 @@ KINDS = {
     "left_out": str,
     "marks": np.ndarray,
     "gate": dict | None,
+}
+GUARDS = {
+    "sweeps": NoveltyGuard,
+    "kinds": KindGuard | None,
+    "several": SeveralGuard | None,
+    "changes": dict | None,
 }
 COPIED = ("estimator", "certain", "validation", "versions", "trained_on", "left_out", "marks")
 """Fields of a model that stand in the file as they are."""
@@ -112,9 +116,7 @@ def fields_of(model: Model) -> dict[str, Any]:
         "threshold": getattr(learned, "threshold", 0.0),
         "factor": getattr(learned, "factor", np.ones(3)),
         "spread": getattr(learned, "spread", None),
-        "guard": getattr(learned.guards, "sweeps", None),
-        "kinds": getattr(learned.guards, "kinds", None),
-        "several": getattr(learned.guards, "several", None),
+        "guards": _guard_fields(learned.guards),
         "right": getattr(learned, "right", 0),
         "answered": getattr(learned, "answered", 0),
         "held_out": getattr(learned, "held_out", 0),
@@ -123,6 +125,22 @@ def fields_of(model: Model) -> dict[str, Any]:
         **{name: getattr(model, name) for name in COPIED},
         "gate": None if model.gate is None else fields_of(model.gate),
     }
+
+
+def _guard_fields(guards: Guards | None) -> dict[str, Any] | None:
+    if guards is None:
+        return None
+    return {name: getattr(guards, name) for name in GUARDS} | {
+        "changes": _guard_fields(guards.changes)
+    }
+
+
+def _guards(fields: dict[str, Any] | None) -> Guards | None:
+    if fields is None:
+        return None
+    _check(fields, GUARDS)
+    own = {name: fields[name] for name in GUARDS if name != "changes"}
+    return Guards(**own, changes=_guards(fields["changes"]))
 
 
 def _told(problem: Problem) -> dict[str, Any]:
@@ -153,8 +171,7 @@ def _learned(fields: dict[str, Any], continuous: bool) -> Classifier | Regressor
         else (Classifier, {"sharpness", "threshold", "right", "answered", "held_out"})
     )
     own = {name: fields[name] for name in names}
-    guards = fields["guard"] and Guards(fields["guard"], fields["kinds"], fields["several"])
-    return kind(pipeline=fields["pipeline"], guards=guards, **own)
+    return kind(pipeline=fields["pipeline"], guards=_guards(fields["guards"]), **own)
 
 
 def _is_earlier(fields: Any) -> bool:

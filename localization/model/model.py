@@ -11,7 +11,7 @@ from sklearn.pipeline import Pipeline
 
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.same_skin import check_same_skin
-from ..inputs.features import seen_from, taken_rows, told_features
+from ..inputs.features import changes_from_rest, seen_from, taken_rows, told_features
 from ..inputs.rest import check_told
 from ..inputs.samples import Problem, Samples, samples_of
 from ..inversion.region import Region
@@ -138,6 +138,22 @@ class Model:
             check_told(sweeps, rows)
         return X, rows
 
+    @property
+    def watches_changes(self) -> bool:
+        """Whether its guards look at changes from the skin at rest, though it itself does not."""
+        return self.learned.guards is not None and self.learned.guards.changes is not None
+
+    def watched(
+        self, sweeps: xr.Dataset, rest: xr.Dataset | None, rows: NDArray[np.intp]
+    ) -> NDArray[np.float64] | None:
+        """Changes from the skin at rest of these rows, (row, feature), if its guards look at them.
+
+        NaN where the skin at rest is not known: nothing is guarded by it there.
+        """
+        if not self.watches_changes:
+            return None
+        return changes_from_rest(sweeps, interfaces=self.interfaces, rest=rest)[rows]
+
     def samples(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Samples:
         """What it looks at and what it should tell, of the sweeps with such a target.
 
@@ -207,8 +223,9 @@ class Model:
         X, rows = self.told(sweeps, rest)
         if isinstance(self.learned, Classifier):
             guess = 1 / len(self.classes)
-            return self.learned.answers(X).among(rows, sweeps.sizes["sweep"], guess)
-        novel = self.learned.novel(X)
+            told = self.learned.answers(X, self.watched(sweeps, rest, rows))
+            return told.among(rows, sweeps.sizes["sweep"], guess)
+        novel = self.learned.novel(X, self.watched(sweeps, rest, rows))
         if self.gate is None:
             one = Answers(np.where(novel, CANNOT_TELL, "1"), np.ones(novel.size), novel)
             return one.among(rows, sweeps.sizes["sweep"], 1.0)

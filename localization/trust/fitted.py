@@ -22,17 +22,34 @@ class Guards:
     """What sweeps of the training looked like: all of them, and of presses by one touch each kind.
 
     kinds: None where the localizer knows more touches than one. several: None there too, and where
-    the training showed none of more.
+    the training showed none of more. changes: those of the same sweeps' changes from the skin at
+    rest, where the localizer itself does not look at these.
     """
 
     sweeps: NoveltyGuard
     kinds: KindGuard | None = None
     several: SeveralGuard | None = None
+    changes: Guards | None = None
 
-    def novel(self, X: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Which sweeps are unlike those of the training, shape (n,). X: shape (n, feature)."""
+    def novel(
+        self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
+    ) -> NDArray[np.bool_]:
+        """Which sweeps are unlike those of the training, shape (n,).
+
+        X: shape (n, feature). changes: as of `changes_from_rest`, shape (n, feature).
+        """
         asked = (self.sweeps, self.kinds, self.several)
-        return np.any([guard.predict(X) < 0 for guard in asked if guard is not None], axis=0)
+        told = np.any([guard.predict(X) < 0 for guard in asked if guard is not None], axis=0)
+        if self.changes is not None and changes is not None:
+            known = known_at_rest(changes)
+            if known.size:
+                told[known] |= self.changes.novel(changes[known])
+        return told
+
+
+def known_at_rest(changes: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Of which sweeps the skin at rest is known, (n, feature)."""
+    return np.flatnonzero(np.isfinite(changes).all(axis=1))
 
 
 def tells_novelty(pipeline: Pipeline) -> bool:
@@ -48,10 +65,15 @@ class Learned:
     pipeline: Pipeline
     guards: Guards | None
 
-    def novel(self, X: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Which sweeps are unlike any that are known, shape (n,). X: shape (n, feature)."""
+    def novel(
+        self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
+    ) -> NDArray[np.bool_]:
+        """Which sweeps are unlike any that are known, shape (n,).
+
+        X: shape (n, feature). changes: from the skin at rest, for guards that look at them.
+        """
         if self.guards is not None:
-            return self.guards.novel(X)
+            return self.guards.novel(X, changes)
         last: Any = self.pipeline[-1]
         return last.novel(X)
 
@@ -80,9 +102,12 @@ class Classifier(Learned):
         """Of each class, shape (n, K)."""
         return probabilities(decisions(self.pipeline, X), self.sharpness)
 
-    def answers(self, X: NDArray[np.float64]) -> Answers:
-        """A class or CANNOT_TELL for each row."""
-        return decide(self.classes, self.probabilities(X), self.novel(X), self.threshold)
+    def answers(
+        self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
+    ) -> Answers:
+        """A class or CANNOT_TELL for each row. changes: as of `novel`."""
+        novel = self.novel(X, changes)
+        return decide(self.classes, self.probabilities(X), novel, self.threshold)
 
 
 @dataclass(frozen=True, eq=False)

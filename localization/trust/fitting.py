@@ -13,10 +13,10 @@ from sklearn.preprocessing import StandardScaler
 from ...simulator.sweeps import InputError
 from ..cores import count_cores
 from ..inputs.features import told_by_press
-from ..inputs.samples import Samples
+from ..inputs.samples import Samples, told_by_changes
 from ..learners.registry import Estimator
 from .answers import threshold_of
-from .fitted import Classifier, Guards, Regressor, tells_novelty
+from .fitted import Classifier, Guards, Regressor, known_at_rest, tells_novelty
 from .folds import PLENTY, Splits, Track, by_session, held_out_of, judging, untold
 from .held_out import held_out_decisions, held_out_positions
 from .kinds import kind_guard
@@ -27,6 +27,8 @@ from .tuning import trainer
 
 NEIGHBOURS, RESIDUALS = 50, 5000
 """Errors that a deviation is the root mean square of, and how many are kept in all."""
+FEWEST = 10
+"""Sweeps with the skin at rest that guards of changes are learned from, and judged by, at least."""
 ALL = np.arange(0), np.arange(0)
 """Stands for the fit to all sweeps, beside the splits that are fitted too."""
 
@@ -104,9 +106,24 @@ def _guards(samples: Samples, splits: Splits, pipeline: Pipeline) -> Guards | No
     if tells_novelty(pipeline):
         return None
     drifted = getattr(pipeline[-1], "drifted", lambda X: X)
-    samples = replace(samples, X=drifted(samples.X))
+    own = _guards_of(replace(samples, X=drifted(samples.X)), splits)
+    return replace(own, changes=_guards_of_changes(samples, splits))
+
+
+def _guards_of(samples: Samples, splits: Splits) -> Guards:
     some, problem = samples.at_most(PLENTY), samples.problem
     groups = some.sessions if by_session(some.sessions) else None
     told, _ = told_by_press(problem.quantities, problem.features)
     guard = NoveltyGuard().fit(some.X, groups=groups, told=told)
     return Guards(guard, kind_guard(samples, splits), several_guard(samples, splits))
+
+
+def _guards_of_changes(samples: Samples, splits: Splits) -> Guards | None:
+    """Of what the press changed; None where too few of the sweeps have the skin at rest beside."""
+    if samples.changes is None:
+        return None
+    known = known_at_rest(samples.changes)
+    apart = [[np.flatnonzero(np.isin(known, part)) for part in split] for split in splits]
+    if min(part.size for split in apart for part in split) < FEWEST:
+        return None
+    return _guards_of(told_by_changes(samples).part(known), [(a, b) for a, b in apart])

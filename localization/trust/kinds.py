@@ -13,7 +13,6 @@ from sklearn.utils.validation import validate_data
 
 from ..inputs.features import told_by_press
 from ..inputs.samples import Samples
-from ..inputs.targets import PIXELS
 from .answers import NOTHING_PRESSED
 from .folds import Splits, by_session
 from .novelty import Guard
@@ -108,7 +107,7 @@ def kind_guard(samples: Samples, splits: Splits) -> KindGuard | None:
     splits: sweeps to learn from and to hold out.
     """
     problem = samples.problem
-    if problem.target not in (*PIXELS, "position"):
+    if not problem.of_one_touch:
         return None
     told, alike = told_by_press(problem.quantities, problem.features)
     kinds = _places(samples.y) if problem.continuous else samples.y

@@ -15,9 +15,8 @@ from sklearn.svm import SVC
 from sklearn.utils.validation import validate_data
 
 from ..cores import count_cores
-from ..inputs.features import AGAINST_REST, told_by_press
+from ..inputs.features import told_by_press
 from ..inputs.samples import Samples, drawn
-from ..inputs.targets import PIXELS
 from .answers import NOTHING_PRESSED
 from .folds import Splits, by_session
 from .novelty import Guard
@@ -88,8 +87,7 @@ def several_guard(samples: Samples, splits: Splits) -> SeveralGuard | None:
     nothing, of several touches neither.
     """
     problem = samples.problem
-    of_one = problem.target in (*PIXELS, "position")
-    if not of_one or not set(AGAINST_REST) & set(problem.quantities):
+    if not problem.of_one_touch or problem.unaware_of_change:
         return None
     here = np.isin(samples.several.sessions, samples.sessions)
     several, sessions = samples.several.X[here], samples.several.sessions[here]

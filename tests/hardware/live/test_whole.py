@@ -23,14 +23,18 @@ NOTHING = ["none"] * 3
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory):
-    """A model of the strip's columns against rest, of four sessions of simulated sweeps."""
+    """A model of the strip's columns against rest."""
+    path = tmp_path_factory.mktemp("model") / "strip.skops"
+    save(path, train(sessions(), "column", quantities=("dlnZ", "dphase")))
+    return path
+
+
+def sessions():
+    """Four of simulated sweeps of the strip, at rest and pressed at each column."""
     scene, random = load_scene(SCENE), np.random.default_rng(0)
     presses = [*NOTHING, *(f"1,{j}:{f}" for j in (1, 2, 3) for f in (1.8, 2.0, 2.2))]
     exact = simulate(Solver(scene), [parse_press(press, 2.0) for press in presses])
-    sweeps = concatenate([read_out(exact, scene.readout, random, k) for k in range(4)])
-    path = tmp_path_factory.mktemp("model") / "strip.skops"
-    save(path, train(sweeps, "column", quantities=("dlnZ", "dphase")))
-    return path
+    return concatenate([read_out(exact, scene.readout, random, k) for k in range(4)])
 
 
 def test_presses_on_the_simulated_strip_are_answered_at_their_columns(model, serve):
@@ -46,6 +50,21 @@ def test_presses_on_the_simulated_strip_are_answered_at_their_columns(model, ser
             ask(f"127.0.0.1:{ports.control}", "press", press=f"1,{column}")
             told = live(*where, "--sweeps", "2", "--rest-file", str(rest))
             assert labels(told) == [f"column {column}"] * 2
+
+
+def test_two_fingers_are_no_column_to_a_model_of_the_papers_readings(tmp_path, serve):
+    """It looks at Rs and Cp as they stand; what guards it looks at changes from rest."""
+    save(tmp_path / "raw.skops", train(sessions(), "column", quantities=("Rs", "Cp")))
+    data = rcskin._scene_data(SCENE, None)
+    meter = instrument(simulated(data, rcskin._skins(data), rcskin._readout(data, 7)), pace=0)
+    with serve(meter) as ports:
+        where = ["--resource", ports.resource, "--model", str(tmp_path / "raw.skops")]
+        rest = tmp_path / "rest.nc"
+        live(*where, "--sweeps", "2", "--log", str(rest))
+        for press, told in (("1,2", "column 2"), ("1,1+1,3", "cannot tell")):
+            ask(f"127.0.0.1:{ports.control}", "press", press=press)
+            answers = live(*where, "--sweeps", "2", "--rest-file", str(rest))
+            assert labels(answers) == [told] * 2
 
 
 def test_touches_are_followed_by_few_frequencies_where_a_model_inverts_the_simulator(model, serve):

@@ -118,6 +118,21 @@ def test_a_model_never_shown_rest_says_so(run, files, tmp_path):
     assert code == 0 and "cannot tell that nothing is pressed" in out
 
 
+def test_raw_readings_without_rest_are_answered_with_a_note(run, files, tmp_path):
+    model, known = tmp_path / "m.skops", read(files / "known.nc")
+    write(known.isel(sweep=known["row"].values == 0), tmp_path / "rest.nc")
+    assert run("train", files / "known.nc", "-o", model)[0] == 0
+    code, out, err = run("localize", model, files / "pressed.nc")
+    assert code == 0 and err == (
+        "rcskin: note: 54 sweeps have no skin at rest before them; two touches may pass for one, "
+        "which --rest guards from\n"
+    )
+    code, guarded, err = run(
+        "localize", model, files / "pressed.nc", "--rest", tmp_path / "rest.nc"
+    )
+    assert (code, err) == (0, "") and "cannot tell" not in out + guarded
+
+
 def test_only_so_many_sweeps_are_taken_and_whole_sessions_of_them(run, files, tmp_path):
     code, out, _ = run("train", files / "known.nc", "--most", 50, "-o", tmp_path / "m.skops")
     assert code == 0 and "; 48 sweeps" in out

@@ -78,9 +78,23 @@ def test_pairs_shown_in_training_are_noticed_more_often(session, known, tmp_path
     assert single >= 0.97
 
 
-def test_raw_readings_leave_it_to_the_spread_of_single_presses(known):
-    assert train(known, quantities=("Rs", "Cp")).learned.guards.several is None
-    assert train(known, quantities=CHANGES).learned.guards.several is not None
+def test_a_localizer_of_raw_readings_is_guarded_by_changes_from_rest(session, known, tmp_path):
+    save(tmp_path / "m.skops", train(known, quantities=("Rs", "Cp")))
+    raw = load(tmp_path / "m.skops")
+    asked = concatenate([session(number) for number in range(90, 98)])
+    pairs, single = rates(raw, asked)
+    assert pairs >= 0.8
+    assert single >= 0.95
+    unguarded = asked.isel(sweep=asked["row"].values != 0)
+    before, _ = rates(raw, unguarded)
+    assert before < pairs - 0.1, "without the skin at rest there are no changes to look at"
+
+
+def test_sweeps_beside_which_no_rest_is_known_are_answered_as_they_were(known):
+    without = known.isel(sweep=known["row"].values != 0)
+    assert not train(without, quantities=("Rs", "Cp")).watches_changes
+    assert train(known, quantities=("Rs", "Cp")).watches_changes
+    assert not train(known, quantities=CHANGES).watches_changes
 
 
 def test_the_best_test_notices_more_and_by_its_own_count(skin):
