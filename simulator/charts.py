@@ -20,6 +20,8 @@ LINE_STYLES = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)))
 AT_REST = "#000000"
 ENDINGS = (".png", ".svg", ".pdf")
 """Of every chart: pixels for screens, lines for papers."""
+MOST_LABELLED = 100.0
+"""End over begin of logarithmic axes whose ticks within a decade have labels, too."""
 PRINTED_DPI = 300
 """Of pixels within lines."""
 UNDATED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
@@ -51,12 +53,15 @@ def frequency_axis(axes: Axes) -> None:
 
 
 def between_decades(told: str) -> Formatter:
-    """Labels of the ticks within a decade, as `told` says, on axes of few decades."""
+    """Labels of the ticks within a decade, as `told` says, on axes up to MOST_LABELLED."""
     from matplotlib.ticker import LogFormatter
 
     class Between(LogFormatter):
         def __call__(self, x: float, pos: int | None = None) -> str:
-            return told.format(x=x) if super().__call__(x, pos) else ""
+            assert self.axis is not None
+            low, high = self.axis.get_view_interval()
+            near = high < MOST_LABELLED * low
+            return told.format(x=x) if near and super().__call__(x, pos) else ""
 
     return Between(minor_thresholds=(2, 0.4))
 

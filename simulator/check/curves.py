@@ -10,6 +10,7 @@ import numpy as np
 
 from ..charts import AT_REST, COLOURS, LINE_STYLES, chart, checked_chart, frequency_axis
 from ..sweeps import UNPRESSED, InputError
+from ..sweeps.schema import read_at
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -110,7 +111,7 @@ def courses(
     """Press, x and y of each curve: x in kHz, or ohm in Nyquist's plot; at most MOST_DRAWN."""
     if interface not in sweeps["interface"].values:
         return
-    own = sweeps.sel(interface=interface)
+    own = read_at(sweeps, interface).isel(interface=0)
     f = own["frequency"].values.astype(np.float64)
     Z = own["Rs"].values.astype(np.float64) + 1j * own["X"].values
     values = shown.of(Z, f)

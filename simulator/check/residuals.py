@@ -97,9 +97,9 @@ def _draw_laws(figure: SubFigure, laws: Sequence[str], drawn: Sequence[Drawn]) -
         for law in judgement.broken:
             height = np.full(len(law.frequency), laws.index(law.law) + offset)
             axes.plot(np.array(law.frequency) / 1e3, height, "x", color=colour)
-    f = drawn[0].judgement.spectrum.frequency / 1e3
+    kHz = np.concatenate([each.judgement.spectrum.frequency for each in drawn]) / 1e3
     frequency_axis(axes)
-    axes.set_xlim(f[0] / 1.1, f[-1] * 1.1)
+    axes.set_xlim(kHz.min() / 1.1, kHz.max() * 1.1)
     axes.set_yticks(range(len(laws)), laws)
     axes.set_ylim(len(laws) - 0.5, -0.5)
     axes.set_title("Broken laws: a cross at each frequency")

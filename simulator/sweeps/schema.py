@@ -162,6 +162,16 @@ def taken_of(sweeps: xr.Dataset) -> NDArray[np.bool_] | None:
     return sweeps[TAKEN].transpose(*DIMENSIONS[1:]).values.astype(bool)
 
 
+def read_at(sweeps: xr.Dataset, interface: str) -> xr.Dataset:
+    """The sweeps at one interface, at the frequencies that it was read at."""
+    taken = taken_of(sweeps)
+    index = [str(name) for name in sweeps["interface"].values].index(interface)
+    if taken is None:
+        return sweeps.isel(interface=[index])
+    own = sweeps.isel(interface=[index], frequency=np.flatnonzero(taken[index]))
+    return own.drop_vars(TAKEN)
+
+
 def _check_finite(name: str, values: NDArray[np.float64]) -> None:
     if not np.isfinite(values).all():
         raise InputError(f"`{name}` must be finite everywhere")

@@ -31,7 +31,7 @@ def test_charts_in_a_folder_have_the_ending_that_is_named():
         checked_ending("jpg")
 
 
-@pytest.mark.parametrize("high, least, most", [(6.5, 4, 9), (15, 4, 11), (1000, 3, 4)])
+@pytest.mark.parametrize("high, least, most", [(6.5, 4, 9), (15, 4, 11), (90, 2, 3), (1000, 3, 4)])
 def test_a_frequency_axis_has_plain_labels_enough_to_read_and_few_enough(high, least, most):
     figure = Figure()
     axes = figure.subplots()

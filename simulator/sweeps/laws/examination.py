@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..schema import impedance
+from ..schema import impedance, read_at
 from .kramers_kronig import RESOLUTION, fit_passive
 from .noise import NEIGHBOURS, Allowance, local_scale, repeatability, roughness
 from .passivity import Violation
@@ -87,11 +87,14 @@ def examine(
     Raises InputError where `noise` or `tolerance` is out of range, or where there are too few
     frequencies to tell noise from a broken law.
     """
-    _check_limits(noise, tolerance, sweeps.sizes["frequency"])
+    names = [str(name) for name in sweeps["interface"].values]
+    parts = {name: read_at(sweeps, name) for name in names}
+    _check_limits(noise, tolerance, min(part.sizes["frequency"] for part in parts.values()))
+    readings = sum(part["Rs"].size for part in parts.values())
     return [
         judgement
-        for index, name in enumerate(sweeps["interface"].values)
-        for judgement in _examine_interface(sweeps, index, str(name), noise, tolerance)
+        for name, part in parts.items()
+        for judgement in _examine_interface(part, name, noise, tolerance, readings)
     ]
 
 
@@ -107,14 +110,14 @@ def _check_limits(noise: float | None, tolerance: float, frequencies: int) -> No
 
 
 def _examine_interface(
-    sweeps: xr.Dataset, index: int, name: str, noise: float | None, tolerance: float
+    sweeps: xr.Dataset, name: str, noise: float | None, tolerance: float, readings: int
 ) -> list[Judgement]:
-    Z, frequency = impedance(sweeps)[:, index], sweeps["frequency"].values
+    Z, frequency = impedance(sweeps)[:, 0], sweeps["frequency"].values
     if not np.abs(Z).all():
         raise InputError(f"interface {name}: Z is 0 ohm at some frequency, which no reading is")
     groups = list(zip(sweeps["press"].values, sweeps["session"].values, strict=True))
     spectra = [fitted(each, frequency, _inductive_end(each)) for each in Z]
-    yardstick = _yardstick(spectra, groups, noise, tolerance, sweeps["Rs"].size)
+    yardstick = _yardstick(spectra, groups, noise, tolerance, readings)
     spectra = [_without_chance_sign(each, yardstick) for each in spectra]
     return [
         Judgement(

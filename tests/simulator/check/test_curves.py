@@ -143,3 +143,29 @@ def test_of_very_many_sweeps_some_are_drawn_and_that_is_told(run, make_sweeps, t
     assert (
         code == 0 and err == f"rcskin: note: {path}: 400 of 401 sweeps are drawn, evenly spread\n"
     )
+
+
+@pytest.fixture
+def own_frequencies(make_sweeps, tmp_path):
+    """A recording whose second interface was read at two of three frequencies."""
+    taken = np.array([[True, True, True], [True, False, True]])
+    sweeps = make_sweeps(3, press=["none", "1,1", "none"], row=[0, 1, 0], column=[0, 1, 0])
+    thin = sweeps.where(np.broadcast_to(taken, sweeps["Rs"].shape))
+    told = thin.assign_coords(taken=(("interface", "frequency"), taken.astype(np.int8)))
+    write(told, tmp_path / "own.nc")
+    return tmp_path / "own.nc"
+
+
+@pytest.mark.parametrize("output", ["out.png", "out.html"])
+def test_interfaces_with_frequencies_of_their_own_are_drawn_at_these(
+    run, own_frequencies, tmp_path, output
+):
+    code, out, err = run("plot", own_frequencies, "-o", tmp_path / output)
+    assert (code, err) == (0, "") and "3 sweeps x 2 interfaces" in out
+    sweeps = read(own_frequencies, own_frequencies=True)
+    first, second = (str(name) for name in sweeps["interface"].values)
+    for name, count in ((first, 3), (second, 2)):
+        for shown in QUANTITIES.values():
+            drawn = list(courses(sweeps, name, shown))
+            assert len(drawn) == 3
+            assert all(x.size == count and np.isfinite(y).all() for _, x, y in drawn)

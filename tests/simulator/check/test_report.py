@@ -44,6 +44,23 @@ def laws(judgements):
     return [{each.law for each in judgement.broken} for judgement in judgements]
 
 
+def test_each_interface_is_judged_at_the_frequencies_that_it_was_read_at(make_sweeps):
+    Z = np.stack([noisy(line(np.full(4, 1e-5)), 1), noisy(line(np.full(4, 2e-5)), 2)], axis=1)
+    taken = np.ones((2, FREQUENCY.size), dtype=bool)
+    taken[1, ::3] = False
+    Z[2, 1, 10] *= 1.2
+    whole = make_sweeps(4, ["left", "bottom"], FREQUENCY, Z)
+    thin = whole.where(np.broadcast_to(taken, Z.shape))
+    judged = examine(
+        thin.assign_coords(taken=(("interface", "frequency"), taken.astype(np.int8))), NOISE
+    )
+    assert [each.spectrum.frequency.size for each in judged] == 4 * [20] + 4 * [taken[1].sum()]
+    assert [bool(each.broken) for each in judged] == 6 * [False] + [True, False]
+    alone = examine(whole.isel(interface=[1], frequency=np.flatnonzero(taken[1])), NOISE)
+    for one, other in zip(judged[4:], alone, strict=True):
+        np.testing.assert_array_equal(one.spectrum.residual, other.spectrum.residual)
+
+
 @given(seed=st.integers(0, 2**32 - 1), noise=st.sampled_from([0, 1e-6, 1e-3, 1e-2]))
 def test_noise_alone_breaks_no_law(judge, seed, noise):
     spread = 10.0 ** np.random.default_rng(seed).uniform(-7, -4, 6)
