@@ -230,11 +230,15 @@ def _end_as_told(error: Exception) -> NoReturn:
 
 
 def _example(error: typer.TyperException) -> str:
-    """The example of the command at hand, where something is missing that it needs."""
+    """The example of the command at hand, where something is missing that it needs, or too much."""
     context = getattr(error, "ctx", None)
     example = context.command.epilog if context is not None else None
-    missing = error.format_message().startswith("Missing ")
-    return f" {example}" if missing and example else ""
+    of_arguments = error.format_message().startswith(("Missing ", "Got unexpected extra "))
+    return f"{_full_stop(error)} {example}" if of_arguments and example else ""
+
+
+def _full_stop(error: typer.TyperException) -> str:
+    return "" if error.format_message().endswith(".") else "."
 
 
 def with_examples(commands: typer.Typer, examples: Mapping[str, str]) -> None:

@@ -207,9 +207,10 @@ def test_help_of_nothing_lists_the_commands_and_of_no_command_is_refused(run):
         (["sweep"], "Missing argument 'scene'. Example: rcskin sweep sheet-5x5 -o all.nc"),
         (["sweep", "strip-1x3"], "Missing option '--output' / '-o'. Example: rcskin sweep"),
         (["meter", "correct"], "Example: rcskin meter correct open --resource"),
+        (["meter", "serve", "glove"], "(glove). Example: rcskin meter serve --scene sheet-5x5"),
     ],
 )
-def test_what_is_missing_is_told_with_an_example(run, arguments, told):
+def test_what_is_missing_or_too_much_is_told_with_an_example(run, arguments, told):
     code, _, err = run(*arguments)
     assert code == 2 and told in err and err.count("\n") == 1
 
