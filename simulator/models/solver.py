@@ -30,7 +30,6 @@ from .outlook import Outlook
 from .plain import electrical, electrical_press, require_plain
 from .resolution import Ladder
 from .sheet import Sheet
-from .varied.meshes import indented, meshes
 
 if TYPE_CHECKING:
     from .mechanics.pressed import Pressed
@@ -100,7 +99,11 @@ class Solver:
             self._under_applicators(press, progress)
             if progress.done:
                 return progress.answer()
-        sharp, pressed = indented(self.scene, press, self.rtol)
+        sharp, pressed = press, None
+        if press.indented:
+            from .varied.meshes import indented
+
+            sharp, pressed = indented(self.scene, press, self.rtol)
         even = None if pressed else electrical_press(self.scene, sharp)
         if even is None:
             self._varied(sharp, pressed, progress)
@@ -132,6 +135,8 @@ class Solver:
 
         A reduced model leaves touches of other shapes to them.
         """
+        from .varied.meshes import meshes
+
         if self.model in ("line", "lumped"):
             require_plain(self._even, f"the model {self.model!r}")
             require_plain_press(press)
