@@ -142,11 +142,8 @@ def _live_localizer(path: Path, manner: Manner) -> LiveLocalizer:
     from .localization.learners.registry import estimators
     from .localization.model.file import load
     from .simulator.scene.files import parse_scene
-    from .simulator.sweeps import InputError
 
     model = load(path, estimators(_model_based()))
-    if model.problem.taken:
-        raise InputError(f"{path}: live takes no interfaces with `frequencies` of their own")
     answer_at_once(model.pipeline)
     tell_age(model, path)
     scene = parse_scene(model.scene, str(path))

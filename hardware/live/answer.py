@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -93,6 +93,11 @@ class Localizer(Protocol):
         ...
 
     @property
+    def of_each(self) -> Mapping[str, tuple[float, ...]]:
+        """Hz, ascending, of interfaces that have frequencies of their own, by name."""
+        ...
+
+    @property
     def interfaces(self) -> tuple[str, ...]:
         """Names of the interfaces that it needs the sweep of."""
         ...
@@ -143,6 +148,12 @@ class Localizer(Protocol):
         gap: s from the end of the sweep before to its beginning. during: s that it took.
         """
         ...
+
+
+def readings_of(localizer: Localizer) -> int:
+    """How many readings a sweep is of."""
+    whole = localizer.frequencies
+    return sum(len(localizer.of_each.get(name, whole)) for name in localizer.interfaces)
 
 
 def answer_of_classes(

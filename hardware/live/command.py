@@ -197,7 +197,12 @@ def _paged(
 
     shape = localizer.rows, localizer.columns
     scene = SceneData(
-        str(model), localizer.scene, localizer.frequencies, *shape, localizer.interfaces
+        str(model),
+        localizer.scene,
+        localizer.frequencies,
+        *shape,
+        localizer.interfaces,
+        of_each=localizer.of_each,
     )
     with beside(Document.made(make, scene, "live"), port) as (address, post):
         typer.echo(f"rcskin: page {address.url}", err=True)

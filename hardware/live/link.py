@@ -78,7 +78,12 @@ class Link:
         """Readings that were all measured with those settings, once ready. Raises MeterError."""
         localizer = self._localizer
         sweep = measure_sweep(
-            self._meter, localizer.frequencies, localizer.interfaces, self.turns, watch
+            self._meter,
+            localizer.frequencies,
+            localizer.interfaces,
+            self.turns,
+            watch,
+            of_each=localizer.of_each,
         )
         self._look()
         return sweep
@@ -155,8 +160,10 @@ class Link:
             begun=(begun := now()),
             session=begun,
             accuracy=self._table.name,
+            of_each=dict(localizer.of_each),
         )
-        self.judge = Judge(np.array(localizer.frequencies), self._table, settings, self._limits)
+        frequency, own = np.array(localizer.frequencies), localizer.of_each
+        self.judge = Judge(frequency, self._table, settings, self._limits, own)
 
     def _recovered(self) -> None:
         self._failing_since, self._wait = None, FIRST_WAIT

@@ -11,6 +11,8 @@ import numpy as np
 
 from ...simulator.sweeps import OPENING, UNPRESSED, InputError, build, counted, read_joined
 from ...simulator.sweeps.same_skin import check_same_skin
+from ...simulator.sweeps.schema import taken_of
+from ..record.dataset import spread, taken_at
 from ..record.journal import Entry, Header, Journal
 from ..record.order import UNKNOWN
 from ..record.output import finish, write_all
@@ -20,22 +22,25 @@ from .rest import Rest
 
 if TYPE_CHECKING:
     import xarray as xr
+    from numpy.typing import NDArray
 
 
 def as_dataset(
     sweeps: Sequence[Sweep], localizer: Localizer, press: Sequence[str] | str = UNKNOWN
 ) -> xr.Dataset:
     """Sweeps at the localizer's interfaces and frequencies. press: of each, or of all."""
+    taken = taken_at(localizer.interfaces, localizer.frequencies, localizer.of_each)
     presses = [press] * len(sweeps) if isinstance(press, str) else list(press)
     places = [0 if each == UNPRESSED else -1 for each in presses]
     return build(
-        np.stack([sweep.Z for sweep in sweeps]),
+        np.stack([spread([each.Z for each in sweep.traces], taken) for sweep in sweeps]),
         np.array(localizer.frequencies),
         interface=list(localizer.interfaces),
         press=presses,
         row=places,
         column=places,
-        Cp=np.array([sweep.Cp for sweep in sweeps]),
+        Cp=np.stack([spread([each.Cp for each in sweep.traces], taken) for sweep in sweeps]),
+        taken=taken if localizer.of_each else None,
         attributes={"scene": localizer.scene},
     )
 
@@ -53,7 +58,8 @@ def read_rest(paths: Sequence[Path], localizer: Localizer, *, anyway: bool = Fal
     anyway: of another skin too. Raises InputError where there are none, or of another skin, other
     interfaces or frequencies.
     """
-    sweeps, path = read_joined(paths), ", ".join(map(str, paths))
+    sweeps = read_joined(paths, own_frequencies=True)
+    path = ", ".join(map(str, paths))
     if not anyway:
         check_same_skin(str(sweeps.attrs.get("scene", "")), localizer.scene, path)
     unpressed = sweeps.isel(sweep=np.flatnonzero(sweeps["press"].values == UNPRESSED))
@@ -63,20 +69,37 @@ def read_rest(paths: Sequence[Path], localizer: Localizer, *, anyway: bool = Fal
     same = len(frequencies) == len(localizer.frequencies) and np.allclose(
         frequencies, localizer.frequencies, rtol=1e-9, atol=0
     )
-    if not same or tuple(unpressed["interface"].values) != localizer.interfaces:
+    taken = taken_at(localizer.interfaces, localizer.frequencies, localizer.of_each)
+    if (
+        not same
+        or tuple(unpressed["interface"].values) != localizer.interfaces
+        or not np.array_equal(_taken(unpressed), taken)
+    ):
         raise InputError(f"{path}: has other interfaces or frequencies than the model")
     ordered = unpressed.transpose("sweep", "interface", "frequency")
-    values = np.stack([ordered[name].values for name in ("Cp", "Rs", "X")], axis=2).tolist()
-    normal = (0,) * len(frequencies)
+    values = np.stack([ordered[name].values for name in ("Cp", "Rs", "X")], axis=2)
     return [
         Sweep(
             tuple(
-                Trace(tuple(Cp), tuple(Rs), tuple(X), normal, name)
-                for name, (Cp, Rs, X) in zip(localizer.interfaces, each, strict=True)
+                _trace(values_there[:, read], name)
+                for name, values_there, read in zip(localizer.interfaces, each, taken, strict=True)
             )
         )
         for each in values
     ]
+
+
+def _taken(sweeps: xr.Dataset) -> NDArray[np.bool_]:
+    """Which interface was read at which frequency, shape (interface, frequency)."""
+    every = np.ones((sweeps.sizes["interface"], sweeps.sizes["frequency"]), dtype=bool)
+    own = taken_of(sweeps)
+    return every if own is None else own
+
+
+def _trace(values: NDArray[np.float64], interface: str) -> Trace:
+    """values: Cp, Rs and X, shape (3, frequency)."""
+    Cp, Rs, X = (tuple(each) for each in values.tolist())
+    return Trace(Cp, Rs, X, (0,) * len(Cp), interface)
 
 
 @dataclass

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
@@ -44,6 +44,8 @@ class Model(Protocol):
     def interfaces(self) -> tuple[str, ...]: ...
     @property
     def frequencies(self) -> tuple[float, ...]: ...
+    @property
+    def of_each(self) -> Mapping[str, tuple[float, ...]]: ...
     @property
     def scene(self) -> str: ...
     @property
@@ -150,6 +152,11 @@ class ModelLocalizer:
     def frequencies(self) -> tuple[float, ...]:
         """Hz, ascending."""
         return self.model.frequencies
+
+    @property
+    def of_each(self) -> Mapping[str, tuple[float, ...]]:
+        """Hz, ascending, of interfaces that have frequencies of their own, by name."""
+        return self.model.of_each
 
     @property
     def interfaces(self) -> tuple[str, ...]:

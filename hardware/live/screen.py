@@ -7,7 +7,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from ..meter.reading import Reading
-from .answer import Localizer
+from .answer import Localizer, readings_of
 from .grid import fitting
 from .session import END_KEY, REST_KEY, Moment
 
@@ -28,7 +28,7 @@ class Screen:
         from rich.live import Live
 
         self._localizer, self._console = localizer, console
-        self._readings = len(localizer.interfaces) * len(localizer.frequencies)
+        self._readings = readings_of(localizer)
         self._moment: Moment | None = None
         self._why, self._done, self._frequency = "connecting", 0, 0.0
         self._notes = deque[str](maxlen=NOTES)

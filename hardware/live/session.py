@@ -226,10 +226,10 @@ class Session:
             self.show.note("rest renewed by one sweep, to follow slow drift")
 
     def _seen(self, measured: Measured) -> Seen:
-        part, whole = measured.part, self.localizer.frequencies
+        part, whole, own = measured.part, self.localizer.frequencies, self.localizer.of_each
         read = tuple(
-            whole if part is None else tuple(part.frequencies[k].tolist())
-            for k in range(len(measured.sweep.traces))
+            own.get(trace.interface, whole) if part is None else tuple(part.frequencies[k].tolist())
+            for k, trace in enumerate(measured.sweep.traces)
         )
         return Seen(measured.sweep, read, tuple(self.rest.sweeps))
 
@@ -265,7 +265,9 @@ class Session:
         return [
             remark
             for trace, read in zip(measured.sweep.traces, measured.part.frequencies, strict=True)
-            for remark in replace(judge, frequency=read).remarks(Sweep((trace,)), [], at_rest=True)
+            for remark in replace(judge, frequency=read, of_each={}).remarks(
+                Sweep((trace,)), [], at_rest=True
+            )
         ]
 
     def _drift(self, measured: Measured, answer: Answer) -> list[str]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..meter.reading import Reading
 from ..record.sweep import Sweep
-from .answer import Answer, Localizer
+from .answer import Answer, Localizer, readings_of
 from .session import Moment, Seen, Show
 
 NOTES = 5
@@ -107,8 +107,8 @@ class Shown:
 
     def _tell(self, frequency: float | None = None) -> None:
         self._posted = time.monotonic()
-        readings = len(self.localizer.interfaces) * len(self.localizer.frequencies)
-        progress = {"done": self._done, "of": readings, "frequency": frequency}
+        whole = readings_of(self.localizer)
+        progress = {"done": self._done, "of": whole, "frequency": frequency}
         self.post({**self._state, "notes": list(self._notes), "progress": progress})
 
 
@@ -137,7 +137,7 @@ def _measured(seen: Seen, localizer: Localizer) -> dict[str, Any]:
 
 
 def _mean(sweeps: Sequence[Sweep]) -> list[list[tuple[float, float]]]:
-    mean = np.mean([sweep.Z for sweep in sweeps], axis=0)
+    mean = np.mean([[trace.Z for trace in sweep.traces] for sweep in sweeps], axis=0)
     return [[_pair(z) for z in row] for row in mean.tolist()]
 
 

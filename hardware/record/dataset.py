@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
@@ -31,19 +31,17 @@ def gather(header: Header, entries: Sequence[Entry]) -> xr.Dataset:
     """
     steps = [_step(entry.press, header) for entry in entries]
     answers = [entry.answer or (entry.press, None) for entry in entries]
-    taken = _taken(header)
+    taken = taken_at(header.interfaces, header.frequencies, header.of_each)
     told = {} if header.order else {"answers": json.dumps(answers)}
     return build(
-        np.stack([_spread([each.Z for each in entry.sweep.traces], taken) for entry in entries]),
+        np.stack([spread([each.Z for each in entry.sweep.traces], taken) for entry in entries]),
         np.array(header.frequencies),
         interface=header.interfaces,
         press=[step.press for step in steps],
         row=[step.row for step in steps],
         column=[step.column for step in steps],
         time=[entry.time for entry in entries],
-        Cp=np.array(
-            [_spread([each.Cp for each in entry.sweep.traces], taken) for entry in entries]
-        ),
+        Cp=np.array([spread([each.Cp for each in entry.sweep.traces], taken) for entry in entries]),
         taken=taken if header.of_each else None,
         attributes={
             "scene": header.scene,
@@ -63,13 +61,19 @@ def gather(header: Header, entries: Sequence[Entry]) -> xr.Dataset:
     )
 
 
-def _taken(header: Header) -> NDArray[np.bool_]:
-    """Which interface is read at which frequency, shape (interface, frequency)."""
-    whole = header.frequencies
-    return np.array([np.isin(whole, header.of_each.get(n, whole)) for n in header.interfaces])
+def taken_at(
+    interfaces: Sequence[str],
+    frequencies: Sequence[float],
+    of_each: Mapping[str, Sequence[float]],
+) -> NDArray[np.bool_]:
+    """Which interface is read at which frequency, shape (interface, frequency).
+
+    of_each: of interfaces that have their own, by name.
+    """
+    return np.array([np.isin(frequencies, of_each.get(n, frequencies)) for n in interfaces])
 
 
-def _spread(traces: Sequence[ArrayLike], taken: NDArray[np.bool_]) -> NDArray:
+def spread(traces: Sequence[ArrayLike], taken: NDArray[np.bool_]) -> NDArray:
     """What was read in its places, NaN elsewhere, shape (interface, frequency)."""
     read = np.concatenate([np.asarray(trace) for trace in traces])
     found = np.full(taken.shape, np.nan, dtype=read.dtype)

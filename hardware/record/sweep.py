@@ -53,16 +53,6 @@ class Sweep:
 
     traces: tuple[Trace, ...]
 
-    @property
-    def Z(self) -> NDArray[np.complex128]:
-        """Rs + jX in ohm, shape (interface, frequency)."""
-        return np.array([trace.Z for trace in self.traces])
-
-    @property
-    def Cp(self) -> NDArray[np.float64]:
-        """F, shape (interface, frequency)."""
-        return np.array([trace.Cp for trace in self.traces])
-
     def at(self, interface: str) -> Trace:
         """The trace at an interface."""
         return next(trace for trace in self.traces if trace.interface == interface)

@@ -98,6 +98,14 @@ class Model:
         return self.problem.frequencies
 
     @property
+    def of_each(self) -> dict[str, tuple[float, ...]]:
+        """Hz, ascending, of the interfaces that it looks at, by name, if some have their own."""
+        return {
+            name: tuple(f for f, read in zip(self.frequencies, row, strict=True) if read)
+            for name, row in zip(self.interfaces, self.problem.taken, strict=False)
+        }
+
+    @property
     def scene(self) -> str:
         """TOML text of the skin it was trained for; empty where unknown."""
         return self.problem.scene

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..scene.meter import Readout
 from ..sweeps import InputError, build, impedance, parallel_capacitance
+from ..sweeps.schema import taken_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,6 +60,7 @@ def read_out(
         **labels,
         session=[session] * sweeps.sizes["sweep"],
         Cp=Cp,
+        taken=taken_of(sweeps),
         attributes={**sweeps.attrs, "readout": readout.model_dump_json()},
     )
 

@@ -82,7 +82,7 @@ def all_taken(sweeps: xr.Dataset, path: Path) -> xr.Dataset:
     if TAKEN in sweeps.variables:
         raise InputError(
             f"{path}: its interfaces have `frequencies` of their own, which only dataset, train, "
-            "evaluate, localize, plot and check take"
+            "evaluate, localize, live, plot and check take"
         )
     return sweeps
 

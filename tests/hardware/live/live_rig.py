@@ -46,6 +46,7 @@ class Columns:
     target, frequencies, interfaces = "column", (1e3, 4e3, 16e3), ("left",)
     rows, columns, size = ROWS, COLUMNS, (120.0, 80.0)
     needs_rest, scene = True, 'name = "cushion"\n'
+    of_each: dict = {}
 
     def __init__(self, **other):
         self.asked = []

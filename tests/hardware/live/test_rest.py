@@ -39,7 +39,7 @@ def test_live_and_evaluation_tell_a_sweep_against_the_same_rest_of_a_skin_that_d
         if rest.follow(each, answer):
             taken.append(next(j for j in range(k + 1) if sweeps[j] is rest.sweeps[-1]))
     row = np.isin(np.arange(150), taken).astype(int) ^ 1
-    Z = np.array([each.Z for each in sweeps])
+    Z = np.array([[trace.Z for trace in each.traces] for each in sweeps])
     press = ["none" if k in taken else "1,1" for k in range(150)]
     recording = build(
         Z, LOCALIZER.frequencies, interface=["left"], press=press, row=row, column=row
@@ -62,7 +62,7 @@ def test_no_sweep_of_a_steady_touch_ever_becomes_rest_however_long_it_lasts():
     for answer in (TOUCHED, Answer("cannot tell"), Answer(NOTHING_PRESSED, 0.9)):
         for _ in range(50 * RENEWED_AFTER):
             assert not rest.follow(sweep(0.02), answer)
-    assert all(each.Z == pytest.approx(AT_REST[None]) for each in rest.sweeps)
+    assert all(each.traces[0].Z == pytest.approx(AT_REST) for each in rest.sweeps)
 
 
 def test_a_sweep_in_which_a_touch_begins_is_not_taken_though_it_looks_like_rest():
@@ -75,7 +75,7 @@ def test_a_sweep_in_which_a_touch_begins_is_not_taken_though_it_looks_like_rest(
             rest.follow(sweep(0.0), QUIET)
         rest.follow(sweep(0.01), QUIET)
         rest.follow(sweep(0.02), TOUCHED)
-    assert all(each.Z == pytest.approx(AT_REST[None]) for each in [*rest.sweeps, *rest.opening])
+    assert all(each.traces[0].Z == pytest.approx(AT_REST) for each in [*rest.sweeps, *rest.opening])
     assert len(rest.opening) == 8
 
 

@@ -14,7 +14,7 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.scene.scene import Pixels
-from rcskin.simulator.sweeps import concatenate
+from rcskin.simulator.sweeps import InputError, concatenate, read
 from typer.testing import CliRunner
 
 SCENE = "strip-1x3"
@@ -112,6 +112,36 @@ def test_two_interfaces_are_read_by_choice_and_shown_on_a_page(tmp_path, serve):
         ask(control, "press", press="2,1")
         told = live(*where, "--adaptive", "--page", "--rest-file", str(rest), "--sweeps", "3")
         assert labels(told) == ["pixel 2,1"] * 3
+
+
+def test_interfaces_with_frequencies_of_their_own_are_read_and_logged_at_these(tmp_path, serve):
+    scene = load_scene("sheet-5x5-two-interfaces")
+    sweep = scene.sweep.model_copy(update={"frequencies": (1e3, 5e3, 25e3)})
+    left, bottom = scene.interfaces
+    own = (left.model_copy(update={"frequencies": (5e3, 25e3)}), bottom)
+    pixels = Pixels(rows=2, columns=2)
+    scene = scene.model_copy(update={"pixels": pixels, "sweep": sweep, "interfaces": own})
+    presses = [*NOTHING, *(f"{i},{j}:{f}" for i in (1, 2) for j in (1, 2) for f in (1.8, 2, 2.2))]
+    exact = simulate(Solver(scene), [parse_press(press, 2.0) for press in presses])
+    random = np.random.default_rng(0)
+    sweeps = concatenate([read_out(exact, scene.readout, random, k) for k in range(4)])
+    save(tmp_path / "own.skops", train(sweeps, "pixel", quantities=("dlnZ", "dphase")))
+    (tmp_path / "own.toml").write_text(scene_text(scene))
+    data = rcskin._scene_data(str(tmp_path / "own.toml"), None)
+    exhibit = simulated(data, rcskin._skins(data), rcskin._readout(data, 7))
+    with serve(instrument(exhibit, pace=0)) as ports:
+        control, rest = f"127.0.0.1:{ports.control}", tmp_path / "rest.nc"
+        where = ["--resource", ports.resource, "--model", str(tmp_path / "own.skops")]
+        where += ["--switch", control, "--settle", "0"]
+        told = live(*where, "--sweeps", "2", "--log", str(rest))
+        assert labels(told) == ["nothing pressed"] * 2
+        ask(control, "press", press="2,1")
+        assert labels(live(*where, "--sweeps", "2", "--rest-file", str(rest))) == ["pixel 2,1"] * 2
+        with pytest.raises(InputError, match="the page takes no `frequencies` of interfaces"):
+            live(*where, "--sweeps", "1", "--page")
+    logged = read(rest, own_frequencies=True)
+    assert logged["taken"].values.tolist() == [[0, 1, 1], [1, 1, 1]]
+    assert np.isfinite(logged["Rs"].values[:, logged["taken"].values == 1]).all()
 
 
 def live(*arguments):

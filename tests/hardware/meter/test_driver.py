@@ -214,7 +214,7 @@ def test_a_sweep_is_a_reading_at_each_frequency(meter, pillow):
     sweep = measure_sweep(meter, frequencies, ["left"], watch=watch)
     assert [f for f, _ in seen] == list(frequencies)
     exact = [pillow.impedance("none", f) for f in frequencies]
-    assert sweep.Z[0] == pytest.approx(exact, rel=1e-4)
+    assert sweep.traces[0].Z == pytest.approx(exact, rel=1e-4)
 
 
 def test_frequencies_out_of_reach_are_told_before_anything_is_measured(meter):

@@ -6,7 +6,7 @@ from rcskin.simulator.asked.scene import asked_scene
 from rcskin.simulator.bounds.common import CommonDraws
 from rcskin.simulator.bounds.readings import RTOL
 from rcskin.simulator.limits import bayes_accuracy, position_bound
-from rcskin.simulator.measure.readout import ErrorModel
+from rcskin.simulator.measure.readout import ErrorModel, read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.network.terminals import reduced_for
 from rcskin.simulator.models.reduced.cases import pixel_touches
@@ -14,7 +14,7 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.files import load_scene, parse_scene, scene_text
 from rcskin.simulator.scene.meter import Readout
-from rcskin.simulator.sweeps import InputError, check, concatenate, read, write
+from rcskin.simulator.sweeps import InputError, check, concatenate, impedance, read, write
 
 FREQUENCIES = [1e3, 1e4, 1e5]
 READOUT = {"magnitude_accuracy": 0.02, "magnitude_noise": 0.02, "phase_noise": 0.02}
@@ -56,6 +56,15 @@ def test_a_scene_keeps_them_and_one_without_says_nothing(shared, own):
 def test_what_is_wrong_with_them_is_told(shared, given, told):
     with pytest.raises(InputError, match=told):
         shared.with_(given)
+
+
+def test_a_meter_shows_what_is_read_and_nothing_else(own):
+    found = simulate(Solver(own, 1e-3), every_press(own)[:2])
+    shown = read_out(found, own.readout, np.random.default_rng(0))
+    np.testing.assert_array_equal(shown["taken"].values, TAKEN)
+    assert np.isnan(shown["Rs"].values[:, ~TAKEN]).all()
+    off = impedance(shown)[:, TAKEN] / impedance(found)[:, TAKEN] - 1
+    assert 0 < np.abs(off).max() < 0.2
 
 
 def test_sweeps_hold_what_is_read_and_nothing_else(shared, own, tmp_path):
