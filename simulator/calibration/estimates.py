@@ -144,11 +144,11 @@ def quantities(
 def _sum_of_waves(pair: Pair, fit: Fit, information: Information, width: float) -> Quantity:
     """Of conductance, each sheet's weighed by its share of the resistance of both."""
     weights, value, names = np.zeros(len(information.names)), 0.0, (pair.first, pair.second)
-    for name, share in zip(names, pair.seen, strict=True):
+    for name, share in zip(names, pair.shares, strict=True):
         weights[information.names.index(name)] = share * fit.asked.fitted[name].deviation
         value += share * fit.values[name]
     spread = width * math.sqrt(weights @ information.covariance @ weights)
-    told = information.tells(weights)
+    told = information.narrows(weights)
     return Quantity(pair.name, "", 0.0, value, value - spread, value + spread, told, names)
 
 
@@ -207,15 +207,11 @@ def _unseen(
 ) -> list[tuple[Pair, NDArray[np.float64]]]:
     """Pairs that one field sees the sum of, and the unit direction of each in deviations."""
     found = []
-    silent = dict(zip(information.names, information.silent, strict=True))
     for pair in in_series(scene, fit.values, information.names):
-        direction = np.zeros(len(information.names))
-        for name, step in zip((pair.first, pair.second), pair.unseen, strict=True):
-            at = information.names.index(name)
-            direction[at] = step / fit.asked.fitted[name].deviation
-        direction /= np.linalg.norm(direction)
-        mute = silent[pair.first] and silent[pair.second]
-        if information.hardly_tells(direction) and not mute:
+        first, second = (information.names.index(name) for name in (pair.first, pair.second))
+        direction = information.weakest(first, second)
+        named = pair.second == MISMATCH or not information.silent[[first, second]].all()
+        if named and information.hardly_tells(direction):
             found.append((pair, direction))
     return found
 

@@ -58,7 +58,19 @@ class Information:
         """Whether the data tell a sum of parameters, far better than and without their priors."""
         left = weights @ self.covariance @ weights
         without = weights @ self._hanging @ weights
-        return bool(left < TOLD**2 * weights @ weights and without < HANGING**2 * left)
+        return self.narrows(weights) and bool(without < HANGING**2 * left)
+
+    def narrows(self, weights: NDArray[np.float64]) -> bool:
+        """Whether data and priors tell a sum of parameters far better than their priors alone."""
+        left = weights @ self.covariance @ weights
+        return bool(left < TOLD**2 * weights @ weights)
+
+    def weakest(self, first: int, second: int) -> NDArray[np.float64]:
+        """Of the unit directions of two parameters alone the one that the data tell least."""
+        own = [first, second]
+        direction = np.zeros(len(self.names))
+        direction[own] = np.linalg.eigh(self.data[np.ix_(own, own)])[1][:, 0]
+        return direction
 
     @property
     def deviation(self) -> NDArray[np.float64]:

@@ -60,15 +60,13 @@ def hang_on_ratio(scene: Scene, information: Information) -> bool:
 class Pair(NamedTuple):
     """Two parameters that one field sees a sum of alone, to first order.
 
-    unseen: by how much each changes, in its own unit, while that sum stays. seen: weights of the
-    sum, or nothing where it has a name of its own. name: of the sum.
+    name: of the sum, where it has none of its own. shares: of each in it.
     """
 
     first: str
     second: str
-    unseen: tuple[float, float]
     name: str = ""
-    seen: tuple[float, float] = (0.0, 0.0)
+    shares: tuple[float, float] = (0.0, 0.0)
 
 
 def in_series(scene: Scene, values: Mapping[str, float], names: Sequence[str]) -> Iterator[Pair]:
@@ -78,14 +76,13 @@ def in_series(scene: Scene, values: Mapping[str, float], names: Sequence[str]) -
     """
     if single_field(scene) is None:
         return
-    of = {each.name: each for each in sheets(scene, values)}
     if {COMMON, MISMATCH} <= set(names):
-        yield Pair(COMMON, MISMATCH, (-of[SUM].slopes[MISMATCH], 1.0))
-    top, bottom, both = (of[name].value for name in (TOP, BOTTOM, SUM))
+        yield Pair(COMMON, MISMATCH)
+    of = {each.name: each.value for each in sheets(scene, values)}
+    shares = of[TOP] / of[SUM], of[BOTTOM] / of[SUM]
     for first, second in zip(TOP_WAVES, BOTTOM_WAVES, strict=True):
         if {first, second} <= set(names):
-            name = f"both sheets, {first.removeprefix('top_')}"
-            yield Pair(first, second, (bottom, -top), name, (top / both, bottom / both))
+            yield Pair(first, second, f"both sheets, {first.removeprefix('top_')}", shares)
 
 
 def of_series(

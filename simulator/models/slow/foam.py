@@ -13,13 +13,15 @@ from ...scene.maps import Grid
 from ...scene.scene import Scene
 from ...sweeps import InputError
 from ..parameters import FOAM_WAVES, WAVES, Variation, mode_values
-from .waves import amplitudes, at_nodes, rows_of
+from .waves import amplitudes, nearest_map, waves_at
 
 
 def of_pixels(scene: Scene) -> NDArray[np.float64]:
-    """Each wave at the middle of the skin of each pixel, shape (wave, row, column)."""
+    """The mean of each wave over each pixel, about the middle of its skin: (wave, row, column)."""
     middles = held(scene).middle
-    return mode_values(scene, middles, len(WAVES)).reshape(-1, *scene.pixels.shape)
+    rows, columns = scene.pixels.shape
+    within = [[np.sinc(i / (2 * columns)) * np.sinc(j / (2 * rows))] for i, j in WAVES]
+    return (within * mode_values(scene, middles, len(WAVES))).reshape(-1, rows, columns)
 
 
 def uneven(even: Variation, values: Mapping[str, float], waves: NDArray[np.float64]) -> Variation:
@@ -57,7 +59,7 @@ def with_foam_waves(scene: Scene, values: Mapping[str, float]) -> Scene:
 
 def map_of(scene: Scene, values: Mapping[str, float]) -> Grid:
     """The waves as a map, whose mean over the sides is 1."""
-    return Grid(values=rows_of(at_nodes(scene, amplitudes(values, FOAM_WAVES))))
+    return nearest_map(scene, lambda x: waves_at(scene, values, FOAM_WAVES, x))
 
 
 def check_even_foam(scene: Scene) -> None:

@@ -13,7 +13,7 @@ from ...scene.scene import Scene
 from ...scene.skin import Electrode
 from ...sweeps import InputError
 from ..parameters import BOTTOM_WAVES, SHEET_WAVES, TOP_WAVES, Variation
-from .waves import LARGEST_WAVE, amplitudes, at_nodes, rows_of
+from .waves import LARGEST_WAVE, amplitudes, nearest_map, waves_at
 
 OF_SHEETS: dict[Electrode, tuple[str, ...]] = {"top": TOP_WAVES, "bottom": BOTTOM_WAVES}
 
@@ -76,7 +76,7 @@ def with_sheet_waves(scene: Scene, values: Mapping[str, float]) -> Scene:
 
 def map_of_sheet(scene: Scene, values: Mapping[str, float], waves: tuple[str, ...]) -> Grid:
     """Waves of a sheet's conductance as a map of its resistance."""
-    return Grid(values=rows_of(1 / at_nodes(scene, amplitudes(values, waves))))
+    return nearest_map(scene, lambda x: 1 / waves_at(scene, values, waves, x))
 
 
 def check_even_sheets(scene: Scene) -> None:
