@@ -1,4 +1,4 @@
-"""How often the intervals of a calibration hold slow waves of sheets and foam, over drawn twins.
+"""How often the intervals of a calibration hold slow waves of both sheets, over drawn twins.
 
 The skin is fed along both ends of each sheet, crosswise, so that sweeps of single presses tell the
 waves of each. A twin is solved in full with maps of its waves, which are normal with deviations of
@@ -17,9 +17,8 @@ from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.network.terminals import reduced_for
-from rcskin.simulator.models.parameters import FOAM_WAVES, SHEET_WAVES
+from rcskin.simulator.models.parameters import SHEET_WAVES
 from rcskin.simulator.models.reduced.forward import Forward
-from rcskin.simulator.models.slow.foam import with_foam_waves
 from rcskin.simulator.models.slow.sheets import with_sheet_waves
 from rcskin.simulator.models.slow.waves import Uneven
 from rcskin.simulator.models.solver import Solver
@@ -28,18 +27,16 @@ from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.scene.scene import Scene
 
 NAME = "uneven_calibration"
-TWINS, FEWEST = 20, 1
+TWINS, FEWEST = 8, 1
 NOISE = 1e-3
 RTOL = 2e-4
 SIZES, FARTHEST = (0.08, 0.06, 0.04), 2.5
 FITTED = ("sheet_resistance", "sheet_mismatch", "capacitance")
-SHEETS, BOTH = Uneven(sheets=True), Uneven(foam=True, sheets=True)
-KINDS = {"sheets": (SHEETS, SHEETS), "nothing": (Uneven(), SHEETS), "sheets and foam": (BOTH, BOTH)}
-"""What is uneven, and what is fitted."""
+SHEETS = Uneven(sheets=True)
+KINDS = {"both sheets": SHEETS, "nothing": Uneven()}
 AGREES = 4.0
-"""Standard errors within which all intervals together hold 95 % of truths, where the foam is even:
-those of one twin hang together, so that each twin counts as one. The fit takes waves of the foam as
-constant over each pixel, which leaves more than the noise here."""
+"""Standard errors within which all intervals together hold 95 % of truths: those of one twin hang
+together, so that each twin counts as one."""
 
 
 def main(run: Run) -> int:
@@ -51,8 +48,8 @@ def main(run: Run) -> int:
     table = pd.DataFrame(rows)
     title = f"Slow waves within their 95 % intervals, of {twins} twins a row"
     publish(run.results, NAME, title, table)
-    even = [float(row["held, %"]) / 100 for row in rows[:2]]
-    return int(abs(np.mean(even) - 0.95) > AGREES * np.sqrt(0.95 * 0.05 / (twins * len(even))))
+    held = [float(row["held, %"]) / 100 for row in rows]
+    return int(abs(np.mean(held) - 0.95) > AGREES * np.sqrt(0.95 * 0.05 / (twins * len(held))))
 
 
 def crossed() -> Scene:
@@ -79,7 +76,7 @@ def crossed() -> Scene:
 
 def drawn(uneven: Uneven, random: np.random.Generator) -> dict[str, float]:
     """Amplitudes of the waves of what is uneven; 0 of all others."""
-    sizes = dict(zip((*FOAM_WAVES, *SHEET_WAVES), 3 * SIZES, strict=True))
+    sizes = dict(zip(SHEET_WAVES, 2 * SIZES, strict=True))
     turns = np.clip(random.standard_normal(len(sizes)), -FARTHEST, FARTHEST)
     return {
         name: float(turn * size) if name in uneven.names else 0.0
@@ -91,10 +88,9 @@ def _row(scene: Scene, model: Forward, kind: str, twins: int) -> dict[str, str]:
     held, widths, left, chi = [], [], [], []
     for number in range(twins):
         random = np.random.default_rng([list(KINDS).index(kind), number])
-        uneven, fitted = KINDS[kind]
-        truth = drawn(uneven, random)
-        found = calibrated(scene, model, truth, fitted, random)
-        for name in fitted.names:
+        truth = drawn(KINDS[kind], random)
+        found = calibrated(scene, model, truth, random)
+        for name in SHEET_WAVES:
             low, high = found.intervals[name]
             held.append(low <= truth[name] <= high)
             widths.append((high - low) / 2)
@@ -110,17 +106,13 @@ def _row(scene: Scene, model: Forward, kind: str, twins: int) -> dict[str, str]:
 
 
 def calibrated(
-    scene: Scene,
-    model: Forward,
-    truth: dict[str, float],
-    fitted: Uneven,
-    random: np.random.Generator,
+    scene: Scene, model: Forward, truth: dict[str, float], random: np.random.Generator
 ) -> Calibration:
     """Of a twin with such waves, read at rest and in a press of each pixel."""
-    made = with_sheet_waves(with_foam_waves(scene, truth), truth)
+    made = with_sheet_waves(scene, truth)
     twin = simulate(Solver(made, RTOL), every_press(scene)).assign_attrs(scene=scene_text(scene))
-    waves = {"uneven": fitted.foam, "uneven_sheets": fitted.sheets}
-    asked = Options((*FITTED, *fitted.names), ("others",), strengths=False, **waves)
+    names = (*FITTED, *SHEET_WAVES)
+    asked = Options(names, ("others",), strengths=False, uneven_sheets=True)
     return calibrate(scene, read_out(twin, scene.readout, random), asked, model=model)
 
 

@@ -17,11 +17,9 @@ from .waves import amplitudes, nearest_map, waves_at
 
 
 def of_pixels(scene: Scene) -> NDArray[np.float64]:
-    """The mean of each wave over each pixel, about the middle of its skin: (wave, row, column)."""
+    """Each wave at the middle of the skin of each pixel, shape (wave, row, column)."""
     middles = held(scene).middle
-    rows, columns = scene.pixels.shape
-    within = [[np.sinc(i / (2 * columns)) * np.sinc(j / (2 * rows))] for i, j in WAVES]
-    return (within * mode_values(scene, middles, len(WAVES))).reshape(-1, rows, columns)
+    return mode_values(scene, middles, len(WAVES)).reshape(-1, *scene.pixels.shape)
 
 
 def uneven(even: Variation, values: Mapping[str, float], waves: NDArray[np.float64]) -> Variation:
