@@ -56,6 +56,7 @@ IN_ORDER = (
     Benchmark("accuracy/verification"),
     Benchmark("accuracy/calibration_coverage"),
     Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--twins", "200")),
+    Benchmark("accuracy/uneven_calibration"),
     Benchmark("scale/dataset"),
     Benchmark("scale/cluster"),
     Benchmark("localization/class_zero"),

@@ -66,7 +66,8 @@ class Options:
     them, and count as unknown. fix: names that are known, as the scene has them, or OTHERS.
     band: lowest and highest frequency, Hz. session: the only one that counts. strengths: whether
     those of presses are unknown too, about what is said of them, with the scene's spread. prior:
-    see `prior`. uneven: whether slow waves of the foam are parameters, too.
+    see `prior`. uneven, uneven_sheets: whether slow waves of the foam, and of both sheets, are
+    parameters, too.
     """
 
     fit: tuple[str, ...] = ()
@@ -76,3 +77,4 @@ class Options:
     strengths: bool = True
     prior: Kind = "wide"
     uneven: bool = False
+    uneven_sheets: bool = False

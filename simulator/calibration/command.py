@@ -53,6 +53,14 @@ def calibrate(
             "--prior session, also where dataset.session draws a smooth foam_pattern.",
         ),
     ] = False,
+    uneven_sheets: Annotated[
+        bool,
+        typer.Option(
+            "--uneven-sheets",
+            help="Fit slow waves of each sheet's conductance too: top_x, top_y, top_xy, bottom_x, "
+            "bottom_y, bottom_xy. Of sheets that one field sees their sum is told.",
+        ),
+    ] = False,
     charts: Charts = "png",
     anyway: Annotated[
         bool, typer.Option("--anyway", help="Take sweeps that were recorded for another skin.")
@@ -96,6 +104,7 @@ def calibrate(
         not fixed_strength,
         checked_kind(prior),
         uneven,
+        uneven_sheets,
     )
     asked, sweeps = asked_scene(scene), read_joined(measured)
     names = ", ".join(each.name for each in measured)

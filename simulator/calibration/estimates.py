@@ -7,8 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..models.parameters import FACTORS, FOAM_WAVES, VALUES, own_values
+from ..models.parameters import FACTORS, SLOW_WAVES, VALUES, own_values
 from ..scene.scene import Scene
 from .fit import Fit
 from .information import Information
@@ -20,15 +21,17 @@ from .sheets import (
     MISMATCH,
     SUM,
     Interval,
+    Pair,
     Product,
     hang_on_ratio,
+    in_series,
     of_series,
     sheets,
     slopes_of,
 )
 
 UNITS = {name: unit if unit.isalpha() else "" for name, unit in VALUES.items()}
-UNITS |= dict.fromkeys(FOAM_WAVES, "")
+UNITS |= dict.fromkeys(SLOW_WAVES, "")
 
 
 @dataclass(frozen=True)
@@ -115,7 +118,7 @@ def quantities(
     fit, information, laws: as of `intervals`. fitted: names of parameters.
     """
     own = intervals(scene, fit, information, freedom, laws)
-    start = own_values(scene) | dict.fromkeys(FOAM_WAVES, 0.0)
+    start = own_values(scene) | dict.fromkeys(SLOW_WAVES, 0.0)
     told = information.told
     hanging = hang_on_ratio(scene, information)
     width = quantile(freedom)
@@ -130,7 +133,23 @@ def quantities(
         for name, unit in UNITS.items()
         if name in fitted
     ]
-    return (*factors, *values)
+    sums = [
+        _sum_of_waves(pair, fit, information, width)
+        for pair in in_series(scene, fit.values, fitted)
+        if pair.name
+    ]
+    return (*factors, *values, *sums)
+
+
+def _sum_of_waves(pair: Pair, fit: Fit, information: Information, width: float) -> Quantity:
+    """Of conductance, each sheet's weighed by its share of the resistance of both."""
+    weights, value, names = np.zeros(len(information.names)), 0.0, (pair.first, pair.second)
+    for name, share in zip(names, pair.shares, strict=True):
+        weights[information.names.index(name)] = share * fit.asked.fitted[name].deviation
+        value += share * fit.values[name]
+    spread = width * math.sqrt(weights @ information.covariance @ weights)
+    told = information.narrows(weights)
+    return Quantity(pair.name, "", 0.0, value, value - spread, value + spread, told, names)
 
 
 def _products(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
@@ -177,16 +196,40 @@ def changed(name: str, step: float) -> str:
 
 def told_together(scene: Scene, fit: Fit, information: Information) -> list[str]:
     """One line for every direction that the data hardly tell."""
-    return [_direction(scene, fit, information, weak) for weak in information.weak]
+    pairs = _unseen(scene, fit, information)
+    lines = [_in_series(pair) for pair, _ in pairs]
+    weak = information.weak([direction for _, direction in pairs])
+    return lines + [_direction(fit, information, each) for each in weak]
 
 
-def _direction(scene: Scene, fit: Fit, information: Information, direction: np.ndarray) -> str:
-    parts = information.parts(direction)
-    if hang_on_ratio(scene, information) and MISMATCH in parts and {*parts} <= {COMMON, MISMATCH}:
+def _unseen(
+    scene: Scene, fit: Fit, information: Information
+) -> list[tuple[Pair, NDArray[np.float64]]]:
+    """Pairs that one field sees the sum of, and the unit direction of each in deviations."""
+    found = []
+    for pair in in_series(scene, fit.values, information.names):
+        first, second = (information.names.index(name) for name in (pair.first, pair.second))
+        direction = information.weakest(first, second)
+        named = pair.second == MISMATCH or not information.silent[[first, second]].all()
+        if named and information.hardly_tells(direction):
+            found.append((pair, direction))
+    return found
+
+
+def _in_series(pair: Pair) -> str:
+    if pair.second == MISMATCH:
         return (
             f"{COMMON} and {MISMATCH}: told only together, as both sheets in series; top over "
             "bottom is assumed from the scene, within its prior"
         )
+    return (
+        f"{pair.first} and {pair.second}: told only as their sum, that of {pair.name}; what is "
+        "told of each is its prior"
+    )
+
+
+def _direction(fit: Fit, information: Information, direction: NDArray[np.float64]) -> str:
+    parts = information.parts(direction)
     if len(parts) == 1:
         return f"{parts[0]}: the data say nothing of it; what is told is its prior"
     steps = {

@@ -111,7 +111,8 @@ def fitted(
                 return Fit(problem, fit.u, certificate, trained)
             begin = fit.values
             tell(_again(fit, certificate))
-            ready = around(asked.measured.scene, begin, model_tolerance(asked.readout), tell)
+            rtol = model_tolerance(asked.readout)
+            ready = around(asked.measured.scene, begin, rtol, tell, ready.uneven)
     raise InputError(
         f"{asked.measured.scene.name} is too unlike what was measured: its factors run away"
     )

@@ -6,7 +6,7 @@ that they tell as well as the prior does.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -19,6 +19,8 @@ from .problem import Problem
 
 TOLD = 0.25
 """Of the prior's deviation: what is left of it where the data tell a parameter."""
+LEAST_TOLD = 1 / TOLD**2 - 1
+"""Information along a direction, in the prior's, from which the data tell it."""
 WIDER, HANGING = 10.0, 2.0
 """Times the priors: how wide they are made to see what hangs on them; and how much wider an
 estimate then is that the data do not tell by themselves."""
@@ -56,7 +58,19 @@ class Information:
         """Whether the data tell a sum of parameters, far better than and without their priors."""
         left = weights @ self.covariance @ weights
         without = weights @ self._hanging @ weights
-        return bool(left < TOLD**2 * weights @ weights and without < HANGING**2 * left)
+        return self.narrows(weights) and bool(without < HANGING**2 * left)
+
+    def narrows(self, weights: NDArray[np.float64]) -> bool:
+        """Whether data and priors tell a sum of parameters far better than their priors alone."""
+        left = weights @ self.covariance @ weights
+        return bool(left < TOLD**2 * weights @ weights)
+
+    def weakest(self, first: int, second: int) -> NDArray[np.float64]:
+        """Of the unit directions of two parameters alone the one that the data tell least."""
+        own = [first, second]
+        direction = np.zeros(len(self.names))
+        direction[own] = np.linalg.eigh(self.data[np.ix_(own, own)])[1][:, 0]
+        return direction
 
     @property
     def deviation(self) -> NDArray[np.float64]:
@@ -74,11 +88,27 @@ class Information:
         each = np.eye(len(self.names))
         return {name: self.tells(own) for name, own in zip(self.names, each, strict=True)}
 
+    def hardly_tells(self, direction: NDArray[np.float64]) -> bool:
+        """Whether the data tell hardly more along a unit direction than the priors do."""
+        return bool(direction @ self.data @ direction < LEAST_TOLD)
+
     @property
-    def weak(self) -> list[NDArray[np.float64]]:
-        """Unit directions that the data hardly tell, the weakest first."""
-        strength, directions = np.linalg.eigh(self.data)
-        return [directions[:, k] for k in np.flatnonzero(strength < 1 / TOLD**2 - 1)]
+    def silent(self) -> NDArray[np.bool_]:
+        """Whether a parameter changes nothing that could be seen."""
+        return self.data.diagonal() <= SEEN
+
+    def weak(self, known: Sequence[NDArray[np.float64]] = ()) -> list[NDArray[np.float64]]:
+        """Unit directions that the data hardly tell, the weakest first.
+
+        known: such directions, that others are sought orthogonal to. Silent parameters are
+        directions of their own, as those that nothing is told of could be mixed anyhow.
+        """
+        alone = np.eye(len(self.names))[self.silent]
+        found = [each for each in alone if all(abs(each @ other) < PART for other in known)]
+        given = np.reshape([*known, *found], (-1, len(self.names)))
+        left = _beside(given)
+        strength, directions = np.linalg.eigh(left.T @ self.data @ left)
+        return [*found, *(left @ directions[:, strength < LEAST_TOLD]).T]
 
     def moved(self, direction: NDArray[np.float64]) -> list[str]:
         """Parameters that a direction moves most, the largest first."""
@@ -90,6 +120,12 @@ class Information:
         effect = direction**2 * self.data.diagonal()
         order = [k for k in np.argsort(-np.abs(direction)) if effect[k] > SEEN]
         return [self.names[k] for k in order] if len(order) > 1 else self.moved(direction)[:1]
+
+
+def _beside(given: NDArray[np.float64]) -> NDArray[np.float64]:
+    """An orthonormal basis of all that is orthogonal to the rows, shape (parameter, direction)."""
+    full, _ = np.linalg.qr(given.T, mode="complete")
+    return full[:, len(given) :].astype(np.float64)
 
 
 def information(fit: Fit, held: Mapping[str, Prior] | None = None) -> Information:

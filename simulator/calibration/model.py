@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from ..models.line_slopes import LineModel
 from ..models.network.terminals import reduced_for
 from ..models.parameters import FACTORS, scene_with
-from ..models.reduced.forward import REACH, Forward, Response
+from ..models.reduced.forward import REACH, Forward
+from ..models.response import Response
+from ..models.slow.waves import EVEN, Uneven
 from ..models.varied.meshes import single_field
 from ..progress import Tell, tell_nothing
 from ..scene.scene import Scene
@@ -27,28 +29,28 @@ Model = Forward | LineModel
 """Both answer `respond`, `certificate` and `cells` alike, and know what is `free`."""
 
 
-def model_of(
-    scene: Scene, rtol: float, tell: Tell = tell_nothing, *, uneven: bool = False
-) -> Model:
+def model_of(scene: Scene, rtol: float, tell: Tell = tell_nothing, uneven: Uneven = EVEN) -> Model:
     """The cheapest one that serves. rtol: largest relative error of Rs and Cp at the skin.
 
-    uneven: whether slow waves of the foam are to be among its parameters.
+    uneven: what slow waves are to be among its parameters. Those of sheets take two fields.
     """
     try:
-        if scene.press.plain and not uneven:
+        if scene.press.plain and uneven == EVEN:
             return LineModel(scene)
     except InputError:
         pass
     advance = partial(tell, "training a model of the scene")
-    return Forward(scene, rtol=rtol, advance=advance, train=reduced_for)
+    return Forward(scene, rtol=rtol, advance=advance, train=reduced_for, modes=uneven.modes)
 
 
 class Around:
     """A scene's model, trained about values of its parameters that may be far from the scene's."""
 
-    def __init__(self, model: Model, about: Mapping[str, float]) -> None:
-        """model: of the scene with its factors at `about`, which are logarithms."""
-        self.model, self.about = model, {name: about.get(name, 0.0) for name in FACTORS}
+    def __init__(self, model: Model, about: Mapping[str, float], uneven: Uneven = EVEN) -> None:
+        """model: of the scene with its factors at `about`, which are logarithms, and with slow
+        waves where it is `uneven`."""
+        self.model, self.uneven = model, uneven
+        self.about = {name: about.get(name, 0.0) for name in FACTORS}
 
     @property
     def reach(self) -> float:
@@ -82,11 +84,15 @@ class Around:
 
 
 def around(
-    scene: Scene, values: Mapping[str, float], rtol: float, tell: Tell = tell_nothing
+    scene: Scene,
+    values: Mapping[str, float],
+    rtol: float,
+    tell: Tell = tell_nothing,
+    uneven: Uneven = EVEN,
 ) -> Around:
-    """The scene's model about values of its parameters."""
+    """The scene's model about values of its parameters. uneven: as of `model_of`."""
     about = {name: values.get(name, 0.0) for name in movable(scene)}
-    return Around(model_of(scene_with(scene, about), rtol, tell), about)
+    return Around(model_of(scene_with(scene, about), rtol, tell, uneven), about, uneven)
 
 
 def movable(scene: Scene) -> list[str]:
@@ -95,8 +101,9 @@ def movable(scene: Scene) -> list[str]:
     return [name for name in FACTORS if not (single and name == "sheet_mismatch")]
 
 
-def checked_model(model: Model, scene: Scene) -> Model:
-    """The same model, if it is of the pixels, interfaces and frequencies of a scene.
+def checked_model(model: Model, scene: Scene, uneven: Uneven = EVEN) -> Model:
+    """The same model, if it is of the pixels, interfaces and frequencies of a scene, and has slow
+    waves where they are asked for.
 
     Raises InputError where it is not.
     """
@@ -105,4 +112,11 @@ def checked_model(model: Model, scene: Scene) -> Model:
             raise InputError(f"the model has other {name} than were measured")
     if isinstance(model, Forward) and model.cells_per_pixel != 1:
         raise InputError(f"`cells_per_pixel` of the model must be 1, got {model.cells_per_pixel}")
+    if isinstance(model, LineModel) and uneven != EVEN:
+        raise InputError("the model must be a `Forward` for slow waves, got the exact line")
+    if isinstance(model, Forward) and model.modes < uneven.modes:
+        raise InputError(
+            f"`modes` of the model must be {uneven.modes} for slow waves of the sheets, "
+            f"got {model.modes}"
+        )
     return model

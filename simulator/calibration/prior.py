@@ -8,7 +8,16 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from ..models.parameters import FACTORS, FOAM_WAVES, Spread, own_values, session_spreads
+from ..models.parameters import (
+    FACTORS,
+    FOAM_WAVES,
+    SHEET_WAVES,
+    SLOW_WAVES,
+    Spread,
+    own_values,
+    session_spreads,
+)
+from ..models.slow.waves import EVEN, LARGEST_WAVE, Uneven
 from ..scene.meter import Readout
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -20,8 +29,8 @@ WIDE = math.log(10)
 MISMATCH = math.log(3)
 LOSS = 0.3
 EXPONENT = 0.3
-UNEVEN, MOST_UNEVEN = 0.1, 0.3
-"""Of slow waves of the foam over its mean: three at most leave it above zero."""
+UNEVEN = 0.1
+"""Of slow waves over the mean."""
 LEAST_EXPONENT = 0.5 + 1e-6
 
 
@@ -43,19 +52,27 @@ def checked_kind(name: str) -> Kind:
     raise InputError(f"`prior` must be one of {', '.join(get_args(Kind))}, got {name!r}")
 
 
-def priors(measured: Measured, kind: Kind, uneven: bool = False) -> dict[str, Prior]:
-    """Of every parameter that is not known. uneven: whether slow waves of the foam are."""
-    own = own_values(measured.scene) | dict.fromkeys(FOAM_WAVES, 0.0)
+def priors(measured: Measured, kind: Kind, uneven: Uneven = EVEN) -> dict[str, Prior]:
+    """Of every parameter that is not known. uneven: what slow waves are among them."""
+    own = own_values(measured.scene) | dict.fromkeys(SLOW_WAVES, 0.0)
     spreads = wide(measured) if kind == "wide" else session_spreads(measured.scene)
-    if uneven:
-        smooth = kind == "session" and drawn_uneven(measured.scene)
-        spread = measured.scene.dataset.session.foam_spread if smooth else UNEVEN
-        spreads = spreads | dict.fromkeys(FOAM_WAVES, Spread(0.0, spread))
+    waves = of_waves(measured.scene, kind)
+    spreads = spreads | {name: Spread(0.0, waves[name]) for name in uneven.names}
     return {
         name: Prior(own[name] + shift, deviation, *limits(name))
         for name, (shift, deviation) in spreads.items()
         if deviation > 0
     }
+
+
+def of_waves(scene: Scene, kind: Kind) -> dict[str, float]:
+    """Standard deviation of each slow wave, as sessions draw them where they do."""
+    drawn = scene.dataset.session
+    foam, sheets = UNEVEN, UNEVEN
+    if kind == "session":
+        foam = drawn.foam_spread if drawn_uneven(scene) else UNEVEN
+        sheets = drawn.unevenness or UNEVEN
+    return dict.fromkeys(FOAM_WAVES, foam) | dict.fromkeys(SHEET_WAVES, sheets)
 
 
 def drawn_uneven(scene: Scene) -> bool:
@@ -68,8 +85,8 @@ def limits(name: str) -> tuple[float, float]:
     """Values that make sense at all."""
     if name in FACTORS:
         return -math.inf, math.inf
-    if name in FOAM_WAVES:
-        return -MOST_UNEVEN, MOST_UNEVEN
+    if name in SLOW_WAVES:
+        return -LARGEST_WAVE, LARGEST_WAVE
     return (LEAST_EXPONENT, 1.0) if name == "phase_exponent" else (0.0, math.inf)
 
 

@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from ..models.line_slopes import LineModel
 from ..models.mechanics.in_depths import in_depths
-from ..models.parameters import FOAM_WAVES, own_values, scene_with
+from ..models.parameters import own_values, scene_with
 from ..models.plain import folded
-from ..models.slow_foam import check_even, map_of
+from ..models.slow.foam import check_even_foam, with_foam_waves
+from ..models.slow.sheets import check_even_sheets, with_sheet_waves
+from ..models.slow.waves import Uneven
 from ..progress import Tell, tell_nothing
 from ..scene.scene import Scene
 from .choice import Options, candidates
@@ -129,12 +131,8 @@ def _laws(
 
 
 def _fitted_scene(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """The scene with its parameters, and with the waves of its foam as a map."""
-    found = scene_with(scene, values)
-    if not any(values.get(name) for name in FOAM_WAVES):
-        return found
-    foam = found.skin.foam.model_copy(update={"map": map_of(scene, values)})
-    return found.model_copy(update={"skin": found.skin.model_copy(update={"foam": foam})})
+    """The scene with its parameters, and with the slow waves as maps."""
+    return with_sheet_waves(with_foam_waves(scene_with(scene, values), values), values)
 
 
 class _Job:
@@ -146,14 +144,10 @@ class _Job:
         self.measured, self.options, self._tell = measured, options, tell
         self.remarks = [f"left out: {reason}" for reason in measured.left_out]
         self.noise = noise_of(measured)
-        self._uneven = options.uneven or (
-            options.prior == "session" and drawn_uneven(measured.scene) and model is None
-        )
-        if self._uneven:
-            check_even(measured.scene)
+        self._uneven = _checked_uneven(measured.scene, options, model)
         self.priors = priors(measured, options.prior, self._uneven)
-        at_hand = model or model_of(measured.scene, self._tolerance, tell, uneven=self._uneven)
-        free = (*at_hand.free, *(FOAM_WAVES if self._uneven else ()))
+        at_hand = model or model_of(measured.scene, self._tolerance, tell, self._uneven)
+        free = (*at_hand.free, *self._uneven.names)
         asked = candidates(measured, free, self.priors, options.fit, options.fix)
         self.names, self.held = asked.fitted, {name: self.priors[name] for name in asked.held}
         self._ready = self._prepared(at_hand, trained=model is not None)
@@ -167,8 +161,7 @@ class _Job:
         return self._fit(), self.noise
 
     def _fit(self) -> Fit:
-        waves = dict.fromkeys(FOAM_WAVES, 0.0) if self._uneven else {}
-        own = own_values(self.measured.scene) | waves
+        own = own_values(self.measured.scene) | dict.fromkeys(self._uneven.names, 0.0)
         asked = Asked(
             self.measured,
             self.noise.readout,
@@ -184,14 +177,12 @@ class _Job:
         """A model about the scene, or about the capacitance that is seen where that is far off."""
         scene = self.measured.scene
         if trained or isinstance(model, LineModel):
-            return Around(checked_model(model, scene), {})
+            return Around(checked_model(model, scene, self._uneven), {}, self._uneven)
         wide = self.options.prior == "wide" and "capacitance" in self.names
         off = capacitance_off(self.measured) if wide else 0.0
-        return (
-            around(scene, {"capacitance": off}, self._tolerance, self._tell)
-            if off
-            else Around(model, {})
-        )
+        if not off:
+            return Around(model, {}, self._uneven)
+        return around(scene, {"capacitance": off}, self._tolerance, self._tell, self._uneven)
 
     @property
     def _tolerance(self) -> float:
@@ -207,6 +198,17 @@ class _Job:
         self._tell(told, share)
         if share is None:
             self.remarks.append(told)
+
+
+def _checked_uneven(scene: Scene, options: Options, model: Model | None) -> Uneven:
+    """What slow waves are fitted; raises InputError where the scene has such maps already."""
+    drawn = options.prior == "session" and drawn_uneven(scene) and model is None
+    found = Uneven(options.uneven or drawn, options.uneven_sheets)
+    if found.foam:
+        check_even_foam(scene)
+    if found.sheets:
+        check_even_sheets(scene)
+    return found
 
 
 def _left_out(fit: Fit) -> list[str]:

@@ -7,12 +7,13 @@ is much, so it is carried through S r / (1 + r) and S / (1 + r) as it is, not by
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.parameters import BOTTOM_WAVES, TOP_WAVES
 from ..models.varied.meshes import single_field
 from ..scene.scene import Scene
 from .fit import Fit
@@ -54,6 +55,34 @@ def sheets(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
 def hang_on_ratio(scene: Scene, information: Information) -> bool:
     """Whether one field sees both sheets, and neither is known."""
     return single_field(scene) is not None and {COMMON, MISMATCH} <= set(information.names)
+
+
+class Pair(NamedTuple):
+    """Two parameters that one field sees a sum of alone, to first order.
+
+    name: of the sum, where it has none of its own. shares: of each in it.
+    """
+
+    first: str
+    second: str
+    name: str = ""
+    shares: tuple[float, float] = (0.0, 0.0)
+
+
+def in_series(scene: Scene, values: Mapping[str, float], names: Sequence[str]) -> Iterator[Pair]:
+    """Of sheets that one field sees: their ratio beside their mean, and each slow wave of both.
+
+    values: of all parameters. names: of those that are not known.
+    """
+    if single_field(scene) is None:
+        return
+    if {COMMON, MISMATCH} <= set(names):
+        yield Pair(COMMON, MISMATCH)
+    of = {each.name: each.value for each in sheets(scene, values)}
+    shares = of[TOP] / of[SUM], of[BOTTOM] / of[SUM]
+    for first, second in zip(TOP_WAVES, BOTTOM_WAVES, strict=True):
+        if {first, second} <= set(names):
+            yield Pair(first, second, f"both sheets, {first.removeprefix('top_')}", shares)
 
 
 def of_series(

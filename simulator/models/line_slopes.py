@@ -20,7 +20,7 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 from .line import Line, tanh_ratio
 from .parameters import all_values, by_sheets, leads_of, loss_of, own_values
-from .reduced.forward import Response
+from .response import Response
 
 SMALL = 1e-2
 TAYLOR = (248 / 2835, -51 / 315, 4 / 15, -1 / 3)

@@ -106,7 +106,12 @@ FOAM_WAVES = ("foam_x", "foam_y", "foam_xy")
 """Amplitudes of slow waves of the foam's capacitance over its mean, of WAVES but the first: 0 in
 every scene, and parameters only where they are asked for."""
 
-KNOWN = (*PARAMETERS, *FOAM_WAVES)
+TOP_WAVES, BOTTOM_WAVES = ("top_x", "top_y", "top_xy"), ("bottom_x", "bottom_y", "bottom_xy")
+"""The same of each sheet's conductance."""
+
+SHEET_WAVES = (*TOP_WAVES, *BOTTOM_WAVES)
+SLOW_WAVES = (*FOAM_WAVES, *SHEET_WAVES)
+KNOWN = (*PARAMETERS, *SLOW_WAVES)
 
 
 def own_values(scene: Scene) -> dict[str, float]:

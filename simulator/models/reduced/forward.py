@@ -19,7 +19,7 @@ from ...press.at_random import random_presses
 from ...press.capacitance import touched_cells
 from ...press.press import Press
 from ...scene.frequency import laplace_variable, slopes_of_s
-from ...scene.meter import FrequencyGrid, Leads, Sweep
+from ...scene.meter import FrequencyGrid, Sweep
 from ...scene.scene import Scene
 from ..parameters import (
     Variation,
@@ -31,7 +31,9 @@ from ..parameters import (
     own_values,
     variation_of,
 )
-from ..slow_foam import by_waves, of_pixels, uneven
+from ..response import Response, seen_by_meter
+from ..slow.foam import by_waves, of_pixels, uneven
+from ..slow.sheets import Terms, drawn_waves, uneven_sheets
 from ..varied.materials import gauge_slopes, gauged, gauges
 from ..varied.meshes import single_field
 from .cases import Case, Draw, pixel_touches, touched
@@ -92,24 +94,6 @@ PIXEL_FACTORS = (0.5, 3.0)
 BAND_POINTS = 20
 
 
-@dataclass(frozen=True)
-class Response:
-    """What the meter sees of one press, and its exact derivatives.
-
-    Z: ohm, shape (interface, frequency). by_parameter: ohm for each unit of a parameter, of the
-    same shape. by_cell: ohm, to c of each cell over that at rest in the scene, shape (interface,
-    frequency, cell). by_term: ohm, to the weight of each term beside K's own, shape
-    (interface, frequency, term). by_gauge: ohm, to what a touch multiplies c of a cell by, as far
-    as that changes the sheets; of by_cell's shape, or nothing.
-    """
-
-    Z: NDArray[np.complex128]
-    by_parameter: Mapping[str, NDArray[np.complex128]]
-    by_cell: NDArray[np.complex128]
-    by_term: NDArray[np.complex128]
-    by_gauge: NDArray[np.complex128] | float = 0.0
-
-
 class Forward:
     """A scene at a tolerance, as a function of PARAMETERS and of presses on cells."""
 
@@ -120,13 +104,16 @@ class Forward:
         rtol: float = 1e-4,
         advance: Advance = unseen,
         train: Callable[..., Reduced] = reduce,
+        modes: int = 1,
     ) -> None:
         """rtol: largest relative error of Rs and Cp at the skin, for factors within REACH.
 
         cells_per_pixel: along each side; touches that are no pixels are laid on cells. advance: is
-        told what share of the training is done. train: the model, as `reduce` does.
+        told what share of the training is done. train: the model, as `reduce` does. modes: of each
+        sheet's conductance: all that SHEET_WAVES name, or the mean alone.
         """
-        self.scene, self.rtol, self.cells_per_pixel = scene, rtol, cells_per_pixel
+        self.scene, self.rtol, self.modes = scene, rtol, modes
+        self.cells_per_pixel = cells_per_pixel
         if cells_per_pixel != 1:
             require_whole_pixels(scene, "a touch on cells of pixels")
         self.divided = scene.divided(cells_per_pixel)
@@ -153,16 +140,17 @@ class Forward:
         s, skin = self._s(values), self._skin(values).under(cells, rises)
         with one_blas_thread():
             found = sensitivity(skin, cells, rises, s, beside)
-        terms = len(self.reduced.stiffness)
+        by_weight, by_term = np.split(found.by_weight, [len(self.reduced.stiffness)], axis=-1)
         of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
         by_name = {name: found.by_s * slope for name, slope in of_s.items()}
         assert skin.variation is not None and skin.weights is not None
-        weighed = found.by_weight[..., :terms] * skin.weights
+        weighed = by_weight * skin.weights
         by_name |= self._by_weights(weighed, skin.variation)
+        by_name |= self._terms.by_waves(by_weight, skin.weights, values)
         pressed = math.exp(values["capacitance"]) * touched(self.divided, cells, rises)
         by_name |= by_waves(found.by_cell, pressed, values, self._waves)
-        by_term, leads = found.by_weight[..., terms:], leads_of(values)
-        at_meter = _at_meter(found, by_name, by_term, leads, self.scene.frequencies)
+        leads = leads_of(values)
+        at_meter = seen_by_meter(found, by_name, by_term, leads, self.scene.frequencies)
         if not gauged(self.scene.skin):
             return at_meter
         by_gauge = self._by_gauge(weighed, touched(self.divided, cells, rises))
@@ -204,12 +192,12 @@ class Forward:
         low, high = self.scene.frequencies[0], self.scene.frequencies[-1]
         band = FrequencyGrid(start=low / REACH, stop=high * REACH, points=BAND_POINTS).values()
         trained = self.divided.model_copy(update={"sweep": Sweep(frequencies=tuple(band))})
-        alike = not self._two_fields
-        return self._train(trained, self.rtol, self._draw(), alike=alike, advance=self._advance)
+        kept = {"modes": self.modes, "alike": not self._two_fields, "advance": self._advance}
+        return self._train(trained, self.rtol, self._draw(), **kept)
 
     @cached_property
     def _two_fields(self) -> bool:
-        return single_field(self.scene) is None
+        return self.modes > 1 or single_field(self.scene) is None
 
     @cached_property
     def _resistive(self) -> bool:
@@ -218,12 +206,13 @@ class Forward:
     def _draw(self) -> Draw:
         """Presses on pixels, or anywhere where they are divided, on skins of any parameters."""
         on_pixels, own = pixel_touches(self.divided, PIXEL_FACTORS), own_values(self.scene)
-        varied = self._resistive or self._two_fields
 
         def draw(random: np.random.Generator) -> Case:
             mismatch, film = random.uniform(-1, 1, 2) * math.log(REACH)
             drawn = own | {"sheet_mismatch": mismatch, "contact_resistance": film}
-            variation = variation_of(self.divided, drawn) if varied else None
+            drawn |= drawn_waves(random) if self.modes > 1 else {}
+            varied = self._resistive or self._two_fields
+            variation = self._even(drawn) if varied else None
             if self.cells_per_pixel == 1:
                 return replace(on_pixels(random), variation=variation)
             press = random_presses(self.divided, random, 2)[int(random.integers(2))]
@@ -244,56 +233,36 @@ class Forward:
         self, weighed: NDArray[np.complex128], variation: Variation
     ) -> dict[str, NDArray[np.complex128]]:
         """dY by the logarithms of what K's terms are weighed with."""
-        sheets, films = self._of_sheets(weighed)
-        skin = self.scene.skin
-        top = skin.top.sheet_resistance / variation.top[0]
-        bottom = skin.bottom.sheet_resistance / variation.bottom[0]
-        energy = np.moveaxis(sheets.sum(axis=-1), -1, 0)
-        return by_sheets(energy, top, bottom) | {"contact_resistance": -films.sum(axis=-1)}
+        sheets, films = self._terms.split(weighed)
+        top, bottom = self.scene.skin.sheet_resistances
+        energy = np.moveaxis(sheets.sum(axis=(-2, -1)), -1, 0)
+        of_sheets = by_sheets(energy, top / variation.top[0], bottom / variation.bottom[0])
+        return of_sheets | {"contact_resistance": -films.sum(axis=-1)}
 
     @cached_property
     def _waves(self) -> NDArray[np.float64]:
         return of_pixels(self.divided)
 
     def _variation(self, values: Mapping[str, float]) -> Variation:
-        return uneven(variation_of(self.divided, values), values, self._waves)
+        return uneven(self._even(values), values, self._waves)
+
+    def _even(self, values: Mapping[str, float]) -> Variation:
+        """With even foam."""
+        return uneven_sheets(variation_of(self.divided, values), values, self.modes)
 
     def factors_at_rest(self, values: Mapping[str, float]) -> NDArray[np.float64]:
         """c of each cell at rest over that of the scene, shape (cell,)."""
         return self._variation(all_values(self.scene, values)).foam(self.divided)
 
-    def _of_sheets(
-        self, weighed: NDArray[np.complex128]
-    ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-        """Those of each field's sheet, shape (..., field, part), and those of the films."""
-        fields = self.reduced.circuit.fields
+    @cached_property
+    def _terms(self) -> Terms:
         parts = foam_parts(self.divided) if gauged(self.scene.skin) else 1
-        sheets, films = np.split(weighed, [fields * parts], axis=-1)
-        return sheets.reshape(*sheets.shape[:-1], fields, parts), films
+        return Terms(self.reduced.circuit.fields, self.modes, parts)
 
     def _by_gauge(
         self, weighed: NDArray[np.complex128], pressed: NDArray[np.float64]
     ) -> NDArray[np.complex128]:
         """dY by the rise of each cell, as it changes the sheets, shape (interface, s, cell)."""
-        sheets, skin = self._of_sheets(weighed)[0], self.scene.skin
+        sheets, skin = self._terms.split(weighed)[0].sum(axis=-2), self.scene.skin
         relative = gauge_slopes(skin, pressed) / gauges(skin, pressed)
         return (sheets * relative[: self.reduced.circuit.fields]).sum(axis=-2)
-
-
-def _at_meter(
-    found: Sensitivity,
-    by_name: Mapping[str, NDArray[np.complex128]],
-    by_term: NDArray[np.complex128],
-    leads: Leads,
-    frequency: NDArray[np.float64],
-) -> Response:
-    """From admittance at the skin to impedance behind the leads."""
-    Z = 1 / found.Y
-    by_skin, by_leads = leads.slopes(Z, frequency)
-    seen = -(Z**2) * by_skin
-    slopes = {name: seen * slope for name, slope in by_name.items()} | by_leads
-    by_parameter = {name: slope.astype(np.complex128) for name, slope in slopes.items()}
-    at_meter = leads.seen_through(Z, frequency).astype(np.complex128)
-    return Response(
-        at_meter, by_parameter, seen[..., None] * found.by_cell, seen[..., None] * by_term
-    )

@@ -8,7 +8,7 @@ from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.parameters import FOAM_WAVES
 from rcskin.simulator.models.reduced.forward import Forward
-from rcskin.simulator.models.slow_foam import map_of
+from rcskin.simulator.models.slow.foam import map_of
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.files import load_scene, scene_text

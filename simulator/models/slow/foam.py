@@ -8,19 +8,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mesh.held import held
-from ..scene.maps import Grid
-from ..scene.scene import Scene
-from ..sweeps import InputError
-from .parameters import FOAM_WAVES, WAVES, Variation, mode_values
-
-NODES = 9
-"""Of a map of the waves, along each side: between them it is off by 2 % of an amplitude."""
-
-
-def amplitudes(values: Mapping[str, float]) -> NDArray[np.float64]:
-    """Of the mean, 1, and of each wave over it, shape (wave,)."""
-    return np.array([1.0, *(values.get(name, 0.0) for name in FOAM_WAVES)])
+from ...mesh.held import held
+from ...scene.maps import Grid
+from ...scene.scene import Scene
+from ...sweeps import InputError
+from ..parameters import FOAM_WAVES, WAVES, Variation, mode_values
+from .waves import amplitudes, nearest_map, waves_at
 
 
 def of_pixels(scene: Scene) -> NDArray[np.float64]:
@@ -33,7 +26,7 @@ def uneven(even: Variation, values: Mapping[str, float], waves: NDArray[np.float
     """The skin with the waves among the values on its foam. waves: as of `of_pixels`."""
     if not any(values.get(name) for name in FOAM_WAVES):
         return even
-    factors = np.tensordot(amplitudes(values), waves, axes=1)
+    factors = np.tensordot(amplitudes(values, FOAM_WAVES), waves, axes=1)
     return replace(even, capacitance=even.capacitance * factors)
 
 
@@ -54,15 +47,20 @@ def by_waves(
     return {name: slopes @ wave for name, wave in named if name in values}
 
 
+def with_foam_waves(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """The scene with the waves among the values as a map of its foam."""
+    if not any(values.get(name) for name in FOAM_WAVES):
+        return scene
+    foam = scene.skin.foam.model_copy(update={"map": map_of(scene, values)})
+    return scene.model_copy(update={"skin": scene.skin.model_copy(update={"foam": foam})})
+
+
 def map_of(scene: Scene, values: Mapping[str, float]) -> Grid:
     """The waves as a map, whose mean over the sides is 1."""
-    lines = (np.linspace(0.0, side, NODES) for side in scene.skin.sides)
-    waves = mode_values(scene, np.stack(np.meshgrid(*lines)), len(WAVES))
-    rows = np.tensordot(amplitudes(values), waves, axes=1)
-    return Grid(values=tuple(tuple(row) for row in rows.tolist()))
+    return nearest_map(scene, lambda x: waves_at(scene, values, FOAM_WAVES, x))
 
 
-def check_even(scene: Scene) -> None:
+def check_even_foam(scene: Scene) -> None:
     """Raises InputError where waves of the foam cannot be told apart from what the scene has."""
     if scene.skin.foam.map is not None:
         raise InputError(

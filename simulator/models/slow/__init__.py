@@ -1,0 +1,1 @@
+"""Slow unevenness of a skin: half waves over it, of its foam and of its sheets."""

@@ -1,0 +1,89 @@
+"""Slow unevenness of the sheets: half waves over the skin that each one's conductance goes with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.maps import Grid
+from ...scene.scene import Scene
+from ...scene.skin import Electrode
+from ...sweeps import InputError
+from ..parameters import BOTTOM_WAVES, SHEET_WAVES, TOP_WAVES, Variation
+from .waves import LARGEST_WAVE, amplitudes, nearest_map, waves_at
+
+OF_SHEETS: dict[Electrode, tuple[str, ...]] = {"top": TOP_WAVES, "bottom": BOTTOM_WAVES}
+
+
+def uneven_sheets(even: Variation, values: Mapping[str, float], modes: int) -> Variation:
+    """The skin with the waves among the values on its sheets, so many modes of each."""
+    sizes = {name: amplitudes(values, waves)[:modes] for name, waves in OF_SHEETS.items()}
+    return replace(even, top=even.top[0] * sizes["top"], bottom=even.bottom[0] * sizes["bottom"])
+
+
+def drawn_waves(random: np.random.Generator) -> dict[str, float]:
+    """Amplitudes of all waves, as large as any may be."""
+    drawn = random.uniform(-LARGEST_WAVE, LARGEST_WAVE, len(SHEET_WAVES))
+    return dict(zip(SHEET_WAVES, drawn.tolist(), strict=True))
+
+
+@dataclass(frozen=True)
+class Terms:
+    """How the terms of K are counted: of each field, of each mode, of each part of the foam that
+    changes a sheet (one for all where none does); then those of the films."""
+
+    fields: int
+    modes: int
+    parts: int
+
+    def split(self, of_terms: NDArray) -> tuple[NDArray, NDArray]:
+        """Of the sheets, shape (..., field, mode, part), and of the films, (..., film)."""
+        shape = self.fields, self.modes, self.parts
+        sheets, films = np.split(of_terms, [self.fields * self.modes * self.parts], axis=-1)
+        return sheets.reshape(*of_terms.shape[:-1], *shape), films
+
+    def by_waves(
+        self,
+        by_weight: NDArray[np.complex128],
+        weights: NDArray[np.float64],
+        values: Mapping[str, float],
+    ) -> dict[str, NDArray[np.complex128]]:
+        """Slopes by the amplitudes among the values, from those by the weight of each term.
+
+        by_weight: shape (..., term). weights: of the terms, shape (term,).
+        """
+        if self.modes == 1:
+            return {}
+        sheets, means = self.split(by_weight)[0], self.split(weights)[0][:, 0]
+        slopes = (sheets[..., 1:, :] * means[:, None]).sum(axis=-1)
+        flat = slopes.reshape(*slopes.shape[:-2], -1)
+        return {name: flat[..., k] for k, name in enumerate(SHEET_WAVES) if name in values}
+
+
+def with_sheet_waves(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """The scene with the waves among the values as maps of its sheets."""
+    if not any(values.get(name) for name in SHEET_WAVES):
+        return scene
+    sheets = {
+        name: scene.skin.sheet(name).model_copy(update={"map": map_of_sheet(scene, values, waves)})
+        for name, waves in OF_SHEETS.items()
+    }
+    return scene.model_copy(update={"skin": scene.skin.model_copy(update=sheets)})
+
+
+def map_of_sheet(scene: Scene, values: Mapping[str, float], waves: tuple[str, ...]) -> Grid:
+    """Waves of a sheet's conductance as a map of its resistance."""
+    return nearest_map(scene, lambda x: 1 / waves_at(scene, values, waves, x))
+
+
+def check_even_sheets(scene: Scene) -> None:
+    """Raises InputError where waves of a sheet cannot be told apart from what the scene has."""
+    for name in OF_SHEETS:
+        if scene.skin.sheet(name).map is not None:
+            raise InputError(
+                f"{scene.name}: slow waves of the sheets are fitted to sheets without maps alone, "
+                f"got `skin.{name}.map`"
+            )

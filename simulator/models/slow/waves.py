@@ -1,0 +1,72 @@
+"""Slow waves over the skin: of which parts, their sizes, and maps of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.maps import Grid
+from ...scene.scene import Scene
+from ..parameters import FOAM_WAVES, SHEET_WAVES, WAVES, mode_values
+
+LARGEST_WAVE = 0.3
+"""Of an amplitude over the mean: three at most leave it above zero."""
+NODES, POINTS = 9, 257
+"""Of a map of the waves, along each side: it is off by 1 % of an amplitude at most, and by nothing
+in the mean. Places along each side at which it is fitted."""
+
+
+class Uneven(NamedTuple):
+    """Whether slow waves of the foam, and of both sheets, are among a skin's parameters."""
+
+    foam: bool = False
+    sheets: bool = False
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the amplitudes."""
+        return (*(FOAM_WAVES if self.foam else ()), *(SHEET_WAVES if self.sheets else ()))
+
+    @property
+    def modes(self) -> int:
+        """Of each sheet's conductance, with its mean."""
+        return len(WAVES) if self.sheets else 1
+
+
+EVEN = Uneven()
+
+
+def amplitudes(values: Mapping[str, float], names: Iterable[str]) -> NDArray[np.float64]:
+    """Of the mean, 1, and of each wave over it, shape (wave,)."""
+    return np.array([1.0, *(values.get(name, 0.0) for name in names)])
+
+
+def nearest_map(scene: Scene, of_place: Callable[[NDArray], NDArray]) -> Grid:
+    """The bilinear map that is nearest to a smooth function over both sides, by least squares.
+
+    of_place: from places in m, shape (2, ...), to values of that shape without its first axis.
+    """
+    axes = [np.linspace(0.0, side, POINTS) for side in scene.skin.sides]
+    along, across = (
+        _onto_nodes(axis / side) for axis, side in zip(axes, scene.skin.sides, strict=True)
+    )
+    rows = across @ of_place(np.stack(np.meshgrid(*axes))) @ along.T
+    return Grid(values=tuple(tuple(row) for row in rows.tolist()))
+
+
+def waves_at(
+    scene: Scene, values: Mapping[str, float], names: Iterable[str], x: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """1 and the waves among the values at places x in m, shape (2, ...), over the mean."""
+    waves = mode_values(scene, x, len(WAVES))
+    return np.asarray(np.tensordot(amplitudes(values, names), waves, axes=1), dtype=np.float64)
+
+
+def _onto_nodes(at: NDArray[np.float64]) -> NDArray[np.float64]:
+    """From values at places within 0 to 1 to those at nodes of the nearest polygon."""
+    nodes = np.linspace(0.0, 1.0, NODES)
+    hats = np.stack([np.interp(at, nodes, hat) for hat in np.eye(NODES)], axis=1)
+    return np.asarray(np.linalg.pinv(hats), dtype=np.float64)

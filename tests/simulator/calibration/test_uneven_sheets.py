@@ -1,0 +1,160 @@
+"""Slow unevenness of both sheets among what a calibration fits: on twins whose waves are known."""
+
+import numpy as np
+import pytest
+from rcskin.benchmarks.accuracy.uneven_calibration import crossed
+from rcskin.simulator.calibration.choice import Options
+from rcskin.simulator.calibration.run import calibrate
+from rcskin.simulator.measure.readout import read_out
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.parameters import FOAM_WAVES, SHEET_WAVES
+from rcskin.simulator.models.reduced.forward import Forward
+from rcskin.simulator.models.slow.foam import with_foam_waves
+from rcskin.simulator.models.slow.sheets import with_sheet_waves
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import every_press
+from rcskin.simulator.scene.files import read_scene, scene_text
+from rcskin.simulator.sweeps import InputError, write
+
+MEAN = ("sheet_resistance", "sheet_mismatch", "capacitance")
+SIZES = (0.08, -0.06, 0.04)
+FOAM = dict(zip(FOAM_WAVES, SIZES, strict=True))
+SHEETS = dict(zip(SHEET_WAVES, (*SIZES, *SIZES[::-1]), strict=True))
+PRESSED = ("none", "1,1", "1,2", "1,3")
+FLAT = dict.fromkeys(SHEET_WAVES, 0.0)
+
+
+def asked(*waves):
+    fixed = {"fix": ("others",), "strengths": False}
+    both = {"uneven": "foam_x" in waves, "uneven_sheets": "top_x" in waves}
+    return Options(fit=(*MEAN, *waves), **fixed, **both)
+
+
+def twin_of(scene, waves):
+    made = with_sheet_waves(with_foam_waves(scene, waves), waves)
+    return simulate(Solver(made, 2e-4), every_press(scene)).assign_attrs(scene=scene_text(scene))
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return crossed()
+
+
+@pytest.fixture(scope="module")
+def model(scene):
+    return Forward(scene, rtol=5e-4, modes=4)
+
+
+@pytest.fixture(scope="module")
+def twin(scene):
+    return twin_of(scene, SHEETS)
+
+
+def held(found, truth):
+    return [low <= truth[name] <= high for name in truth for low, high in [found.intervals[name]]]
+
+
+def test_slopes_by_waves_are_those_of_the_answers(model):
+    step, cells, rises = 1e-5, np.array([4]), np.array([1.0])
+    own = SHEETS | {"sheet_mismatch": 0.3, "sheet_resistance": -0.2, "foam_x": 0.1}
+    found = model.respond(cells, rises, own)
+    for name in (*SHEET_WAVES, "sheet_mismatch", "sheet_resistance", "foam_x"):
+        below, above = (
+            model.respond(cells, rises, own | {name: own[name] + turn}).Z for turn in (-step, step)
+        )
+        scale = 1e-5 * np.abs(found.Z).max()
+        slope = (above - below) / (2 * step)
+        np.testing.assert_allclose(found.by_parameter[name], slope, rtol=1e-3, atol=scale)
+
+
+def test_waves_of_both_sheets_are_told_within_their_intervals_down_to_the_noise(scene, twin, model):
+    """Three readings of one twin; intervals of one reading hang together."""
+    inside = []
+    for seed in range(3):
+        read = read_out(twin, scene.readout, np.random.default_rng(seed))
+        found = calibrate(scene, read, asked(*SHEET_WAVES), model=model)
+        assert all(found.told[name] for name in SHEET_WAVES)
+        assert 0.7 < found.chi_squared < 1.3
+        inside += held(found, SHEETS)
+    assert sum(inside) >= 14
+
+
+def test_a_fit_without_waves_leaves_far_more(scene, twin, model):
+    even = calibrate(scene, twin, asked(), model=model)
+    uneven = calibrate(scene, twin, asked(*SHEET_WAVES), model=model)
+    assert uneven.rms_error < 0.03 * even.rms_error
+    again = simulate(Solver(uneven.scene, 2e-4), every_press(scene)[:3])
+    for name in ("Rs", "Cp"):
+        off = again[name].to_numpy() / twin[name].to_numpy()[:3] - 1
+        assert np.abs(off).max() < 3e-3
+
+
+def test_waves_of_an_even_skin_are_zero_within_their_intervals(scene, model):
+    read = read_out(twin_of(scene, {}), scene.readout, np.random.default_rng(1))
+    found = calibrate(scene, read, asked(*SHEET_WAVES), model=model)
+    assert sum(held(found, FLAT)) >= 5
+    assert all(abs(found.values[name]) < 0.05 for name in FLAT)
+
+
+def test_waves_of_sheets_and_of_foam_are_told_apart(scene, twin, model):
+    """The foam's are constant over each pixel, as the fit has them."""
+    read, presses = twin.copy(deep=True), every_press(scene)
+    Z = np.stack([model.respond(*model.cells(each), SHEETS | FOAM).Z for each in presses])
+    read["Rs"].values, read["X"].values = Z.real, Z.imag
+    read["Cp"].values = (1 / Z).imag / (2 * np.pi * scene.frequencies)
+    read = read_out(read, scene.readout, np.random.default_rng(2))
+    found = calibrate(scene, read, asked(*FOAM_WAVES, *SHEET_WAVES), model=model)
+    assert all(found.told[name] for name in (*FOAM_WAVES, *SHEET_WAVES))
+    assert 0.7 < found.chi_squared < 1.3
+    assert sum(held(found, SHEETS | FOAM)) >= 7
+
+
+def test_one_field_tells_the_sum_of_waves_and_nothing_across_a_line(line, simulated):
+    truth = {"top_x": 0.1, "bottom_x": -0.02}
+    noise = {f"readout.{part}_noise": 1e-3 for part in ("magnitude", "phase")}
+    exact = {f"readout.{part}_accuracy": 0.0 for part in ("magnitude", "phase")}
+    scene = line.with_(noise | exact)
+    twin = simulated(with_sheet_waves(scene, truth), {}, PRESSED).drop_attrs()
+    read = read_out(twin, scene.readout, np.random.default_rng(0))
+    names = ("sheet_resistance", "capacitance", *SHEET_WAVES)
+    options = Options(fit=names, fix=("others",), strengths=False, uneven_sheets=True)
+    found = calibrate(scene, read, options)
+    of = {each.name: each for each in found.quantities}
+    R = scene.skin.sheet_resistances
+    both = (R[0] * truth["top_x"] + R[1] * truth["bottom_x"]) / sum(R)
+    assert of["both sheets, x"].told_by == "data"
+    assert of["both sheets, x"].low < both < of["both sheets, x"].high
+    assert not (found.told["top_x"] or found.told["bottom_x"])
+    assert "top_x and bottom_x: told only as their sum, that of both sheets, x" in " ".join(
+        found.unclear
+    )
+    for name in ("top_y", "bottom_y", "top_xy", "bottom_xy"):
+        assert f"{name}: the data say nothing of it; what is told is its prior" in found.unclear
+
+
+def test_waves_are_refused_where_they_cannot_be_told(scene, twin):
+    mapped = with_sheet_waves(scene, SHEETS)
+    with pytest.raises(InputError, match="sheets without maps alone, got `skin.top.map`"):
+        calibrate(mapped, twin, asked(*SHEET_WAVES))
+    with pytest.raises(InputError, match="top_x changes nothing in this scene"):
+        calibrate(scene, twin, Options(fit=("top_x",)))
+    with pytest.raises(InputError, match="`modes` of the model must be 4"):
+        calibrate(scene, twin, asked(*SHEET_WAVES), model=Forward(scene, rtol=1e-2))
+
+
+def test_the_calibrated_file_has_the_waves_as_maps(run, tmp_path, line, simulated):
+    made = with_sheet_waves(line, {"top_x": 0.2})
+    write(simulated(made, {}, PRESSED).drop_attrs(), tmp_path / "run.nc")
+    (tmp_path / "line.toml").write_text(scene_text(line))
+    options = [part for name in ("top_x", "sheet_resistance") for part in ("--fit", name)]
+    fixed = ("--fix", "others", "--fixed-strength", "--uneven-sheets")
+    asked = ("calibrate", tmp_path / "line.toml", tmp_path / "run.nc", *options, *fixed)
+    code, out, err = run(*asked, "-o", tmp_path / "found")
+    assert (code, err) == (0, "")
+    assert "top_x" in out
+    calibrated = read_scene(tmp_path / "found" / "calibrated.toml")
+    top, bottom = (sheet.map for sheet in (calibrated.skin.top, calibrated.skin.bottom))
+    assert np.array(top.values)[0] == pytest.approx(np.array(made.skin.top.map.values)[0], abs=0.02)
+    assert np.array(bottom.values) == pytest.approx(1.0, abs=1e-9)
+    again = ("sweep", tmp_path / "found" / "calibrated.toml", "--press", "none")
+    assert run(*again, "-o", tmp_path / "again.nc")[0] == 0
