@@ -47,6 +47,8 @@ LOCALIZERS = ("gaussian", "ksvm-ovo")
 FIRST = LOCALIZERS[:1]
 SHOWN = {"gaussian": TRAINING, "ksvm-ovo": 10_000, "model-adapted": 5_000, "network": TRAINING}
 """Sweeps of the data set that each is trained on."""
+READ = {"gaussian": ("lnZ", "phase")}
+"""Features that localizers take beside WHOLE."""
 GOAL = 0.9
 STILL = Drift(capacitance=0.0, resistance=0.0, step=0.0)
 WAYS = ("at once, without drift", "at once", "over TCP")
@@ -77,7 +79,8 @@ class Kept:
         asked = "--sweeps", str(sweeps), "--seed", str(SEED), "--rtol", str(RTOL)
         command("dataset", str(self.design), *asked, "-o", str(data))
         if not path.exists():
-            shown = "--most", str(min(SHOWN[name], sweeps)), "--features", ",".join(WHOLE)
+            shown = "--most", str(min(SHOWN[name], sweeps)), "--features"
+            shown = *shown, ",".join((*WHOLE, *READ.get(name, ())))
             told = "--target", "pixel", "--estimator", name
             command("train", str(data), *told, *shown, "-o", str(path))
         return path
