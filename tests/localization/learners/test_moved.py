@@ -1,6 +1,9 @@
 """Drift is followed by the latest sweeps at rest, and noise is averaged over more of them."""
 
 import numpy as np
+import pytest
+from rcskin.localization.inputs.samples import Problem
+from rcskin.localization.learners.classifiers import gaussian
 from rcskin.localization.learners.gaussians import GaussianClassifier
 from rcskin.localization.learners.moved import OPENING, Moved
 
@@ -57,3 +60,22 @@ def test_touches_are_told_better_with_the_sweeps_as_they_were_read():
     without = GaussianClassifier(blocks[1], spread=2).fit(X[:, : 2 * FEATURES], y)
     right = (known.predict(asked) == told).mean()
     assert right > (without.predict(asked[:, : 2 * FEATURES]) == told).mean() + 0.015
+
+
+@pytest.mark.parametrize(
+    ("quantities", "curve", "absolute"),
+    [
+        ("dlnZ,dphase,lnZ0,phase0,lnZ,phase", (2, 3), (4, 5)),
+        ("lnZ,dphase,phase0,lnZ0,dlnZ,phase", (2, 3), (5, 0)),
+        ("dphase,dlnZ,lnZ0,phase0", (3, 2), ()),
+        ("dlnZ,dphase,lnZ,phase", (), ()),
+        ("dlnZ,lnZ0,phase0", (1, 2), ()),
+    ],
+)
+def test_features_of_one_reading_are_paired_in_whatever_order_they_are_asked(
+    quantities, curve, absolute
+):
+    names = tuple(quantities.split(","))
+    problem = Problem("column", len(names), names, ("left",), (1e3,), "")
+    made = gaussian(problem)[-1]
+    assert (made.curve, made.absolute) == (curve, absolute)
