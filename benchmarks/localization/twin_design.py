@@ -25,7 +25,7 @@ import xarray as xr
 from joblib import Parallel, delayed
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.twin import SEED, WHOLE, equip, localizers
-from rcskin.benchmarks.localization.twin_parts.reading import read_at_once
+from rcskin.benchmarks.localization.twin_parts.reading import HELD, ONE, OWN, read_at_once
 from rcskin.benchmarks.localization.twin_parts.recording import recorded
 from rcskin.benchmarks.localization.twin_parts.scenes import OFFSET, believed, built
 from rcskin.benchmarks.localization.twin_parts.skin import Drift, Hand, Twin
@@ -47,9 +47,19 @@ LOCALIZERS = ("gaussian", "ksvm-ovo")
 FIRST = LOCALIZERS[:1]
 SHOWN = {"gaussian": TRAINING, "ksvm-ovo": 10_000, "model-adapted": 5_000, "network": TRAINING}
 """Sweeps of the data set that each is trained on."""
+READ = {"gaussian": ("lnZ", "phase")}
+"""Features that localizers take beside WHOLE."""
 GOAL = 0.9
 STILL = Drift(capacitance=0.0, resistance=0.0, step=0.0)
-WAYS = ("at once, without drift", "at once", "over TCP")
+TCP = "over TCP"
+WAYS = {
+    "at once, without drift": ONE,
+    "at once": ONE,
+    "at once, each range with its gain": OWN,
+    "at once, these ranges held": HELD,
+    TCP: OWN,
+}
+"""How a twin is read, and what its meter's ranges are."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +87,8 @@ class Kept:
         asked = "--sweeps", str(sweeps), "--seed", str(SEED), "--rtol", str(RTOL)
         command("dataset", str(self.design), *asked, "-o", str(data))
         if not path.exists():
-            shown = "--most", str(min(SHOWN[name], sweeps)), "--features", ",".join(WHOLE)
+            shown = "--most", str(min(SHOWN[name], sweeps)), "--features"
+            shown = *shown, ",".join((*WHOLE, *READ.get(name, ())))
             told = "--target", "pixel", "--estimator", name
             command("train", str(data), *told, *shown, "-o", str(path))
         return path
@@ -120,7 +131,7 @@ def scores(trial: Trial, family: Reduced, models: dict[str, Path], number: int) 
     presses = trial.recording(np.random.default_rng([SEED, number]))
     rows = []
     for way in WAYS:
-        drift = STILL if way == WAYS[0] else Drift()
+        drift = STILL if way.endswith("without drift") else Drift()
         twin = Twin(built(scene), family, SEED, number, Hand(offset=OFFSET), drift)
         sweeps = _read(twin, presses, way, [each.name for each in scene.interfaces])
         sweeps.attrs["scene"] = scene_text(scene)
@@ -141,7 +152,9 @@ def scores(trial: Trial, family: Reduced, models: dict[str, Path], number: int) 
 
 
 def _read(twin: Twin, presses: list[str], way: str, interfaces: list[str]) -> xr.Dataset:
-    return recorded(twin, presses, interfaces) if way == WAYS[2] else read_at_once(twin, presses)
+    if way == TCP:
+        return recorded(twin, presses, interfaces)
+    return read_at_once(twin, presses, ranges=WAYS[way])
 
 
 def summary(found: pd.DataFrame) -> list[dict[str, object]]:

@@ -1,5 +1,7 @@
 """Named classifiers: features brought to one scale, then a multi-class kernel SVM."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.pipeline import Pipeline
@@ -8,7 +10,7 @@ from sklearn.svm import SVC
 
 from ...simulator.sweeps import InputError
 from ..cores import count_cores
-from ..inputs.features import AT_REST, READ
+from ..inputs.features import ABSOLUTE, AGAINST_REST, AT_REST, READ
 from ..inputs.samples import Problem
 from .components import Components
 from .ecoc import ECOCClassifier
@@ -74,15 +76,32 @@ def gaussian(problem: Problem) -> Pipeline:
     Quantities that do not err alike are brought to one scale.
     """
     blocks = np.arange(problem.features).reshape(len(problem.quantities), -1)
-    at_rest = [k for k, name in enumerate(problem.quantities) if name in AT_REST]
-    curve = tuple(blocks[at_rest].ravel().tolist())
-    if len(at_rest) == len(problem.quantities):
+    if all(name in AT_REST for name in problem.quantities):
         raise InputError(
             f"`estimator` gaussian needs features of a press, got {','.join(problem.quantities)}"
         )
     unlike = any(name in READ for name in problem.quantities)
     scaled = [("scale", StandardScaler())] if unlike else []
-    return Pipeline([*scaled, ("classify", GaussianClassifier(curve))])
+    curve, absolute = (
+        tuple(int(k) for name in names for k in blocks[problem.quantities.index(name)])
+        for names in _partners(problem.quantities)
+    )
+    return Pipeline([*scaled, ("classify", GaussianClassifier(curve, absolute))])
+
+
+def _partners(quantities: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Those of the curve at rest, and of the sweep as read, in the order of the changes from rest.
+
+    Those as read only where each change has both beside it, and nothing else is there.
+    """
+    changes = [name for name in quantities if name in AGAINST_REST]
+    curve = [AT_REST[AGAINST_REST.index(name)] for name in changes]
+    absolute = [ABSOLUTE[AGAINST_REST.index(name)] for name in changes]
+    if set(quantities) == {*changes, *curve, *absolute}:
+        return curve, absolute
+    if set(quantities) == {*changes, *curve}:
+        return curve, []
+    return [name for name in quantities if name in AT_REST], []
 
 
 def nearest(count: int = 15) -> Pipeline:

@@ -4,7 +4,7 @@ Of each class the change is x = t m + (t - 1)² b + noise. m, what a touch does 
 how strength bends that, are functions of the curve at rest, quadratic and linear; t, how strong the
 touch is, is normal about 1. What is left is normal too: a few directions of most spread, where
 hands and skins differ, and the same variance in all others, which keeps so many numbers from
-learning the noise. A simulator has sweeps enough for all of these.
+learning the noise. What the classes have in common helps each of them, see `shared`.
 """
 
 from __future__ import annotations
@@ -17,6 +17,9 @@ from scipy.special import softmax
 from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
+
+from .moved import FOLLOWED, Moved
+from .shrinkage import shared
 
 COMPONENTS, OF_CURVE, SQUARED, SPREAD = 16, 12, 3, 4
 """Of changes and of curves at rest that are looked at, those of curves whose products count, and
@@ -56,29 +59,36 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
     Parameters
     ----------
     curve: indices of the features that show the skin at rest; the others err alike, and tell of
-    the press. components, of_curve, squared, spread: as COMPONENTS and so on, at most. drift: as
-    DRIFT, where the curve has as many features as the change, in the same order.
+    the press. absolute: of those that show the sweep as it was read; with them changes are told
+    against what all sweeps at rest show, see `Moved`. components, of_curve, squared, spread: as
+    COMPONENTS and so on, at most. drift: as DRIFT. followed: as FOLLOWED. absolute and drift count
+    where each of the three kinds has as many features, in the same order.
 
     Attributes
     ----------
     classes_: ascending, shape (K,). normals_: of each, as `Normal` has it.
+    moved_: as `Moved` has it, None without `absolute`.
     """
 
     def __init__(
         self,
         curve=(),
+        absolute=(),
         components=COMPONENTS,
         of_curve=OF_CURVE,
         squared=SQUARED,
         spread=SPREAD,
         drift=DRIFT,
+        followed=FOLLOWED,
     ):
         self.curve = curve
+        self.absolute = absolute
         self.components = components
         self.of_curve = of_curve
         self.squared = squared
         self.spread = spread
         self.drift = drift
+        self.followed = followed
 
     def fit(self, X, y):
         """X: shape (sweep, feature), y: classes, shape (sweep,). Returns self."""
@@ -86,17 +96,17 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         X = np.asarray(X, np.float64)
         check_classification_targets(y)
         self.classes_, index = np.unique(y, return_inverse=True)
-        X, curve = self.drifted(X), np.isin(np.arange(X.shape[1]), self.curve)
-        self._of_change = _axes(X[:, ~curve], self.components)
-        self._of_curve = _axes(X[:, curve], self.of_curve, alike=True)
+        moved = self._moved(X)
+        self.moved_ = None if moved is None else tuple(moved)
+        X = self.drifted(X)
+        change, curve = self._parts(X)
+        self._of_change = _axes(change, self.components)
+        self._of_curve = _axes(curve, self.of_curve, alike=True)
         change, known = self._seen(X)
-        fits = [
-            _fitted(change[index == k], known[index == k], self.spread)
-            for k in range(len(self.classes_))
-        ]
-        pooled = float(np.average([fit.floor for fit in fits], weights=np.bincount(index)))
-        least = TINY * float(np.square(change).mean()) + float(np.finfo(float).tiny)
+        fits = _fitted(change, known, index, self.spread)
         counts = np.bincount(index)
+        pooled = float(np.average([fit.floor for fit in fits], weights=counts))
+        least = TINY * float(np.square(change).mean()) + float(np.finfo(float).tiny)
         self.normals_ = [
             tuple(
                 fit._replace(
@@ -111,11 +121,11 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
 
     def drifted(self, X: Array) -> Array:
         """The same sweeps, of skins that have drifted since the rest before, see `drift`."""
-        curve = np.isin(np.arange(X.shape[1]), self.curve)
-        if 2 * curve.sum() != len(curve):
+        curve, change = self._columns(X.shape[1])
+        if len(curve) != len(change):
             return X
         X = X.copy()
-        X[:, ~curve] += self.drift * _apart(X[:, curve])
+        X[:, change] += self.drift * _apart(X[:, curve])
         return X
 
     def decision_function(self, X):
@@ -138,13 +148,35 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         check_is_fitted(self)
         return self.classes_[self.predict_proba(X).argmax(axis=1)]
 
+    def _columns(self, width: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Indices of the curve, as they are given, and of the change."""
+        curve = np.array(self.curve, dtype=np.intp)
+        others = np.concatenate([curve, np.array(self.absolute, dtype=np.intp)])
+        return curve, np.setdiff1d(np.arange(width), others)
+
+    def _moved(self, X: Array) -> Moved | None:
+        curve, change = self._columns(X.shape[1])
+        if not len(self.absolute) == len(curve) == len(change) > 0:
+            return None
+        recent = X[:, self.absolute] - X[:, change]
+        return Moved.learned(X[:, curve], recent, self.followed)
+
+    def _parts(self, X: Array) -> tuple[Array, Array]:
+        """The change, and the curve at rest."""
+        curve, columns = self._columns(X.shape[1])
+        change = X[:, columns]
+        if self.moved_ is not None:
+            moved = Moved._make(self.moved_)
+            change = change + moved.settled(X[:, self.absolute] - change - X[:, curve])
+        return change, X[:, curve]
+
     def _seen(self, X: Array) -> tuple[Array, Array]:
         """Components of the change; 1, components of the curve and some of their products."""
-        curve = np.isin(np.arange(X.shape[1]), self.curve)
+        change, curve = self._parts(X)
         (_, turn), (at_rest, axes) = self._of_change, self._of_curve
-        z = (X[:, curve] - at_rest) @ axes
+        z = (curve - at_rest) @ axes
         known = np.hstack([np.ones((len(X), 1)), z, _products(z[:, : self.squared])])
-        return X[:, ~curve] @ turn, known
+        return change @ turn, known
 
 
 def _apart(curves: Array) -> Array:
@@ -166,14 +198,31 @@ def _products(z: Array) -> Array:
     return z[:, one] * z[:, other]
 
 
-def _fitted(change: Array, known: Array, spread: int) -> Normal:
-    """Without shares, and before what all classes tell of noise."""
-    by_curve = _regressed(known, change, free=1)
-    bend = np.zeros((known[:, : BENDING + 1].shape[1], change.shape[1]))
+def _fitted(change: Array, known: Array, index: NDArray[np.intp], spread: int) -> list[Normal]:
+    """Of each class, without shares, and before what all classes tell of noise."""
+    unlike = np.linalg.cholesky(known.T @ known / len(known) + TINY * np.eye(known.shape[1]))
+    turn = np.asarray(np.linalg.inv(unlike).T, np.float64)
+    parts = [np.flatnonzero(index == k) for k in range(index.max() + 1)]
+    changes, curves = [change[part] for part in parts], [known[part] @ turn for part in parts]
+    terms = curves
+    found, width = _regressed(terms, changes), known.shape[1]
     for _ in range(ROUNDS):
-        t = _strength(change, known @ by_curve)[:, None]
-        found = _regressed(np.hstack([t * known, _bending(t, known)]), change, free=1)
-        by_curve, bend = found[: known.shape[1]], found[known.shape[1] :]
+        strengths = [
+            _strength(x, z @ own[:width])[:, None]
+            for x, z, own in zip(changes, curves, found, strict=True)
+        ]
+        terms = [np.hstack([t * z, _bending(t, z)]) for t, z in zip(strengths, curves, strict=True)]
+        found = _regressed(terms, changes)
+    return [
+        _normal(x, z, own[:width], own[width:], spread, turn)
+        for x, z, own in zip(changes, curves, found, strict=True)
+    ]
+
+
+def _normal(
+    change: Array, known: Array, by_curve: Array, bend: Array, spread: int, turn: Array
+) -> Normal:
+    """turn: makes `known` of what is known as it stands."""
     touch = known @ by_curve
     t = _strength(change, touch)
     left = change - t[:, None] * touch - _bending(t[:, None], known) @ bend
@@ -184,12 +233,15 @@ def _fitted(change: Array, known: Array, spread: int) -> Normal:
     noise = floor / max(float(np.square(touch).sum(axis=1).mean()), np.finfo(float).tiny)
     strength = max(float(t.var()) - noise, 0.0)
     own, axes = np.asarray(power[:k], np.float64), np.asarray(axes[:, :k], np.float64)
-    return Normal(by_curve, bend, strength, axes, own, floor, 0.0)
+    bent = turn[: len(bend), : len(bend)] @ bend
+    return Normal(turn @ by_curve, bent, strength, axes, own, floor, 0.0)
 
 
 def _strength(change: Array, touch: Array) -> Array:
-    """t of each sweep by least squares, (sweep,); 1 where a touch does nothing."""
+    """t of each sweep by least squares, (sweep,); 1 where touches do no more than noise."""
     size = np.square(touch).sum(axis=1)
+    if size.mean() <= np.square(change - touch).mean():
+        return np.ones(len(size))
     along = (change * touch).sum(axis=1)
     return np.divide(along, size, out=np.ones(len(size)), where=size > 0)
 
@@ -198,12 +250,20 @@ def _bending(t: Array, known: Array) -> Array:
     return np.square(t - 1) * known[:, : BENDING + 1]
 
 
-def _regressed(known: Array, change: Array, free: int) -> Array:
-    """Least squares with a ridge on all but the first so many columns."""
-    held = np.full(known.shape[1], RIDGE)
-    held[:free] = TINY
-    found = np.linalg.solve(known.T @ known + np.diag(held), known.T @ change)
-    return np.asarray(found, np.float64)
+def _regressed(terms: list[Array], changes: list[Array]) -> Array:
+    """Coefficients of each class by least squares, shared; shape (class, term, component)."""
+    held = np.full(terms[0].shape[1], RIDGE)
+    held[0] = TINY
+    squares = np.array([z.T @ z for z in terms]) + np.diag(held)
+    moments = np.array([z.T @ x for z, x in zip(terms, changes, strict=True)])
+    found = np.asarray(np.linalg.solve(squares, moments), np.float64)
+    left = [x - z @ own for x, z, own in zip(changes, terms, found, strict=True)]
+    together = np.concatenate(left)
+    noise = together.T @ together / max(len(together) - found[..., 0].size, 1)
+    least = TINY * float(np.mean([np.square(x).mean() for x in changes]))
+    noise = noise + (least + float(np.finfo(float).tiny)) * np.eye(len(noise))
+    told = 1 / np.diagonal(np.linalg.inv(squares), axis1=1, axis2=2)
+    return shared(found, 1 / told.mean(axis=0), noise)
 
 
 def _log_density(normal: Normal, change: Array, known: Array) -> Array:

@@ -5,24 +5,26 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
+from rcskin.hardware.meter.accuracy import DERIVED, read_table
 from rcskin.simulator.measure.readout import Meter
 from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.scene.frequency import laplace_variable
+from rcskin.simulator.scene.meter import Readout
 from rcskin.simulator.sweeps import build
 
+ONE, OWN, HELD = "one", "own", "held"
+"""Gain for all ranges; a gain for each; the same, in the ranges of the first sweep throughout."""
 
-def read_at_once(twin: Twin, presses: list[str], session: int = 0) -> xr.Dataset:
-    """Sweeps of a twin with the meter's errors but for its ranges."""
+
+def read_at_once(twin: Twin, presses: list[str], session: int = 0, ranges: str = ONE) -> xr.Dataset:
+    """Sweeps of a twin with the meter's errors. ranges: ONE, OWN or HELD."""
     scene = twin.scene
     factor = scene.press.capacitance_factor
     asked = [check_press(parse_press(press, factor), scene) for press in presses]
     Z = np.array([_impedance(twin, press, event) for event, press in enumerate(asked)])
-    meter = Meter(
-        scene.readout, len(scene.interfaces), np.random.default_rng([twin.seed, twin.number])
-    )
     return build(
-        meter.measure(Z),
+        _measured(Z, scene.readout, np.random.default_rng([twin.seed, twin.number]), ranges),
         scene.frequencies,
         interface=[each.name for each in scene.interfaces],
         press=[str(press) for press in asked],
@@ -30,6 +32,20 @@ def read_at_once(twin: Twin, presses: list[str], session: int = 0) -> xr.Dataset
         column=[press.pixel[1] for press in asked],
         session=[session] * len(presses),
     )
+
+
+def _measured(
+    Z: np.ndarray, readout: Readout, random: np.random.Generator, ranges: str
+) -> np.ndarray:
+    table = read_table(DERIVED)
+    used = np.vectorize(table.fitting_range)(Z) if ranges != ONE else np.zeros(Z.shape)
+    if ranges == HELD:
+        used = np.broadcast_to(used[:1], Z.shape)
+    shown = np.empty_like(Z)
+    for number in np.unique(used):
+        measured = Meter(readout, Z.shape[1], random).measure(Z)
+        shown[used == number] = measured[used == number]
+    return shown
 
 
 def _impedance(twin: Twin, asked: Press, event: int) -> np.ndarray:
