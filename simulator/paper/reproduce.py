@@ -145,6 +145,7 @@ def draw(
     folder: Path, results: Results, localizer: Localizer, track: Track, ending: str
 ) -> list[Section]:
     """Write all charts as .png, and with another ending too; return those of the report."""
+
     def drawn(name: str, draw: Callable[[Path], None]) -> Path:
         for path in {folder / f"{name}{each}" for each in (".png", ending)}:
             draw(path)
