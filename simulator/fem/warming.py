@@ -41,8 +41,10 @@ class Warming:
 
 
 def _in_c_order(argument: Any) -> Any:
-    """The same or its copy: for another order of axes a kernel would be compiled anew. Arrays of one
-    axis, which kernels write into, are never copied."""
+    """The same or its copy: for another order of axes a kernel would be compiled anew.
+
+    Arrays of one axis, which kernels write into, are never copied.
+    """
     if isinstance(argument, np.ndarray) and argument.ndim > 1 and not argument.flags.c_contiguous:
         return argument.copy(order="C")
     return argument
