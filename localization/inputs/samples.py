@@ -12,6 +12,7 @@ from ...simulator.sweeps import InputError
 from .features import (
     DEFAULT_QUANTITIES,
     checked_quantities,
+    packed,
     seen_from,
     taken_rows,
     told_features,
@@ -191,7 +192,7 @@ def samples_of(
     left_out = _left_out(fitting, rows, sweeps["session"].values)
     several = _several(sweeps, ~fitting[rows], X, rows)
     sessions = some["session"].values
-    X = X if usable.size == rows.size else X[fitting[rows]]
+    X = packed(X, fitting[rows])
     return Samples(problem, X, y, sessions, usable, left_out, several)
 
 
