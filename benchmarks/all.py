@@ -58,6 +58,7 @@ IN_ORDER = (
     Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--twins", "200")),
     Benchmark("scale/dataset"),
     Benchmark("scale/cluster"),
+    Benchmark("scale/training"),
     Benchmark("localization/class_zero"),
     Benchmark("localization/localizers"),
     Benchmark("localization/twin"),
