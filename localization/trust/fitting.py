@@ -22,7 +22,7 @@ from .held_out import held_out_decisions, held_out_positions
 from .kinds import kind_guard
 from .novelty import NoveltyGuard
 from .several import several_guard
-from .temperature import likeliest, sharpness_of
+from .temperature import probabilities, sharpness_of
 from .tuning import trainer
 
 NEIGHBOURS, RESIDUALS = 50, 5000
@@ -56,10 +56,10 @@ def learn_classes(
     held_out = held_out_decisions(train, samples, fits, unseen, pipeline.classes_)
     index = np.searchsorted(pipeline.classes_, samples.y[unseen])
     sharpness = sharpness_of(held_out, index)
-    found, probability = likeliest(held_out, sharpness)
-    right = found == index
-    threshold = 0.0 if certain is None else threshold_of(probability, right, certain)
-    answered = int((probability >= threshold).sum())
+    probability = probabilities(held_out, sharpness)
+    right = probability.argmax(axis=1) == index
+    threshold = 0.0 if certain is None else threshold_of(probability.max(axis=1), right, certain)
+    answered = int((probability.max(axis=1) >= threshold).sum())
     counts = int(right.sum()), answered, len(right)
     return Classifier(pipeline, _guards(samples, splits, pipeline), sharpness, threshold, *counts)
 

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.pipeline import Pipeline
 
-from ..inputs.features import in_blocks
 from ..inputs.samples import Samples
 from ..learners.decisions import decisions
 from .folds import Split
@@ -30,12 +29,11 @@ def held_out_decisions(
     told = np.empty((unseen.size, classes.size))
     for train_on, test in splits:
         pipeline = train(samples.part(train_on))
+        found = decisions(pipeline, samples.X[test])
+        rows = np.searchsorted(unseen, test)
         places = np.searchsorted(classes, pipeline.classes_)
-        for some in in_blocks(test):
-            found = decisions(pipeline, samples.X[some])
-            rows = np.searchsorted(unseen, some)
-            told[rows] = found.min(axis=1, keepdims=True)
-            told[np.ix_(rows, places)] = found
+        told[rows] = found.min(axis=1, keepdims=True)
+        told[np.ix_(rows, places)] = found
     return told
 
 

@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 from scipy.special import log_softmax, softmax
 
-from ..inputs.features import in_blocks
-
 SHARPEST = 1e4
 """Decisions are multiplied by at most this much, and at least by its inverse."""
 
@@ -24,15 +22,10 @@ def sharpness_of(decisions: NDArray[np.float64], index: NDArray[np.intp]) -> flo
 
     decisions: of sweeps that were not trained on, shape (n, K). index: their classes, shape (n,).
     """
-    parts = in_blocks(np.arange(index.size))
-
-    def log_chance(rows: NDArray[np.intp], factor: float) -> NDArray[np.float64]:
-        told = log_softmax(factor * decisions[rows], axis=1)
-        return told[np.arange(rows.size), index[rows]]
+    rows = np.arange(index.size)
 
     def log_loss(logarithm: float) -> float:
-        factor = np.exp(logarithm)
-        return -float(np.concatenate([log_chance(rows, factor) for rows in parts]).mean())
+        return -float(log_softmax(np.exp(logarithm) * decisions, axis=1)[rows, index].mean())
 
     widest = np.log(SHARPEST)
     found = minimize_scalar(log_loss, bounds=(-widest, widest), method="bounded")
@@ -42,17 +35,6 @@ def sharpness_of(decisions: NDArray[np.float64], index: NDArray[np.intp]) -> flo
 def probabilities(decisions: NDArray[np.float64], sharpness: float) -> NDArray[np.float64]:
     """The softmax of decisions times sharpness, shape (n, K): rows sum to 1, order is kept."""
     return np.asarray(softmax(sharpness * decisions, axis=1))
-
-
-def likeliest(
-    decisions: NDArray[np.float64], sharpness: float
-) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """The class of the largest probability of each sweep, and that probability; shape (n,) each."""
-    found, most = np.empty(len(decisions), dtype=np.intp), np.empty(len(decisions))
-    for rows in in_blocks(np.arange(len(decisions))):
-        probability = probabilities(decisions[rows], sharpness)
-        found[rows], most[rows] = probability.argmax(axis=1), probability.max(axis=1)
-    return found, most
 
 
 def calibration_error(probability: ArrayLike, right: ArrayLike, bins: int = 10) -> float:

@@ -2,17 +2,11 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.inputs import features
 from rcskin.localization.inputs.samples import drawn
 from rcskin.localization.learners.components import Components
 from rcskin.localization.trust.answers import CANNOT_TELL, decide, threshold_of
 from rcskin.localization.trust.novelty import NoveltyGuard
-from rcskin.localization.trust.temperature import (
-    calibration_error,
-    likeliest,
-    probabilities,
-    sharpness_of,
-)
+from rcskin.localization.trust.temperature import calibration_error, probabilities, sharpness_of
 from rcskin.simulator.sweeps import InputError
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
@@ -43,17 +37,6 @@ def test_probabilities_become_honest(overconfident):
         for each in (1.0, sharpness)
     )
     assert honest < 0.03 < 0.2 < raw
-
-
-@pytest.mark.parametrize("block", [1, 7, 999])
-def test_probabilities_are_the_same_block_by_block(overconfident, monkeypatch, block):
-    decisions, index = (each[:300] for each in overconfident)
-    sharpness, p = sharpness_of(decisions, index), probabilities(decisions, 0.25)
-    monkeypatch.setattr(features, "BLOCK", block)
-    assert sharpness_of(decisions, index) == sharpness
-    found, most = likeliest(decisions, 0.25)
-    np.testing.assert_array_equal(found, p.argmax(axis=1))
-    np.testing.assert_array_equal(most, p.max(axis=1))
 
 
 def test_answers_above_the_threshold_are_right_at_the_rate_asked(overconfident):
