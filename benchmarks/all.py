@@ -59,6 +59,7 @@ IN_ORDER = (
     Benchmark("accuracy/uneven_calibration"),
     Benchmark("scale/dataset"),
     Benchmark("scale/cluster"),
+    Benchmark("scale/training"),
     Benchmark("localization/class_zero"),
     Benchmark("localization/localizers"),
     Benchmark("localization/twin"),

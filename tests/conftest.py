@@ -10,6 +10,7 @@ from functools import cache
 from types import SimpleNamespace
 
 import pytest
+import typer
 from hypothesis import Phase, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
@@ -56,6 +57,17 @@ def pytest_runtest_setup(item):
     """Skips tests of pictures where none can be drawn."""
     if item.get_closest_marker("pictures") and why_no_pictures():
         pytest.skip(why_no_pictures())
+
+
+@pytest.fixture(scope="session", autouse=True)
+def commands_made_once():
+    """The tree of commands is the same for every command line of a process; typer makes it anew
+    for each, in as long as many of them take."""
+    with pytest.MonkeyPatch.context() as patch:
+        once = cache(typer.main.get_command)
+        patch.setattr("typer.main.get_command", once)
+        patch.setattr("typer.testing._get_command", once)
+        yield
 
 
 LEFT_PAIR = {"top-left": {}, "bottom-left": {}}

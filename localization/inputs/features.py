@@ -72,7 +72,7 @@ def told_features(
     for block in _blocks(seen, needs_rest(asked)):
         found, rows = _of_block(seen.isel(sweep=block), asked, at_rest)
         X[block[rows]], told[block[rows]] = found, True
-    return _packed(X, told), np.flatnonzero(told)
+    return packed(X, told), np.flatnonzero(told)
 
 
 def changes_from_rest(
@@ -91,7 +91,12 @@ def changes_from_rest(
     return changes
 
 
-def _packed(X: NDArray[np.float64], kept: NDArray[np.bool_]) -> NDArray[np.float64]:
+def in_blocks(index: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    """The same indices in parts of BLOCK at most."""
+    return np.array_split(index, max(1, -(-index.size // BLOCK)))
+
+
+def packed(X: NDArray[np.float64], kept: NDArray[np.bool_]) -> NDArray[np.float64]:
     """The rows that are kept, moved to the front of the same array."""
     size = 0
     for start in range(0, len(X), BLOCK):
@@ -105,9 +110,8 @@ def _packed(X: NDArray[np.float64], kept: NDArray[np.bool_]) -> NDArray[np.float
 def _blocks(sweeps: xr.Dataset, by_session: bool) -> list[NDArray[np.intp]]:
     """Indices of about BLOCK sweeps each, of whole sessions where these belong together."""
     count = sweeps.sizes["sweep"]
-    parts = -(-count // BLOCK)
-    if not by_session or parts <= 1:
-        return np.array_split(np.arange(count), max(parts, 1))
+    if not by_session or count <= BLOCK:
+        return in_blocks(np.arange(count))
     session = sweeps["session"].values
     order = np.argsort(session, kind="stable")
     opening = np.flatnonzero(np.diff(session[order], prepend=session[order[0]] - 1))

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .features import in_blocks
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -17,6 +19,11 @@ MARK_BYTES = 8
 def marks_of(sweeps: xr.Dataset) -> NDArray[np.uint64]:
     """A number for the readings of each sweep in single precision, as files of text keep them, too;
     shape (sweep,)."""
+    parts = in_blocks(np.arange(sweeps.sizes["sweep"]))
+    return np.concatenate([_marks(sweeps.isel(sweep=part)) for part in parts])
+
+
+def _marks(sweeps: xr.Dataset) -> NDArray[np.uint64]:
     readings = np.stack([sweeps[name].values for name in ("Rs", "X")], axis=1)
     rows = np.ascontiguousarray(readings.reshape(len(readings), -1), dtype=np.float32)
     digests = b"".join(blake2b(row.tobytes(), digest_size=MARK_BYTES).digest() for row in rows)

@@ -14,6 +14,7 @@ from .features import (
     DEFAULT_QUANTITIES,
     changes_from_rest,
     checked_quantities,
+    packed,
     seen_from,
     taken_rows,
     told_features,
@@ -226,7 +227,7 @@ def samples_of(
         changes = changes_from_rest(sweeps, interfaces=interfaces, rest=rest)
     several = _several(sweeps, ~fitting[rows], X, rows, changes)
     sessions = some["session"].values
-    X = X if usable.size == rows.size else X[fitting[rows]]
+    X = packed(X, fitting[rows])
     own = None if changes is None else changes[usable]
     return Samples(problem, X, y, sessions, usable, left_out, several, own)
 

@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin
-from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPClassifier, MLPRegressor
 from sklearn.utils.validation import check_is_fitted, validate_data
 
@@ -22,6 +22,8 @@ STAGES = ((2e-3, 6000), (5e-4, 3000), (1e-4, 1500))
 """Size of steps and how many, one stage after the other."""
 BATCH = 500
 """Sweeps that one step looks at."""
+TOGETHER = 10
+"""Batches that are handed over at a time: of these alone every class has a number of its own."""
 COMPONENTS = 26
 """Of features, that a network looks at."""
 
@@ -64,22 +66,27 @@ class _Network(BaseEstimator):
     def fit(self, X, y):
         """X: shape (n, feature). y: classes, or numbers, shape (n,) or (n, output)."""
         X, y = validate_data(self, X, y, dtype=np.float32, multi_output=True)
-        batch = min(BATCH, len(X))
+        batch, random = min(BATCH, len(X)), np.random.default_rng(self.seed)
         self.network_ = self.kind(
             hidden_layer_sizes=self.hidden,
             batch_size=batch,
             random_state=self.seed,
-            warm_start=True,
-            tol=0.0,
+            shuffle=False,
         )
+        known = self._known(y)
         with warnings.catch_warnings(), _interruptible():
-            warnings.simplefilter("ignore", ConvergenceWarning)  # a stage ends where it is to end
             warnings.filterwarnings("error", INTERRUPTED)
             for step, count in self.stages:
-                passes = max(1, round(count * batch / len(X)))
-                self.network_.set_params(learning_rate_init=step, max_iter=passes).fit(X, y)
-        del self.network_._optimizer
+                self.network_.set_params(learning_rate_init=step)
+                for rows in _drawn(random, len(X), batch, count):
+                    self.network_.partial_fit(X[rows], y[rows], **known)
+                    known = {}
+                del self.network_._optimizer
         return self
+
+    def _known(self, y) -> dict[str, Any]:
+        """What is to be told with the first batch."""
+        return {}
 
     def predict(self, X):
         """The likeliest class, or the numbers, of each row."""
@@ -91,10 +98,30 @@ class _Network(BaseEstimator):
         return validate_data(self, X, reset=False, dtype=np.float32)
 
 
+def _drawn(
+    random: np.random.Generator, size: int, batch: int, steps: int
+) -> Iterator[NDArray[np.intp]]:
+    """Rows of TOGETHER batches each, for so many steps: all of them in one order, then in another.
+
+    For more steps where else some row is in none.
+    """
+    left = max(steps, -(-size // batch)) * batch
+    waiting = np.zeros(0, dtype=np.intp)
+    while left:
+        now = min(TOGETHER * batch, left)
+        while len(waiting) < now:
+            waiting = np.concatenate([waiting, random.permutation(size)])
+        yield waiting[:now]
+        waiting, left = waiting[now:], left - now
+
+
 class NetworkClassifier(ClassifierMixin, _Network):
     """Tells classes and their probabilities."""
 
     kind = MLPClassifier
+
+    def _known(self, y):
+        return {"classes": np.unique(y)}
 
     @property
     def classes_(self):

@@ -56,7 +56,8 @@ def pattern_of_pairs(
 
     Pairs with a negative index are left out: they go to DROPPED. Both are of one shape.
     """
-    indices, indptr, slots = compressed(rows.ravel(), columns.ravel(), size)
+    row, column = (each.ravel().astype(np.int64, copy=False) for each in (rows, columns))
+    indices, indptr, slots = compressed(row, column, int(size))
     return Pattern(size, indices, indptr), slots.reshape(rows.shape)
 
 

@@ -11,6 +11,8 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
+import numpy as np
+
 WORTH = 0.3
 """s of a kernel's readable twin, altogether, that loading numba is worth."""
 
@@ -30,8 +32,19 @@ class Warming:
     def __call__(self, *arguments: Any) -> Any:
         """What the kernel returns."""
         if "numba" in sys.modules:
-            return getattr(import_module(".kernels", __package__), self._name)(*arguments)
+            kernel = getattr(import_module(".kernels", __package__), self._name)
+            return kernel(*map(_in_c_order, arguments))
         Warming.spent += self._cost(*arguments)
         if Warming.spent > WORTH:
             import_module(".kernels", __package__)
         return self._twin(*arguments)
+
+
+def _in_c_order(argument: Any) -> Any:
+    """The same or its copy: for another order of axes a kernel would be compiled anew.
+
+    Arrays of one axis, which kernels write into, are never copied.
+    """
+    if isinstance(argument, np.ndarray) and argument.ndim > 1 and not argument.flags.c_contiguous:
+        return argument.copy(order="C")
+    return argument

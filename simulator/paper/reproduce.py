@@ -56,7 +56,7 @@ def reproduce(
     results = _experiments(localizer, track)
     claims = all_claims(results)
     _write_tables(folder, results, claims, localizer)
-    pictures = _draw(folder, results, localizer, track, ending)
+    pictures = draw(folder, results, localizer, track, ending)
     write_report(
         folder / "report.html",
         claims=claims,
@@ -141,9 +141,11 @@ def _cutoffs(rehearsals: Mapping[str, Rehearsal]) -> pd.DataFrame:
     return pd.concat(tables)
 
 
-def _draw(
+def draw(
     folder: Path, results: Results, localizer: Localizer, track: Track, ending: str
 ) -> list[Section]:
+    """Write all charts as .png, and with another ending too; return those of the report."""
+
     def drawn(name: str, draw: Callable[[Path], None]) -> Path:
         for path in {folder / f"{name}{each}" for each in (".png", ending)}:
             draw(path)

@@ -110,6 +110,6 @@ def test_a_skin_is_calibrated_to_its_own_sweeps(scene, sweeps):
     assert both == pytest.approx(2 * scene.skin.top.sheet_resistance, rel=1e-2)
 
 
-@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+@pytest.mark.parametrize("ending", ["png", pytest.param("svg", marks=pytest.mark.slow)])
 def test_sweeps_are_drawn(sweeps, tmp_path, ending):
     assert rcskin.plot(sweeps, tmp_path / f"all.{ending}").stat().st_size > 5_000

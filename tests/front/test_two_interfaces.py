@@ -15,7 +15,7 @@ from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.sweeps import concatenate, impedance, read
 from typer.testing import CliRunner
 
-PIXELS = [f"{row},{column}" for row in "123" for column in "123"]
+PIXELS = [f"{row},{column}" for row in "12" for column in "12"]
 BOTH = ["left", "bottom"]
 FIVE = [
     {"name": "left", "high": ["top-left"], "low": ["bottom-left"]},
@@ -37,10 +37,10 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module", params=["two", "five"])
 def scene(request, folder):
-    """The path of a 3x3 sheet with two interfaces, or five readings, at few frequencies."""
+    """The path of a 2x2 sheet with two interfaces, or five readings, at few frequencies."""
     frequencies = np.geomspace(1e3, 1e5, 8).tolist()
     scene = rcskin.load("sheet-5x5-two-interfaces").with_(
-        {"pixels": 3, "sweep.frequencies": frequencies}
+        {"pixels": 2, "sweep.frequencies": frequencies}
     )
     if request.param == "five":
         scene = scene.with_({"interface": FIVE})
@@ -147,7 +147,7 @@ def test_live_tells_pixels_from_all(model, ports, switch):
     ask(control, "press", press="none")
     log = model.with_suffix(".rest.nc")
     told("live", "--model", model, *where, *switch, "--sweeps", 1, "--log", log)
-    for press in ("3,1", "1,3"):
+    for press in ("2,1", "1,2"):
         ask(control, "press", press=press)
         line = told("live", "--model", model, *where, *switch, "--sweeps", 1, "--rest-file", log)
         assert line.split("\t")[1] == f"pixel {press}"

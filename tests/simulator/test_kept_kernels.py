@@ -6,8 +6,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 import rcskin
+from rcskin.simulator.fem import kernels
+from rcskin.simulator.fem.assembly import fill, fill_readable
 
 PACKAGE = Path(rcskin.__file__).parent
 PARTS = ("__init__.py", "__main__.py", "py.typed", "simulator", "localization", "hardware")
@@ -126,3 +129,17 @@ def test_a_kernel_without_a_folder_is_compiled_each_time(doubled, tmp_path):
     (tmp_path / "file").touch()
     doubled(tmp_path / "file" / "cache")
     assert not kept(tmp_path)
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_any_order_of_axes_is_the_same_kernel(order):
+    random = np.random.default_rng(0)
+    slots = random.integers(0, 9, (4, 6))
+    known = slots, random.standard_normal((4, 2)), random.standard_normal((2, 6))
+    values, plain = np.zeros((2, 9))
+    kernels.fill(values.copy(), *known)
+    compiled = len(kernels.fill.signatures)
+    fill(values, *(np.asarray(each, order=order) for each in known))
+    fill_readable(plain, *known)
+    np.testing.assert_allclose(values, plain, rtol=1e-12)
+    assert len(kernels.fill.signatures) == compiled

@@ -104,7 +104,8 @@ def test_forces_stand_for_the_depths_that_they_take(caplog):
 
 
 def test_scenes_pressed_by_force_are_drawn_and_calibrated(tmp_path):
-    scene = strip(force=4.0)
+    even = {"unevenness": 0.0, "foam_spread": 0.0, "sweeps_per_session": 20}
+    scene = strip(force=4.0).with_({"dataset.session": even})
     (tmp_path / "strip.toml").write_text(scene_text(scene), encoding="utf-8")
     paths = [tmp_path / name for name in ("strip.toml", "swept.nc", "set.zarr", "found")]
     run("sweep", paths[0], "--rtol", 1e-3, "-o", paths[1])

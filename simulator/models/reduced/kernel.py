@@ -93,6 +93,7 @@ def impedances(
     rtol: float,
 ) -> NDArray[np.complex128]:
     """Z in ohm of every drive, shape (press, drive, s); arguments as of `swept`."""
+    cells = np.ascontiguousarray(cells)  # or else another `swept` is compiled
     Y = [swept(rest, feed, cells, weights, starts, s, rtol) for feed in feeds]
     return (1 / np.stack(Y, axis=1)).astype(np.complex128)
 

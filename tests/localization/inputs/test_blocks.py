@@ -1,11 +1,15 @@
 """Features of many sweeps are found block by block: the same numbers, in little more room."""
 
 import tracemalloc
+from functools import partial
 
 import numpy as np
 import pytest
 from rcskin.localization.inputs import features
-from rcskin.simulator.sweeps import build, concatenate
+from rcskin.localization.inputs.reading import read_some
+from rcskin.localization.learners.networks import NetworkClassifier
+from rcskin.localization.model.training import train
+from rcskin.simulator.sweeps import build, concatenate, read, write
 
 RELATIVE = ("dlnZ", "dphase", "lnZ0", "phase0")
 
@@ -67,3 +71,25 @@ def test_room_is_taken_for_little_more_than_the_features(monkeypatch):
     by_blocks = peak_of(sweeps)
     monkeypatch.setattr(features, "BLOCK", 10 * count)
     assert by_blocks < 2 < peak_of(sweeps)
+
+
+def test_a_model_is_the_same_from_memory_and_from_a_store_in_parts(
+    make_sweeps, monkeypatch, tmp_path
+):
+    """Of a store in many chunks, of which no readings are kept."""
+    parts = [make_sweeps(1, 3, 6, rests=3, session=k, seed=k) for k in range(4)]
+    sweeps, readings = concatenate(parts), ("Rs", "X", "Cp")
+    chunked = {name: sweeps[name].chunk(sweep=13) for name in readings}
+    write(sweeps.assign(chunked), tmp_path / "a.zarr")
+    few = partial(NetworkClassifier, (8,), ((1e-2, 40),))
+    monkeypatch.setattr("rcskin.localization.learners.classifiers.NetworkClassifier", few)
+    whole = train(read(tmp_path / "a.zarr"), "column", "network", quantities=RELATIVE)
+    monkeypatch.setattr(features, "BLOCK", 20)
+    stored = read_some(tmp_path / "a.zarr", 10_000, in_parts=True)
+    own = train(stored, "column", "network", quantities=RELATIVE)
+    assert not any(stored[name].variable._in_memory for name in readings)
+    np.testing.assert_array_equal(own.marks, whole.marks)
+    assert own.learned.sharpness == whole.learned.sharpness
+    coefficients = [each.pipeline[-1].network_.coefs_ for each in (own, whole)]
+    for one, other in zip(*coefficients, strict=True):
+        np.testing.assert_array_equal(one, other)

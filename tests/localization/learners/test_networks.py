@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from rcskin.localization.learners import classifiers, regressors
+from rcskin.localization.learners import classifiers, networks, regressors
 from rcskin.localization.learners.components import Components
 from rcskin.localization.learners.networks import NetworkClassifier, NetworkRegressor
 from rcskin.localization.model.file import load, save
@@ -17,7 +17,7 @@ from sklearn import clone
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
 FEW = ((2e-2, 80), (2e-3, 20))
-FEWER = ((2e-3, 2000), (5e-4, 1000))
+FEWER = ((2e-3, 1000), (5e-4, 500))
 SCENE = "[skin]\nlength = 0.06\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 6\n"
 SEEN = ("dlnZ", "dphase", "lnZ0", "phase0")
 
@@ -68,6 +68,28 @@ def test_the_same_seed_gives_the_same_network_and_smaller_steps_fit_better():
     )
     assert np.var(fine.predict(X) - y) < 0.8 * np.var(coarse.predict(X) - y)
     np.testing.assert_array_equal(fine.predict(X), again.predict(X))
+
+
+@pytest.mark.parametrize("kind", [NetworkClassifier, NetworkRegressor])
+def test_however_many_batches_are_handed_over_the_network_is_the_same(monkeypatch, kind):
+    random = np.random.default_rng(0)
+    X = random.standard_normal((1234, 3))
+    y = np.sign(X[:, 0] * X[:, 1]).astype(int)
+    told = []
+    for batches in (1, 3, 1000):
+        monkeypatch.setattr(networks, "TOGETHER", batches)
+        told.append(kind((8,), ((1e-2, 30), (1e-3, 10))).fit(X, y).network_.coefs_)
+    for one, two, three in zip(*told, strict=True):
+        np.testing.assert_array_equal(one, two)
+        np.testing.assert_array_equal(one, three)
+
+
+def test_every_sweep_is_in_as_many_batches_but_for_one():
+    for size, batch, steps in ((1234, 500, 7), (40, 40, 5), (2501, 500, 2)):
+        rows = np.concatenate([*networks._drawn(np.random.default_rng(0), size, batch, steps)])
+        seen = np.bincount(rows, minlength=size)
+        assert seen.min() >= 1 and np.ptp(seen) <= 1
+        assert rows.size % batch == 0 and rows.size >= steps * batch
 
 
 def test_components_vary_by_one_in_sum_and_each_has_a_name():

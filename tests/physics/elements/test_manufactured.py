@@ -10,7 +10,7 @@ from rcskin.simulator.fem.quadrature import gauss_rule, mass_terms, stiffness_te
 from skfem import MeshQuad
 from skfem.assembly import Dofs
 
-ORDERS = (1, 2, 3, 4, 6)
+ORDERS = (1, 2, 3, 4, pytest.param(6, marks=pytest.mark.slow))
 EXPECTED = {"L2": lambda p: p + 1, "H1": lambda p: p, "current": lambda p: 2 * p}
 
 

@@ -23,7 +23,7 @@ def forward(request, make_scene):
 def test_values_are_those_of_the_full_solver(forward, moved):
     press = parse_press("1,2:1.8+2,3:2.5", 2.0)
     response = forward.respond(*forward.cells(press), moved)
-    truth = Solver(scene_with(forward.scene, moved), 1e-6).solve(press).Z
+    truth = Solver(scene_with(forward.scene, moved), 0.1 * RTOL).solve(press).Z
     np.testing.assert_allclose(response.Z.real, truth.real, rtol=RTOL)
     frequency = forward.scene.frequencies
     Cp, true_Cp = (parallel_capacitance(Z, frequency) for Z in (response.Z, truth))

@@ -84,7 +84,16 @@ def test_capacitance_factors(make_scene, press):
     kept_at(scene, parse_press(press, 2.0))
 
 
-@pytest.mark.parametrize("resistance", [0.0, 1e-6, 1e-2, 1.0, 50.0, 5e3, 1e6])
+@pytest.mark.parametrize(
+    "resistance",
+    [
+        0.0,
+        *(pytest.param(each, marks=pytest.mark.slow) for each in (1e-6, 1.0, 5e3)),
+        1e-2,
+        50,
+        1e6,
+    ],
+)
 def test_tabs_with_contact_resistance(make_scene, resistance):
     """In ohm m, from none to 100 times that of the sheet over the tab's length."""
     scene = make_scene(tabs(0.4, 0.6, resistance), **SHEET, **PIXELS, frequencies=BAND)

@@ -21,7 +21,7 @@ def file(make_sweeps, tmp_path):
     return path
 
 
-@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+@pytest.mark.parametrize("ending", [pytest.param("png", marks=pytest.mark.slow), "svg"])
 def test_every_quantity_is_drawn(run, file, tmp_path, ending):
     output = tmp_path / f"out.{ending}"
     asked = [word for name in QUANTITIES for word in ("--what", name)]

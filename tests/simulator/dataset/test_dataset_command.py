@@ -97,7 +97,8 @@ def test_ctrl_c_ends_with_one_line_and_leaves_a_data_set_that_goes_on(
 ):
     work = tmp_path / ".out.zarr.unfinished"
     dataset = ["dataset", scene_file, "--sweeps", "9000000", "--workers", str(workers)]
-    scene_file.write_text(f"readout = 'IM3523'\n{scene_file.read_text()}".replace(READOUT, ""))
+    long_sessions = scene_file.read_text().replace("session = 20", "session = 2000")
+    scene_file.write_text(f"readout = 'IM3523'\n{long_sessions}".replace(READOUT, ""))
     process = subprocess.Popen(
         [sys.executable, "-m", "rcskin", *dataset, "-o", tmp_path / "out.zarr"],
         stderr=subprocess.PIPE,

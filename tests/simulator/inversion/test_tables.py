@@ -26,7 +26,7 @@ PAIR = {"top-left": {"resistance": 200.0}, "bottom-left": {"resistance": 100.0}}
 def tables_scene(make_scene, session=None, **keys):
     scene = make_scene(PAIR, rows=2, columns=2, frequencies=(1e3, 1e4, 1e5), **keys)
     table = scene.model_dump(by_alias=True, exclude_none=True)
-    drawn = {"session": session or {}, "press": {"touches": [0.2, 0.8]}}
+    drawn = {"session": session or {}, "press": {"touches": [0.2, 0.8], "size": 0.05}}
     return Scene.model_validate(table | {"readout": NOISE, "dataset": drawn})
 
 

@@ -70,7 +70,7 @@ def test_factor_and_size_reach_the_accuracies_too(run, tmp_path, scene_file):
 
 
 def test_size_and_factor_hold_for_counts_of_pixels_too(run):
-    asked = ("limits", "strip-1x3", "--accuracy", "0.9", "--draws", "50")
+    asked = ("limits", "strip-1x3", "--accuracy", "0.99", "--draws", "50")
     whole, small, weak = (
         run(*asked, *more)[1] for more in ((), ("--size", "3"), ("--factor", "1.05"))
     )

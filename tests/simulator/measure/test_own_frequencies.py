@@ -106,13 +106,17 @@ def test_errors_are_those_of_what_is_taken(against_rest):
     assert part.whitened(x) @ part.whitened(x) == pytest.approx(distance)
 
 
+@pytest.fixture(scope="module")
+def own_skin(own):
+    return reduced_for(own, RTOL, pixel_touches(own, (0.5, 3.0))).skin(None)
+
+
 @pytest.mark.parametrize("against_rest", [0, 3])
-def test_two_bounds_agree_and_less_is_told_by_less(shared, own, against_rest):
+def test_two_bounds_agree_and_less_is_told_by_less(shared, own, own_skin, against_rest):
     known = {"draws": 500, "against_rest": against_rest}
     part, whole = (bayes_accuracy(scene, "pixel", **known) for scene in (own, shared))
     assert part[0] < whole[0]
-    skin = reduced_for(own, RTOL, pixel_touches(own, (0.5, 3.0))).skin(None)
-    other = CommonDraws(own, "pixel", **known).judged(skin).accuracy
+    other = CommonDraws(own, "pixel", **known).judged(own_skin).accuracy
     assert abs(other.share - part[0]) < 4 * np.hypot(other.error, part[1])
 
 

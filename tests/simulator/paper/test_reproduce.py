@@ -2,18 +2,28 @@
 
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.image import imread
+from rcskin.__main__ import app
 from rcskin.localization.inputs.targets import labels
 from rcskin.localization.model.file import load
 from rcskin.simulator import sweeps
+from rcskin.simulator.paper import figures
 from rcskin.simulator.paper.rehearsal import EXPERIMENTS, SHEETS
+from rcskin.simulator.paper.reproduce import draw
 from rcskin.simulator.paper.studies import crossed_cap
+from rcskin.simulator.scene.files import load_scene
+from typer.testing import CliRunner
 
 CHARTS = ("figure-2c", *EXPERIMENTS, "frequencies", "noise", "contacts")
+
+
+FEWER_DRAWS = 2
+"""Of the meter's noise, where what is said of their mean holds already."""
 
 
 def reproduced(folder, *options):
@@ -27,8 +37,14 @@ def reproduced(folder, *options):
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
-    """The folder of a run that draws its charts as SVG, too."""
-    return reproduced(tmp_path_factory.mktemp("first") / "results", "--charts", "svg")
+    """The folder of a run with fewer draws."""
+    folder = tmp_path_factory.mktemp("first") / "results"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rcskin.simulator.paper.studies.DRAWS", FEWER_DRAWS)
+        done = CliRunner().invoke(app, ["reproduce", "-o", str(folder)])
+    assert (done.exit_code, done.stderr) == (0, "")
+    assert "of the paper's" in done.stdout
+    return folder
 
 
 def test_the_tables_are_there(results):
@@ -36,11 +52,12 @@ def test_the_tables_are_there(results):
 
 
 @pytest.mark.slow
-def test_every_table_is_the_same_bytes_on_a_second_run(results, tmp_path):
-    second = reproduced(tmp_path / "results")
-    for table in results.glob("*.csv"):
+def test_every_table_is_the_same_bytes_on_a_second_run(tmp_path):
+    first = reproduced(tmp_path / "first")
+    second = reproduced(tmp_path / "second", "--charts", "svg")
+    for table in first.glob("*.csv"):
         assert table.read_bytes() == (second / table.name).read_bytes(), table.name
-    assert not [*second.glob("*.svg")]
+    assert {path.stem for path in second.glob("*.svg")} == {*CHARTS}
 
 
 def test_every_chart_is_drawn_and_in_the_report(results):
@@ -51,8 +68,19 @@ def test_every_chart_is_drawn_and_in_the_report(results):
         assert picture[..., :3].std() > 0.03, name
 
 
-def test_charts_for_papers_are_written_where_asked(results):
-    assert {path.stem for path in results.glob("*.svg")} == {*CHARTS}
+@pytest.mark.parametrize("ending", [".png", ".svg"])
+def test_charts_for_papers_are_written_beside_the_pictures(tmp_path, monkeypatch, ending):
+    """Of charts that are drawn by touching their file."""
+    drawing = [name for name in vars(figures) if name.endswith("_figure")]
+    for name in drawing:
+        monkeypatch.setattr(figures, name, lambda path, *_: path.touch())
+    scenes = {name: SimpleNamespace(scene=load_scene(name)) for name in EXPERIMENTS}
+    none = dict.fromkeys(("frequency", "noise", "contact"))
+    results = SimpleNamespace(rehearsals=scenes, confusions=scenes, **none)
+    draw(tmp_path, results, None, lambda items, _: items, ending)
+    for each in {".png", ending}:
+        assert {path.stem for path in tmp_path.glob(f"*{each}")} == {*CHARTS}
+    assert {path.suffix for path in tmp_path.iterdir()} == {".png", ending}
 
 
 def test_the_report_stands_alone_and_holds_every_claim(results):
@@ -94,10 +122,9 @@ def test_the_saved_model_knows_the_sweeps_it_was_trained_on(results, name):
     assert np.mean(load(results / f"{name}.skops").predict(measured) == labels(measured)) > 0.97
 
 
-def test_a_folder_that_cannot_be_made_is_bad_input(tmp_path):
+def test_a_folder_that_cannot_be_made_is_bad_input(run, tmp_path):
     occupied = tmp_path / "file"
     occupied.touch()
-    command = [sys.executable, "-m", "rcskin", "reproduce", "-o", str(occupied)]
-    ended = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert ended.returncode == 2
-    assert ended.stderr.startswith(f"rcskin: {occupied}: cannot be made")
+    code, _, err = run("reproduce", "-o", occupied)
+    assert code == 2
+    assert err.startswith(f"rcskin: {occupied}: cannot be made")

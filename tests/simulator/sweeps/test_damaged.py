@@ -10,7 +10,11 @@ from rcskin.simulator.sweeps import InputError, checked_output, read, write
 from rcskin.simulator.sweeps.press_text import parse_touches
 
 SCENE = BUILTIN / "glove.toml"
-READERS = (read, lambda path: read_some(path, 100))
+READERS = (
+    read,
+    lambda path: read_some(path, 100),
+    lambda path: read_some(path, 100, in_parts=True),
+)
 
 
 @pytest.fixture
