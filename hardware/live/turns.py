@@ -39,6 +39,12 @@ class Turns:
         if before not in (None, name):
             self.latest = took
 
+    def check_stayed(self) -> None:
+        """As of `Switch`."""
+        begun = self.clock()
+        self.switch.check_stayed()
+        self.spent += self.clock() - begun
+
     def close(self) -> None:
         """As of `Switch`."""
         self.switch.close()

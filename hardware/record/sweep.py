@@ -113,9 +113,9 @@ def measure_sweep(
     """A reading at each interface and frequency [Hz], in any order, none older than this call.
 
     The interface that is connected comes first: a switch turns once less in each sweep. switch: of
-    the interfaces; without it the meter stays where it is. turn: called with each interface before
-    the switch turns, watch: with each reading as it comes. of_each: frequencies of interfaces that
-    have their own, by name.
+    the interfaces, asked after each whether it stayed; without it the meter stays where it is.
+    turn: called with each interface before the switch turns, watch: with each reading as it comes.
+    of_each: frequencies of interfaces that have their own, by name.
     Raises InputError where the meter cannot take a frequency, MeterError where a reading or the
     switch fails.
     """
@@ -125,6 +125,8 @@ def measure_sweep(
         if switch:
             switch.select(name)
         traces[name] = _trace(meter, (of_each or {}).get(name, frequencies), name, watch)
+        if switch:
+            switch.check_stayed()
     return Sweep(tuple(traces[name] for name in interfaces))
 
 
@@ -145,10 +147,14 @@ def measure_readings(
     here = None
     for interface, frequency in asked:
         if switch and interface != here:
+            if here is not None:
+                switch.check_stayed()
             switch.select(interface)
         here, begun = interface, times.get(interface, (now(),))[0]
         found.setdefault(interface, {})[frequency] = _at(meter, frequency, watch)
         times[interface] = begun, now()
+    if switch and here is not None:
+        switch.check_stayed()
     return Sweep(
         tuple(
             _trace_of([reading for _, reading in sorted(found[name].items())], name, *times[name])

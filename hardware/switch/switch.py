@@ -29,6 +29,10 @@ class Switch(Protocol):
         """Connect an interface; when this returns, it may be measured. Raises SwitchError."""
         ...
 
+    def check_stayed(self) -> None:
+        """Raises SwitchError where it tells that it has turned away since it was asked to turn."""
+        ...
+
     def close(self) -> None:
         """Leave it as it was found, where that is known; closing twice does no harm."""
         ...
@@ -85,6 +89,25 @@ class Turning(Generic[Position]):
         if turned:
             time.sleep(self.settle)
         self.selected = name
+
+    def check_stayed(self) -> None:
+        """Raises SwitchError where the read-back tells that it has turned away: late, as it was
+        asked before and given up, or by another hand."""
+        name, device = self.selected, self._device
+        if name is None or device is None:
+            return
+        try:
+            told = device.told()
+            if told is not None and told != self.positions[name]:
+                raise StuckSwitchError(
+                    f"turned to {_words(told)} while interface {name}, position "
+                    f"{_words(self.positions[name])}, was measured; check that nothing else turns "
+                    "it"
+                )
+        except SwitchError:
+            self.selected = None
+            self._drop()
+            raise
 
     def close(self) -> None:
         """Leave the device at the position it was found at, where it told one."""

@@ -151,5 +151,8 @@ class Relays:
             self.stage.now += TURN
             self.selected = name
 
+    def check_stayed(self) -> None:
+        """Nobody else turns it."""
+
     def close(self) -> None:
         """Nothing is held."""

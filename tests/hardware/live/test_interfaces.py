@@ -6,7 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.hardware.switch.errors import NoSwitchError
+from rcskin.hardware.record.sweep import measure_readings, measure_sweep
+from rcskin.hardware.steer import ask
+from rcskin.hardware.switch.errors import NoSwitchError, StuckSwitchError
 from rcskin.hardware.switch.switch import Turning
 from rcskin.hardware.switch.virtual import VirtualSwitch
 from rcskin.hardware.virtual.faults import Fault
@@ -144,6 +146,30 @@ def test_a_fault_costs_its_sweep_at_both_interfaces_and_is_told(session, instrum
     exact = [[skin.impedance("2,3", f) for f in Pixels.frequencies] for skin in SKINS.values()]
     for asked in live.localizer.asked[1:]:
         assert impedance(asked)[0] == pytest.approx(np.array(exact), rel=1e-4)
+
+
+@pytest.mark.parametrize("chosen", [False, True])
+def test_a_switch_that_turns_in_mid_sweep_costs_the_sweep(meter, ports, instrument, chosen):
+    """Late, after it was given up, say: what is read then is of another interface."""
+    switch = Turning(lambda: VirtualSwitch(f"127.0.0.1:{ports.control}"), NAMES, settle=0.0)
+
+    def turn(frequency, reading):
+        if frequency == Pixels.frequencies[1]:
+            ask(f"127.0.0.1:{ports.control}", "select", interface="bottom")
+
+    def measured(watch):
+        if chosen:
+            asked = [("left", frequency) for frequency in Pixels.frequencies]
+            return measure_readings(meter, asked, switch, watch)
+        return measure_sweep(meter, Pixels.frequencies, ["left"], switch, watch)
+
+    with pytest.raises(
+        StuckSwitchError, match="turned to bottom while interface left, position le"
+    ):
+        measured(turn)
+    assert switch.selected is None
+    assert measured(lambda frequency, reading: None).traces[0].interface == "left"
+    assert instrument.interface == "left"
 
 
 def test_a_switch_that_fails_is_no_reason_to_let_the_meter_go(session, instrument):

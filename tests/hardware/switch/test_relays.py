@@ -90,6 +90,17 @@ def test_what_is_connected_is_not_turned_again_unless_someone_else_turned_it(swi
     assert board.on == {1, 2}
 
 
+def test_a_relay_that_someone_turns_meanwhile_is_told(switch, board):
+    switch.select("left")
+    switch.check_stayed()
+    board.on = {3}
+    with pytest.raises(StuckSwitchError, match=r"turned to \(3\) while interface left"):
+        switch.check_stayed()
+    switch.check_stayed()
+    switch.select("left")
+    assert board.on == {1, 2}
+
+
 def test_it_is_left_as_it_was_found(switch, board):
     board.on = {3}
     switch.select("left")
