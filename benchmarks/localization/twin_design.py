@@ -6,13 +6,15 @@ like it, `rcskin train` makes localizers of them: all as a user does. Twins, cas
 misses pixels a little. Beside that, the same twins are read at once, with and without their drift:
 what stands between the bound of a known skin and what is reached.
 
-Run: python benchmarks/localization/twin_design.py [--skins 20] [--localizers NAME,...] [--quick]
+Run: python benchmarks/localization/twin_design.py [--skins 20] [--localizers NAME,...]
+     [--training SWEEPS] [--quick]
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import subprocess
 import sys
 import tempfile
@@ -45,8 +47,8 @@ RTOL = 1e-2
 SKINS, TRAINING, FEW = 20, 60_000, 600
 LOCALIZERS = ("gaussian", "ksvm-ovo")
 FIRST = LOCALIZERS[:1]
-SHOWN = {"gaussian": TRAINING, "ksvm-ovo": 10_000, "model-adapted": 5_000, "network": TRAINING}
-"""Sweeps of the data set that each is trained on."""
+SHOWN = {"gaussian": math.inf, "ksvm-ovo": 10_000, "model-adapted": 5_000, "network": math.inf}
+"""Sweeps of the data set that each is trained on, at most."""
 READ = {"gaussian": ("lnZ", "phase")}
 """Features that localizers take beside WHOLE."""
 GOAL = 0.9
@@ -186,7 +188,8 @@ def told(run: Run, folder: Path) -> None:
     names = (
         run.asked.localizers.split(",") if run.asked.localizers else run.sized(LOCALIZERS, FIRST)
     )
-    models = {name: kept.model(name, run.sized(TRAINING, FEW)) for name in names}
+    sweeps = run.asked.training or run.sized(TRAINING, FEW)
+    models = {name: kept.model(name, sweeps) for name in names}
     trial, family = asked_of(scene), kept.family(built(scene))
     work = (delayed(scores)(trial, family, models, number) for number in range(skins))
     found = pd.DataFrame(
@@ -219,6 +222,7 @@ def options() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser()
     parser.add_argument("--skins", type=int)
     parser.add_argument("--localizers", help=f"Of {', '.join(SHOWN)}, joined by commas.")
+    parser.add_argument("--training", type=int, help="Simulated sweeps of the data set.")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--found", type=Path, help="Folder of what takes time, to be kept.")
     return parser

@@ -79,6 +79,7 @@ def reduce(
     draw = apart(draw or pixel_touches(scene), scene) if by_depth else draw or pixel_touches(scene)
     circuit = circuit_of(scene, alike)
     random = np.random.default_rng(seed)
+    advance(0.0)
     with one_blas_thread():
         cases = [draw(random) for _ in range(MESH_DRAWS)]
         resolve = resolved_under_applicators if by_depth else resolved
