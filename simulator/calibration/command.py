@@ -92,7 +92,7 @@ def calibrate(
     from ..sweeps.same_skin import check_same_skin
     from .choice import Options
     from .prior import checked_kind
-    from .report import checked_folder, correlation_table, explanations, table, write_report
+    from .report import checked_folder, correlations, explanations, table, write_report
     from .run import calibrate as calibrated
 
     folder, ending = checked_folder(output), checked_ending(charts)
@@ -117,7 +117,7 @@ def calibrate(
     console = Console()
     console.print(table(calibration))
     if len(calibration.intervals) > 1:
-        console.print(correlation_table(calibration))
+        console.print(correlations(calibration, console))
     for line in explanations(calibration):
         console.print(line, soft_wrap=True, markup=False, highlight=False)
     console.print(f"{folder}: {', '.join(written)}", soft_wrap=True, markup=False, highlight=False)

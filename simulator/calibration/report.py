@@ -18,6 +18,7 @@ from .chart import draw_residuals
 from .sheets import MISMATCH, RATIO
 
 if TYPE_CHECKING:
+    from rich.console import Console
     from rich.table import Table
 
     from .estimates import Quantity
@@ -27,6 +28,8 @@ COLUMNS = ("quantity", "unit", "scene", "fitted", "low_95", "high_95", "told_by"
 PARAMETER_COLUMNS = ("parameter", "counted", "value", "low_95", "high_95", "told_by")
 BY = {True: "data", False: "prior"}
 TIED = 0.95
+WIDEST = 1000
+"""Characters: of any console."""
 WIDENED = 1.2
 """Chi-squared per degree of freedom from which it is said that intervals are wider for it."""
 
@@ -98,8 +101,18 @@ def table(calibration: Calibration) -> Table:
     return found
 
 
-def correlation_table(calibration: Calibration) -> Table:
-    """Of the fitted parameters."""
+def correlations(calibration: Calibration, console: Console) -> Table | str:
+    """Of the fitted parameters, or where they stand if the console is too narrow for them."""
+    from rich.measure import Measurement
+
+    found = _correlation_table(calibration)
+    room = console.options.update(max_width=WIDEST)
+    if Measurement.get(console, room, found).minimum <= console.width:
+        return found
+    return f"correlations of {len(_names(calibration))} parameters: see correlation.csv"
+
+
+def _correlation_table(calibration: Calibration) -> Table:
     from rich.table import Column, Table
 
     names = _names(calibration)

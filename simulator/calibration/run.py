@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 NOISE_ROUNDS = 3
+ROUNDED = 1e-6
+"""Of an exponent: so near to 1 it is 1."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +106,7 @@ def calibrate(
     laws = _laws(scene, unknown, told, degrees, job.held)
     bounds = intervals(scene, unknown, told, degrees, laws)
     names = fit.asked.names
-    beaten = "phase_exponent" in names and bounds["phase_exponent"][1] < 1
+    beaten = "phase_exponent" in names and bounds["phase_exponent"][1] < 1 - ROUNDED
     return Calibration(
         values=fit.values,
         intervals=bounds,

@@ -39,6 +39,22 @@ def test_a_scene_is_calibrated(run, files, line):
     assert sorted(path.name for path in folder.parent.iterdir()) == ["found", "run.nc", "skin.toml"]
 
 
+def test_a_matrix_too_wide_for_the_terminal_is_left_to_its_file(run, files, monkeypatch):
+    scene, measured, folder = files
+    assert "correlation    " in run("calibrate", scene, measured, "-o", folder)[1]
+    monkeypatch.setenv("COLUMNS", "60")
+    out = run("calibrate", scene, measured, "-o", folder)[1]
+    assert "correlations of 8 parameters: see correlation.csv" in out and "correlation  " not in out
+
+
+def test_an_ideal_capacitance_that_fits_is_not_called_the_wrong_curve(run, tmp_path):
+    measured = tmp_path / "exact.nc"
+    assert run("sweep", "strip-1x5", "-o", measured)[0] == 0
+    code, out, _ = run("calibrate", "strip-1x5", measured, "-o", tmp_path / "found")
+    assert code == 0 and "phase_exponent" in out
+    assert "wrong curve" not in out and "the best fit leaves" not in out
+
+
 def test_the_calibrated_scene_says_from_what_and_is_the_same_bytes_again(run, files, line):
     scene, measured, folder = files
     run("calibrate", scene, measured, "-o", folder, *TWO)
