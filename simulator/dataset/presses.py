@@ -49,13 +49,30 @@ class Presses:
         return self.cells[here], self.rises[here]
 
 
+def session_presses(
+    scene: Scene, random: np.random.Generator, count: int, grid: tuple[int, int]
+) -> Presses:
+    """As `drawn_presses`, with the sweeps at rest that a session promises."""
+    promised = _at_rest(scene.dataset.session.rest_every, count)
+    return _drawn(scene, random, promised, grid)
+
+
 def drawn_presses(
     scene: Scene, random: np.random.Generator, count: int, grid: tuple[int, int]
 ) -> Presses:
     """So many presses of a scene's data set, on cells of a grid of so many rows and columns."""
-    drawn = scene.dataset.press
-    touches = _counts(drawn, random.random(count))
-    touches[_at_rest(scene.dataset.session.rest_every, count)] = 0
+    return _drawn(scene, random, np.zeros(count, dtype=bool), grid)
+
+
+def _drawn(
+    scene: Scene,
+    random: np.random.Generator,
+    at_rest: NDArray[np.bool_],
+    grid: tuple[int, int],
+) -> Presses:
+    """A press for each sweep, none for those at rest."""
+    drawn, count = scene.dataset.press, len(at_rest)
+    touches = np.where(at_rest, 0, _counts(drawn, random.random(count)))
     chances = random.random((4, count, MOST_TOUCHES))
     factor = drawn_strengths(scene, random.random((count, MOST_TOUCHES)))
     if drawn.place == "anywhere":

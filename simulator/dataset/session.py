@@ -15,7 +15,7 @@ from ..scene.scene import Scene
 from ..sweeps import ToleranceError, parallel_capacitance
 from .model import Family, SkinModel
 from .plan import Plan
-from .presses import Presses, drawn_presses
+from .presses import Presses, session_presses
 
 ONE_IN = 1000
 
@@ -104,7 +104,7 @@ def drawn_session(plan: Plan, family: Family, number: int) -> Drawn:
     scene, seed = plan.scene, plan.seed
     skin = drawn_skin(scene, seed, number, family.grid, family.modes)
     random = stream(seed, number, PRESSES)
-    presses = drawn_presses(scene, random, plan.session_sweeps, family.grid)
+    presses = session_presses(scene, random, plan.session_sweeps, family.grid)
     model = family.skin(skin.variation)
     Z, audit = audited(model, presses, stream(seed, number, AUDIT), number, plan.rtol)
     frequency = scene.frequencies

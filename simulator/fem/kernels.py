@@ -170,11 +170,13 @@ def fill(
     values: NDArray, slots: NDArray, weights: NDArray, reference: NDArray
 ) -> None:  # pragma: no cover
     """values[slots[e, k]] += sum_m weights[e, m] reference[m, k], leaving out dropped slots."""
+    total = np.empty(slots.shape[1])
     for element in range(slots.shape[0]):
+        total[:] = 0.0
+        for m in range(weights.shape[1]):
+            weight = weights[element, m]
+            for k in range(slots.shape[1]):
+                total[k] += weight * reference[m, k]
         for k in range(slots.shape[1]):
-            slot = slots[element, k]
-            if slot != DROPPED:
-                total = 0.0
-                for m in range(weights.shape[1]):
-                    total += weights[element, m] * reference[m, k]
-                values[slot] += total
+            if slots[element, k] != DROPPED:
+                values[slots[element, k]] += total[k]

@@ -2,7 +2,11 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.presses import cells_of_pixels, drawn_presses
+from rcskin.simulator.dataset.presses import (
+    cells_of_pixels,
+    drawn_presses,
+    session_presses,
+)
 from rcskin.simulator.measure.skins import drawn_skin
 from rcskin.simulator.measure.streams import PRESSES, SKIN, stream
 from rcskin.simulator.press.capacitance import capacitance_map, grid_map
@@ -155,7 +159,7 @@ def test_rests_are_promised_as_a_lab_takes_them_and_other_presses_stay_as_they_w
         update={"dataset": scene.dataset.model_copy(update={"session": session})}
     )
     drawn, promised = (
-        drawn_presses(each, np.random.default_rng(0), 20, (3, 3)) for each in (scene, often)
+        session_presses(each, np.random.default_rng(0), 20, (3, 3)) for each in (scene, often)
     )
     at_rest = np.isin(np.arange(20), [0, 1, 2, 7, 12, 17])
     assert (promised.touches[at_rest] == 0).all()

@@ -76,6 +76,15 @@ def test_what_is_drawn_changes_the_skin_as_the_scene_would(tmp_path, contact_res
     assert_solved(sweeps, scene)
 
 
+def test_a_family_is_trained_on_touches_also_where_sessions_begin_at_rest(tmp_path):
+    scene = scene_of()
+    session = scene.dataset.session.model_copy(update={"rest_every": 2})
+    drawn = scene.dataset.model_copy(update={"session": session})
+    plan = Plan(scene.model_copy(update={"dataset": drawn}), 12, 1, RTOL)
+    generate(plan, tmp_path / "o.zarr")
+    assert open_zarr(tmp_path / "o.zarr").attrs["fallbacks"] == 0
+
+
 def trained_on_less():
     """A family of the usual presses, whatever is asked."""
     return replace(REDUCED, train=lambda scene, rtol: reduced(scene_of(), RTOL))
