@@ -6,6 +6,7 @@ of which a mesh needs few. The weights change with the capacitance map, the patt
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 
@@ -39,6 +40,15 @@ def fill_readable(values: NDArray, slots: NDArray, weights: NDArray, reference: 
 
 
 fill = Warming(fill_readable, lambda values, slots, *_: 4e-8 * slots.size)
+
+
+def add_terms(values: NDArray, slots: NDArray, terms: Iterable[tuple[NDArray, NDArray]]) -> None:
+    """`fill` with the weights and reference of each term, without what is zero in all elements."""
+    for weights, reference in terms:
+        there, used = weights.any(axis=0), reference.any(axis=0)
+        own = slots if used.all() else slots[:, used]
+        matrices = np.ascontiguousarray(reference[there][:, used])
+        fill(values, own, np.ascontiguousarray(weights[:, there]), matrices)
 
 
 def element_pairs(unknowns: NDArray) -> tuple[NDArray, NDArray]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from ...fem.assembly import EXTRA_ORDER, fill, quadrilateral
+from ...fem.assembly import EXTRA_ORDER, add_terms, fill, quadrilateral
 from ...fem.dropped import DROPPED
 from ...fem.galerkin import Galerkin
 from ...fem.quadrature import gauss_rule, stiffness_terms, surface
@@ -73,8 +73,8 @@ class EvenFamily(Family):
         points = surface(cells, rule)
         wave = mode_values(self.scene, points.x, self.modes)[mode]
         values = np.zeros(len(self.system.pattern.indices))
-        for terms in stiffness_terms(rule, points, wave, np.diag(conductance)):
-            fill(values, self.system.slots, *terms)
+        terms = stiffness_terms(rule, points, wave, np.diag(conductance))
+        add_terms(values, self.system.slots, terms)
         return self.system.pattern.matrix(values)
 
     def _films_with_half(self, contact: Contact) -> Films:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from ...fem.assembly import fill
+from ...fem.assembly import add_terms
 from ...fem.circuit import Circuit, Terminal
 from ...fem.quadrature import Terms, mass_terms, stiffness_terms
 from ...fem.system import System, films
@@ -63,7 +63,7 @@ def add_sheet(
     """
     for cells in _groups(elements, within):
         terms = stiffness_terms(elements.rule, elements.surface.some(cells), S[:, cells], alone)
-        _add(values, unknowns.slots[cells], terms)
+        add_terms(values, unknowns.slots[cells], terms)
 
 
 def foam(
@@ -87,7 +87,7 @@ def add_foam(
     """M in the pattern. c: F/m², shape (cell, point). within: the cells that are meant."""
     for cells in _groups(elements, within):
         terms = mass_terms(elements.rule, elements.surface.some(cells), c[cells], coupling)
-        _add(values, unknowns.slots[cells], terms)
+        add_terms(values, unknowns.slots[cells], terms)
 
 
 def _groups(
@@ -125,7 +125,7 @@ def film_of(
                 density = coefficients.line_stretch(at.x, tangent) / contact.resistance
                 length = np.linalg.norm(tangent, axis=0)
                 along_edge = _edge_terms(rule.values, rule.weights * length * density, alone)
-                _add(values, unknowns.slots[own], [along_edge])
+                add_terms(values, unknowns.slots[own], [along_edge])
         return unknowns.pattern.matrix(values)
 
     return film
@@ -138,7 +138,3 @@ def _edge_terms(
     matrices = np.einsum("fg,ip,jp->pfigj", fields, u, u)
     return weights, matrices.reshape(len(matrices), -1)
 
-
-def _add(values: NDArray[np.float64], slots: NDArray[np.int64], terms: Iterable[Terms]) -> None:
-    for weights, matrices in terms:
-        fill(values, slots, np.ascontiguousarray(weights), matrices)
