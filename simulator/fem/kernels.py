@@ -169,12 +169,27 @@ def last_change(
 def fill(
     values: NDArray, slots: NDArray, weights: NDArray, reference: NDArray
 ) -> None:  # pragma: no cover
-    """values[slots[e, k]] += sum_m weights[e, m] reference[m, k], leaving out dropped slots."""
+    """values[slots[e, k]] += sum_m weights[e, m] reference[m, k], leaving out dropped slots.
+
+    Columns of zeros add nothing and are passed over; the others are added up side by side.
+    """
+    some = np.zeros(reference.shape[1], np.bool_)
+    for m in range(reference.shape[0]):
+        for k in range(reference.shape[1]):
+            some[k] |= reference[m, k] != 0.0
+    columns = np.flatnonzero(some)
+    terms = np.empty((reference.shape[0], len(columns)))
+    for m in range(reference.shape[0]):
+        for k in range(len(columns)):
+            terms[m, k] = reference[m, columns[k]]
+    totals = np.empty(len(columns))
     for element in range(slots.shape[0]):
-        for k in range(slots.shape[1]):
-            slot = slots[element, k]
+        totals[:] = 0.0
+        for m in range(weights.shape[1]):
+            weight, term = weights[element, m], terms[m]
+            for k in range(len(columns)):
+                totals[k] += weight * term[k]
+        for k in range(len(columns)):
+            slot = slots[element, columns[k]]
             if slot != DROPPED:
-                total = 0.0
-                for m in range(weights.shape[1]):
-                    total += weights[element, m] * reference[m, k]
-                values[slot] += total
+                values[slot] += totals[k]

@@ -143,3 +143,16 @@ def test_any_order_of_axes_is_the_same_kernel(order):
     fill_readable(plain, *known)
     np.testing.assert_allclose(values, plain, rtol=1e-12)
     assert len(kernels.fill.signatures) == compiled
+
+
+def test_columns_of_zeros_are_passed_over_and_nothing_else_changes():
+    random = np.random.default_rng(1)
+    reference = random.standard_normal((5, 12))
+    reference[:, 2::3] = 0
+    reference[1, 0] = 0
+    slots = random.integers(-1, 9, (40, 12))
+    given = slots, random.standard_normal((40, 5)), reference
+    values, plain = np.zeros((2, 9))
+    kernels.fill(values, *given)
+    fill_readable(plain, *given)
+    np.testing.assert_array_equal(values, plain)
