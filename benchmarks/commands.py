@@ -1,4 +1,5 @@
-"""Every command that a page shows, in its order, in a folder of its own: how long each takes.
+"""Every command that a page shows, in its order, in a folder of its own, then the slow ones that no
+block of the top README shows: how long each takes.
 
 Commands that wait for somebody (the meter, `live`) are left out. Times of the processor do not
 change with what else the machine does, those of the clock do.
@@ -24,6 +25,17 @@ TITLE = "Every command of the pages, one after the other"
 WAITING = re.compile(r"^rcskin (meter|live)\b|run\.nc|&$")
 """Commands that wait, and those that take what a meter recorded."""
 FAILED = "failed with code {}"
+README = "README.md"
+BESIDES = (
+    "rcskin reproduce",
+    "rcskin dataset sheet-5x5 --sweeps 150 --workers 1 -o recorded.zarr",
+    "rcskin calibrate sheet-5x5 recorded.zarr -o found-there",
+    "rcskin design sheet-5x5-two-interfaces --casts 3 --draws 1000 -o designed",
+    "rcskin dataset sheet-5x5 --sweeps 6000 -o places.zarr",
+    "rcskin train places.zarr --target position -o places.skops",
+    "rcskin evaluate places.skops recorded.zarr -o places-found",
+)
+"""Measured with the top README's: the paper, a calibration of 150 sweeps, a design, positions."""
 
 
 def shown(page: Path) -> list[str]:
@@ -44,7 +56,8 @@ def main(run: Run) -> int:
     for page in run.asked.pages:
         asked = [line for line in shown(ROOT / page) if not WAITING.search(line)]
         with tempfile.TemporaryDirectory() as folder:
-            for command in run.sized(asked, asked[:1]):
+            besides = BESIDES if page == README else ()
+            for command in run.sized([*asked, *besides], asked[:1]):
                 times = measured(command, Path(folder))
                 told = f"{times.processor:.1f}" if times.code == 0 else FAILED.format(times.code)
                 rows.append((page, f"`{command}`", told, f"{times.clock:.1f}"))
@@ -56,5 +69,5 @@ def main(run: Run) -> int:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
-    parser.add_argument("pages", nargs="*", default=["README.md"], metavar="PAGE")
+    parser.add_argument("pages", nargs="*", default=[README], metavar="PAGE")
     launch(main, parser)

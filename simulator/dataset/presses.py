@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -248,7 +248,7 @@ def _first_on_skin(scene: Scene, part: NDArray[np.float64], places: Sequence[Pla
 
 def _order(touch: Rectangle | Disc) -> tuple:
     """As texts of presses have it: rectangles, then discs."""
-    return isinstance(touch, Disc), astuple(touch)
+    return isinstance(touch, Disc), *vars(touch).values()
 
 
 def _inside(chance: float, extent: float, length: float) -> float:

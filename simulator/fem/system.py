@@ -12,7 +12,7 @@ from scipy.sparse import csc_matrix
 
 from ..mesh.quadrilaterals import PixelMesh, Resolution, pixel_mesh
 from ..scene.scene import Scene
-from .assembly import Group, fill, groups, reference_matrices
+from .assembly import Group, add_terms, fill, groups, reference_matrices
 from .circuit import Circuit, Terminal
 from .pattern import Pattern
 from .unknowns import Unknowns, numbered, quadrilateral_trial
@@ -111,7 +111,7 @@ def conducting(
     values = np.zeros(len(pattern.indices))
     for group in cells:
         reference = _both(np.diag(conductance), *group.stiffness)
-        fill(values, slots[group.cells], group.stiffness_weights, reference)
+        add_terms(values, slots[group.cells], [(group.stiffness_weights, reference)])
     return pattern.matrix(values)
 
 

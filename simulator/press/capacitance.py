@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,8 +60,7 @@ def grid_map(scene: Scene, press: Press, rows: int, columns: int) -> NDArray[np.
     Each touch enters a cell as 1 + (factor - 1) times the fraction of its area that it covers, a
     disc as the circle it is; factors multiply.
     """
-    x = np.linspace(0, scene.skin.length, columns + 1)
-    y = np.linspace(0, scene.skin.width, rows + 1)
+    x, y = _even_lines(scene.skin.length, columns), _even_lines(scene.skin.width, rows)
     total = np.ones((rows, columns))
     for touch in press.touches:
         if isinstance(touch, Disc):
@@ -69,6 +69,14 @@ def grid_map(scene: Scene, press: Press, rows: int, columns: int) -> NDArray[np.
         else:
             total *= patch(scene, touch).factors(x, y)
     return total
+
+
+@lru_cache
+def _even_lines(length: float, cells: int) -> NDArray[np.float64]:
+    """Between so many cells of one size, from 0 to a length in m; not to be written to."""
+    lines = np.linspace(0, length, cells + 1)
+    lines.flags.writeable = False
+    return lines
 
 
 Cells = tuple[NDArray[np.int64], NDArray[np.float64]]

@@ -35,12 +35,12 @@ def bounds(reduced: Reduced, cases: list[Case], s: NDArray[np.complex128]) -> ND
 def _on_skin(
     skin: ReducedSkin, cases: list[Case], s: NDArray[np.complex128]
 ) -> NDArray[np.float64]:
-    family, reduced = skin.reduced.family, skin.reduced
+    family, reduced, system = skin.reduced.family, skin.reduced, skin.system
     solved = [_solved(skin, case, feed, s) for case in cases for feed in skin.feeds]
     u = skin.turn @ np.hstack([each for each, _ in solved])
     Y = np.stack([each for _, each in solved])
     potential = reduced.coordinates @ side_by_side(u)
-    current = family.space.currents(potential, skin.system.sheets, skin.system.films)
+    current = family.space.currents(potential, system.sheets, system.films)
     charge = _charges(family, [family.foam_of(case) for case in cases], potential)
     power = residual_power(family.space, current, charge, np.tile(s, len(solved)))
     bound = certified(Y, power.reshape(Y.shape) / skin.least_conductance)

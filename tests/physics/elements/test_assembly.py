@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.fem.assembly import fill_readable, quadrilateral
+from rcskin.simulator.fem.assembly import add_terms, fill_readable, quadrilateral
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.fem.dropped import DROPPED
 from rcskin.simulator.fem.kernels import fill
@@ -29,6 +29,18 @@ def test_fill_adds_up_what_is_kept(data, elements, pairs, terms):
     weights, reference = rng.normal(size=(elements, terms)), rng.normal(size=(terms, pairs))
     filled, plain = np.tile(rng.normal(size=12), (2, 1))
     fill(filled, slots, weights, reference)
+    fill_readable(plain, slots, weights, reference)
+    np.testing.assert_array_equal(filled, plain)
+
+
+@pytest.mark.kernel
+def test_terms_that_are_zero_are_left_out_and_nothing_else_changes():
+    random = np.random.default_rng(1)
+    slots, weights = random.integers(DROPPED, 9, (40, 12)), random.normal(size=(40, 5))
+    reference = random.normal(size=(5, 12))
+    reference[:, 2::3], reference[1, 0], weights[:, 3] = 0, 0, 0
+    filled, plain = np.zeros((2, 9))
+    add_terms(filled, slots, [(weights, reference), (weights, np.zeros_like(reference))])
     fill_readable(plain, slots, weights, reference)
     np.testing.assert_array_equal(filled, plain)
 
