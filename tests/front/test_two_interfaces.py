@@ -38,7 +38,7 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module", params=["two", "five"])
 def scene(request, folder):
     """The path of a 2x2 sheet with two interfaces, or five readings, at few frequencies."""
-    frequencies = np.geomspace(1e3, 1e5, 8).tolist()
+    frequencies = np.geomspace(1e3, 1e5, 4).tolist()
     scene = rcskin.load("sheet-5x5-two-interfaces").with_(
         {"pixels": 2, "sweep.frequencies": frequencies}
     )
