@@ -20,7 +20,7 @@ def answered(start):
     return answered
 
 
-@pytest.mark.parametrize("count", [1, 9])
+@pytest.mark.parametrize("count", [1, pytest.param(9, marks=pytest.mark.slow)])
 def test_no_answered_sweep_is_lost(answered, count, tmp_path, gather):
     log = tmp_path / "run.nc"
     lines = [line for line in answered(log, count) if line.count("\t") == 3]

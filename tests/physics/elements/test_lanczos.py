@@ -112,7 +112,7 @@ def test_against_complex_solves(random, frequency_at, data):
     assert difference.max() <= 1e-6, "more than the complex solves lose at high frequency"
 
 
-@pytest.mark.parametrize("resistance", [0.0, 1e3, 1e7])
+@pytest.mark.parametrize("resistance", [0.0, 1e3, pytest.param(1e7, marks=pytest.mark.slow)])
 def test_no_digits_are_lost_far_above_cut_off(make_scene, frequency_at, resistance):
     """A film of contact resistance and the line in series: exact, at each end of a wide band."""
     bottom = {"resistance": 0.6 * resistance}

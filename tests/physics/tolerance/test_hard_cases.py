@@ -100,7 +100,9 @@ def test_tabs_with_contact_resistance(make_scene, resistance):
     kept_at(scene, parse_press("2,3", 2.0))
 
 
-@pytest.mark.parametrize("span", [(0.5, 0.51), (0.0, 0.01), (0.19, 0.21)])
+@pytest.mark.parametrize(
+    "span", [pytest.param((0.5, 0.51), marks=pytest.mark.slow), (0.0, 0.01), (0.19, 0.21)]
+)
 def test_short_tabs(make_scene, span):
     scene = make_scene(tabs(*span), **SHEET, rows=3, columns=3, frequencies=BAND)
     kept_at(scene, parse_press("2,2", 2.0))
