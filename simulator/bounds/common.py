@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import zlib
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from scipy.interpolate import BarycentricInterpolator
 from ..measure.experiment import Strengths, own_presses, strengths
 from ..measure.readout import observed
 from ..models.reduced.model import ReducedSkin
+from ..remembered import remembered
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene, interface_names
@@ -31,6 +32,8 @@ NODES = 6
 LEFT_OUT = 0.015
 """Of the meter's error: what presses at nodes may lose to fewer numbers; others lose up to twice
 as much."""
+KEPT = 256
+"""Draws of interfaces, and strengths of counts of nodes."""
 
 Array = NDArray[np.float64]
 
@@ -74,8 +77,6 @@ class CommonDraws:
         random = np.random.default_rng(seed)
         self._which = random.choice(len(self._among), draws, p=[e.chance for e in self._among])
         self._factors = np.asarray(self._presses.at(random.random(draws)))
-        self._noise = lru_cache(None)(self._new_noise)
-        self._strengths = lru_cache(None)(self._new_strengths)
 
     def judged(self, skin: ReducedSkin, told: NDArray[np.bool_] | None = None) -> Judged:
         """For one skin and the readings of its model's scene, all at that scene's frequencies.
@@ -114,12 +115,14 @@ class CommonDraws:
             return np.ones((len(factors), 1))
         return BarycentricInterpolator(self._nodes, np.eye(len(self._nodes)))(factors)
 
-    def _new_noise(self, interface: str, frequencies: int) -> Array:
+    @remembered(KEPT)
+    def _noise(self, interface: str, frequencies: int) -> Array:
         """Whitened errors of one interface, shape (draw, 2, frequency)."""
         random = np.random.default_rng([self._seed, zlib.crc32(interface.encode())])
         return random.standard_normal((len(self._which), 2, frequencies))
 
-    def _new_strengths(self, count: int) -> tuple[Strengths, Array]:
+    @remembered(KEPT)
+    def _strengths(self, count: int) -> tuple[Strengths, Array]:
         found = strengths(self._presses, count)
         return found, self._interpolation(found.factor)
 

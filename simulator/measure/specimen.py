@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from copy import copy
-from functools import lru_cache
 from typing import Self
 
 import numpy as np
@@ -13,6 +12,7 @@ from ..models.solver import Solver
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press, press_on
 from ..press.touch import Touch
+from ..remembered import remembered
 from ..scene.scene import Scene, interface_names
 from ..sweeps import InputError
 from .readout import Meter
@@ -21,15 +21,33 @@ READINGS_KEPT = 4096
 SWEEPS_KEPT = 256
 
 
+class Solved:
+    """What was read of a scene, at every interface."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._frequencies, self._solver = scene.frequencies, Solver(scene)
+
+    @remembered(READINGS_KEPT)
+    def impedances(self, press: Press, frequency: float) -> NDArray[np.complex128]:
+        """Z in ohm, shape (interface,), at a frequency in Hz. Raises as `Solver.solve`."""
+        own = np.flatnonzero(self._frequencies == frequency)
+        if press.indented and own.size:
+            return self._sweeps(press)[:, own[0]]
+        return self._solver.solve(press, frequency).Z[:, 0]
+
+    @remembered(SWEEPS_KEPT)
+    def _sweeps(self, press: Press) -> NDArray[np.complex128]:
+        """At all frequencies of the scene: mechanics is solved once for them."""
+        return self._solver.solve(press).Z
+
+
 class Specimen:
     """A scene at one of its interfaces."""
 
     def __init__(self, scene: Scene, interface: str) -> None:
         self.scene = scene
         self._number = interface_names(scene).index(interface)
-        self._solver, self._pixels = Solver(scene), set(pixels_with_skin(scene))
-        self._impedances = lru_cache(READINGS_KEPT)(self._new_impedances)
-        self._sweeps = lru_cache(SWEEPS_KEPT)(self._new_sweeps)
+        self._solved, self._pixels = Solved(scene), set(pixels_with_skin(scene))
 
     def at(self, interface: str) -> Self:
         """The same specimen at another interface; what one has solved the other knows."""
@@ -50,18 +68,9 @@ class Specimen:
 
     def impedance(self, press: str, frequency: float) -> complex:
         """Z in ohm at a frequency in Hz. Raises as `press_on` and `Solver.solve`."""
-        return complex(self._impedances(press_on(self.scene, press), frequency)[self._number])
-
-    def _new_impedances(self, press: Press, frequency: float) -> NDArray[np.complex128]:
-        """At every interface."""
-        own = np.flatnonzero(self.scene.frequencies == frequency)
-        if press.indented and own.size:
-            return self._sweeps(press)[:, own[0]]
-        return self._solver.solve(press, frequency).Z[:, 0]
-
-    def _new_sweeps(self, press: Press) -> NDArray[np.complex128]:
-        """At all frequencies of the scene: mechanics is solved once for them."""
-        return self._solver.solve(press).Z
+        return complex(
+            self._solved.impedances(press_on(self.scene, press), frequency)[self._number]
+        )
 
 
 class SessionErrors:

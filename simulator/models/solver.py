@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
@@ -21,6 +21,7 @@ from ..fem.estimate import ROUNDING, SAFETY, checked, relative_difference
 from ..mesh.quadrilaterals import Resolution
 from ..press.press import Press
 from ..press.press import require_plain as require_plain_press
+from ..remembered import remembered
 from ..scene.scene import Scene
 from ..sweeps import InputError, ToleranceError
 from .answer import Answer, Progress, Rung
@@ -65,7 +66,6 @@ class Solver:
         self._even, self._outlook = electrical(scene), Outlook(rtol)
         self.model: ModelName = model
         self._sheets: dict[Resolution, Sheet] = {}
-        self._left_out_at_rest = lru_cache(GRIDS_KEPT)(self._new_left_out_at_rest)
 
     @cached_property
     def _first_level(self) -> int:
@@ -216,7 +216,8 @@ class Solver:
         error = resolved + lumped.left_out(press, frequency) + ROUNDING
         return progress.offer(Rung(LUMPED, sheet.nested.inner, Z, error))
 
-    def _new_left_out_at_rest(self, frequency: tuple[float, ...]) -> float:
+    @remembered(GRIDS_KEPT)
+    def _left_out_at_rest(self, frequency: tuple[float, ...]) -> float:
         """Relative error of Rs and Cp by one R and one C, at the worst of the frequencies.
 
         Where even the short line that leaves out least loses too much, the skin is not solved.

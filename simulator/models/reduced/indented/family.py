@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import combinations
 from typing import NamedTuple
 
@@ -13,6 +13,7 @@ from scipy.sparse import csc_matrix
 from ....fem.circuit import Circuit
 from ....press.press import Press
 from ....press.touch import Depth, Indentation, Touch
+from ....remembered import remembered
 from ....scene.scene import Scene
 from ...parameters import foam_parts
 from ...varied.system import add_foam
@@ -51,7 +52,6 @@ class IndentedFamily(UnevenFamily):
     ) -> None:
         """rtol: of Rs and Cp, for applicators that feel each other."""
         self.applicators, self.rtol = applicators, rtol
-        self.together = lru_cache(PRESSES_KEPT)(self._together)
         self._known: dict[int, Field] = {}
         super().__init__(scene, circuit, mesh, modes)
 
@@ -152,7 +152,8 @@ class IndentedFamily(UnevenFamily):
         found = np.tensordot(coefficients, own.modes, axes=1)
         return Together(own.cells, found, max(rise, LEAST_RISE) * own.doubt)
 
-    def _together(self, pixels: tuple[int, ...], rises: tuple[float, ...]) -> Together:
+    @remembered(PRESSES_KEPT)
+    def together(self, pixels: tuple[int, ...], rises: tuple[float, ...]) -> Together:
         """By the mechanics of the whole press."""
         from ...mechanics.indentation import pressed
 
