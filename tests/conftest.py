@@ -63,7 +63,6 @@ def pytest_collection():
         return (yield)
     finally:
         gc.enable()
-        gc.freeze()
 
 
 def pytest_runtest_setup(item):
