@@ -14,6 +14,8 @@ from __future__ import annotations
 import argparse
 import math
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -78,17 +80,24 @@ def prepared(trial: Trial, registry: Registry) -> Prepared:
     """Everything that is the same for all skins."""
     family, believed = reduced(built(trial.believed), RTOL), reduced(trial.believed, RTOL)
     asked = trial.training if "network" in trial.estimators else min(trial.training, PLENTY)
-    sweeps = simulated(trial.believed, believed, asked)
-    return Prepared(trial, family, believed, localized(trial, sweeps, registry))
+    with on_disk(trial.believed, believed, asked) as sweeps:
+        return Prepared(trial, family, believed, localized(trial, sweeps, registry))
 
 
 def simulated(scene: Scene, believed: Reduced, count: int) -> xr.Dataset:
     """Sweeps of the scene's data set, by a family that was trained for it before."""
+    with on_disk(scene, believed, count) as sweeps:
+        return sweeps.load()
+
+
+@contextmanager
+def on_disk(scene: Scene, believed: Reduced, count: int) -> Iterator[xr.Dataset]:
+    """The same, read part by part while it is there: networks learn from more than memory holds."""
     training = Training(lambda *_: believed, save, load)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "training.zarr"
         generate(Plan(scene, count, SEED, RTOL), path, training=training)
-        return read_some(path, count)
+        yield read_some(path, count, in_parts=True)
 
 
 def localized(trial: Trial, sweeps: xr.Dataset, registry: Registry) -> dict[str, Model]:
