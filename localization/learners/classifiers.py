@@ -71,22 +71,27 @@ def network() -> Pipeline:
 
 
 def gaussian(problem: Problem) -> Pipeline:
-    """An untrained pipeline: a normal density of each class, told the curve at rest if it is there.
-
-    Quantities that do not err alike are brought to one scale.
-    """
+    """An untrained pipeline: a normal density of each class, given the curve at rest if known."""
     blocks = np.arange(problem.features).reshape(len(problem.quantities), -1)
     if all(name in AT_REST for name in problem.quantities):
         raise InputError(
             f"`estimator` gaussian needs features of a press, got {','.join(problem.quantities)}"
         )
-    unlike = any(name in READ for name in problem.quantities)
-    scaled = [("scale", StandardScaler())] if unlike else []
     curve, absolute = (
         tuple(int(k) for name in names for k in blocks[problem.quantities.index(name)])
         for names in _partners(problem.quantities)
     )
-    return Pipeline([*scaled, ("classify", GaussianClassifier(curve, absolute))])
+    return Pipeline([("classify", GaussianClassifier(curve, absolute))])
+
+
+def on_one_scale(pipeline: Pipeline, problem: Problem) -> Pipeline:
+    """For quantities that do not err alike, as Rs and Cp: each feature of unit variance at first.
+
+    In their own units, Rs would leave nothing of Cp in components, or in distances.
+    """
+    if not any(name in READ for name in problem.quantities):
+        return pipeline
+    return Pipeline([("unit", StandardScaler()), *pipeline.steps])
 
 
 def _partners(quantities: Sequence[str]) -> tuple[list[str], list[str]]:

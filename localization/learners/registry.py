@@ -19,6 +19,7 @@ from .classifiers import (
     components_svm,
     gaussian,
     nearest,
+    on_one_scale,
     pipeline,
 )
 from .regressors import gaussian_process, kernel_ridge, neighbours
@@ -90,9 +91,9 @@ def chosen(name: str | None, target: str, registry: Registry | None = None) -> E
 def _classifiers() -> list[Estimator]:
     svms = [Estimator(name, _few_classes(), _svm(name), _svm_grid(name)) for name in CLASSIFIERS]
     others = [
-        ("ksvm-components", CLASSES, lambda _: components_svm(), SVM_GRID, 20_000),
-        ("gaussian", CLASSES, gaussian, {}, 100_000),
-        ("knn", CLASSES, lambda _: nearest(), {"classify__n_neighbors": [5, 15, 45]}, 20_000),
+        ("ksvm-components", CLASSES, _alike(components_svm), SVM_GRID, 20_000),
+        ("gaussian", CLASSES, lambda each: on_one_scale(gaussian(each), each), {}, 100_000),
+        ("knn", CLASSES, _alike(nearest), {"classify__n_neighbors": [5, 15, 45]}, 20_000),
     ]
     return svms + [Estimator(*each) for each in others]
 
@@ -100,17 +101,23 @@ def _classifiers() -> list[Estimator]:
 def _regressors() -> list[Estimator]:
     where = ("position",)
     return [
-        Estimator("gaussian-process", where, lambda _: gaussian_process(), most=400),
-        Estimator("kernel-ridge", where, lambda _: kernel_ridge(), RIDGE_GRID, 6000),
-        Estimator("knn-position", where, lambda _: neighbours()),
+        Estimator("gaussian-process", where, _alike(gaussian_process), most=400),
+        Estimator("kernel-ridge", where, _alike(kernel_ridge), RIDGE_GRID, 6000),
+        Estimator("knn-position", where, _alike(neighbours)),
     ]
 
 
 def _network() -> Estimator:
     def build(problem: Problem) -> Pipeline:
-        return regressors.network() if problem.continuous else classifiers.network()
+        network = regressors.network() if problem.continuous else classifiers.network()
+        return on_one_scale(network, problem)
 
     return Estimator("network", TARGETS, build, most=500_000)
+
+
+def _alike(build: Callable[[], Pipeline]) -> Callable[[Problem], Pipeline]:
+    """The same of features that err alike, whatever they are."""
+    return lambda problem: on_one_scale(build(), problem)
 
 
 def _few_classes() -> tuple[str, ...]:

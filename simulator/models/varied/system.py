@@ -137,4 +137,3 @@ def _edge_terms(
     """Of the form u v along an edge. u: functions at points of it; weights: (cell, point)."""
     matrices = np.einsum("fg,ip,jp->pfigj", fields, u, u)
     return weights, matrices.reshape(len(matrices), -1)
-
