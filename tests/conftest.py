@@ -3,12 +3,15 @@
 import gc
 import itertools
 import math
+import os
 import shutil
 import signal
 import subprocess
 import sys
 from functools import cache
 from types import SimpleNamespace
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy: other cores have other tests
 
 import pytest
 import typer
