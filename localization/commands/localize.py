@@ -121,7 +121,10 @@ def _table(
     early = sweeps.sizes["sweep"] - model.told(sweeps, rest)[1].size
     if early:
         why = "nothing at rest was measured before them in their session; --rest can tell it"
-        typer.echo(f"rcskin: note: {early} sweeps cannot be told: {why}", err=True)
+        typer.echo(
+            f"rcskin: note: {early} sweep{'' if early == 1 else 's'} cannot be told: {why}",
+            err=True,
+        )
     header = ["sweep", "press", "answer", "probability"]
     places = iter(lambda: [], None)
     if model.target == "position":

@@ -11,6 +11,8 @@ import typer
 from . import options
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from ..inputs.touches import Factors
     from ..learners.registry import Estimator
     from ..model.model import Model
@@ -66,7 +68,7 @@ def train_command(
                 track=track,
             )
         save(output, model)
-        for line in _told(model):
+        for line in [*_told(model), *_hints(model, known)]:
             typer.echo(f"{output}: {line}")
         typer.echo(f"model: {_size(model)} -> {output}")
 
@@ -87,6 +89,18 @@ def _told(model: Model) -> list[str]:
     if not model.knows_rest:
         lines.append("cannot tell that nothing is pressed: the sweeps show no skin at rest")
     return lines
+
+
+def _hints(model: Model, sweeps: xr.Dataset) -> list[str]:
+    """Of what would serve better, where skins at rest are there to compare with."""
+    import numpy as np
+
+    if not model.watches_changes or np.unique(sweeps["session"]).size < 2:
+        return []
+    return [
+        "looks at readings as they stand, which differ from skin to skin; changes from the skin at "
+        "rest mostly tell more: --features dlnZ,dphase"
+    ]
 
 
 def _outcome(model: Model) -> str:

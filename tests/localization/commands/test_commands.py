@@ -45,7 +45,7 @@ def test_a_model_is_trained_evaluated_and_asked(run, files, tmp_path):
     code, out, err = run("evaluate", model, tmp_path / "some.csv", "--rest", files / "known.nc")
     assert code == 0 and err.startswith(f"rcskin: note: {model}: 41 of these 42 sweeps")
     code, out, err = run("localize", model, files / "unseen.nc")
-    assert code == 0 and "note: 1 sweeps cannot be told: nothing at rest was measured before" in err
+    assert code == 0 and "note: 1 sweep cannot be told: nothing at rest was measured before" in err
     header, first, second, *_ = out.splitlines()
     assert header == "sweep,press,answer,probability"
     assert first == "0,none,cannot tell,0.2500" and second.startswith('1,"1,1:2.0",1,')
@@ -116,6 +116,14 @@ def test_answers_at_a_rate_are_told_with_confidence_and_coverage(run, make_sweep
 def test_a_model_never_shown_rest_says_so(run, files, tmp_path):
     code, out, _ = run("train", files / "pressed.nc", "-o", tmp_path / "m.skops")
     assert code == 0 and "cannot tell that nothing is pressed" in out
+
+
+def test_raw_readings_of_several_skins_are_advised_against(run, files, tmp_path):
+    advised = "mostly tell more: --features dlnZ,dphase"
+    model = ("-o", tmp_path / "m.skops")
+    assert advised in run("train", files / "known.nc", *model)[1]
+    assert advised not in run("train", files / "known.nc", "--features", "dlnZ,dphase", *model)[1]
+    assert advised not in run("train", files / "pressed.nc", *model)[1]
 
 
 def test_raw_readings_without_rest_are_answered_with_a_note(run, files, tmp_path):
