@@ -16,7 +16,7 @@ from ..sweeps import InputError, checked_output, whole_file
 from ..sweeps.files import locked
 from . import store, workers
 from .block import PLAN_FILE, Workshop, audit_of
-from .model import REDUCED, Training
+from .model import REDUCED, Family, Training
 from .plan import Plan, first_difference
 
 ENDING = ".zarr"
@@ -46,11 +46,13 @@ def generate(
         workshop = Workshop(folder, plan.digest, training.load)
         missing = plan.blocks - len(workshop.finished(plan))
         with workers.hired(min(processes, missing) if scheduler is None else 0) as hands:
-            _prepare(plan, workshop, training)
+            family = _prepared(plan, workshop, training)
             finished = workshop.finished(plan)
             advance(sum(_size(plan, block) for block in finished))
             blocks = [block for block in range(plan.blocks) if block not in finished]
-            for block in _at_work(workshop, blocks, hands, scheduler):
+            made = _at_work(workshop, blocks, hands, scheduler)
+            store.create(workshop.data, plan, family.grid, family.modes)  # while others work
+            for block in made:
                 advance(_size(plan, block))
         _finish(workshop, plan, output)
 
@@ -87,17 +89,18 @@ def _complete(plan: Plan, output: Path) -> bool:
     return True
 
 
-def _prepare(plan: Plan, workshop: Workshop, training: Training) -> None:
-    """Begin the folder of work, or take up what an earlier run left of it."""
+def _prepared(plan: Plan, workshop: Workshop, training: Training) -> Family:
+    """Begin the folder of work, or take up what an earlier run left of it; the model."""
     if workshop.plan_file.exists():
-        return _take_up(workshop, plan)
+        _take_up(workshop, plan)
+        return workshop.load(workshop.model_file)
     shutil.rmtree(workshop.data, ignore_errors=True)
     workshop.note(0).parent.mkdir(exist_ok=True)
     family = training.train(plan.scene, plan.rtol)
     training.save(family, workshop.model_file)
-    store.create(workshop.data, plan, family.grid, family.modes)
     with whole_file(workshop.plan_file) as unfinished:
         unfinished.write_text(plan.text(), encoding="utf-8")
+    return family
 
 
 def _take_up(workshop: Workshop, plan: Plan) -> None:

@@ -24,12 +24,13 @@ if TYPE_CHECKING:
 
 
 def create(folder: Path, plan: Plan, grid: tuple[int, int], waves: int) -> None:
-    """An empty store in `folder`; nothing happens to chunks of one that is there already."""
+    """An empty store in `folder`, or what lacks of one; nothing happens to chunks already there."""
     group = _open(folder, "a")
     extent = sizes(plan, grid, waves)
     chunks = {**extent, **_chunks(plan)}
     for variable in (*variables(plan), *(axis for axis, _ in _axes(plan))):
-        _create(group, variable, extent, chunks)
+        if variable.name not in group:
+            _create(group, variable, extent, chunks)
     for axis, along in _axes(plan):
         array(group, axis.name)[:] = along
 

@@ -39,7 +39,10 @@ def texts(
     there = np.arange(row.shape[1]) < touches[:, None]
     numbers = zip(*(each[there].tolist() for each in (row, column, strength)), strict=True)
     told = iter([f"{i},{j}:{f!r}{unit}" for i, j, f in numbers])
-    return ["+".join(islice(told, count)) or UNPRESSED for count in touches.tolist()]
+    return [
+        next(told) if count == 1 else "+".join(islice(told, count)) or UNPRESSED
+        for count in touches.tolist()
+    ]
 
 
 def told(scene: Scene, factor: NDArray[np.float64]) -> tuple[NDArray[np.float64], str]:

@@ -8,7 +8,7 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -99,14 +99,15 @@ class Processes:
     workers: int
 
     def make(self, workshop: Workshop, blocks: Sequence[int]) -> Iterator[int]:
-        """Make the blocks; yields each when it is finished."""
-        return _handed_out(partial(self.pool.submit, make_block, workshop), blocks, self.workers)
+        """Make the blocks, of which the first are begun now; yields each when it is finished."""
+        submit, waiting = partial(self.pool.submit, make_block, workshop), iter(blocks)
+        with _uninterrupted():
+            running = {submit(block) for block in islice(waiting, AHEAD * self.workers)}
+        return _finished(running, submit, waiting)
 
 
-def _handed_out(submit: Callable, blocks: Sequence[int], workers: int) -> Iterator[int]:
-    waiting = iter(blocks)
-    with _uninterrupted():
-        running = {submit(block) for block in islice(waiting, AHEAD * workers)}
+def _finished(running: set[Future], submit: Callable, waiting: Iterator[int]) -> Iterator[int]:
+    """Each block when it is finished, another one begun for it."""
     while running:
         done, running = wait(running, return_when=FIRST_COMPLETED)
         running |= {submit(block) for block in islice(waiting, len(done))}

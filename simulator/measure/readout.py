@@ -37,8 +37,11 @@ class Meter:
 
 def displayed(value: NDArray[np.float64], digits: int) -> NDArray[np.float64]:
     """Values rounded to that many significant digits, as a meter displays them."""
-    exponent = np.floor(np.log10(np.abs(value), out=np.zeros(value.shape), where=value != 0))
-    step = 10.0 ** (exponent + 1 - digits)
+    some = np.isfinite(value) & (value != 0)
+    exponent = np.floor(np.log10(np.abs(value), out=np.zeros(value.shape), where=some))
+    low, high = exponent.min(initial=0.0), exponent.max(initial=0.0)
+    powers = 10.0 ** (np.arange(low, high + 1) + 1 - digits)
+    step = powers[(exponent - low).astype(np.int64)]
     return np.round(value / step) * step
 
 

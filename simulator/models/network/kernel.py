@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..reduced.kernel import Rest, written_out
+from ..reduced.dense import Rest, written_out
 
 
 class AtRest(NamedTuple):

@@ -15,9 +15,8 @@ from ...fem.estimate import certified
 from ...fem.lanczos import potentials
 from .cases import Case, by_skin
 from .certificate import residual_power, side_by_side
-from .dense import mass_of
+from .dense import Feed, dense_pencil, mass_of, widened
 from .family import Family
-from .kernel import Feed, dense_pencil
 from .model import Reduced, ReducedSkin
 
 KRYLOV_RTOL = 1e-6
@@ -65,10 +64,8 @@ def _solved(
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """Potentials of one drive at 1 V in the skin's coordinates, shape (N + n, s), and Y in S."""
     mass = mass_of(*skin.touched(case.cells, case.rises))
-    at_zero = np.zeros(len(mass))
-    at_zero[: len(feed.driven)] = feed.driven
-    for common in feed.common:
-        sheet = np.pad(common, (0, len(mass) - len(common)))
+    at_zero = widened(feed.driven, len(mass))
+    for sheet in widened(feed.common, len(mass)):
         at_zero -= sheet * (sheet @ mass @ at_zero) / (sheet @ mass @ sheet)
     pencil = dense_pencil(mass, feed)
     at_shifts: Any = s

@@ -3,13 +3,58 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from ...fem.driven import Driven
-from .kernel import Feed, Rest, written_out
+from ...fem.lanczos import Pencil
+
+
+class Rest(NamedTuple):
+    """M of a skin at rest, and what its cells add; coordinates are terminals, then basis vectors.
+
+    rows: of the terminals in M, F, shape (terminal, m). diagonal: of the others, F, shape (n,).
+    factors: F_k of each cell, M_k = F_k'F_k, shape (cell, rank, m).
+    """
+
+    rows: NDArray[np.float64]
+    diagonal: NDArray[np.float64]
+    factors: NDArray[np.float64]
+
+
+class Feed(NamedTuple):
+    """One drive: potentials of terminals in V.
+
+    conductance: at zero frequency, S. driven: shape (terminal,). tied: of floating ones, shape
+    (floating, terminal), with the inverse of their conductance, shape (floating, floating).
+    common: of a sheet that floats as a whole, shape (0 or 1, terminal).
+    """
+
+    conductance: float
+    driven: NDArray[np.float64]
+    tied: NDArray[np.float64]
+    tied_inverse: NDArray[np.float64]
+    common: NDArray[np.float64]
+
+
+REGISTER = 8
+"""Numbers that processors take at once, or a multiple of that."""
+
+
+def aligned(rest: Rest) -> Rest:
+    """The same with coordinates that stay 0, so that loops over them end with whole registers."""
+    beside = -rest.rows.shape[1] % REGISTER
+    return Rest(*(widened(each, each.shape[-1] + beside) for each in rest))
+
+
+def widened(values: NDArray[np.float64], width: int) -> NDArray[np.float64]:
+    """The same with zeros up to a width along the last axis; `numpy.pad` takes ten times as long."""
+    wide = np.zeros((*values.shape[:-1], width))
+    wide[..., : values.shape[-1]] = values
+    return wide
 
 
 def own_coordinates(
@@ -122,3 +167,36 @@ def feed_of(driven: Driven) -> Feed:
         tied_inverse=np.linalg.inv(own).astype(np.float64),
         common=np.ascontiguousarray(driven.floating[:, driven.common].T),
     )
+
+
+def written_out(
+    rest: Rest, cells: NDArray[np.int64], rises: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """M of a press in F, shape (m, m)."""
+    terminals = len(rest.rows)
+    mass = np.diag(np.concatenate([np.zeros(terminals), rest.diagonal]))
+    mass[:terminals] = rest.rows
+    mass[:, :terminals] = rest.rows.T
+    for cell, rise in zip(cells, rises, strict=True):
+        mass += rise * rest.factors[cell].T @ rest.factors[cell]
+    return mass
+
+
+def dense_pencil(mass: NDArray[np.float64], feed: Feed) -> Pencil:
+    """K + s M of one drive. mass: M in F, shape (m, m)."""
+    terminals = len(feed.driven)
+    driven, tied, common = (
+        widened(each, len(mass)) for each in (feed.driven[None], feed.tied, feed.common)
+    )
+
+    def neutral(v: NDArray[np.float64]) -> NDArray[np.float64]:
+        charge = common @ mass
+        return v - common.T @ np.linalg.solve(charge @ common.T, charge @ v)
+
+    def inverse(y: NDArray[np.float64]) -> NDArray[np.float64]:
+        v = np.concatenate([np.zeros(terminals), y[terminals:]])
+        return neutral(v + tied.T @ (feed.tied_inverse @ (tied @ y)))
+
+    potential = neutral(driven[0])
+    start = mass @ potential
+    return Pencil(start, mass.dot, inverse, feed.conductance, float(potential @ start), 0.0)

@@ -221,12 +221,12 @@ def _skins(reduced: Reduced, cases: list[Case]) -> Iterator[ReducedSkin]:
 
 
 def _impedances(reduced: Reduced, cases: list[Case]) -> NDArray[np.complex128]:
-    return np.concatenate(
-        [
-            skin.sweeps(case.cells, case.rises, np.array([0, len(case.cells)]))
-            for skin, case in zip(_skins(reduced, cases), cases, strict=True)
-        ]
-    )
+    """Z in ohm of each case, shape (case, interface, frequency)."""
+    found = []
+    for skin, case in zip(_skins(reduced, cases), cases, strict=True):
+        own = case.cells, case.rises
+        found.append([1 / Y for _, Y in skin.under(*own).solved(*own, skin.s)])
+    return np.array(found)
 
 
 def _of_lower_rank(reduced: Reduced, share: float) -> NDArray[np.float64]:

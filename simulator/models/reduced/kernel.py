@@ -7,7 +7,6 @@ for the few rows of the terminals. A touched pixel adds a product of thin factor
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,37 +14,11 @@ from numpy.typing import NDArray
 from ...fem.compiled import compiled
 from ...fem.estimate import LOST_SUSCEPTANCE
 from ...fem.kernels import continued_fractions, next_convergent
-from ...fem.lanczos import FEWEST_STEPS, MOST_STEPS, Pencil, respond
+from ...fem.lanczos import FEWEST_STEPS, MOST_STEPS, respond
+from .dense import Feed, Rest, dense_pencil, written_out
 
 ROOM = 7
 """Vectors that Lanczos' method works with."""
-
-
-class Rest(NamedTuple):
-    """M of a skin at rest, and what its cells add; coordinates are terminals, then basis vectors.
-
-    rows: of the terminals in M, F, shape (terminal, m). diagonal: of the others, F, shape (n,).
-    factors: F_k of each cell, M_k = F_k'F_k, shape (cell, rank, m).
-    """
-
-    rows: NDArray[np.float64]
-    diagonal: NDArray[np.float64]
-    factors: NDArray[np.float64]
-
-
-class Feed(NamedTuple):
-    """One drive: potentials of terminals in V.
-
-    conductance: at zero frequency, S. driven: shape (terminal,). tied: of floating ones, shape
-    (floating, terminal), with the inverse of their conductance, shape (floating, floating).
-    common: of a sheet that floats as a whole, shape (0 or 1, terminal).
-    """
-
-    conductance: float
-    driven: NDArray[np.float64]
-    tied: NDArray[np.float64]
-    tied_inverse: NDArray[np.float64]
-    common: NDArray[np.float64]
 
 
 @compiled()
@@ -111,40 +84,6 @@ def swept_readable(
     touched = [slice(*ends) for ends in zip(starts[:-1], starts[1:], strict=True)]
     masses = [written_out(rest, cells[each], rises[each]) for each in touched]
     return np.stack([respond(dense_pencil(mass, feed), s, rtol)[0] for mass in masses])
-
-
-def written_out(
-    rest: Rest, cells: NDArray[np.int64], rises: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """M of a press in F, shape (m, m)."""
-    terminals = len(rest.rows)
-    mass = np.diag(np.concatenate([np.zeros(terminals), rest.diagonal]))
-    mass[:terminals] = rest.rows
-    mass[:, :terminals] = rest.rows.T
-    for cell, rise in zip(cells, rises, strict=True):
-        mass += rise * rest.factors[cell].T @ rest.factors[cell]
-    return mass
-
-
-def dense_pencil(mass: NDArray[np.float64], feed: Feed) -> Pencil:
-    """K + s M of one drive. mass: M in F, shape (m, m)."""
-    terminals = len(feed.driven)
-    driven, tied, common = (
-        np.pad(each, ((0, 0), (0, len(mass) - terminals)))
-        for each in (feed.driven[None], feed.tied, feed.common)
-    )
-
-    def neutral(v: NDArray[np.float64]) -> NDArray[np.float64]:
-        charge = common @ mass
-        return v - common.T @ np.linalg.solve(charge @ common.T, charge @ v)
-
-    def inverse(y: NDArray[np.float64]) -> NDArray[np.float64]:
-        v = np.concatenate([np.zeros(terminals), y[terminals:]])
-        return neutral(v + tied.T @ (feed.tied_inverse @ (tied @ y)))
-
-    potential = neutral(driven[0])
-    start = mass @ potential
-    return Pencil(start, mass.dot, inverse, feed.conductance, float(potential @ start), 0.0)
 
 
 @compiled()

@@ -30,9 +30,8 @@ from ..parameters import Variation, foam_parts, nominal
 from ..varied.materials import gauged
 from .cases import Case, touched
 from .certificate import certificate, least_conductance, side_by_side
-from .dense import feed_of, own_coordinates, solved
+from .dense import Rest, aligned, feed_of, own_coordinates, solved
 from .family import Family, Mesh, changes, weights_under
-from .kernel import Rest, impedances
 from .resolving import family_on, finer_families
 
 KRYLOV_SHARE = 0.03
@@ -146,6 +145,7 @@ class ReducedSkin:
             np.ascontiguousarray(M.diagonal()[terminals:]),
             np.ascontiguousarray(reduced.factors @ self.turn),
         )
+        self._aligned = aligned(self.rest)
         self._drives = [
             driven_by(drive, reduced.terminal_field, self.conductance, np.eye(terminals))
             for drive in reduced.circuit.drives
@@ -197,8 +197,10 @@ class ReducedSkin:
         starts: NDArray[np.int64],
         s: NDArray[np.complex128],
     ) -> NDArray[np.complex128]:
+        from .kernel import impedances
+
         weights, rtol = rises * self.rest_factors[cells], KRYLOV_SHARE * self.reduced.rtol
-        return impedances(self.rest, self.feeds, cells, weights, starts, s, rtol)
+        return impedances(self._aligned, self.feeds, cells, weights, starts, s, rtol)
 
     def certificate(
         self,

@@ -113,6 +113,15 @@ def test_what_is_no_data_set_is_never_replaced(make, toy, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["out.zarr"]
 
 
+@pytest.mark.parametrize("lost", ["zarr.json", "Rs/zarr.json", "*/zarr.json"])
+def test_a_store_that_was_not_yet_made_is_made(make, toy, tmp_path, lost):
+    plan = toy.small_plan(100, block=2)
+    interrupted(toy, tmp_path / "out.zarr", plan)
+    for each in (tmp_path / ".out.zarr.unfinished" / "data.zarr").glob(lost):
+        each.unlink()
+    assert toy.bytes_of(make("out", plan)) == toy.bytes_of(make("whole", plan))
+
+
 def test_what_is_left_of_half_a_write_does_not_stay(make, toy, tmp_path):
     plan = toy.small_plan(100, block=2)
     interrupted(toy, tmp_path / "out.zarr", plan)

@@ -18,8 +18,8 @@ from ....fem.estimate import relative_difference
 from ....sweeps import InputError
 from ...parameters import Variation
 from ..cases import Case
+from ..dense import Rest
 from ..family import Family
-from ..kernel import Rest, impedances
 from ..model import KRYLOV_SHARE, Reduced, ReducedSkin
 from .applicators import Applicators
 from .family import IndentedFamily
@@ -155,6 +155,8 @@ class IndentedSkin(ReducedSkin):
         starts: NDArray[np.int64],
         s: NDArray[np.complex128],
     ) -> NDArray[np.complex128]:
+        from ..kernel import impedances
+
         self._check(cells, rises)
         found = np.empty((len(starts) - 1, len(self.feeds), len(s)), dtype=np.complex128)
         own, rtol = np.split(cells, starts[1:-1]), KRYLOV_SHARE * self.reduced.rtol
