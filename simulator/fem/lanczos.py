@@ -116,19 +116,31 @@ def potentials(
     Ends when the last step adds less than rtol to any, in the norm of K.
     """
     squared, diagonal, basis = [], [], []
-    parts = np.zeros((0, len(shifts)))
+    pivot = last = np.ones(len(shifts))
     for b, a, q in itertools.islice(_coefficients(pencil), most_steps):
+        pivot = 1 + shifts * a - (shifts**2 * b / pivot if basis else 0.0)
+        last = -shifts * np.sqrt(b) * last / pivot
         squared.append(b)
         diagonal.append(a)
         basis.append(q)
-        beside = np.sqrt(squared[1:])
-        T = np.diag(diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
-        start = np.eye(len(basis), 1) * np.sqrt(squared[0])
-        solved = np.linalg.solve(np.eye(len(T)) + shifts[:, None, None] * T, start)[:, :, 0]
-        parts = np.ascontiguousarray((-shifts[:, None] * solved).T)
-        if (np.abs(parts[-1]) <= rtol * np.linalg.norm(parts, axis=0)).all():
-            break
-    return np.array(basis).T @ parts if basis else np.zeros((len(pencil.start), len(shifts)))
+        if (np.abs(last) <= rtol * np.abs(shifts) * np.sqrt(squared[0])).all():
+            parts = _parts(shifts, diagonal, squared)
+            if (np.abs(parts[-1]) <= rtol * np.linalg.norm(parts, axis=0)).all():
+                return np.array(basis).T @ parts
+    if not basis:
+        return np.zeros((len(pencil.start), len(shifts)))
+    return np.array(basis).T @ _parts(shifts, diagonal, squared)
+
+
+def _parts(
+    shifts: NDArray[np.float64], diagonal: list[float], squared: list[float]
+) -> NDArray[np.float64]:
+    """-s (1 + s T)^-1 e1 b_0, shape (step, s), of norm |s| b_0 at most."""
+    beside = np.sqrt(squared[1:])
+    T = np.diag(diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
+    start = np.eye(len(T), 1) * np.sqrt(squared[0])
+    solved = np.linalg.solve(np.eye(len(T)) + shifts[:, None, None] * T, start)[:, :, 0]
+    return np.ascontiguousarray((-shifts[:, None] * solved).T)
 
 
 def _coefficients(pencil: Pencil) -> Iterator[tuple[float, float, NDArray[np.float64]]]:
