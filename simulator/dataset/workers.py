@@ -62,7 +62,7 @@ def hired(workers: int) -> Iterator[Processes | None]:
         yield None
         return
     others = multiprocessing.active_children()
-    with _copies() as fresh, ProcessPoolExecutor(workers, fresh, _begin) as pool:
+    with ProcessPoolExecutor(workers, _copies(), _begin) as pool:
         try:
             yield Processes(pool, workers)
         except BrokenProcessPool:
@@ -74,21 +74,16 @@ def hired(workers: int) -> Iterator[Processes | None]:
             raise
 
 
-@contextmanager
-def _copies() -> Iterator[ForkServerContext]:
-    """Processes begun in here are copies of one that has imported what is NEEDED.
+def _copies() -> ForkServerContext:
+    """Of this, processes are copies of one that has imported what is NEEDED.
 
-    That is begun here and not waited for.
+    That is begun here, not waited for, and ends with this process.
     """
     context = multiprocessing.get_context("forkserver")
-    server: Any = forkserver._forkserver
     context.set_forkserver_preload([*NEEDED])
     with _uninterrupted():
         forkserver.ensure_running()
-    try:
-        yield context
-    finally:
-        server._stop()  # else it stays as long as this process does
+    return context
 
 
 @dataclass(frozen=True)
