@@ -95,13 +95,17 @@ class Processes:
 
     def make(self, workshop: Workshop, blocks: Sequence[int]) -> Iterator[int]:
         """Make the blocks, of which the first are begun now; yields each when it is finished."""
-        submit, waiting = partial(self.pool.submit, make_block, workshop), iter(blocks)
+        waiting = iter(blocks)
+        submit: Begin = partial(self.pool.submit, make_block, workshop)
         with _uninterrupted():
             running = {submit(block) for block in islice(waiting, AHEAD * self.workers)}
         return _finished(running, submit, waiting)
 
 
-def _finished(running: set[Future], submit: Callable, waiting: Iterator[int]) -> Iterator[int]:
+Begin = Callable[[int], Future[int]]
+
+
+def _finished(running: set[Future[int]], submit: Begin, waiting: Iterator[int]) -> Iterator[int]:
     """Each block when it is finished, another one begun for it."""
     while running:
         done, running = wait(running, return_when=FIRST_COMPLETED)

@@ -51,7 +51,7 @@ def aligned(rest: Rest) -> Rest:
 
 
 def widened(values: NDArray[np.float64], width: int) -> NDArray[np.float64]:
-    """The same with zeros up to a width along the last axis; `numpy.pad` takes ten times as long."""
+    """The same with zeros up to a width along the last axis; `numpy.pad` takes longer."""
     wide = np.zeros((*values.shape[:-1], width))
     wide[..., : values.shape[-1]] = values
     return wide
