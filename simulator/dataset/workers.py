@@ -96,20 +96,23 @@ class Processes:
     def make(self, workshop: Workshop, blocks: Sequence[int]) -> Iterator[int]:
         """Make the blocks, of which the first are begun now; yields each when it is finished."""
         waiting = iter(blocks)
-        submit: Begin = partial(self.pool.submit, make_block, workshop)
+
+        def begin(block: int) -> Future[int]:
+            return self.pool.submit(make_block, workshop, block)
+
         with _uninterrupted():
-            running = {submit(block) for block in islice(waiting, AHEAD * self.workers)}
-        return _finished(running, submit, waiting)
+            running = {begin(block) for block in islice(waiting, AHEAD * self.workers)}
+        return _finished(running, begin, waiting)
 
 
 Begin = Callable[[int], Future[int]]
 
 
-def _finished(running: set[Future[int]], submit: Begin, waiting: Iterator[int]) -> Iterator[int]:
+def _finished(running: set[Future[int]], begin: Begin, waiting: Iterator[int]) -> Iterator[int]:
     """Each block when it is finished, another one begun for it."""
     while running:
         done, running = wait(running, return_when=FIRST_COMPLETED)
-        running |= {submit(block) for block in islice(waiting, len(done))}
+        running |= {begin(block) for block in islice(waiting, len(done))}
         yield from sorted(future.result() for future in done)
 
 
