@@ -56,12 +56,8 @@ class Profile:
 
     def __init__(self, fit: Fit, scale: float, width: float) -> None:
         """scale: that chi-squared is over. width: half of an interval over its deviation."""
-        self._problem, self.width = fit.problem, width
-        count, size = len(fit.asked.fitted), len(fit.u)
+        self._problem, self._scale, self.width = fit.problem, scale, width
         self._low, self._high = fit.problem.bounds()
-        self._weights = np.full(len(fit.problem.residuals(fit.u)), scale**-0.5)
-        own = len(self._weights) - size
-        self._weights[own : own + count] = 1.0
         self._begin = fit.u
         self._moved = scale > 1
 
@@ -185,8 +181,7 @@ class Profile:
         return np.clip(u, self._low, self._high)
 
     def _at(self, u: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        problem = self._problem
-        return self._weights * problem.residuals(u), self._weights[:, None] * problem.jacobian(u)
+        return self._problem.condensed(u, self._scale)
 
     def _reduced(self, along: Along, u: NDArray[np.float64]) -> NDArray[np.float64]:
         """Slopes to all but the pivot, which follows them."""
