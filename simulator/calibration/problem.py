@@ -153,13 +153,10 @@ class Problem:
 
     def fitted(self, u: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Z in ohm of each reading without the meter's errors, (reading, interface, frequency)."""
-        values = self.asked.values(u)
-        return np.stack(
-            [
-                self.around.respond(cells, self.rises(u, k), values).Z
-                for k, (cells, _) in enumerate(self.cells)
-            ]
-        )
+        found = np.empty((len(self.cells), *self.asked.measured.readings[0].Z.shape), dtype=complex)
+        for block in self._blocks(u):
+            found[block.readings] = block.Z
+        return found
 
     @property
     def _centers(self) -> dict[str, float]:
@@ -210,8 +207,10 @@ class Problem:
         of_errors = columns[:, columns.shape[1] - self._errors.shape[1] :]
         measured = np.stack([reading.Z for reading in readings])
         off = difference(response.Z, measured) + u[of_errors] @ self._errors.T
-        deviation = self._deviation[group]
-        return Block(group, columns, len(touches), off / deviation, slopes / deviation[:, :, None])
+        deviation = self._deviation[group][:, :, None]
+        return Block(
+            group, columns, len(touches), response.Z, off / deviation[..., 0], slopes / deviation
+        )
 
     def _columns(self, group: NDArray[np.int64], readings: Sequence[Reading]) -> NDArray[np.int64]:
         """Unknowns that each reading depends on: its touches, parameters, errors of its session."""

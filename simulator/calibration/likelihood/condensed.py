@@ -21,13 +21,14 @@ class Block:
     """Residuals of readings that are alike, and their slopes to the unknowns they depend on.
 
     readings: which, shape (reading,). columns: of the unknowns, the touches of each first, shape
-    (reading, unknown). touches: how many. off: shape (reading, residual). slopes: shape (reading,
-    residual, unknown).
+    (reading, unknown). touches: how many. Z: fitted, ohm, shape (reading, interface, frequency).
+    off: shape (reading, residual). slopes: shape (reading, residual, unknown).
     """
 
     readings: NDArray[np.int64]
     columns: NDArray[np.int64]
     touches: int
+    Z: NDArray[np.complex128]
     off: NDArray[np.float64]
     slopes: NDArray[np.float64]
 

@@ -31,7 +31,7 @@ def solved_together(
     rows = rest.rows + (U[:, :, :N] * C[:, :, None]).transpose(0, 2, 1) @ U
     if MANY * U.shape[1] <= len(rest.diagonal):
         P = (1 / (1 + s[:, None] * rest.diagonal))[None]
-        seen = _seen(rest, cells, P[0])
+        seen = _seen(rest, cells, C, s[:, None] * P[0])
         return [_by_touches(driven, rows, P, U[:, :, N:], C, seen, s) for driven in drives]
     M = (U[:, :, N:] * C[:, :, None]).transpose(0, 2, 1) @ U[:, :, N:]
     M[:, range(M.shape[1]), range(M.shape[1])] += rest.diagonal
@@ -45,15 +45,22 @@ def solved_together(
 
 
 def _seen(
-    rest: Rest, cells: NDArray[np.int64], P: NDArray[np.complex128]
+    rest: Rest, cells: NDArray[np.int64], C: NDArray[np.float64], sP: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
-    """U P U' of each press, once for all that touch the same cells; P: shape (s, n).
+    """1 + U s P U' C of each press, the product once for all that touch the same cells.
 
-    Shape (press, s, rank, rank).
+    C: shape (press, rank). sP: shape (s, n). Shape (press, s, rank, rank).
     """
     own, same = np.unique(cells, axis=0, return_inverse=True)
     U = rest.factors[own].reshape(len(own), -1, rest.factors.shape[2])[:, :, len(rest.rows) :]
-    return ((U[:, None] * P[None, :, None]) @ U.transpose(0, 2, 1)[:, None])[same.ravel()]
+    count, rank, n = U.shape
+    parts = np.stack([sP.real, sP.imag])
+    rows = (parts[:, :, None] * U[:, None, None]).reshape(count, 2 * len(sP) * rank, n)
+    products = (rows @ U.transpose(0, 2, 1)).reshape(count, 2, len(sP), rank, rank)
+    seen = (products[:, 0] + 1j * products[:, 1])[same.ravel()]
+    seen *= C[:, None, None]
+    seen[:, :, range(rank), range(rank)] += 1.0
+    return seen
 
 
 def _by_touches(
@@ -67,21 +74,14 @@ def _by_touches(
 ) -> Solved:
     """As `dense._by_touches`. rows: of M at terminals, shape (press, N, N + n). P: 1 / (1 + s M)
     where M is diagonal, (press or 1, s, n). U, C: what cells see there, (press, rank, n), and their
-    weights, (press, rank). seen: U P U', (press, s, rank, rank)."""
+    weights, (press, rank). seen: see `_seen`."""
     N, F = len(driven.potential), driven.floating
     floats = F.shape[1]
     charge = driven.potential @ rows
     beside = np.concatenate([F.T @ rows[:, :, N:], U], axis=1)
     weighed = np.concatenate([np.ones((len(C), floats)), C], axis=1)
     sign = np.repeat(np.stack([-(s**2), s], axis=1), [floats, C.shape[1]], axis=1)
-    whole = np.empty((*seen.shape[:2], beside.shape[1], beside.shape[1]), dtype=complex)
-    whole[:, :, floats:, floats:] = seen
-    across = (beside[:, None, :floats] * P[:, :, None]) @ beside.transpose(0, 2, 1)[:, None]
-    whole[:, :, :floats], whole[:, :, :, :floats] = across, across.transpose(0, 1, 3, 2)
-    system = sign[:, :, None] * whole * weighed[:, None, None, :]
-    system[:, :, :floats, :floats] += driven.floating_conductance
-    system[:, :, :floats, :floats] += s[:, None, None] * (F.T @ rows[:, :, :N] @ F)[:, None]
-    system[:, :, range(floats, system.shape[2]), range(floats, system.shape[2])] += 1.0
+    system = _beside_floating(driven, rows, P, beside, weighed, seen, s) if floats else seen
     right = -sign * ((P * charge[:, None, N:]) @ beside.transpose(0, 2, 1))
     right[:, :, :floats] -= s[:, None] * (charge[:, :N] @ F)[:, None]
     found = np.linalg.solve(system, right[..., None])[..., 0]
@@ -89,3 +89,26 @@ def _by_touches(
     at_terminals = driven.potential + found[:, :, :floats] @ F.T
     u = np.concatenate([at_terminals, v], axis=2)
     return u, driven.conductance + s * (u @ charge[:, :, None])[:, :, 0]
+
+
+def _beside_floating(
+    driven: Driven,
+    rows: NDArray[np.float64],
+    P: NDArray[np.complex128],
+    beside: NDArray[np.float64],
+    weighed: NDArray[np.float64],
+    seen: NDArray[np.complex128],
+    s: NDArray[np.complex128],
+) -> NDArray[np.complex128]:
+    """The matrix of what cells see with that of floating terminals before it."""
+    F, N = driven.floating, len(driven.potential)
+    floats, k = F.shape[1], beside.shape[1]
+    system = np.empty((*seen.shape[:2], k, k), dtype=complex)
+    system[:, :, floats:, floats:] = seen
+    across = (beside[:, None, :floats] * P[:, :, None]) @ beside.transpose(0, 2, 1)[:, None]
+    system[:, :, :floats] = -(s[:, None, None] ** 2) * across * weighed[:, None, None]
+    back = across[:, :, :, floats:].transpose(0, 1, 3, 2)
+    system[:, :, floats:, :floats] = s[:, None, None] * back
+    system[:, :, :floats, :floats] += driven.floating_conductance
+    system[:, :, :floats, :floats] += s[:, None, None] * (F.T @ rows[:, :, :N] @ F)[:, None]
+    return system
