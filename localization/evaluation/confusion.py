@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,5 +90,6 @@ def over_folds(
     """What each row is told to be by a pipeline that was not trained on it, beside what it is."""
     told = np.empty_like(y)
     for train, test in splits:
-        told[test] = clone(untrained).fit(X[train], y[train]).predict(X[test])
+        fresh: Any = clone(untrained)
+        told[test] = fresh.fit(X[train], y[train]).predict(X[test])
     return compare(y, told)

@@ -235,7 +235,7 @@ class Problem:
             for half, spread in self.asked.accuracy.items()
         ]
         found = np.hstack([np.zeros((2 * interfaces, 0)), *halves])
-        return np.repeat(found, frequencies, axis=0)
+        return np.repeat(found, frequencies, axis=0).astype(np.float64)
 
 
 def deviation_of(asked: Asked, reading: Reading) -> NDArray[np.float64]:

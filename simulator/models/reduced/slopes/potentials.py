@@ -38,7 +38,7 @@ def solved_together(
     diagonal, axes = np.linalg.eigh(M)
     P = 1 / (1 + s[:, None] * diagonal[:, None])
     turned = np.concatenate([rows[:, :, :N], rows[:, :, N:] @ axes], axis=2)
-    nothing = U[:, :0, N:], C[:, :0], np.zeros((len(cells), len(s), 0, 0))
+    nothing = U[:, :0, N:], C[:, :0], np.zeros((len(cells), len(s), 0, 0), dtype=complex)
     found = [_by_touches(driven, turned, P, *nothing, s) for driven in drives]
     back = axes.transpose(0, 2, 1)
     return [(np.concatenate([u[:, :, :N], u[:, :, N:] @ back], axis=2), Y) for u, Y in found]
