@@ -75,7 +75,8 @@ def _turned(
     priors[:, range(block.touches), range(block.touches)] = 1.0
     priors[:, :, -1] = u[block.columns[:, : block.touches]]
     read = np.concatenate([block.slopes, block.off[:, :, None]], axis=2)
-    R: NDArray[np.float64] = np.linalg.qr(share * np.concatenate([priors, read], axis=1), mode="r")
+    rows = share * np.concatenate([priors, read], axis=1)
+    R = np.asarray(np.linalg.qr(rows, mode="r"), dtype=np.float64)
     return R[:, : block.touches], R[:, block.touches :, block.touches :]
 
 
