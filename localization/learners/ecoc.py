@@ -11,6 +11,7 @@ error-correcting output codes", IEEE Trans. Pattern Anal. Mach. Intell. 32 (2010
 
 from copy import copy
 from itertools import combinations
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -78,7 +79,8 @@ class ECOCClassifier(MetaEstimatorMixin, ClassifierMixin, BaseEstimator):
     ----------
     classes_: labels in ascending order, shape (K,).
     coding_matrix_: shape (K, L).
-    estimators_: the L fitted learners, in the order of the columns of `coding_matrix_`.
+    estimators_: the L fitted learners, in the order of the columns of `coding_matrix_`; or one
+        `SVC` that holds them all, where it is the same one by one (see `holds_all_pairs`).
     """
 
     def __init__(self, estimator=None, coding="one-versus-one"):
@@ -100,7 +102,12 @@ class ECOCClassifier(MetaEstimatorMixin, ClassifierMixin, BaseEstimator):
             raise ValueError(f"need samples of at least 2 classes, got 1 class: {self.classes_[0]}")
         self.coding_matrix_ = CODINGS[self.coding](self.classes_.size)
         fresh = clone(SVC() if self.estimator is None else self.estimator)
-        self.estimators_ = [_fitted(copy(fresh), X, code[index]) for code in self.coding_matrix_.T]
+        pairs = self.coding == "one-versus-one" and self.classes_.size > 2
+        self.estimators_ = (
+            [_all_pairs(fresh, X, index)]
+            if pairs and holds_all_pairs(fresh)
+            else [_fitted(copy(fresh), X, code[index]) for code in self.coding_matrix_.T]
+        )
         return self
 
     def decision_function(self, X):
@@ -111,8 +118,7 @@ class ECOCClassifier(MetaEstimatorMixin, ClassifierMixin, BaseEstimator):
         """
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
-        scores = np.column_stack([learner.decision_function(X) for learner in self.estimators_])
-        closeness = -average_loss(self.coding_matrix_, scores)
+        closeness = -average_loss(self.coding_matrix_, self._scores(X))
         return closeness[:, 1] - closeness[:, 0] if self.classes_.size == 2 else closeness
 
     def predict(self, X):
@@ -120,6 +126,46 @@ class ECOCClassifier(MetaEstimatorMixin, ClassifierMixin, BaseEstimator):
         decision = self.decision_function(X)
         best = decision > 0 if decision.ndim == 1 else decision.argmax(axis=1)
         return self.classes_[best.astype(np.intp)]
+
+    def _scores(self, X):
+        """Of each learner, shape (n, L)."""
+        if len(self.estimators_) < self.coding_matrix_.shape[1]:
+            return _scores_of_pairs(self.estimators_[0], X)
+        return np.column_stack([learner.decision_function(X) for learner in self.estimators_])
+
+
+def holds_all_pairs(learner: Any) -> bool:
+    """Whether one fit to all classes holds, bit for bit, a fit of this learner to each pair.
+
+    libsvm solves the pairs of many classes one by one, each by its own samples alone. Of what is
+    set here only a width that follows the spread of the samples, weights and probabilities ask for
+    all of them. Source: C.-C. Chang, C.-J. Lin, "LIBSVM", ACM Trans. Intell. Syst. Technol. 2
+    (2011) 27, section 4.
+    """
+    return (
+        type(learner) is SVC
+        and isinstance(learner.gamma, Real)
+        and isinstance(learner.kernel, str)
+        and learner.kernel != "precomputed"
+        and learner.class_weight is None
+        and learner.probability is not True
+        and not learner.break_ties
+    )
+
+
+def _all_pairs(learner: Any, X: Any, index: NDArray[np.intp]) -> Any:
+    """Learners of all pairs. Classes are numbered backwards: of each pair, libsvm then takes the
+    same for its first as it does of the sides -1 and +1."""
+    return learner.set_params(decision_function_shape="ovo").fit(X, -index)
+
+
+def _scores_of_pairs(learner: Any, X: Any) -> NDArray[np.float64]:
+    """Of all pairs in the order of `one_versus_one`, shape (n, L)."""
+    backwards = learner.decision_function(X)
+    K = learner.classes_.size
+    place = {pair: k for k, pair in enumerate(combinations(range(K), 2))}
+    order = [place[K - 1 - second, K - 1 - first] for first, second in combinations(range(K), 2)]
+    return -backwards[:, order]
 
 
 def _fitted(learner: Any, X: Any, sides: NDArray[np.int64]) -> Any:

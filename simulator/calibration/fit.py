@@ -135,9 +135,16 @@ def solved(problem: Problem, begin: Mapping[str, float], tell: Tell = tell_nothi
     u = np.clip(problem.asked.unknowns(begin), low + inside, high - inside)
     if not len(u):
         return Fit(problem, u)
-    exact: Any = problem.jacobian
+
+    def residuals(u: NDArray[np.float64]) -> NDArray[np.float64]:
+        return problem.condensed(u)[0]
+
+    def slopes(u: NDArray[np.float64]) -> NDArray[np.float64]:
+        return problem.condensed(u)[1]
+
+    exact: Any = slopes
     found = least_squares(
-        _watched(problem.residuals, tell),
+        _watched(residuals, tell),
         u,
         exact,
         bounds=(low, high),

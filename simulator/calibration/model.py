@@ -70,6 +70,28 @@ class Around:
         by_rise = self._at_rest(own, response) * response.by_cell + response.by_gauge
         return replace(response, by_cell=by_rise)
 
+    def respond_together(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], values: Mapping[str, float]
+    ) -> Response:
+        """Of presses that touch as many cells each, shape (press, touch).
+
+        As `respond`, with an axis (press,) first; `by_cell` of the touched ones alone.
+        """
+        if isinstance(self.model, Forward) and self.model.alike:
+            own = self.own(values)
+            response = self.model.respond_together(cells, rises, own)
+            at_rest = self.model.factors_at_rest(own)[cells][:, None, None]
+            return replace(response, by_cell=at_rest * response.by_cell)
+        pairs = zip(cells, rises, strict=True)
+        each = [(touched, self.respond(touched, own, values)) for touched, own in pairs]
+        names = each[0][1].by_parameter
+        return Response(
+            np.stack([found.Z for _, found in each]),
+            {name: np.stack([found.by_parameter[name] for _, found in each]) for name in names},
+            np.stack([found.by_cell[..., touched] for touched, found in each]),
+            np.stack([found.by_term for _, found in each]),
+        )
+
     def _at_rest(self, own: Mapping[str, float], response: Response) -> NDArray[np.float64] | float:
         """c of each cell at rest over that of the scene."""
         if isinstance(self.model, LineModel):

@@ -8,7 +8,7 @@ residuals are the same as residuals whitened by the covariance of `ErrorModel` o
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -19,6 +19,7 @@ from ..measure.readout import ErrorModel, observed, observed_slope
 from ..models.parameters import FACTORS, KNOWN
 from ..press.press import pressed_factor
 from ..scene.meter import Readout
+from .likelihood.condensed import Block, Condensed, condensed
 from .measured import Measured, Reading
 from .model import Around
 from .prior import Prior
@@ -101,15 +102,31 @@ class Problem:
     def __init__(self, asked: Asked, around: Around) -> None:
         self.asked, self.around = asked, around
         self.cells = [around.model.cells(each.press) for each in asked.measured.readings]
-        self._last: tuple[bytes, NDArray[np.float64], NDArray[np.float64]] | None = None
+        self._deviation = np.stack([deviation_of(asked, each) for each in asked.measured.readings])
+        self._last: tuple[bytes, list[Block]] | None = None
+        self._turned: tuple[bytes, float, Condensed] | None = None
 
     def residuals(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
         """Of all readings, then of all priors; shape (residual,)."""
-        return self._evaluated(u)[0]
+        found = np.empty(self._deviation.shape)
+        for block in self._blocks(u):
+            found[block.readings] = block.off
+        return np.concatenate([found.ravel(), u])
 
     def jacobian(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
         """Of the residuals, exact; shape (residual, unknown)."""
-        return self._evaluated(u)[1]
+        slopes = np.zeros((*self._deviation.shape, len(u)))
+        for block in self._blocks(u):
+            slopes[block.readings[:, None], :, block.columns] = block.slopes.transpose(0, 2, 1)
+        return np.vstack([slopes.reshape(-1, len(u)), np.eye(len(u))])
+
+    def condensed(self, u: NDArray[np.float64], scale: float = 1.0) -> Condensed:
+        """Residuals and Jacobian turned to few more rows than unknowns: all their products are
+        those of the whole ones. scale: that chi-squared is over, but not priors of parameters."""
+        if self._turned is None or self._turned[:2] != (u.tobytes(), scale):
+            found = condensed(self._blocks(u), u, len(self.asked.fitted), scale)
+            self._turned = u.tobytes(), scale, found
+        return self._turned[2]
 
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Of the unknowns: what makes sense, and what the model reaches."""
@@ -132,18 +149,14 @@ class Problem:
         rises, spreads = self.cells[k][1], self.asked.spreads[k]
         if not spreads:
             return rises
-        first = len(self.asked.fitted) + sum(map(len, self.asked.spreads[:k]))
-        return rises + np.array(spreads) * u[first : first + len(spreads)]
+        return rises + np.array(spreads) * u[self._firsts[k] : self._firsts[k] + len(spreads)]
 
     def fitted(self, u: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Z in ohm of each reading without the meter's errors, (reading, interface, frequency)."""
-        values = self.asked.values(u)
-        return np.stack(
-            [
-                self.around.respond(cells, self.rises(u, k), values).Z
-                for k, (cells, _) in enumerate(self.cells)
-            ]
-        )
+        found = np.empty((len(self.cells), *self.asked.measured.readings[0].Z.shape), dtype=complex)
+        for block in self._blocks(u):
+            found[block.readings] = block.Z
+        return found
 
     @property
     def _centers(self) -> dict[str, float]:
@@ -155,50 +168,74 @@ class Problem:
         rises = np.concatenate([np.zeros(0), *known])
         return rises, np.array([each for own in self.asked.spreads for each in own])
 
-    def _evaluated(self, u: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _blocks(self, u: NDArray[np.float64]) -> list[Block]:
         if self._last is None or self._last[0] != u.tobytes():
-            rows = [self._reading(u, k) for k in range(len(self.cells))]
-            residuals, slopes = zip(*rows, strict=True)
-            self._last = (
-                u.tobytes(),
-                np.concatenate([*residuals, u]),
-                np.vstack([*slopes, np.eye(len(u))]),
-            )
-        return self._last[1:]
+            self._last = u.tobytes(), [self._block(u, group) for group in self._groups]
+        return self._last[1]
 
-    def _reading(
-        self, u: NDArray[np.float64], k: int
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Residuals of one reading, and their slopes, over its own deviations."""
-        asked, reading = self.asked, self.asked.measured.readings[k]
-        cells, rises = self.cells[k][0], self.rises(u, k)
-        response = self.around.respond(cells, rises, asked.values(u))
-        slopes = np.zeros((2 * reading.Z.size, len(u)))
-        for column, (name, prior) in enumerate(asked.fitted.items()):
-            slope = observed_slope(response.Z, response.by_parameter[name])
-            slopes[:, column] = prior.deviation * slope
-        first = len(asked.fitted) + sum(map(len, asked.spreads[:k]))
-        for touch, spread in enumerate(asked.spreads[k]):
-            slope = observed_slope(response.Z, response.by_cell[..., cells[touch]])
-            slopes[:, first + touch] = spread * slope
-        self._add_errors(slopes, reading)
-        fixed = np.s_[len(u) - asked.errors :]
-        off = difference(response.Z, reading.Z) + slopes[:, fixed] @ u[fixed]
-        deviation = deviation_of(asked, reading)
-        return off / deviation, slopes / deviation[:, None]
+    @cached_property
+    def _firsts(self) -> list[int]:
+        """Of each reading, the first unknown that is the strength of one of its touches."""
+        counts = np.cumsum([0, *map(len, self.asked.spreads[:-1])])
+        return (len(self.asked.fitted) + counts).tolist()
 
-    def _add_errors(self, slopes: NDArray[np.float64], reading: Reading) -> None:
-        """The meter's fixed errors of the reading's session enter as they are."""
-        asked, frequencies = self.asked, reading.Z.shape[1]
-        column = slopes.shape[1] - asked.errors
-        column += asked.measured.sessions.index(reading.session) * (
-            len(asked.accuracy) * asked.interfaces
+    @cached_property
+    def _groups(self) -> list[NDArray[np.int64]]:
+        """Readings by how many touches they are of, and how many of these are unknown."""
+        own = [(len(c), len(s)) for (c, _), s in zip(self.cells, self.asked.spreads, strict=True)]
+        return [np.flatnonzero([each == kind for each in own]) for kind in sorted(set(own))]
+
+    def _block(self, u: NDArray[np.float64], group: NDArray[np.int64]) -> Block:
+        """Of readings of one group, over their own deviations."""
+        asked, readings = self.asked, [self.asked.measured.readings[k] for k in group]
+        cells = np.stack([self.cells[k][0] for k in group])
+        rises = np.stack([self.rises(u, int(k)) for k in group])
+        response = self.around.respond_together(cells, rises, asked.values(u))
+        parameters = [
+            prior.deviation * observed_slope(response.Z, response.by_parameter[name])
+            for name, prior in asked.fitted.items()
+        ]
+        spreads = np.array([asked.spreads[k] for k in group])
+        touches = [
+            spread[:, None] * observed_slope(response.Z, response.by_cell[..., touch])
+            for touch, spread in enumerate(spreads.T)
+        ]
+        errors = np.broadcast_to(self._errors, (len(group), *self._errors.shape))
+        stacked = [np.stack(each, axis=2) for each in (touches, parameters) if each]
+        slopes = np.concatenate([*stacked, errors], axis=2)
+        columns = self._columns(group, readings)
+        of_errors = columns[:, columns.shape[1] - self._errors.shape[1] :]
+        measured = np.stack([reading.Z for reading in readings])
+        off = difference(response.Z, measured) + u[of_errors] @ self._errors.T
+        deviation = self._deviation[group][:, :, None]
+        return Block(
+            group, columns, len(touches), response.Z, off / deviation[..., 0], slopes / deviation
         )
-        for half, spread in asked.accuracy.items():
-            for interface in range(asked.interfaces):
-                row = (half * asked.interfaces + interface) * frequencies
-                slopes[row : row + frequencies, column] = spread
-                column += 1
+
+    def _columns(self, group: NDArray[np.int64], readings: Sequence[Reading]) -> NDArray[np.int64]:
+        """Unknowns that each reading depends on: its touches, parameters, errors of its session."""
+        asked, count = self.asked, self._errors.shape[1]
+        size = len(asked.fitted) + asked.touches + asked.errors
+        sessions = [asked.measured.sessions.index(reading.session) for reading in readings]
+        touches = len(asked.spreads[group[0]])
+        return np.column_stack(
+            [
+                np.array([self._firsts[k] for k in group])[:, None] + np.arange(touches),
+                np.tile(np.arange(len(asked.fitted)), (len(group), 1)),
+                size - asked.errors + count * np.array(sessions)[:, None] + np.arange(count),
+            ]
+        )
+
+    @cached_property
+    def _errors(self) -> NDArray[np.float64]:
+        """The meter's fixed errors of a session enter as they are, shape (2 * readings, error)."""
+        interfaces, frequencies = self.asked.measured.readings[0].Z.shape
+        halves = [
+            spread * np.kron(np.eye(2)[:, [half]], np.eye(interfaces))
+            for half, spread in self.asked.accuracy.items()
+        ]
+        found = np.hstack([np.zeros((2 * interfaces, 0)), *halves])
+        return np.repeat(found, frequencies, axis=0).astype(np.float64)
 
 
 def deviation_of(asked: Asked, reading: Reading) -> NDArray[np.float64]:

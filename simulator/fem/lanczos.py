@@ -86,25 +86,38 @@ def respond(
     """Y(s) in S, and its relative error in Rs and Cp; both of shape (s,).
 
     The error is what the last steps changed, and rounding. Ends when the change is within rtol
-    everywhere, when the space is exhausted, or after most_steps.
+    everywhere, when the space is exhausted, or after most_steps. While the frequency farthest from
+    the shift still changes more, the others are not looked at.
     """
     at_once = pencil.admittance + (s - pencil.shift) * pencil.capacitance
     diagonal, squared = np.empty(most_steps), np.empty(most_steps)
+    farthest = [int(np.abs(s - pencil.shift).argmax())]
+
+    def changed(steps: int) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+        return last_change(s, pencil.shift, at_once, diagonal, squared, steps)
+
+    def settled(steps: int) -> bool:
+        some = s[farthest], pencil.shift, at_once[farthest]
+        return last_change(*some, diagonal, squared, steps)[1][0] <= rtol
+
     unknown = np.full(len(s), np.inf)
     steps, Y, change, before, quiet = 0, at_once, unknown, unknown, False
     for coefficients in itertools.islice(_coefficients(pencil), most_steps):
         squared[steps], diagonal[steps], _ = coefficients
         steps += 1
-        if steps >= FEWEST_STEPS or steps == most_steps:
-            before = change
-            Y, change = last_change(s, pencil.shift, at_once, diagonal, squared, steps)
-            quiet = max(before.max(), change.max()) <= rtol
-            if quiet:
-                break
+        if steps < most_steps and (steps < FEWEST_STEPS or not settled(steps)):
+            change = unknown
+            continue
+        skipped = change is unknown and steps == most_steps > FEWEST_STEPS
+        before = changed(steps - 1)[1] if skipped else change
+        Y, change = changed(steps)
+        quiet = max(before.max(), change.max()) <= rtol
+        if quiet:
+            break
     if steps < most_steps and not quiet:
         before = change = np.zeros(len(s))
         if steps:
-            Y, _ = last_change(s, pencil.shift, at_once, diagonal, squared, steps)
+            Y, _ = changed(steps)
     return Y, np.maximum(before, change) + lost_digits(Y, at_once)
 
 

@@ -29,10 +29,11 @@ def planned_presses(scene: Scene, random: np.random.Generator) -> list[Press]:
     """
     drawn, planned = own_presses(scene), scene.experiment
     at_rest = [Press()] * (planned.repetitions if planned.unpressed else 0)
+    pixels = [each for each in pixels_with_skin(scene) for _ in range(planned.repetitions)]
+    factors = np.broadcast_to(drawn.at(random.random(len(pixels))), len(pixels)).tolist()
     return at_rest + [
-        Press((pixel_pressed(scene, row, column, float(drawn.at(random.random()))),))
-        for row, column in pixels_with_skin(scene)
-        for _ in range(planned.repetitions)
+        Press((pixel_pressed(scene, row, column, factor),))
+        for (row, column), factor in zip(pixels, factors, strict=True)
     ]
 
 

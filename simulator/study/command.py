@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .point import CrossValidate
 
 
-SECONDS_A_POINT = 0.5
+SECONDS_A_POINT = 0.25
 """About, of one process: 225 points of the paper's sheets with three draws."""
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
@@ -40,11 +41,17 @@ class Curve:
         """Of each node in each factor, shape (factor, node)."""
         if not self.interpolated:
             return (factors[:, np.newaxis] == self.factors).astype(float)
-        degree = len(self.factors) - 1
-        at_nodes, wanted = (
-            chebvander(self._between_ends(x), degree) for x in (self.factors, factors)
-        )
-        return wanted @ np.linalg.inv(at_nodes)
+        return self._polynomials(factors) @ self._of_nodes
+
+    @cached_property
+    def _of_nodes(self) -> NDArray[np.float64]:
+        """Coefficients of each node's own polynomial, shape (polynomial, node)."""
+        return np.linalg.inv(self._polynomials(self.factors)).astype(np.float64)
+
+    def _polynomials(self, factors: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Chebyshev's, up to one for each node, shape (factor, polynomial)."""
+        found = chebvander(self._between_ends(factors), len(self.factors) - 1)
+        return found.astype(np.float64)
 
     def _between_ends(self, factors: NDArray[np.float64]) -> NDArray[np.float64]:
         """ln(factor) mapped to -1 at the first node and 1 at the last."""

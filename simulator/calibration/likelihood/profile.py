@@ -56,12 +56,8 @@ class Profile:
 
     def __init__(self, fit: Fit, scale: float, width: float) -> None:
         """scale: that chi-squared is over. width: half of an interval over its deviation."""
-        self._problem, self.width = fit.problem, width
-        count, size = len(fit.asked.fitted), len(fit.u)
+        self._problem, self._scale, self.width = fit.problem, scale, width
         self._low, self._high = fit.problem.bounds()
-        self._weights = np.full(len(fit.problem.residuals(fit.u)), scale**-0.5)
-        own = len(self._weights) - size
-        self._weights[own : own + count] = 1.0
         self._begin = fit.u
         self._moved = scale > 1
 
@@ -119,9 +115,13 @@ class Profile:
         return Law(places[rising], roots[rising], along.limits)
 
     def _walk(self, along: Along, start: Place, way: float) -> list[Place]:
-        """Places on one side, at most twice STEP deviations apart, to a limit or past an end."""
+        """Places on one side, at most twice STEP deviations apart, to a limit or past an end.
+
+        Each is sought from where the two before it point to.
+        """
         limit = along.limits[int(way > 0)]
         found, last, beyond = list[Place](), start, list[Place]()
+        onward = self._covariance @ along.read(self.best)[1] / self.deviation(along) ** 2
         step = STEP * self.deviation(along)
         for _ in range(MOST_STEPS):
             if beyond:
@@ -130,15 +130,16 @@ class Profile:
                 at = last.at + max(share, LEAST_SHARE) * way_on if share < 1 else beyond.pop().at
             else:
                 at = limit if step >= abs(limit - last.at) else last.at + way * step
-            place = self._solved(along, at, last.u)
+            place = self._solved(along, at, last.u + (at - last.at) * onward)
             found.append(place)
             gone = _root(place, start) - _root(last, start)
             if gone > 2 * STEP:
                 beyond.append(place)
                 continue
-            last, step = place, step * float(np.clip(STEP / max(gone, 1e-3), 1.0, MOST_GAIN))
             if at == limit or _root(place, start) > self.width:
                 break
+            onward = (place.u - last.u) / (place.at - last.at)
+            last, step = place, step * float(np.clip(STEP / max(gone, 1e-3), 1.0, MOST_GAIN))
         return found
 
     def _solved(self, along: Along, at: float, begin: NDArray[np.float64]) -> Place:
@@ -185,8 +186,7 @@ class Profile:
         return np.clip(u, self._low, self._high)
 
     def _at(self, u: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        problem = self._problem
-        return self._weights * problem.residuals(u), self._weights[:, None] * problem.jacobian(u)
+        return self._problem.condensed(u, self._scale)
 
     def _reduced(self, along: Along, u: NDArray[np.float64]) -> NDArray[np.float64]:
         """Slopes to all but the pivot, which follows them."""

@@ -1,14 +1,10 @@
-"""How the admittance of a reduced skin changes with its parameters, without any further solve.
-
-K + s M is symmetric, so the problem is its own adjoint: dY = u'(dK + s dM) u with the potentials u
-of 1 V, transposed and not conjugated; floating terminals carry no net current and add nothing.
-"""
+"""A reduced skin behind its meter as a function of parameters and presses, with exact slopes."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -22,6 +18,7 @@ from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import FrequencyGrid, Sweep
 from ...scene.scene import Scene
 from ..parameters import (
+    FOAM_WAVES,
     Variation,
     all_values,
     by_sheets,
@@ -40,54 +37,8 @@ from .cases import Case, Draw, pixel_touches, touched
 from .greedy import Advance, reduce, unseen
 from .indented.draws import require_whole_pixels
 from .model import Reduced, ReducedSkin
-
-
-@dataclass(frozen=True)
-class Sensitivity:
-    """Y of each interface and its exact derivatives.
-
-    Y: S, shape (interface, s). by_cell: S, to c of each pixel over the scene's own at rest, shape
-    (interface, s, pixel). by_weight: S, to the weight of each term of K (see `family.weights_of`)
-    and of terms beside them, shape (interface, s, term). by_s: F, to s, shape (interface, s).
-    """
-
-    Y: NDArray[np.complex128]
-    by_cell: NDArray[np.complex128]
-    by_weight: NDArray[np.complex128]
-    by_s: NDArray[np.complex128]
-
-
-def sensitivity(
-    skin: ReducedSkin,
-    cells: NDArray[np.int64],
-    rises: NDArray[np.float64],
-    s: NDArray[np.complex128],
-    beside: NDArray[np.float64] | None = None,
-) -> Sensitivity:
-    """Of one press on one skin; cells, rises: as of `ReducedSkin.sweeps`. s: rad/s.
-
-    beside: further terms of K, in the model's coordinates, S, shape (term, N + n, N + n).
-    """
-    own = skin.reduced.stiffness
-    stiffness = own if beside is None else np.concatenate([own, beside])
-    found = [
-        _of_drive(skin.charges(cells, rises, u), stiffness, u, s, Y)
-        for u, Y in skin.solved(cells, rises, s)
-    ]
-    return Sensitivity(*(np.stack(each) for each in zip(*found, strict=True)))
-
-
-def _of_drive(
-    charges: tuple[NDArray[np.complex128], NDArray[np.complex128]],
-    stiffness: NDArray[np.float64],
-    u: NDArray[np.complex128],
-    s: NDArray[np.complex128],
-    Y: NDArray[np.complex128],
-) -> tuple[NDArray[np.complex128], ...]:
-    by_cell, whole = charges
-    by_weight = np.stack([((term @ u) * u).sum(axis=0) for term in stiffness], axis=1)
-    return Y, s[:, None] * by_cell, by_weight, whole
-
+from .slopes.alone import Sensitivity, sensitivity
+from .slopes.together import sensitivities
 
 REACH = 3.0
 PIXEL_FACTORS = (0.5, 3.0)
@@ -140,22 +91,62 @@ class Forward:
         s, skin = self._s(values), self._skin(values).under(cells, rises)
         with one_blas_thread():
             found = sensitivity(skin, cells, rises, s, beside)
-        by_weight, by_term = np.split(found.by_weight, [len(self.reduced.stiffness)], axis=-1)
+        pressed = touched(self.divided, cells, rises)
+        at_meter = self._at_meter(found, skin, values, pressed)
+        if not gauged(self.scene.skin):
+            return at_meter
+        assert skin.weights is not None
+        own = found.by_weight[..., : len(self.reduced.stiffness)] * skin.weights
+        turned = leads_of(values).slopes(1 / found.Y, self.scene.frequencies)[0] / -(found.Y**2)
+        return replace(at_meter, by_gauge=turned[..., None] * self._by_gauge(own, pressed))
+
+    @cached_property
+    def alike(self) -> bool:
+        """Whether all that a press does is to raise M by fixed parts: as `respond_together` takes
+        it."""
+        return type(self.reduced) is Reduced and not gauged(self.scene.skin)
+
+    def respond_together(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        given: Mapping[str, float] | None = None,
+    ) -> Response:
+        """As `respond`, of presses that touch as many cells each, shape (press, touch).
+
+        All of the response has an axis (press,) first; by_cell is of the touched ones, shape
+        (press, interface, frequency, touch). Only where presses are `alike`.
+        """
+        values = all_values(self.scene, given)
+        skin, waves = self._skin(values), any(name in FOAM_WAVES for name in values)
+        with one_blas_thread():
+            found = sensitivities(skin, cells, rises, self._s(values), every=waves)
+        pressed = [touched(self.divided, *each) for each in zip(cells, rises, strict=True)]
+        shape = len(cells), 1, 1, len(skin.rest_factors)
+        at_meter = self._at_meter(found, skin, values, np.reshape(pressed, shape))
+        if not waves:
+            return at_meter
+        own = np.take_along_axis(at_meter.by_cell, cells[:, None, None], axis=-1)
+        return replace(at_meter, by_cell=own)
+
+    def _at_meter(
+        self,
+        found: Sensitivity,
+        skin: ReducedSkin,
+        values: Mapping[str, float],
+        pressed: NDArray[np.float64],
+    ) -> Response:
+        """pressed: by what touches multiply c of each part, (part,) or (press, 1, 1, part)."""
+        terms = [len(self.reduced.stiffness)]
+        by_weight, by_term = np.split(found.by_weight, terms, axis=-1)
         of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
         by_name = {name: found.by_s * slope for name, slope in of_s.items()}
         assert skin.variation is not None and skin.weights is not None
-        weighed = by_weight * skin.weights
-        by_name |= self._by_weights(weighed, skin.variation)
+        by_name |= self._by_weights(by_weight * skin.weights, skin.variation)
         by_name |= self._terms.by_waves(by_weight, skin.weights, values)
-        pressed = math.exp(values["capacitance"]) * touched(self.divided, cells, rises)
-        by_name |= by_waves(found.by_cell, pressed, values, self._waves)
-        leads = leads_of(values)
-        at_meter = seen_by_meter(found, by_name, by_term, leads, self.scene.frequencies)
-        if not gauged(self.scene.skin):
-            return at_meter
-        by_gauge = self._by_gauge(weighed, touched(self.divided, cells, rises))
-        turned = leads.slopes(1 / found.Y, self.scene.frequencies)[0] / -(found.Y**2)
-        return replace(at_meter, by_gauge=turned[..., None] * by_gauge)
+        own = math.exp(values["capacitance"]) * pressed
+        by_name |= by_waves(found.by_cell, own, values, self._waves)
+        return seen_by_meter(found, by_name, by_term, leads_of(values), self.scene.frequencies)
 
     def impedances(
         self,

@@ -146,11 +146,11 @@ class ReducedSkin:
             np.ascontiguousarray(reduced.factors @ self.turn),
         )
         self._aligned = aligned(self.rest)
-        self._drives = [
+        self.drives = [
             driven_by(drive, reduced.terminal_field, self.conductance, np.eye(terminals))
             for drive in reduced.circuit.drives
         ]
-        self.feeds = [feed_of(driven) for driven in self._drives]
+        self.feeds = [feed_of(driven) for driven in self.drives]
 
     def sweeps(
         self,
@@ -272,7 +272,7 @@ class ReducedSkin:
 
         Sheets are as they are here, see `under`.
         """
-        found = solved(self._drives, *self.touched(cells, rises), s)
+        found = solved(self.drives, *self.touched(cells, rises), s)
         return [(self.turn @ u, Y) for u, Y in found]
 
     def touched(

@@ -38,13 +38,15 @@ def by_waves(
 ) -> dict[str, NDArray[np.complex128]]:
     """Slopes by the amplitudes among the values, from those by c of each cell over the scene's.
 
-    by_cell: shape (..., cell). pressed: that c where no wave is, shape (part,). waves: as of
+    by_cell: shape (..., cell). pressed: that c where no wave is, shape (..., part). waves: as of
     `of_pixels`.
     """
     flat = waves.reshape(len(waves), -1)[1:]
-    slopes = by_cell[..., : flat.shape[1]] * pressed[: flat.shape[1]]
-    named = zip(FOAM_WAVES, flat, strict=True)
-    return {name: slopes @ wave for name, wave in named if name in values}
+    named = [(name, wave) for name, wave in zip(FOAM_WAVES, flat, strict=True) if name in values]
+    if not named:
+        return {}
+    slopes = by_cell[..., : flat.shape[1]] * pressed[..., : flat.shape[1]]
+    return {name: slopes @ wave for name, wave in named}
 
 
 def with_foam_waves(scene: Scene, values: Mapping[str, float]) -> Scene:

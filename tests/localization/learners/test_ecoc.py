@@ -163,6 +163,57 @@ def test_each_learner_sees_only_the_classes_it_is_to_tell_apart():
     )
 
 
+def one_by_one(model, X, y):
+    """Scores of a learner for each column of the coding matrix, trained alone."""
+    scores = []
+    for code in model.coding_matrix_.T:
+        sides = code[np.searchsorted(model.classes_, y)]
+        learner = clone(model.estimator).fit(X[sides != 0], sides[sides != 0])
+        scores.append(learner.decision_function(X))
+    return np.column_stack(scores)
+
+
+@pytest.mark.parametrize("kernel", ["rbf", "linear", "poly", "sigmoid"])
+@pytest.mark.parametrize("K", [3, 4, 7])
+def test_one_fit_holds_the_learners_of_all_pairs_to_the_same_bits(kernel, K):
+    X, y = make_blobs(20 * K, 30, centers=K, cluster_std=8.0, random_state=K)
+    model = ECOCClassifier(SVC(kernel=kernel, C=100.0, gamma=0.003)).fit(X, y)
+    alone = one_by_one(model, X, y)
+    assert len(model.estimators_) == 1
+    np.testing.assert_array_equal(
+        model.decision_function(X), -average_loss(model.coding_matrix_, alone)
+    )
+
+
+@pytest.mark.parametrize(
+    "learner",
+    [
+        SVC(gamma="scale"),
+        SVC(gamma="auto", class_weight={1: 2.0}),
+        SVC(gamma=0.1, class_weight="balanced"),
+        LogisticRegression(),
+    ],
+)
+def test_learners_that_depend_on_what_else_is_there_are_trained_pair_by_pair(learner):
+    X, y = clusters(CORNERS, spread=4.0)
+    model = ECOCClassifier(learner).fit(X, y)
+    alone = one_by_one(model, X, y)
+    np.testing.assert_array_equal(
+        model.decision_function(X), -average_loss(model.coding_matrix_, alone)
+    )
+
+
+def test_a_model_that_keeps_its_pairs_one_by_one_answers_alike():
+    """As those written to disk before pairs were fitted together."""
+    X, y = clusters(CORNERS, spread=4.0)
+    together, apart = (ECOCClassifier(SVC(gamma=0.1)).fit(X, y) for _ in range(2))
+    apart.estimators_ = [
+        clone(apart.estimator).fit(X[code[y] != 0], code[y][code[y] != 0])
+        for code in apart.coding_matrix_.T
+    ]
+    np.testing.assert_array_equal(apart.decision_function(X), together.decision_function(X))
+
+
 @pytest.mark.parametrize("coding", CODINGS)
 def test_two_classes_are_told_apart_as_by_the_binary_learner_alone(coding):
     X, y = clusters([[0, 0], [1, 1]], spread=1.0)

@@ -1,11 +1,13 @@
 """A few real solves give what a complex solve for each frequency gives."""
 
+from itertools import islice
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import one_field, two_fields
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.estimate import lost_digits, relative_difference
 from rcskin.simulator.fem.kernels import (
     continued_fraction,
     continued_fractions,
@@ -14,6 +16,7 @@ from rcskin.simulator.fem.kernels import (
 )
 from rcskin.simulator.fem.lanczos import (
     Pencil,
+    _coefficients,
     continued_fraction_readable,
     last_change_readable,
     respond,
@@ -94,6 +97,46 @@ def test_python_reads_the_last_change_to_the_same_bits(steps, seed):
     given = s, shift, rng.normal(size=9) + 1j * rng.normal(size=9), diagonal, squared, steps
     for compiled, read in zip(last_change(*given), last_change_readable(*given), strict=True):
         np.testing.assert_array_equal(compiled, read)
+
+
+def looking_at_all(pencil, s, rtol, most_steps):
+    """Y and error of `respond`, every step judged at every frequency."""
+    t, diagonal, squared = s - pencil.shift, [], []
+    at_once = pencil.admittance + t * pencil.capacitance
+    changes, Y = [np.full(len(s), np.inf)], at_once
+    for b, a, _ in islice(_coefficients(pencil), most_steps):
+        squared.append(b)
+        diagonal.append(a)
+        if len(squared) >= 3 or len(squared) == most_steps:
+            given = s, pencil.shift, at_once, np.array(diagonal), np.array(squared), len(squared)
+            Y, change = last_change(*given)
+            changes.append(change)
+            if max(each.max() for each in changes[-2:]) <= rtol:
+                break
+    else:
+        if len(squared) < most_steps:
+            changes = [np.zeros(len(s))] * 2
+            given = s, pencil.shift, at_once, np.array(diagonal), np.array(squared), len(squared)
+            Y = last_change(*given)[0] if squared else at_once
+    return Y, np.maximum(*changes[-2:]) + lost_digits(Y, at_once)
+
+
+@given(
+    seed=st.integers(0, 2**32),
+    size=st.integers(1, 12),
+    most_steps=st.integers(1, 14),
+    digits=st.integers(1, 12),
+)
+def test_frequencies_not_looked_at_while_the_farthest_changes_would_not_have_ended_it(
+    seed, size, most_steps, digits
+):
+    random = np.random.default_rng(seed)
+    mass, start = 10 ** random.uniform(-6, 0, size), random.normal(size=size)
+    pencil = Pencil(start, lambda v: mass * v, np.copy, 1.0, 1.0, random.uniform(0, 10))
+    s = 1j * np.geomspace(1, 1e4, 7) * np.exp(1j * random.uniform(-1, 0))
+    some = pencil, random.permutation(s), 10.0**-digits, most_steps
+    for found, expected in zip(respond(*some), looking_at_all(*some), strict=True):
+        np.testing.assert_array_equal(found, expected)
 
 
 @given(data=st.data())

@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.models.parameters import PARAMETERS, scene_with
+from rcskin.simulator.models.parameters import PARAMETERS, SLOW_WAVES, scene_with
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.meter import Sweep
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
 FILMS = {"top-left": {"resistance": 200.0}, "bottom-left": {"resistance": 100.0}}
@@ -58,6 +60,37 @@ def test_slopes_by_cells_are_differences(forward, moved):
         ahead, behind = (forward.respond(cells, rises + t, moved).Z for t in (turn, -turn))
         difference = (ahead - behind) / (2 * step) / np.exp(moved["capacitance"])
         np.testing.assert_allclose(response.by_cell[..., cell], difference, rtol=1e-5)
+
+
+TWO_INTERFACES = "sheet-5x5-two-interfaces"
+
+
+@pytest.fixture(scope="module", params=["plain", "floating", "uneven"])
+def reader(request, make_scene):
+    """Of one field, of floating terminals at two interfaces, and with slow waves of all parts."""
+    if request.param == "plain":
+        return Forward(make_scene(FILMS, rows=2, columns=3, frequencies=FREQUENCIES), rtol=RTOL)
+    scene = load_scene(TWO_INTERFACES) if request.param == "floating" else make_scene(CROSSED)
+    scene = scene.model_copy(update={"sweep": Sweep(frequencies=FREQUENCIES)})
+    return Forward(scene, rtol=RTOL, modes=4 if request.param == "uneven" else 1)
+
+
+@pytest.mark.parametrize("touches", [0, 1, 2, 4])
+def test_presses_together_are_those_one_by_one(reader, moved, touches):
+    random = np.random.default_rng(touches)
+    pixels = reader.scene.pixels.rows * reader.scene.pixels.columns
+    cells = np.stack([random.permutation(pixels)[:touches] for _ in range(6)])
+    cells[5], rises = cells[0], random.uniform(-0.4, 2.0, cells.shape)
+    waves = dict.fromkeys(SLOW_WAVES, 0.1) if reader.modes > 1 else {}
+    together = reader.respond_together(cells, rises, moved | waves)
+    for k in range(6):
+        alone = reader.respond(cells[k], rises[k], moved | waves)
+        np.testing.assert_allclose(together.Z[k], alone.Z, rtol=1e-10)
+        of_touches = alone.by_cell[..., cells[k]]
+        np.testing.assert_allclose(together.by_cell[k], of_touches, rtol=1e-8)
+        for name, slope in alone.by_parameter.items():
+            atol = 1e-9 * np.abs(slope).max()
+            np.testing.assert_allclose(together.by_parameter[name][k], slope, atol=atol)
 
 
 def test_an_unknown_parameter_is_named(forward):

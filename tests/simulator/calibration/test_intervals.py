@@ -16,11 +16,13 @@ GRID = np.linspace(-6, 6, 2401)
 
 def fit_of(reading, slopes, u, bounds=FREE):
     """Two unknowns with priors of 1, and readings with their slopes to them."""
-    problem = SimpleNamespace(
-        residuals=lambda u: np.append(reading(u), u),
-        jacobian=lambda u: np.vstack([slopes(u), np.eye(2)]),
-        bounds=lambda: bounds,
-    )
+
+    def condensed(u, scale):
+        share = scale**-0.5
+        residuals = np.append(share * reading(u), u)
+        return residuals, np.vstack([share * slopes(u), np.eye(2)])
+
+    problem = SimpleNamespace(condensed=condensed, bounds=lambda: bounds)
     asked = SimpleNamespace(fitted={"first": None, "second": None})
     return SimpleNamespace(problem=problem, asked=asked, u=np.array(u, dtype=float))
 

@@ -1,5 +1,7 @@
 """The least-squares problem: exact slopes, and the meter's errors as its error model has them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rcskin.simulator.calibration.fit import solved
@@ -59,6 +61,24 @@ def test_chi_squared_is_that_of_the_error_models_covariance(line, read):
     off = difference(Z, asked.measured.readings[0].Z)
     whitened = ErrorModel(line.readout, 1, 12).whitened(off)
     assert fit.chi_squared == pytest.approx(whitened @ whitened, rel=1e-9)
+
+
+@pytest.mark.parametrize("strengths", [True, False])
+@pytest.mark.parametrize("scale", [1.0, 2.5])
+def test_few_rows_have_the_products_of_all(line, read, scale, strengths):
+    sweeps = read(line, presses=(*PRESSES, "1,1:1.7", "1,3:2.2"))
+    sweeps["session"] = ("sweep", np.array([1, 1, 2, 2, 1, 3]))
+    asked = replace(asked_of(line, sweeps, NAMES), strengths=strengths)
+    problem = Problem(asked, around(line, {}, 1e-4))
+    u = 0.3 * np.random.default_rng(2).standard_normal(len(NAMES) + asked.touches + asked.errors)
+    whole = np.column_stack([problem.jacobian(u), problem.residuals(u)])
+    divided = np.r_[: len(whole) - len(u), len(whole) - len(u) + len(NAMES) : len(whole)]
+    whole[divided] /= np.sqrt(scale)
+    residuals, slopes = problem.condensed(u, scale)
+    few = np.column_stack([slopes, residuals])
+    assert len(few) <= len(u) + 1
+    products = whole.T @ whole
+    np.testing.assert_allclose(few.T @ few, products, atol=1e-12 * products.max(), rtol=1e-9)
 
 
 def test_a_model_about_other_values_answers_alike(line):

@@ -1,0 +1,1 @@
+"""How the admittance of a reduced skin changes with it: of one press, and of many at once."""
