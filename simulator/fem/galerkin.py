@@ -22,8 +22,8 @@ from threadpoolctl import ThreadpoolController
 
 from ..sweeps import ToleranceError
 from .circuit import Circuit, Drive
-from .driven import Driven, driven_by, potentials, shifted, unshifted
-from .lanczos import Pencil, respond
+from .driven import Driven, Unshifted, driven_by, potentials, shifted, unshifted_together
+from .lanczos import Pencil, Pencils, respond
 from .network import Network
 from .system import Films, System
 
@@ -100,8 +100,14 @@ class Galerkin:
         """K + s M of one drive, its floating terminals among the unknowns. shift: sigma in 1/s."""
         mass, driven = self.restricted(mass), self.driven(drive)
         if shift == 0:
-            return unshifted(driven, mass, self._factor)
+            return Unshifted(driven, mass).pencil(self._factor)
         return shifted(driven, mass, self._shifted(shift, mass), shift, self._power)
+
+    def pencils(self, masses: Sequence[csc_matrix], drives: Sequence[Drive]) -> Pencils:
+        """K + s M of each drive with each M in F, those of one M after the other."""
+        own = [self.restricted(mass) for mass in masses]
+        each = [Unshifted(self.driven(drive), mass) for mass in own for drive in drives]
+        return unshifted_together(each, self._factor)
 
     def potentials(self, mass: csc_matrix, drive: Drive, s: complex) -> NDArray:
         """V of 1 V between high and low at s in rad/s, real or complex.

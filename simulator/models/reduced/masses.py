@@ -38,14 +38,14 @@ class Masses:
         """M in F, in the system's pattern. factors: c over that at rest, shape (part,)."""
         return self._system.pattern.matrix(self._values @ factors)
 
-    def factors(self, W: NDArray[np.float64]) -> NDArray[np.float64]:
-        """F of each part, W'MW = F'F in F, shape (part, rank, k), filled up with zeros.
+    def factors(
+        self, W: NDArray[np.float64], size: NDArray[np.float64], share: float
+    ) -> NDArray[np.float64]:
+        """F of each part, W'MW = F'F in F, shape (part, rank, k), as of `thinned`.
 
         W: V, shape (inner + terminals of the space, k).
         """
-        found = [part.factor(W) for part in self._parts]
-        rank = max(len(F) for F in found)
-        return np.stack([np.pad(F, ((0, rank - len(F)), (0, 0))) for F in found])
+        return thinned([part.factor(W) for part in self._parts], size, share)
 
     @cached_property
     def _parts(self) -> list[_Part]:
@@ -65,6 +65,25 @@ class Masses:
             _part(rows[each], columns[each], value)
             for each, value in zip(slots, entries, strict=True)
         ]
+
+
+def thinned(
+    factors: Iterable[NDArray[np.float64]], size: NDArray[np.float64], share: float
+) -> NDArray[np.float64]:
+    """Factors of as few rows as a share of their energy allows, filled up with zeros.
+
+    size: of the potentials in each column, in V, by which energies are weighed. share: of a
+    factor's largest energy, below which its directions are left out.
+    """
+    found = [_thin(F, size, share) for F in factors]
+    rank = max(len(F) for F in found)
+    return np.stack([np.pad(F, ((0, rank - len(F)), (0, 0))) for F in found])
+
+
+def _thin(F: NDArray[np.float64], size: NDArray[np.float64], share: float) -> NDArray[np.float64]:
+    weighed = F * size
+    power, turn = np.linalg.eigh(weighed @ weighed.T)
+    return turn[:, power > share * power.max(initial=0.0)].T @ F
 
 
 @dataclass(frozen=True)
