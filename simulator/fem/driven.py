@@ -21,6 +21,9 @@ from .circuit import Drive
 from .lanczos import Pencil, Pencils
 from .network import allowed_potentials
 
+Solve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""From currents inside, shape (unknown, side), to potentials."""
+
 
 @dataclass(frozen=True)
 class Driven:
@@ -123,15 +126,14 @@ class Unshifted:
         return sheets, charge, sheets.T @ charge
 
 
-def unshifted_together(each: Sequence[Unshifted], K: SuperLU) -> Pencils:
-    """Pencils of one K, whose factors of the inner block it takes, for several drives and M."""
-    inner = K.shape[0]
+def unshifted_together(each: Sequence[Unshifted], solve: Solve, inner: int) -> Pencils:
+    """Pencils of one K for several drives and M. solve: of the block of `inner` unknowns."""
 
     def mass(v: NDArray[np.float64], which: NDArray[np.int64]) -> NDArray[np.float64]:
         return np.stack([each[k].mass @ own for k, own in zip(which, v, strict=True)])
 
     def inverse(y: NDArray[np.float64], which: NDArray[np.int64]) -> NDArray[np.float64]:
-        inside = K.solve(np.asfortranarray(y[:, :inner].T)).T
+        inside = solve(y[:, :inner].T).T
         told = zip(which, y, inside, strict=True)
         return np.stack([each[k].completed(own, found) for k, own, found in told])
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ from threadpoolctl import ThreadpoolController
 from ..sweeps import ToleranceError
 from .circuit import Circuit, Drive
 from .driven import Driven, Unshifted, driven_by, potentials, shifted, unshifted_together
+from .kernels import substitute
 from .lanczos import Pencil, Pencils, respond
 from .network import Network
 from .system import Films, System
@@ -60,7 +62,7 @@ class Galerkin:
 
     def solve(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
         """K^-1 y inside, all terminals at 0 V. y: A, shape (inner, ...)."""
-        return self._factor.solve(y)
+        return self._factors.solve(y)
 
     def _inner(self, whole: csc_matrix) -> csc_matrix:
         return self._block.matrix(whole.data[self._block_entries])
@@ -107,7 +109,7 @@ class Galerkin:
         """K + s M of each drive with each M in F, those of one M after the other."""
         own = [self.restricted(mass) for mass in masses]
         each = [Unshifted(self.driven(drive), mass) for mass in own for drive in drives]
-        return unshifted_together(each, self._factor)
+        return unshifted_together(each, self.solve, self.inner)
 
     def potentials(self, mass: csc_matrix, drive: Drive, s: complex) -> NDArray:
         """V of 1 V between high and low at s in rad/s, real or complex.
@@ -166,6 +168,10 @@ class Galerkin:
     def _factor(self) -> SuperLU:
         return _factorised(self.K)
 
+    @cached_property
+    def _factors(self) -> _Factors:
+        return _Factors(self._factor)
+
     def _terminal_lift(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """G, shape (inner + terminals, terminals), and G'KG in S, shape (terminals, terminals).
 
@@ -216,6 +222,32 @@ def _factorised(matrix: csc_matrix) -> SuperLU:
         raise ToleranceError(
             f"{len(matrix.indptr) - 1} unknowns are too many to factorise"
         ) from error
+
+
+FEWEST_SIDES = 3
+"""Right-hand sides of a system from which on one pass pays."""
+
+
+class _Factors:
+    """What SuperLU has factorised; its own `solve` is the readable twin."""
+
+    def __init__(self, lu: SuperLU) -> None:
+        lower: Any = lu.L
+        upper: Any = lu.U
+        for each in (lower, upper):
+            each.sort_indices()
+        self._lu = lu
+        self._lower = lower.indptr, lower.indices, lower.data
+        self._upper = upper.indptr, upper.indices, upper.data
+
+    def solve(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """A^-1 y. y: shape (unknown, ...)."""
+        if y.ndim == 1 or y.shape[1] < FEWEST_SIDES:
+            return self._lu.solve(y)
+        x = np.empty(y.shape)
+        x[self._lu.perm_r] = y
+        substitute(self._lower, self._upper, x)
+        return x[self._lu.perm_c]
 
 
 REACH = 10.0
