@@ -130,7 +130,10 @@ def unshifted_together(each: Sequence[Unshifted], solve: Solve, inner: int) -> P
     """Pencils of one K for several drives and M. solve: of the block of `inner` unknowns."""
 
     def mass(v: NDArray[np.float64], which: NDArray[np.int64]) -> NDArray[np.float64]:
-        return np.stack([each[k].mass @ own for k, own in zip(which, v, strict=True)])
+        masses = [each[k].mass for k in which]
+        first = [k for k, own in enumerate(masses) if k == 0 or own is not masses[k - 1]]
+        parts = zip(first, np.split(v, first[1:]), strict=True)
+        return np.concatenate([(masses[k] @ own.T).T for k, own in parts])
 
     def inverse(y: NDArray[np.float64], which: NDArray[np.int64]) -> NDArray[np.float64]:
         inside = solve(y[:, :inner].T).T

@@ -34,7 +34,7 @@ class Galerkin:
     """A system restricted to the trial functions of elements up to some order.
 
     K: of the inner unknowns, S, sparse. lift: shape (inner + terminals, terminals). conductance:
-    between terminals at zero frequency, S.
+    between terminals at zero frequency, S. entries: of the system's pattern, that are this space's.
     """
 
     def __init__(self, system: System, circuit: Circuit, order: int) -> None:
@@ -46,7 +46,7 @@ class Galerkin:
         self.inner = len(inner)
         rows = np.concatenate([inner, system.unknowns.inner + np.arange(terminals)])
         self._system, self._rows = system, rows
-        self._whole, self._entries = (
+        self._whole, self.entries = (
             system.pattern.within(rows)
             if len(inner) < system.unknowns.inner
             else (system.pattern, slice(None))
@@ -58,7 +58,11 @@ class Galerkin:
 
     def restricted(self, matrix: csc_matrix) -> csc_matrix:
         """A matrix in the system's pattern, for the unknowns of this space and the terminals."""
-        return self._whole.matrix(matrix.data[self._entries])
+        return self.matrix(matrix.data[self.entries])
+
+    def matrix(self, values: NDArray[np.float64]) -> csc_matrix:
+        """A matrix of this space and the terminals from its values at `entries`."""
+        return self._whole.matrix(values)
 
     def solve(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
         """K^-1 y inside, all terminals at 0 V. y: A, shape (inner, ...)."""
@@ -106,9 +110,8 @@ class Galerkin:
         return shifted(driven, mass, self._shifted(shift, mass), shift, self._power)
 
     def pencils(self, masses: Sequence[csc_matrix], drives: Sequence[Drive]) -> Pencils:
-        """K + s M of each drive with each M in F, those of one M after the other."""
-        own = [self.restricted(mass) for mass in masses]
-        each = [Unshifted(self.driven(drive), mass) for mass in own for drive in drives]
+        """K + s M of each drive with each M, of this space in F, those of one M side by side."""
+        each = [Unshifted(self.driven(drive), mass) for mass in masses for drive in drives]
         return unshifted_together(each, self.solve, self.inner)
 
     def potentials(self, mass: csc_matrix, drive: Drive, s: complex) -> NDArray:

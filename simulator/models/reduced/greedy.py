@@ -173,7 +173,8 @@ class Basis:
     def _at_shifts(self, space: Galerkin, cases: list[Case]) -> NDArray[np.float64]:
         family, rtol = self.family, SNAPSHOT_SHARE * math.sqrt(DROPPED_SHARE * self.rtol)
         drives = family.circuit.drives
-        pencils = space.pencils([family.mass(family.foam_of(case)) for case in cases], drives)
+        masses = [family.mass_inside(family.foam_of(case)) for case in cases]
+        pencils = space.pencils(masses, drives)
         found = [self._deviation(each) for each in potentials_of_all(pencils, self._shifts, rtol)]
         energies = [(each * (family.space.K @ each)).sum(axis=0) for each in found]
         self._most = max(self._most, *(math.sqrt(energy.max()) for energy in energies))

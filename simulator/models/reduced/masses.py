@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix
+from scipy.sparse import csc_matrix, csr_matrix
 
 from ...fem.dropped import DROPPED
 from ...fem.system import System
@@ -33,10 +33,15 @@ class Masses:
             ),
             shape=(len(system.pattern.indices), len(slots)),
         )
+        self._by_slot = self._values.tocsr()
 
     def mass(self, factors: NDArray[np.float64]) -> csc_matrix:
         """M in F, in the system's pattern. factors: c over that at rest, shape (part,)."""
-        return self._system.pattern.matrix(self._values @ factors)
+        return self._system.pattern.matrix(self._by_slot @ factors)
+
+    def at(self, entries: NDArray[np.int64] | slice) -> csr_matrix:
+        """Values of M at some entries of the system's pattern, F, shape (entry, part)."""
+        return self._by_slot[entries]
 
     def factors(
         self, W: NDArray[np.float64], size: NDArray[np.float64], share: float

@@ -35,7 +35,9 @@ def test_all_potentials_at_once_are_each_by_itself(sheet, rtol):
     """Of two drives, at rest and under a touch; some need more steps than others."""
     masses = [sheet.mass(parse_press(text, 2.0)) for text in ("none", "2,3:9")]
     drives = sheet.circuit.drives
-    together = potentials_of_all(sheet.space.pencils(masses, drives), SHIFTS, rtol)
+    inside = [sheet.space.restricted(mass) for mass in masses]
+    pencils = sheet.space.pencils(inside, drives)
+    together = potentials_of_all(pencils, SHIFTS, rtol)
     alone = [
         potentials(sheet.space.pencil(mass, drive, 0.0), SHIFTS, rtol)
         for mass in masses
