@@ -44,7 +44,7 @@ MESH_DRAWS = 4
 FREQUENCIES = 6
 SNAPSHOT_SHARE = 0.1
 """Of what may be dropped of a snapshot: what it may be off by, in the norm of K."""
-WORTH_ADDING = 0.3
+WORTH_ADDING = 0.1
 """Of the most that any of the worst cases lacks: so much is added whatever the tolerance."""
 CERTIFIED_SHARE, NEAR = 0.7, 0.5
 COMPRESSED_SHARE, TRAINED_SHARE = 0.01, 1e-4
