@@ -60,7 +60,7 @@ class Galerkin:
         """A matrix in the system's pattern, for the unknowns of this space and the terminals."""
         return self.matrix(matrix.data[self.entries])
 
-    def matrix(self, values: NDArray[np.float64]) -> csc_matrix:
+    def matrix(self, values: NDArray) -> csc_matrix:
         """A matrix of this space and the terminals from its values at `entries`."""
         return self._whole.matrix(values)
 

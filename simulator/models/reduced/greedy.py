@@ -139,11 +139,12 @@ class Basis:
     def _add(self, cases: list[Case]) -> None:
         """What the snapshots of these cases have beyond the basis, as far as it matters."""
         found, shares = map(list, zip(*self._snapshots(cases), strict=True))
-        found, share = self._beyond(np.hstack(found)), block_diag(*shares)
+        found, share = self._beyond(np.hstack(found)), np.asarray(block_diag(*shares), dtype=float)
         root = _root(found.T @ (self.family.space.K @ found))
         axes, power, turn = np.linalg.svd(root @ share, full_matrices=False)
-        lost = np.cumsum((power[::-1, None] * turn[::-1]) ** 2, axis=0).max(axis=1)[::-1]
-        kept = lost > min(DROPPED_SHARE * self.rtol, WORTH_ADDING * lost[0])
+        axes, power, turn = axes[:, ::-1], power[::-1], turn[::-1]
+        lost = np.cumsum((power[:, None] * turn) ** 2, axis=0).max(axis=1)
+        kept = lost > min(DROPPED_SHARE * self.rtol, WORTH_ADDING * lost[-1])
         new = found @ np.linalg.lstsq(root, axes[:, kept], rcond=None)[0]
         for _ in range(2):
             new = self._beyond(new)
