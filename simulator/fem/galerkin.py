@@ -130,7 +130,7 @@ class Galerkin:
 
     def currents(self, u: NDArray, sheets: csc_matrix, films: Films) -> NDArray:
         """K u in A, of inner unknowns. u: V, shape (inner + terminals, k)."""
-        in_sheets = (self.restricted(sheets) @ u)[: self.inner]
+        in_sheets = (without_zeros(self.restricted(sheets)) @ u)[: self.inner]
         if not films.any:
             return in_sheets
         U = u[self.inner :]
@@ -225,6 +225,13 @@ def _factorised(matrix: csc_matrix) -> SuperLU:
         raise ToleranceError(
             f"{len(matrix.indptr) - 1} unknowns are too many to factorise"
         ) from error
+
+
+def without_zeros(matrix: csc_matrix) -> csc_matrix:
+    """The same in a pattern of its own: that of a system holds what K has not, between fields."""
+    own = matrix.copy()
+    own.eliminate_zeros()
+    return own
 
 
 FEWEST_SIDES = 3

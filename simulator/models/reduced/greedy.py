@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from ...fem.estimate import relative_difference
-from ...fem.galerkin import Galerkin, one_blas_thread
+from ...fem.galerkin import Galerkin, one_blas_thread, without_zeros
 from ...fem.lanczos import potentials_of_all
 from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
@@ -104,7 +104,7 @@ class Basis:
         decades = max(4, math.ceil(math.log10(high / low)) + 1)
         self._shifts = np.abs(laplace_variable(np.geomspace(low, high, decades), loss))
         self._s = laplace_variable(np.geomspace(low, high, FREQUENCIES), loss)
-        self._most = 0.0
+        self._most, self._K = 0.0, without_zeros(family.space.K)
 
     def grow(
         self, draw: Draw, random: np.random.Generator, advance: Advance, most: int = MOST_QUIET
@@ -140,7 +140,7 @@ class Basis:
         """What the snapshots of these cases have beyond the basis, as far as it matters."""
         found, shares = map(list, zip(*self._snapshots(cases), strict=True))
         found, share = self._beyond(np.hstack(found)), np.asarray(block_diag(*shares), dtype=float)
-        root = _root(found.T @ (self.family.space.K @ found))
+        root = _root(found.T @ (self._K @ found))
         axes, power, turn = np.linalg.svd(root @ share, full_matrices=False)
         axes, power, turn = axes[:, ::-1], power[::-1], turn[::-1]
         lost = np.cumsum((power[:, None] * turn) ** 2, axis=0).max(axis=1)
@@ -148,12 +148,12 @@ class Basis:
         new = found @ np.linalg.lstsq(root, axes[:, kept], rcond=None)[0]
         for _ in range(2):
             new = self._beyond(new)
-            new = np.linalg.solve(np.linalg.cholesky(new.T @ (self.family.space.K @ new)), new.T).T
+            new = np.linalg.solve(np.linalg.cholesky(new.T @ (self._K @ new)), new.T).T
         self.vectors = np.hstack([self.vectors, new]).astype(np.float64)
 
     def _beyond(self, found: NDArray) -> NDArray[np.float64]:
         """What is K-orthogonal to the basis."""
-        return found - self.vectors @ (self.vectors.T @ (self.family.space.K @ found))
+        return found - self.vectors @ (self.vectors.T @ (self._K @ found))
 
     def _snapshots(self, cases: list[Case]) -> Iterator[Shared]:
         """Deviations from the lifted terminals' potentials at the shifts, each of unit energy."""
@@ -165,7 +165,7 @@ class Basis:
 
     def _essence(self, snapshots: NDArray[np.float64]) -> Shared:
         """A few vectors, orthonormal in K, that hold snapshots as exactly as these are."""
-        power, turn = np.linalg.eigh(snapshots.T @ (self.family.space.K @ snapshots))
+        power, turn = np.linalg.eigh(snapshots.T @ (self._K @ snapshots))
         lost = np.cumsum(np.maximum(power, 0.0) * turn**2, axis=1).max(axis=0)
         kept = lost > ESSENCE_SHARE * DROPPED_SHARE * self.rtol
         size = np.sqrt(power[kept])
@@ -177,7 +177,7 @@ class Basis:
         masses = [family.mass_inside(family.foam_of(case)) for case in cases]
         pencils = space.pencils(masses, drives)
         found = [self._deviation(each) for each in potentials_of_all(pencils, self._shifts, rtol)]
-        energies = [(each * (family.space.K @ each)).sum(axis=0) for each in found]
+        energies = [(each * (self._K @ each)).sum(axis=0) for each in found]
         self._most = max(self._most, *(math.sqrt(energy.max()) for energy in energies))
         unit = [each / np.sqrt(energy) for each, energy in zip(found, energies, strict=True)]
         if space is family.space:
