@@ -10,10 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
+from scipy.sparse import csc_matrix
 
 from ...fem.estimate import relative_difference
 from ...fem.galerkin import Galerkin, one_blas_thread, without_zeros
@@ -188,6 +190,12 @@ class Basis:
             unit.append(at_zero / np.sqrt(least))
         return np.hstack(unit)
 
+    @cached_property
+    def _sheets(self) -> list[csc_matrix]:
+        """Terms of the sheets' K in the space, S."""
+        space = self.family.space
+        return [without_zeros(space.restricted(term)) for term in self.family.sheet_terms]
+
     def _deviation(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
         inner = self.family.space.inner
         return u[:inner] - self.family.space.lift[:inner] @ u[inner:]
@@ -210,7 +218,7 @@ class Basis:
             built=family,
         )
         W = reduced.coordinates
-        terms = [family.space.sheet_energy(W, term) for term in family.sheet_terms]
+        terms = [W.T @ (term @ W) for term in self._sheets]
         terms += [family.space.film_energy(W, term) for term in family.film_terms]
         size = _sizes(len(family.space.conductance), self.vectors.shape[1], self._most)
         factors = family.masses.factors(W, size, TRAINED_SHARE * COMPRESSED_SHARE * self.rtol)
