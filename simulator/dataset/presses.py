@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..mesh.held import held
-from ..press.capacitance import laid_on_cells
-from ..press.press import Press
-from ..press.touch import Disc, Rectangle
 from ..scene.randomisation import CUT, DrawnPress, truncated_normal
 from ..scene.scene import Scene
+from .anywhere.laying import Placed, laid_on_cells
+from .anywhere.places import drawn_places
+from .anywhere.places import texts as texts_anywhere
 from .strengths import drawn_strengths, texts, told
 
 MOST_TOUCHES = 2
@@ -164,106 +163,32 @@ def single_label(touches: NDArray[np.int64], index: NDArray[np.int64]) -> NDArra
     return np.select([touches == 0, touches == 1], [0, index], -1)
 
 
-LENGTH_DECIMALS = 6
-"""Places and sizes are drawn to the micrometre, so that a press as text is the one solved."""
-Chances = NDArray[np.float64]
-
-
 def presses_anywhere(
     scene: Scene,
     touches: NDArray[np.int64],
-    chances: Chances,
+    chances: NDArray[np.float64],
     factor: NDArray[np.float64],
     grid: tuple[int, int],
 ) -> Presses:
     """Presses of so many touches; factors multiply where two of them overlap.
 
-    chances: of place along x and y, of size along x and y, and of further places where the first
-    may be off the skin, shape (4 or more, press, MOST_TOUCHES).
+    chances, factor: as of `drawn_places`.
     """
-    part = _part_of_cells(scene, grid)
-    presses = [
-        Press(tuple(sorted(_touches(scene, count, each, strengths, part), key=_order)))
-        for count, each, strengths in zip(touches, chances.transpose(1, 2, 0), factor, strict=True)
-    ]
-    cells, rises, starts = laid_on_cells(scene, presses, grid)
-    centres = np.array([_weighed_centres(press) for press in presses])
+    placed = drawn_places(scene, touches, chances, factor, grid)
+    cells, rises, starts = laid_on_cells(scene, touches, placed, grid)
+    there = np.arange(MOST_TOUCHES) < touches[:, None]
     return Presses(
         cells=cells,
         rises=rises,
         starts=starts,
-        text=[str(press) for press in presses],
+        text=texts_anywhere(touches, placed),
         row=np.where(touches == 0, 0, -1),
         column=np.where(touches == 0, 0, -1),
         touches=touches,
-        x=centres[..., 0],
-        y=centres[..., 1],
-        factor=centres[..., 2],
+        x=np.where(there, placed.x, 0.0),
+        y=np.where(there, placed.y, 0.0),
+        factor=np.where(there, placed.factor, 1.0),
     )
-
-
-def _part_of_cells(scene: Scene, grid: tuple[int, int]) -> NDArray[np.float64]:
-    """What part of each cell is skin, shape `grid`."""
-    return held(scene.on_grid(*grid)).part.reshape(grid)
-
-
-def _touches(
-    scene: Scene,
-    count: int,
-    chances: Chances,
-    factor: NDArray[np.float64],
-    part: NDArray[np.float64],
-) -> Iterator[Rectangle | Disc]:
-    """So many touches, chances of shape (touch, 4 or more), with their middles on the skin.
-
-    part: of each cell that is skin, shape (row, column).
-    """
-    shapes = scene.dataset.press.shape
-    for (x, y, wide, high, *more), strength in zip(chances[:count], factor.tolist(), strict=False):
-        chance, kind = np.modf(wide * len(shapes))
-        width = _length(scene.dataset.press.size.at(chance))
-        disc = shapes[int(kind)] == "disc"
-        height = width if disc else _length(scene.dataset.press.size.at(high))
-        along = [_inside(chance, width, scene.skin.length) for chance in (x, *more[::2])]
-        across = [_inside(chance, height, scene.skin.width) for chance in (y, *more[1::2])]
-        place = _first_on_skin(scene, part, list(zip(along, across, strict=True)))
-        yield (
-            Disc(*place, width / 2, strength)
-            if disc
-            else Rectangle(*place, width, height, strength)
-        )
-
-
-Place = tuple[float, float]
-
-
-def _first_on_skin(scene: Scene, part: NDArray[np.float64], places: Sequence[Place]) -> Place:
-    """The first in a cell that is at least half skin; the last where none is."""
-    (rows, columns), (length, width) = part.shape, scene.skin.sides
-    on_skin = (
-        (x, y) for x, y in places if part[int(y / width * rows), int(x / length * columns)] >= 0.5
-    )
-    return next(on_skin, places[-1])
-
-
-def _order(touch: Rectangle | Disc) -> tuple:
-    """As texts of presses have it: rectangles, then discs."""
-    return isinstance(touch, Disc), *vars(touch).values()
-
-
-def _inside(chance: float, extent: float, length: float) -> float:
-    return _length(extent / 2 + chance * (length - extent))
-
-
-def _length(value: float | np.ndarray) -> float:
-    return round(float(value), LENGTH_DECIMALS)
-
-
-def _weighed_centres(press: Press) -> list[tuple[float, float, float]]:
-    """x, y and factor of each touch, and of those that there are not."""
-    placed = [touch for touch in press.touches if isinstance(touch, Rectangle | Disc)]
-    found = [(touch.x, touch.y, touch.factor) for touch in placed]
-    return found + [(0.0, 0.0, 1.0)] * (MOST_TOUCHES - len(found))
 
 
 def pressed_beside(
@@ -284,15 +209,7 @@ def pressed_beside(
     there = np.arange(meant.x.shape[1]) < meant.touches[:, None]
     x, y = np.where(there, (low + high) / 2, 0.0)
     width, height = high - low
-    presses = [
-        Press(tuple(Rectangle(*each) for each in zip(*touch, strict=True)))
-        for touch in (
-            [
-                values[k, : meant.touches[k]].tolist()
-                for values in (x, y, width, height, meant.factor)
-            ]
-            for k in range(len(meant.touches))
-        )
-    ]
-    cells, rises, starts = laid_on_cells(scene, presses, grid)
+    square = np.zeros(x.shape, dtype=bool)
+    placed = Placed(square, x, y, width, height, meant.factor)
+    cells, rises, starts = laid_on_cells(scene, meant.touches, placed, grid)
     return replace(meant, cells=cells, rises=rises, starts=starts, x=x, y=y)

@@ -8,8 +8,9 @@ which at zero frequency determines them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +18,11 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU
 
 from .circuit import Drive
-from .lanczos import Pencil
+from .lanczos import Pencil, Pencils
 from .network import allowed_potentials
+
+Solve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""From currents inside, shape (unknown, side), to potentials."""
 
 
 @dataclass(frozen=True)
@@ -62,29 +66,81 @@ def driven_by(
     )
 
 
-def unshifted(driven: Driven, mass: csc_matrix, K: SuperLU) -> Pencil:
-    """The pencil for sigma = 0. mass: M in F. K: factors of the inner block."""
-    sheets, tied = driven.floating[:, driven.common], driven.floating[:, ~driven.common]
-    tied_conductance = driven.floating_conductance[np.ix_(~driven.common, ~driven.common)]
-    sheets_charge = mass @ sheets
-    own_charge = sheets.T @ sheets_charge
-    inner = K.shape[0]
+@dataclass(frozen=True)
+class Unshifted:
+    """One drive at sigma = 0 with one M, in F, of the space.
 
-    def neutral(v: NDArray[np.float64]) -> NDArray[np.float64]:
-        if not sheets.size:
-            return v
-        return v - sheets @ np.linalg.solve(own_charge, sheets_charge.T @ v)
+    K^-1 is that of the inner block, `completed` by what floats.
+    """
 
-    def inverse(y: NDArray[np.float64]) -> NDArray[np.float64]:
+    driven: Driven
+    mass: csc_matrix
+
+    @cached_property
+    def potential(self) -> NDArray[np.float64]:
+        """What is driven at s = 0, V."""
+        return self._neutral(self.driven.potential)
+
+    @cached_property
+    def start(self) -> NDArray[np.float64]:
+        """The charge of that, C."""
+        return self.mass @ self.potential
+
+    def completed(self, y: NDArray[np.float64], inside: NDArray[np.float64]) -> NDArray[np.float64]:
+        """K^-1 y with the floating terminals among the unknowns. inside: of the inner block."""
         v = np.zeros_like(y)
-        v[:inner] = K.solve(y[:inner])
+        v[: len(inside)] = inside
+        tied, conductance = self._tied
         if tied.size:
-            v += tied @ np.linalg.solve(tied_conductance, tied.T @ y)
-        return neutral(v)
+            v += tied @ np.linalg.solve(conductance, tied.T @ y)
+        return self._neutral(v)
 
-    potential = neutral(driven.potential)
-    start = mass @ potential
-    return Pencil(start, mass.dot, inverse, driven.conductance, float(potential @ start), 0.0)
+    def pencil(self, K: SuperLU) -> Pencil:
+        """For Lanczos' method. K: factors of the inner block."""
+        inner, start = K.shape[0], self.start
+        return Pencil(
+            start,
+            self.mass.dot,
+            lambda y: self.completed(y, K.solve(y[:inner])),
+            self.driven.conductance,
+            float(self.potential @ start),
+            0.0,
+        )
+
+    def _neutral(self, v: NDArray[np.float64]) -> NDArray[np.float64]:
+        sheets, charge, own = self._sheets
+        return v - sheets @ np.linalg.solve(own, charge.T @ v) if sheets.size else v
+
+    @cached_property
+    def _tied(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Of terminals that currents tie to others: potentials, and the conductance between."""
+        tied = ~self.driven.common
+        conductance = self.driven.floating_conductance[np.ix_(tied, tied)]
+        return self.driven.floating[:, tied], conductance
+
+    @cached_property
+    def _sheets(self) -> tuple[NDArray[np.float64], ...]:
+        """Of sheets that float as a whole: potentials, their charges, and those between them."""
+        sheets = self.driven.floating[:, self.driven.common]
+        charge = self.mass @ sheets
+        return sheets, charge, sheets.T @ charge
+
+
+def unshifted_together(each: Sequence[Unshifted], solve: Solve, inner: int) -> Pencils:
+    """Pencils of one K for several drives and M. solve: of the block of `inner` unknowns."""
+
+    def mass(v: NDArray[np.float64], which: NDArray[np.int64]) -> NDArray[np.float64]:
+        masses = [each[k].mass for k in which]
+        first = [k for k, own in enumerate(masses) if k == 0 or own is not masses[k - 1]]
+        parts = zip(first, np.split(v, first[1:]), strict=True)
+        return np.concatenate([(masses[k] @ own.T).T for k, own in parts])
+
+    def inverse(y: NDArray[np.float64], which: NDArray[np.int64]) -> NDArray[np.float64]:
+        inside = solve(y[:, :inner].T).T
+        told = zip(which, y, inside, strict=True)
+        return np.stack([each[k].completed(own, found) for k, own, found in told])
+
+    return Pencils(np.stack([one.start for one in each]), mass, inverse)
 
 
 def shifted(

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +23,9 @@ from threadpoolctl import ThreadpoolController
 
 from ..sweeps import ToleranceError
 from .circuit import Circuit, Drive
-from .driven import Driven, driven_by, potentials, shifted, unshifted
-from .lanczos import Pencil, respond
+from .driven import Driven, Unshifted, driven_by, potentials, shifted, unshifted_together
+from .kernels import substitute
+from .lanczos import Pencil, Pencils, respond
 from .network import Network
 from .system import Films, System
 
@@ -32,7 +34,7 @@ class Galerkin:
     """A system restricted to the trial functions of elements up to some order.
 
     K: of the inner unknowns, S, sparse. lift: shape (inner + terminals, terminals). conductance:
-    between terminals at zero frequency, S.
+    between terminals at zero frequency, S. entries: of the system's pattern, that are this space's.
     """
 
     def __init__(self, system: System, circuit: Circuit, order: int) -> None:
@@ -44,7 +46,7 @@ class Galerkin:
         self.inner = len(inner)
         rows = np.concatenate([inner, system.unknowns.inner + np.arange(terminals)])
         self._system, self._rows = system, rows
-        self._whole, self._entries = (
+        self._whole, self.entries = (
             system.pattern.within(rows)
             if len(inner) < system.unknowns.inner
             else (system.pattern, slice(None))
@@ -56,11 +58,15 @@ class Galerkin:
 
     def restricted(self, matrix: csc_matrix) -> csc_matrix:
         """A matrix in the system's pattern, for the unknowns of this space and the terminals."""
-        return self._whole.matrix(matrix.data[self._entries])
+        return self.matrix(matrix.data[self.entries])
+
+    def matrix(self, values: NDArray) -> csc_matrix:
+        """A matrix of this space and the terminals from its values at `entries`."""
+        return self._whole.matrix(values)
 
     def solve(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
         """K^-1 y inside, all terminals at 0 V. y: A, shape (inner, ...)."""
-        return self._factor.solve(y)
+        return self._factors.solve(y)
 
     def _inner(self, whole: csc_matrix) -> csc_matrix:
         return self._block.matrix(whole.data[self._block_entries])
@@ -100,8 +106,13 @@ class Galerkin:
         """K + s M of one drive, its floating terminals among the unknowns. shift: sigma in 1/s."""
         mass, driven = self.restricted(mass), self.driven(drive)
         if shift == 0:
-            return unshifted(driven, mass, self._factor)
+            return Unshifted(driven, mass).pencil(self._factor)
         return shifted(driven, mass, self._shifted(shift, mass), shift, self._power)
+
+    def pencils(self, masses: Sequence[csc_matrix], drives: Sequence[Drive]) -> Pencils:
+        """K + s M of each drive with each M, of this space in F, those of one M side by side."""
+        each = [Unshifted(self.driven(drive), mass) for mass in masses for drive in drives]
+        return unshifted_together(each, self.solve, self.inner)
 
     def potentials(self, mass: csc_matrix, drive: Drive, s: complex) -> NDArray:
         """V of 1 V between high and low at s in rad/s, real or complex.
@@ -119,7 +130,7 @@ class Galerkin:
 
     def currents(self, u: NDArray, sheets: csc_matrix, films: Films) -> NDArray:
         """K u in A, of inner unknowns. u: V, shape (inner + terminals, k)."""
-        in_sheets = (self.restricted(sheets) @ u)[: self.inner]
+        in_sheets = (without_zeros(self.restricted(sheets)) @ u)[: self.inner]
         if not films.any:
             return in_sheets
         U = u[self.inner :]
@@ -159,6 +170,10 @@ class Galerkin:
     @cached_property
     def _factor(self) -> SuperLU:
         return _factorised(self.K)
+
+    @cached_property
+    def _factors(self) -> _Factors:
+        return _Factors(self._factor)
 
     def _terminal_lift(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """G, shape (inner + terminals, terminals), and G'KG in S, shape (terminals, terminals).
@@ -210,6 +225,39 @@ def _factorised(matrix: csc_matrix) -> SuperLU:
         raise ToleranceError(
             f"{len(matrix.indptr) - 1} unknowns are too many to factorise"
         ) from error
+
+
+def without_zeros(matrix: csc_matrix) -> csc_matrix:
+    """The same in a pattern of its own: that of a system holds what K has not, between fields."""
+    own = matrix.copy()
+    own.eliminate_zeros()
+    return own
+
+
+FEWEST_SIDES = 3
+"""Right-hand sides of a system from which on one pass pays."""
+
+
+class _Factors:
+    """What SuperLU has factorised; its own `solve` is the readable twin."""
+
+    def __init__(self, lu: SuperLU) -> None:
+        lower: Any = lu.L
+        upper: Any = lu.U
+        for each in (lower, upper):
+            each.sort_indices()
+        self._lu = lu
+        self._lower = lower.indptr, lower.indices, lower.data
+        self._upper = upper.indptr, upper.indices, upper.data
+
+    def solve(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """A^-1 y. y: shape (unknown, ...)."""
+        if y.ndim == 1 or y.shape[1] < FEWEST_SIDES:
+            return self._lu.solve(y)
+        x = np.empty(y.shape)
+        x[self._lu.perm_r] = y
+        substitute(self._lower, self._upper, x)
+        return x[self._lu.perm_c]
 
 
 REACH = 10.0

@@ -180,3 +180,29 @@ def fill(
         for k in range(slots.shape[1]):
             if slots[element, k] != DROPPED:
                 values[slots[element, k]] += total[k]
+
+
+Columns = tuple[NDArray, NDArray, NDArray]
+"""indptr, indices and data of a sparse matrix by columns, rows ascending in each."""
+
+
+@compiled(fastmath={"contract"})
+def substitute(lower: Columns, upper: Columns, x: NDArray) -> None:  # pragma: no cover
+    """x to U^-1 L^-1 x, in place. lower: L, of unit diagonal. x: shape (unknown, right side)."""
+    unknowns, count = x.shape
+    starts, rows, values = lower
+    for column in range(unknowns):
+        for place in range(starts[column] + 1, starts[column + 1]):
+            row, value = rows[place], values[place]
+            for k in range(count):
+                x[row, k] -= value * x[column, k]
+    starts, rows, values = upper
+    for column in range(unknowns - 1, -1, -1):
+        last = starts[column + 1] - 1
+        share = 1.0 / values[last]
+        for k in range(count):
+            x[column, k] *= share
+        for place in range(starts[column], last):
+            row, value = rows[place], values[place]
+            for k in range(count):
+                x[row, k] -= value * x[column, k]

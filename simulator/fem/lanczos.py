@@ -128,32 +128,94 @@ def potentials(
 
     Ends when the last step adds less than rtol to any, in the norm of K.
     """
-    squared, diagonal, basis = [], [], []
-    pivot = last = np.ones(len(shifts))
-    for b, a, q in itertools.islice(_coefficients(pencil), most_steps):
-        pivot = 1 + shifts * a - (shifts**2 * b / pivot if basis else 0.0)
-        last = -shifts * np.sqrt(b) * last / pivot
-        squared.append(b)
-        diagonal.append(a)
-        basis.append(q)
-        if (np.abs(last) <= rtol * np.abs(shifts) * np.sqrt(squared[0])).all():
-            parts = _parts(shifts, diagonal, squared)
-            if (np.abs(parts[-1]) <= rtol * np.linalg.norm(parts, axis=0)).all():
-                return np.array(basis).T @ parts
-    if not basis:
-        return np.zeros((len(pencil.start), len(shifts)))
-    return np.array(basis).T @ _parts(shifts, diagonal, squared)
+    found = _Spanned(shifts)
+    for coefficients in itertools.islice(_coefficients(pencil), most_steps):
+        if found.settled(*coefficients, rtol):
+            break
+    return found.potentials if found.basis else np.zeros((len(pencil.start), len(shifts)))
 
 
-def _parts(
-    shifts: NDArray[np.float64], diagonal: list[float], squared: list[float]
-) -> NDArray[np.float64]:
-    """-s (1 + s T)^-1 e1 b_0, shape (step, s), of norm |s| b_0 at most."""
-    beside = np.sqrt(squared[1:])
-    T = np.diag(diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
-    start = np.eye(len(T), 1) * np.sqrt(squared[0])
-    solved = np.linalg.solve(np.eye(len(T)) + shifts[:, None, None] * T, start)[:, :, 0]
-    return np.ascontiguousarray((-shifts[:, None] * solved).T)
+@dataclass(frozen=True)
+class Pencils:
+    """Unshifted pencils of one K, whose solves are made together.
+
+    start: M g of each, shape (pencil, unknown). mass, inverse: from vectors, shape (some,
+    unknown), and the pencils that they are of to M v and to K^-1 y.
+    """
+
+    start: NDArray[np.float64]
+    mass: Callable[[NDArray[np.float64], NDArray[np.int64]], NDArray[np.float64]]
+    inverse: Callable[[NDArray[np.float64], NDArray[np.int64]], NDArray[np.float64]]
+
+
+def potentials_of_all(
+    pencils: Pencils, shifts: NDArray[np.float64], rtol: float, most_steps: int = MOST_STEPS
+) -> list[NDArray[np.float64]]:
+    """What `potentials` gives of each, step by step together."""
+    found = [_Spanned(shifts) for _ in pencils.start]
+    going, residual = np.arange(len(found)), pencils.start
+    beside, w = np.zeros(len(found)), np.zeros_like(residual)
+    for _ in range(most_steps):
+        solution = pencils.inverse(residual, going)
+        squared = (residual * solution).sum(axis=1)
+        live = squared > 0
+        going, squared, w_before = going[live], squared[live], w[live]
+        beside = np.sqrt(squared)[:, None]
+        q, w = solution[live] / beside, residual[live] / beside
+        product = pencils.mass(q, going)
+        diagonal = (q * product).sum(axis=1)
+        settled = [
+            found[k].settled(*each, rtol)
+            for k, *each in zip(going, squared, diagonal, q, strict=True)
+        ]
+        left = ~np.array(settled, dtype=bool)
+        if not left.any():
+            break
+        residual = (product - diagonal[:, None] * w - beside * w_before)[left]
+        going, w = going[left], w[left]
+    nothing = np.zeros((pencils.start.shape[1], len(shifts)))
+    return [each.potentials if each.basis else nothing for each in found]
+
+
+class _Spanned:
+    """Steps of Lanczos' method for one pencil, and what they make of its potentials at shifts."""
+
+    def __init__(self, shifts: NDArray[np.float64]) -> None:
+        self.shifts = shifts
+        self.basis: list[NDArray[np.float64]] = []
+        self._squared: list[float] = []
+        self._diagonal: list[float] = []
+        self._pivot = self._last = np.ones(len(shifts))
+
+    def settled(self, squared: float, diagonal: float, q: NDArray[np.float64], rtol: float) -> bool:
+        """Take one step; whether it adds less than rtol to any, in the norm of K.
+
+        That norm is |s| b_0 at most, by which most steps are known to matter.
+        """
+        t = self.shifts
+        self._pivot = 1 + t * diagonal - (t**2 * squared / self._pivot if self.basis else 0.0)
+        self._last = -t * np.sqrt(squared) * self._last / self._pivot
+        self._squared.append(squared)
+        self._diagonal.append(diagonal)
+        self.basis.append(q)
+        if (np.abs(self._last) > rtol * np.abs(t) * np.sqrt(self._squared[0])).any():
+            return False
+        parts = self._parts
+        return bool((np.abs(parts[-1]) <= rtol * np.linalg.norm(parts, axis=0)).all())
+
+    @property
+    def potentials(self) -> NDArray[np.float64]:
+        """u(s) - u(0) in V at the shifts, shape (unknown, s)."""
+        return np.array(self.basis).T @ self._parts
+
+    @property
+    def _parts(self) -> NDArray[np.float64]:
+        """Of each step, shape (step, s): -s (1 + s T)^-1 e1 b_0."""
+        beside = np.sqrt(self._squared[1:])
+        T = np.diag(self._diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
+        start = np.eye(len(T), 1) * np.sqrt(self._squared[0])
+        solved = np.linalg.solve(np.eye(len(T)) + self.shifts[:, None, None] * T, start)[:, :, 0]
+        return np.ascontiguousarray((-self.shifts[:, None] * solved).T)
 
 
 def _coefficients(pencil: Pencil) -> Iterator[tuple[float, float, NDArray[np.float64]]]:

@@ -6,7 +6,6 @@ by the part that it takes of each cell's area, and what is solved for discs has 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -109,15 +108,6 @@ def _under_applicators(scene: Scene, press: Press) -> Cells:
     cells = [(each.row - 1) * scene.pixels.columns + each.column - 1 for each in places]
     rises = [pressed_factor(scene, each) - 1 for each in press.indented]
     return np.array(cells, dtype=np.int64), np.array(rises)
-
-
-def laid_on_cells(
-    scene: Scene, presses: Iterable[Press], grid: tuple[int, int]
-) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
-    """The same of many presses: those of press k from starts[k] to starts[k + 1]."""
-    cells, rises = zip(*(touched_cells(scene, press, grid) for press in presses), strict=True)
-    starts = np.concatenate([[0], np.cumsum([each.size for each in cells])])
-    return np.concatenate(cells), np.concatenate(rises), starts
 
 
 def tile_map(

@@ -53,7 +53,7 @@ def _charges(
     own = potential.reshape(len(potential), 2, len(maps), -1)
     charge = np.empty((family.space.inner, *own.shape[1:]))
     for k, each in enumerate(maps):
-        mass, here = family.space.restricted(family.mass(each)), own[:, :, k]
+        mass, here = family.mass_inside(each), own[:, :, k]
         found = mass @ here.reshape(len(own), -1)
         charge[:, :, k] = found[: family.space.inner].reshape(-1, 2, own.shape[-1])
     return charge.reshape(len(charge), -1)

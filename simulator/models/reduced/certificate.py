@@ -31,11 +31,10 @@ def certificate(
 ) -> NDArray[np.float64]:
     """Bound on the relative errors of Rs and Cp, shape (2, interface, s); of the reduction alone.
 
-    system, mass: K of the skin and M of the press, in F. solved: of each interface, potentials of 1
-    V in the full space as `side_by_side`, shape (unknown, 2 s), and Y in S. s: rad/s. least: as
-    `least_conductance`.
+    system: K of the skin. mass: M of the press in the space, F. solved: of each interface,
+    potentials of 1 V in the full space as `side_by_side`, shape (unknown, 2 s), and Y in S. s:
+    rad/s. least: as `least_conductance`.
     """
-    mass = space.restricted(mass)
     bounds = []
     for potential, Y in solved:
         current = space.currents(potential, system.sheets, system.films)

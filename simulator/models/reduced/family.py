@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix
+from scipy.sparse import csc_matrix, csr_matrix
 
 from ...fem.circuit import Circuit
 from ...fem.estimate import Swept, checked
@@ -132,6 +132,10 @@ class Family(ABC):
         """M in F, in the system's pattern. factors: c over that at rest, shape (part,)."""
         return self.masses.mass(factors)
 
+    def mass_inside(self, factors: NDArray[np.float64]) -> csc_matrix:
+        """M in F of the space alone. factors: as of `mass`."""
+        return self.space.matrix(self._masses_inside @ factors)
+
     def with_films(
         self, films: Films, weights: NDArray[np.float64], terms: Sequence[Films]
     ) -> Films:
@@ -142,6 +146,10 @@ class Family(ABC):
             current = current + weight * term.current
             conductance = conductance + weight * term.conductance
         return Films(self.system.pattern.matrix(stiffness), current, conductance)
+
+    @cached_property
+    def _masses_inside(self) -> csr_matrix:
+        return self.masses.at(self.space.entries)
 
     @cached_property
     def _sheet_values(self) -> NDArray[np.float64]:

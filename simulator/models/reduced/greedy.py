@@ -10,14 +10,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
+from scipy.sparse import csc_matrix
 
-from ...fem.circuit import Drive
 from ...fem.estimate import relative_difference
-from ...fem.galerkin import Galerkin, one_blas_thread
-from ...fem.lanczos import potentials
+from ...fem.galerkin import Galerkin, one_blas_thread, without_zeros
+from ...fem.lanczos import potentials_of_all
 from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
@@ -30,6 +32,7 @@ from .indented.draws import apart, spreading
 from .indented.family import IndentedFamily
 from .indented.model import indented
 from .indented.resolving import resolved as resolved_under_applicators
+from .masses import thinned
 from .model import Reduced, ReducedSkin
 from .resolving import resolved, weights_of_case
 
@@ -43,15 +46,20 @@ MESH_DRAWS = 4
 FREQUENCIES = 6
 SNAPSHOT_SHARE = 0.1
 """Of what may be dropped of a snapshot: what it may be off by, in the norm of K."""
-WORTH_ADDING = 0.3
+WORTH_ADDING = 0.1
 """Of the most that any of the worst cases lacks: so much is added whatever the tolerance."""
 CERTIFIED_SHARE, NEAR = 0.7, 0.5
-COMPRESSED_SHARE = 0.01
+COMPRESSED_SHARE, TRAINED_SHARE = 0.01, 1e-4
+"""Of the tolerance: what factors of lower rank may change. Of that in turn: what they leave out of
+a part's energy while the basis grows."""
 DROPPED_SHARE = 0.1
 """Of the tolerance: what any snapshot of unit energy may lose of that."""
-
+ESSENCE_SHARE = 1e-4
+"""Of what may be dropped of a snapshot: what is, before those of all skins are put together."""
 
 Advance = Callable[[float], None]
+Shared = tuple[NDArray[np.float64], NDArray[np.float64]]
+"""Vectors in the inner unknowns, shape (inner, k), and snapshots as sums of them, (k, snapshot)."""
 
 
 def unseen(share: float) -> None:
@@ -98,6 +106,7 @@ class Basis:
         decades = max(4, math.ceil(math.log10(high / low)) + 1)
         self._shifts = np.abs(laplace_variable(np.geomspace(low, high, decades), loss))
         self._s = laplace_variable(np.geomspace(low, high, FREQUENCIES), loss)
+        self._most, self._K = 0.0, without_zeros(family.space.K)
 
     def grow(
         self, draw: Draw, random: np.random.Generator, advance: Advance, most: int = MOST_QUIET
@@ -131,39 +140,61 @@ class Basis:
 
     def _add(self, cases: list[Case]) -> None:
         """What the snapshots of these cases have beyond the basis, as far as it matters."""
-        found = np.hstack(list(self._snapshots(cases)))
-        found = self._beyond(self._beyond(found))
-        power, turn = np.linalg.eigh(found.T @ (self.family.space.K @ found))
-        lost = np.cumsum(np.maximum(power, 0.0) * turn**2, axis=1).max(axis=0)
+        found, shares = map(list, zip(*self._snapshots(cases), strict=True))
+        found, share = self._beyond(np.hstack(found)), np.asarray(block_diag(*shares), dtype=float)
+        root = _root(found.T @ (self._K @ found))
+        axes, power, turn = np.linalg.svd(root @ share, full_matrices=False)
+        axes, power, turn = axes[:, ::-1], power[::-1], turn[::-1]
+        lost = np.cumsum((power[:, None] * turn) ** 2, axis=0).max(axis=1)
         kept = lost > min(DROPPED_SHARE * self.rtol, WORTH_ADDING * lost[-1])
-        new = found @ (turn[:, kept] / np.sqrt(power[kept]))
+        new = found @ np.linalg.lstsq(root, axes[:, kept], rcond=None)[0]
         for _ in range(2):
             new = self._beyond(new)
-            new = np.linalg.solve(np.linalg.cholesky(new.T @ (self.family.space.K @ new)), new.T).T
+            new = np.linalg.solve(np.linalg.cholesky(new.T @ (self._K @ new)), new.T).T
         self.vectors = np.hstack([self.vectors, new]).astype(np.float64)
 
     def _beyond(self, found: NDArray) -> NDArray[np.float64]:
         """What is K-orthogonal to the basis."""
-        return found - self.vectors @ (self.vectors.T @ (self.family.space.K @ found))
+        return found - self.vectors @ (self.vectors.T @ (self._K @ found))
 
-    def _snapshots(self, cases: list[Case]) -> Iterator[NDArray[np.float64]]:
+    def _snapshots(self, cases: list[Case]) -> Iterator[Shared]:
         """Deviations from the lifted terminals' potentials at the shifts, each of unit energy."""
         for group in by_skin(cases, self.family.scene):
             space = self.family.skin(weights_of_case(self.family, cases[group[0]]))
-            for drive in self.family.circuit.drives:
-                yield self._at_shifts(space, drive, [cases[k] for k in group])
+            for start in range(0, len(group), PRESSES_ON_SKIN):
+                some = [cases[k] for k in group[start : start + PRESSES_ON_SKIN]]
+                yield self._essence(self._at_shifts(space, some))
 
-    def _at_shifts(self, space: Galerkin, drive: Drive, cases: list[Case]) -> NDArray[np.float64]:
+    def _essence(self, snapshots: NDArray[np.float64]) -> Shared:
+        """A few vectors, orthonormal in K, that hold snapshots as exactly as these are."""
+        power, turn = np.linalg.eigh(snapshots.T @ (self._K @ snapshots))
+        lost = np.cumsum(np.maximum(power, 0.0) * turn**2, axis=1).max(axis=0)
+        kept = lost > ESSENCE_SHARE * DROPPED_SHARE * self.rtol
+        size = np.sqrt(power[kept])
+        return snapshots @ (turn[:, kept] / size), size[:, None] * turn[:, kept].T
+
+    def _at_shifts(self, space: Galerkin, cases: list[Case]) -> NDArray[np.float64]:
         family, rtol = self.family, SNAPSHOT_SHARE * math.sqrt(DROPPED_SHARE * self.rtol)
-        pencils = [space.pencil(family.mass(family.foam_of(case)), drive, 0.0) for case in cases]
-        found = [self._deviation(potentials(each, self._shifts, rtol)) for each in pencils]
-        energies = [(each * (family.space.K @ each)).sum(axis=0) for each in found]
+        drives = family.circuit.drives
+        masses = [family.mass_inside(family.foam_of(case)) for case in cases]
+        pencils = space.pencils(masses, drives)
+        found = [self._deviation(each) for each in potentials_of_all(pencils, self._shifts, rtol)]
+        energies = [(each * (self._K @ each)).sum(axis=0) for each in found]
+        self._most = max(self._most, *(math.sqrt(energy.max()) for energy in energies))
         unit = [each / np.sqrt(energy) for each, energy in zip(found, energies, strict=True)]
         if space is family.space:
             return np.hstack(unit)
-        driven = space.driven(drive)
-        at_zero = self._deviation(np.column_stack([driven.potential, driven.floating]))
-        return np.hstack([*unit, at_zero / np.sqrt(min(energy.max() for energy in energies))])
+        for k, drive in enumerate(drives):
+            driven, least = space.driven(drive), min(e.max() for e in energies[k :: len(drives)])
+            at_zero = self._deviation(np.column_stack([driven.potential, driven.floating]))
+            unit.append(at_zero / np.sqrt(least))
+        return np.hstack(unit)
+
+    @cached_property
+    def _sheets(self) -> list[csc_matrix]:
+        """Terms of the sheets' K in the space, S."""
+        space = self.family.space
+        return [without_zeros(space.restricted(term)) for term in self.family.sheet_terms]
 
     def _deviation(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
         inner = self.family.space.inner
@@ -187,11 +218,18 @@ class Basis:
             built=family,
         )
         W = reduced.coordinates
-        terms = [family.space.sheet_energy(W, term) for term in family.sheet_terms]
+        terms = [W.T @ (term @ W) for term in self._sheets]
         terms += [family.space.film_energy(W, term) for term in family.film_terms]
-        factors = family.masses.factors(W)
+        size = _sizes(len(family.space.conductance), self.vectors.shape[1], self._most)
+        factors = family.masses.factors(W, size, TRAINED_SHARE * COMPRESSED_SHARE * self.rtol)
         reduced = replace(reduced, stiffness=np.stack(terms), factors=factors)
         return indented(reduced) if isinstance(family, IndentedFamily) else reduced
+
+
+def _root(gram: NDArray[np.float64]) -> NDArray[np.float64]:
+    """R with R'R a Gram matrix, of vectors that may depend on each other."""
+    power, turn = np.linalg.eigh(gram)
+    return np.sqrt(np.maximum(power, 0.0))[:, None] * turn.T
 
 
 def _done(error: float, begun: float, limit: float) -> float:
@@ -239,8 +277,10 @@ def _of_lower_rank(reduced: Reduced, share: float) -> NDArray[np.float64]:
     none = np.zeros(0, dtype=np.int64)
     at_rest = np.hstack([u for u, _ in skin.solved(none, np.zeros(0), skin.s)])
     terminals = len(reduced.conductance)
-    size = np.full(len(at_rest), np.linalg.norm(at_rest[terminals:], axis=0).max())
-    size[:terminals] = 1.0
-    _, power, right = np.linalg.svd(reduced.factors * size, full_matrices=False)
-    rank = int((power**2 > share * power[:, :1] ** 2).sum(axis=1).max())
-    return power[:, :rank, None] * right[:, :rank] / size
+    most = float(np.linalg.norm(at_rest[terminals:], axis=0).max())
+    return thinned(reduced.factors, _sizes(terminals, reduced.size, most), share)
+
+
+def _sizes(terminals: int, basis: int, most: float) -> NDArray[np.float64]:
+    """Of potentials: 1 V at terminals; most: of the basis."""
+    return np.concatenate([np.ones(terminals), np.full(basis, most)])

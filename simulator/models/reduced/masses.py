@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix
+from scipy.sparse import csc_matrix, csr_matrix
 
 from ...fem.dropped import DROPPED
 from ...fem.system import System
@@ -33,19 +33,24 @@ class Masses:
             ),
             shape=(len(system.pattern.indices), len(slots)),
         )
+        self._by_slot = self._values.tocsr()
 
     def mass(self, factors: NDArray[np.float64]) -> csc_matrix:
         """M in F, in the system's pattern. factors: c over that at rest, shape (part,)."""
-        return self._system.pattern.matrix(self._values @ factors)
+        return self._system.pattern.matrix(self._by_slot @ factors)
 
-    def factors(self, W: NDArray[np.float64]) -> NDArray[np.float64]:
-        """F of each part, W'MW = F'F in F, shape (part, rank, k), filled up with zeros.
+    def at(self, entries: NDArray[np.int64] | slice) -> csr_matrix:
+        """Values of M at some entries of the system's pattern, F, shape (entry, part)."""
+        return self._by_slot[entries]
+
+    def factors(
+        self, W: NDArray[np.float64], size: NDArray[np.float64], share: float
+    ) -> NDArray[np.float64]:
+        """F of each part, W'MW = F'F in F, shape (part, rank, k), as of `thinned`.
 
         W: V, shape (inner + terminals of the space, k).
         """
-        found = [part.factor(W) for part in self._parts]
-        rank = max(len(F) for F in found)
-        return np.stack([np.pad(F, ((0, rank - len(F)), (0, 0))) for F in found])
+        return thinned([part.factor(W) for part in self._parts], size, share)
 
     @cached_property
     def _parts(self) -> list[_Part]:
@@ -65,6 +70,25 @@ class Masses:
             _part(rows[each], columns[each], value)
             for each, value in zip(slots, entries, strict=True)
         ]
+
+
+def thinned(
+    factors: Iterable[NDArray[np.float64]], size: NDArray[np.float64], share: float
+) -> NDArray[np.float64]:
+    """Factors of as few rows as a share of their energy allows, filled up with zeros.
+
+    size: of the potentials in each column, in V, by which energies are weighed. share: of a
+    factor's largest energy, below which its directions are left out.
+    """
+    found = [_thin(F, size, share) for F in factors]
+    rank = max(len(F) for F in found)
+    return np.stack([np.pad(F, ((0, rank - len(F)), (0, 0))) for F in found])
+
+
+def _thin(F: NDArray[np.float64], size: NDArray[np.float64], share: float) -> NDArray[np.float64]:
+    weighed = F * size
+    power, turn = np.linalg.eigh(weighed @ weighed.T)
+    return turn[:, power > share * power.max(initial=0.0)].T @ F
 
 
 @dataclass(frozen=True)

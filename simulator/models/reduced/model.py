@@ -211,7 +211,7 @@ class ReducedSkin:
         """Bound on what the reduction leaves out of Rs and Cp of one press, relatively, of shape
         (2, interface, s); s in rad/s, by default of the scene's frequencies."""
         s, family, W = self.s if s is None else s, self.reduced.family, self.reduced.coordinates
-        mass, skin = family.mass(self.map_of(cells, rises)), self.under(cells, rises)
+        mass, skin = family.mass_inside(self.map_of(cells, rises)), self.under(cells, rises)
         with one_blas_thread():
             solved = ((W @ side_by_side(u), Y) for u, Y in skin.solved(cells, rises, s))
             return certificate(family.space, skin.system, mass, solved, s, skin.least_conductance)

@@ -85,6 +85,10 @@ class IndentedFamily(UnevenFamily):
         add_foam(values, coupling, self.elements, unknowns, c, within)
         return self.system.pattern.matrix(mass.data + values)
 
+    def mass_inside(self, factors: NDArray[np.float64]) -> csc_matrix:
+        """As of `Family`."""
+        return self.space.restricted(self.mass(factors))
+
     def press(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> list[Together]:
         """What each touch does, or all that feel each other do together."""
         if self.coupled(cells):

@@ -1,0 +1,101 @@
+"""Rectangles and discs drawn anywhere on a skin, for all presses of a session at once."""
+
+from __future__ import annotations
+
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...mesh.held import held
+from ...press.press import Press
+from ...scene.scene import Scene
+from .laying import Placed
+
+LENGTH_DECIMALS = 6
+"""Places and sizes are drawn to the micrometre, so that a press as text is the one solved."""
+HALF = 0.5
+"""Of a cell that a touch's middle may lie in: at least so much of it is skin."""
+
+
+def drawn_places(
+    scene: Scene,
+    touches: NDArray[np.int64],
+    chances: NDArray[np.float64],
+    factor: NDArray[np.float64],
+    grid: tuple[int, int],
+) -> Placed:
+    """So many touches of each press with their middles on the skin, in the order of texts.
+
+    chances: of place along x and y, of size along x and y, and of further places where the first
+    may be off the skin, shape (4 or more, press, touch). factor: shape (press, touch).
+    """
+    drawn, (along, across) = scene.dataset.press, scene.skin.sides
+    chance, kind = np.modf(chances[2] * len(drawn.shape))
+    disc = np.array([shape == "disc" for shape in drawn.shape])[kind.astype(np.int64)]
+    width = _length(drawn.size.at(chance))
+    height = np.where(disc, width, _length(drawn.size.at(chances[3])))
+    x = _inside(np.concatenate([chances[:1], chances[4::2]]), width, along)
+    y = _inside(np.concatenate([chances[1:2], chances[5::2]]), height, across)
+    which = _first_on_skin(scene, x, y, grid)[None]
+    x, y = (np.take_along_axis(places, which, axis=0)[0] for places in (x, y))
+    there = np.arange(factor.shape[1]) < touches[:, None]
+    placed = Placed(disc, x, y, width, height, np.where(there, factor, 1.0))
+    return _in_order(placed, touches)
+
+
+def texts(touches: NDArray[np.int64], placed: Placed) -> list[str]:
+    """Each press as `Press` writes it."""
+    there = np.arange(placed.x.shape[1]) < touches[:, None]
+    rows = zip(*(each[there].tolist() for each in placed), strict=True)
+    told = iter(
+        [
+            f"disc({x!r},{y!r},{width / 2!r}):{factor!r}"
+            if disc
+            else f"rect({x!r},{y!r},{width!r},{height!r}):{factor!r}"
+            for disc, x, y, width, height, factor in rows
+        ]
+    )
+    none = str(Press())
+    return ["+".join(islice(told, count)) or none for count in touches.tolist()]
+
+
+def _first_on_skin(
+    scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64], grid: tuple[int, int]
+) -> NDArray[np.int64]:
+    """Which place of each touch is the first in a cell that is at least half skin.
+
+    The last where none is. x, y: m, shape (place, press, touch).
+    """
+    (rows, columns), (along, across) = grid, scene.skin.sides
+    part = held(scene.on_grid(*grid)).part.reshape(grid)
+    row, column = (y / across * rows).astype(np.int64), (x / along * columns).astype(np.int64)
+    on_skin = part[row, column] >= HALF
+    on_skin[-1] = True
+    return on_skin.argmax(axis=0)
+
+
+def _in_order(placed: Placed, touches: NDArray[np.int64]) -> Placed:
+    """As texts of presses have it: rectangles, then discs, each by its numbers."""
+    swapped = _after(placed) & (touches > 1)
+    return Placed(*(np.where(swapped[:, None], each[:, ::-1], each) for each in placed))
+
+
+def _after(placed: Placed) -> NDArray[np.bool_]:
+    """Whether the first of two touches of a press comes after the second, shape (press,)."""
+    after, same = np.zeros(len(placed.x), dtype=bool), np.ones(len(placed.x), dtype=bool)
+    for each in placed:
+        first, second = each[:, 0], each[:, 1]
+        after |= same & (first > second)
+        same &= first == second
+    return after
+
+
+def _inside(
+    chance: NDArray[np.float64], extent: NDArray[np.float64], length: float
+) -> NDArray[np.float64]:
+    return _length(extent / 2 + chance * (length - extent))
+
+
+def _length(value: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.round(value, LENGTH_DECIMALS)

@@ -1,0 +1,56 @@
+"""Touches laid on cells all at once are those laid press by press."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rcskin.simulator.dataset.anywhere.laying import Placed, laid_on_cells
+from rcskin.simulator.dataset.anywhere.places import texts
+from rcskin.simulator.press.capacitance import touched_cells
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.files import load_scene
+
+SCENE = load_scene("sheet-3x3")
+SIDE = 0.12
+
+
+@st.composite
+def placed(draw):
+    """A few presses of up to two touches, many on lines of cells or one over the other."""
+    rng, presses = np.random.default_rng(draw(st.integers(0, 2**32))), 6
+    shape, steps = (presses, 2), draw(st.sampled_from([12, 1000]))
+    disc = rng.random(shape) < 0.5
+    width = np.round(rng.integers(1, steps // 2, shape) * SIDE / steps, 6)
+    height = np.where(disc, width, np.round(rng.integers(1, steps // 2, shape) * SIDE / steps, 6))
+    low = rng.integers(0, steps // 2, (2, *shape)) * SIDE / steps
+    x, y = (np.round(each + side / 2, 7) for each, side in zip(low, (width, height), strict=True))
+    factor = np.round(rng.uniform(0.5, 3.0, shape), 6)
+    return rng.integers(0, 3, presses), Placed(disc, x, y, width, height, factor)
+
+
+@pytest.mark.kernel
+@given(placed=placed(), grid=st.tuples(st.integers(1, 4), st.integers(1, 4)))
+def test_all_at_once_is_press_by_press(placed, grid):
+    touches, where = placed
+    grid = 3 * grid[0], 3 * grid[1]
+    cells, rises, starts = laid_on_cells(SCENE, touches, where, grid)
+    assert starts[-1] == len(cells)
+    for k, text in enumerate(texts(touches, where)):
+        found, expected = np.zeros((2, grid[0] * grid[1]))
+        own = slice(starts[k], starts[k + 1])
+        assert (np.diff(cells[own]) > 0).all()
+        found[cells[own]] = rises[own]
+        at, by = touched_cells(SCENE, parse_press(text, np.nan), grid)
+        expected[at] = by
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
+
+
+def test_no_cell_beside_a_touch_is_counted():
+    one = np.ones((1, 1))
+    disc = Placed(one > 0, 0.06 * one, 0.06 * one, 0.04 * one, 0.04 * one, 2 * one)
+    on_lines = disc._replace(disc=one < 0)
+    count = np.ones(1, dtype=np.int64)
+    assert laid_on_cells(SCENE, count, on_lines, (12, 12))[0].size == 4 * 4
+    whole = laid_on_cells(SCENE, count, disc, (24, 24))
+    assert whole[0].size < 8 * 8
+    assert whole[1].sum() * (SIDE / 24) ** 2 == pytest.approx(np.pi * 0.02**2, rel=1e-12)
