@@ -148,22 +148,28 @@ class _Pressing:
         membrane = Membrane(ground.mesh, tension, self.thickness, self.mechanics.elastic)
         nodes = len(membrane.places.T)
         first = np.zeros(nodes) if start is None else start(membrane.places)
-        held = self._held(ground, membrane, first)
+        held = self._held(membrane, self._most(ground, membrane), first)
         rest = at_rest(membrane, held, self.pushed, first)
         surface = Surface(ELEMENT, ground.mesh.p, membrane.nodes, rest.w)
         return Level(ground, membrane, held, rest, surface, start is not None)
 
     def again(self, known: Again, level: Level, rtol: float) -> Level:
         """On the mesh of a level that is known."""
-        held = self._held(level.ground, level.membrane, known.start(level, self.pushed))
-        return known.pressed(level, held, self.pushed, rtol)
+        start = known.start(level, self.pushed)
+        most = self._most(level.ground, level.membrane)
+        no_deeper = np.where(most < 0, start, np.fmin(start, self.pushed.depth[most]))
+        held = self._held(level.membrane, most, no_deeper)
+        return known.pressed(level, held, self.pushed, start, rtol)
+
+    def _most(self, ground: Ground, membrane: Membrane) -> NDArray[np.int64]:
+        """(node,): the applicator that may hold each node, -1 for none."""
+        under = above(membrane.nodes, len(membrane.places.T), ground.covered)
+        return deepest(under, self.pushed)
 
     def _held(
-        self, ground: Ground, membrane: Membrane, near: NDArray[np.float64]
+        self, membrane: Membrane, most: NDArray[np.int64], near: NDArray[np.float64]
     ) -> NDArray[np.int64]:
-        """(node,): the applicator that holds each node. near: deflections near by, m."""
-        under = above(membrane.nodes, len(membrane.places.T), ground.covered)
-        most = deepest(under, self.pushed)
+        """(node,): the one that does. near: deflections near by, m."""
         return held_by(membrane, self.mechanics.tension, most, self.pushed, near)
 
     def relative(self, level: Level) -> NDArray[np.float64]:

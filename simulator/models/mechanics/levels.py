@@ -40,6 +40,7 @@ class Again:
         self.level: Level | None = None
         self._known: dict[float, NDArray[np.float64]] = {}
         self._newton: Newton | None = None
+        self._by_force = np.empty(0, np.int64)
 
     @property
     def ground(self) -> Ground | None:
@@ -58,7 +59,7 @@ class Again:
         if not same:
             self._known = {}
         if level.rest.newton or not same:
-            self._newton = level.rest.newton
+            self._newton, self._by_force = level.rest.newton, pushed.by_force
         key = _key(pushed)
         if key is not None:
             self._known[key] = level.rest.w
@@ -84,11 +85,18 @@ class Again:
                 start += share * self._known[known]
         return np.clip(start, 0.0, np.nanmax(pushed.depth, initial=0.0) or None)
 
-    def pressed(self, level: Level, held: NDArray[np.int64], pushed: Pushed, rtol: float) -> Level:
+    def pressed(
+        self,
+        level: Level,
+        held: NDArray[np.int64],
+        pushed: Pushed,
+        start: NDArray[np.float64],
+        rtol: float,
+    ) -> Level:
         """Otherwise on the mesh of a level that was kept. rtol: of the factor anywhere."""
-        start, body = self.start(level, pushed), level.membrane
-        rest = None
-        if self._newton is not None and np.array_equal(held, level.held):
+        body, rest = level.membrane, None
+        alike = np.array_equal(pushed.by_force, self._by_force)
+        if self._newton is not None and alike and np.array_equal(held, level.held):
             rest = near_rest(body, held, pushed, start, self._newton, LEFT * rtol)
         if rest is None:
             rest = at_rest(body, held, pushed, start)
