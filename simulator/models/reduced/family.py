@@ -84,6 +84,10 @@ class Family(ABC):
         """M of each part of the foam at rest."""
 
     @abstractmethod
+    def masses_in(self, mode: int) -> Masses:
+        """M of each part where its foam goes with one of WAVES; the first is `masses`."""
+
+    @abstractmethod
     def finer(self, weights: Weights, factors: NDArray[np.float64]) -> Checking:
         """What the space is checked by: that of one order more."""
 

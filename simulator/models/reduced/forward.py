@@ -22,6 +22,7 @@ from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import FrequencyGrid, Sweep
 from ...scene.scene import Scene
 from ..parameters import (
+    FOAM_WAVES,
     Variation,
     all_values,
     by_sheets,
@@ -32,14 +33,15 @@ from ..parameters import (
     variation_of,
 )
 from ..response import Response, seen_by_meter
-from ..slow.foam import by_waves, of_pixels, uneven
 from ..slow.sheets import Terms, drawn_waves, uneven_sheets
+from ..slow.waves import amplitudes
 from ..varied.materials import gauge_slopes, gauged, gauges
 from ..varied.meshes import single_field
 from .cases import Case, Draw, pixel_touches, touched
 from .greedy import Advance, reduce, unseen
 from .indented.draws import require_whole_pixels
 from .model import Reduced, ReducedSkin
+from .waved.model import Waved
 
 
 @dataclass(frozen=True)
@@ -87,6 +89,11 @@ def _of_drive(
     by_cell, whole = charges
     by_weight = np.stack([((term @ u) * u).sum(axis=0) for term in stiffness], axis=1)
     return Y, s[:, None] * by_cell, by_weight, whole
+
+
+def _waved(values: Mapping[str, float]) -> bool:
+    """Whether slow waves of the foam are among the values."""
+    return any(name in values for name in FOAM_WAVES)
 
 
 REACH = 3.0
@@ -138,17 +145,21 @@ class Forward:
         """
         values = all_values(self.scene, given)
         s, skin = self._s(values), self._skin(values).under(cells, rises)
+        asked = [np.empty((0, *skin.stiffness.shape)) if beside is None else beside]
+        if _waved(values):
+            asked.append(self._waves.masses(float(skin.rest_factors[0]), cells, rises))
         with one_blas_thread():
-            found = sensitivity(skin, cells, rises, s, beside)
-        by_weight, by_term = np.split(found.by_weight, [len(self.reduced.stiffness)], axis=-1)
+            found = sensitivity(skin, cells, rises, s, np.concatenate(asked))
+        ends = np.cumsum([len(self.reduced.stiffness), len(asked[0])])
+        by_weight, by_term, by_wave = np.split(found.by_weight, ends, axis=-1)
         of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
         by_name = {name: found.by_s * slope for name, slope in of_s.items()}
         assert skin.variation is not None and skin.weights is not None
         weighed = by_weight * skin.weights
         by_name |= self._by_weights(weighed, skin.variation)
         by_name |= self._terms.by_waves(by_weight, skin.weights, values)
-        pressed = math.exp(values["capacitance"]) * touched(self.divided, cells, rises)
-        by_name |= by_waves(found.by_cell, pressed, values, self._waves)
+        of_waves = zip(FOAM_WAVES, np.moveaxis(s[:, None] * by_wave, -1, 0), strict=False)
+        by_name |= {name: slope for name, slope in of_waves if name in values}
         leads = leads_of(values)
         at_meter = seen_by_meter(found, by_name, by_term, leads, self.scene.frequencies)
         if not gauged(self.scene.skin):
@@ -223,7 +234,9 @@ class Forward:
     def _skin(self, values: Mapping[str, float]) -> ReducedSkin:
         """The last one is kept: many presses of one skin are asked for in a row."""
         if self._kept is None or self._kept[0] != values:
-            self._kept = dict(values), self.reduced.skin(self._variation(values))
+            sizes = amplitudes(values, FOAM_WAVES)[1:]
+            model = self._waves.under(sizes) if _waved(values) else self.reduced
+            self._kept = dict(values), model.skin(self._even(values))
         return self._kept[1]
 
     def _s(self, values: Mapping[str, float]) -> NDArray[np.complex128]:
@@ -240,19 +253,16 @@ class Forward:
         return of_sheets | {"contact_resistance": -films.sum(axis=-1)}
 
     @cached_property
-    def _waves(self) -> NDArray[np.float64]:
-        return of_pixels(self.divided)
-
-    def _variation(self, values: Mapping[str, float]) -> Variation:
-        return uneven(self._even(values), values, self._waves)
+    def _waves(self) -> Waved:
+        return Waved(self.reduced)
 
     def _even(self, values: Mapping[str, float]) -> Variation:
-        """With even foam."""
+        """All but slow waves of the foam."""
         return uneven_sheets(variation_of(self.divided, values), values, self.modes)
 
     def factors_at_rest(self, values: Mapping[str, float]) -> NDArray[np.float64]:
-        """c of each cell at rest over that of the scene, shape (cell,)."""
-        return self._variation(all_values(self.scene, values)).foam(self.divided)
+        """c of each cell at rest over that of the scene, but for slow waves, shape (cell,)."""
+        return self._even(all_values(self.scene, values)).foam(self.divided)
 
     @cached_property
     def _terms(self) -> Terms:

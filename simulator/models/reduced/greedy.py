@@ -229,18 +229,22 @@ def _impedances(reduced: Reduced, cases: list[Case]) -> NDArray[np.complex128]:
     )
 
 
-def _of_lower_rank(reduced: Reduced, share: float) -> NDArray[np.float64]:
-    """Each pixel's factor without what adds less than a share of its energy.
-
-    Potentials are weighed as they are: 1 V at terminals, as much as the skin at rest has of the
-    basis.
-    """
+def typical(reduced: Reduced) -> NDArray[np.float64]:
+    """How large potentials are in the model's coordinates, V, shape (N + n,): 1 at terminals, as
+    much as the skin at rest has of the basis."""
     skin = reduced.skin(None)
     none = np.zeros(0, dtype=np.int64)
     at_rest = np.hstack([u for u, _ in skin.solved(none, np.zeros(0), skin.s)])
     terminals = len(reduced.conductance)
     size = np.full(len(at_rest), np.linalg.norm(at_rest[terminals:], axis=0).max())
     size[:terminals] = 1.0
+    return size
+
+
+def _of_lower_rank(reduced: Reduced, share: float) -> NDArray[np.float64]:
+    """Each pixel's factor without what adds less than a share of its energy, of potentials as large
+    as they are."""
+    size = typical(reduced)
     _, power, right = np.linalg.svd(reduced.factors * size, full_matrices=False)
     rank = int((power**2 > share * power[:, :1] ** 2).sum(axis=1).max())
     return power[:, :rank, None] * right[:, :rank] / size
