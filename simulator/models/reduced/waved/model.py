@@ -13,7 +13,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...parameters import WAVES
 from ..family import Family
 from ..greedy import typical
 from ..model import Reduced
@@ -80,7 +79,7 @@ def _terms(even: Reduced) -> NDArray[np.float64]:
     """S of each wave in each part: W'MW = F'SF in the directions that F has."""
     size, W = typical(even), even.coordinates
     back = size[:, None] * np.linalg.pinv(even.factors * size)
-    parts = [even.family.masses_in(wave).energies(W) for wave in range(1, len(WAVES))]
+    parts = [each.energies(W) for each in even.family.foam_waves]
     return np.stack(
         [
             np.stack([G.T @ each @ G for each, G in zip(of_wave, back, strict=True)])
