@@ -31,12 +31,12 @@ from .outlook import Outlook
 from .plain import electrical, electrical_press, require_plain
 from .resolution import Ladder
 from .sheet import Sheet
+from .varied.places import Place, Places
 
 if TYPE_CHECKING:
     from .mechanics.pressed import Pressed
     from .reduced.indented.applied import Applied
     from .reduced.rung import OfPixels
-    from .varied.places import Place, Places
 
 ModelName = Literal["auto", "lumped", "line", "sheet", "reduced"]
 DEFAULT_RTOL = 1e-4
@@ -67,6 +67,7 @@ class Solver:
         self._even, self._outlook = electrical(scene), Outlook(rtol)
         self.model: ModelName = model
         self._sheets: dict[Resolution, Sheet] = {}
+        self._places = Places()
 
     @cached_property
     def _first_level(self) -> int:
@@ -131,12 +132,6 @@ class Solver:
             if progress.done:
                 return
         raise ToleranceError(progress.rejected[-1])
-
-    @cached_property
-    def _places(self) -> Places:
-        from .varied.places import Places
-
-        return Places()
 
     def _varied(
         self, press: Press, pressed: Pressed | None, progress: Progress, place: Place | None

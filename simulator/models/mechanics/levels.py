@@ -38,9 +38,9 @@ class Again:
 
     def __init__(self) -> None:
         self.level: Level | None = None
-        self._known: dict[float, NDArray[np.float64]] = {}
+        self._known: dict[float, Rest] = {}
         self._newton: Newton | None = None
-        self._by_force = np.empty(0, np.int64)
+        self._held = self._by_force = np.empty(0, np.int64)
 
     @property
     def ground(self) -> Ground | None:
@@ -59,10 +59,11 @@ class Again:
         if not same:
             self._known = {}
         if level.rest.newton or not same:
-            self._newton, self._by_force = level.rest.newton, pushed.by_force
+            self._newton = level.rest.newton
+            self._held, self._by_force = level.held, pushed.by_force
         key = _key(pushed)
         if key is not None:
-            self._known[key] = level.rest.w
+            self._known[key] = replace(level.rest, newton=None)
             while len(self._known) > MOST_KNOWN:
                 del self._known[next(iter(self._known))]
 
@@ -70,11 +71,10 @@ class Again:
         """A first guess at the deflection, m, shape (node,): through those known of one applicator,
         by its depth or its force, and through that at rest."""
         key = _key(pushed)
-        if key is None or not self._known:
+        alike = [known for known in self._known if key is not None and known * key > 0]
+        if key is None or not alike:
             return level.rest.w
-        if key in self._known:
-            return self._known[key]
-        near = sorted([0.0, *self._known], key=lambda known: abs(known - key))[:NEAREST]
+        near = sorted([0.0, *alike], key=lambda known: abs(known - key))[:NEAREST]
         shares = lagrange(np.array(near), key)
         while np.abs(shares).sum() > STEADY:
             near.pop()
@@ -82,7 +82,7 @@ class Again:
         start = np.zeros_like(level.rest.w)
         for share, known in zip(shares, near, strict=True):
             if known:
-                start += share * self._known[known]
+                start += share * self._known[known].w
         return np.clip(start, 0.0, np.nanmax(pushed.depth, initial=0.0) or None)
 
     def pressed(
@@ -94,13 +94,18 @@ class Again:
         rtol: float,
     ) -> Level:
         """Otherwise on the mesh of a level that was kept. rtol: of the factor anywhere."""
-        body, rest = level.membrane, None
-        alike = np.array_equal(pushed.by_force, self._by_force)
-        if self._newton is not None and alike and np.array_equal(held, level.held):
+        body, key = level.membrane, _key(pushed)
+        rest = None if key is None else self._known.get(key)
+        if rest is None and self._serves(held, pushed) and self._newton is not None:
             rest = near_rest(body, held, pushed, start, self._newton, LEFT * rtol)
         if rest is None:
             rest = at_rest(body, held, pushed, start)
         return replace(level, held=held, rest=rest, surface=level.surface.of(rest.w), refined=True)
+
+    def _serves(self, held: NDArray[np.int64], pushed: Pushed) -> bool:
+        """Whether the factors are of the same free points."""
+        alike = np.array_equal(pushed.by_force, self._by_force)
+        return alike and np.array_equal(held, self._held)
 
 
 def _key(pushed: Pushed) -> float | None:
