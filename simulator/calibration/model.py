@@ -77,13 +77,13 @@ class Around:
 
         As `respond`, with an axis (press,) first; `by_cell` of the touched ones alone.
         """
-        if isinstance(self.model, Forward) and self.model.alike:
-            own = self.own(values)
+        own = self.own(values)
+        if isinstance(self.model, Forward) and self.model.alike(own):
             response = self.model.respond_together(cells, rises, own)
             at_rest = self.model.factors_at_rest(own)[cells][:, None, None]
             return replace(response, by_cell=at_rest * response.by_cell)
         pairs = zip(cells, rises, strict=True)
-        each = [(touched, self.respond(touched, own, values)) for touched, own in pairs]
+        each = [(touched, self.respond(touched, raised, values)) for touched, raised in pairs]
         names = each[0][1].by_parameter
         return Response(
             np.stack([found.Z for _, found in each]),

@@ -31,6 +31,7 @@ from .outlook import Outlook
 from .plain import electrical, electrical_press, require_plain
 from .resolution import Ladder
 from .sheet import Sheet
+from .varied.places import Place, Places
 
 if TYPE_CHECKING:
     from .mechanics.pressed import Pressed
@@ -66,6 +67,7 @@ class Solver:
         self._even, self._outlook = electrical(scene), Outlook(rtol)
         self.model: ModelName = model
         self._sheets: dict[Resolution, Sheet] = {}
+        self._places = Places()
 
     @cached_property
     def _first_level(self) -> int:
@@ -99,14 +101,15 @@ class Solver:
             self._under_applicators(press, progress)
             if progress.done:
                 return progress.answer()
-        sharp, pressed = press, None
+        sharp, pressed, place = press, None, None
         if press.indented:
             from .varied.meshes import indented
 
-            sharp, pressed = indented(self.scene, press, self.rtol)
+            place = self._places.of(press)
+            sharp, pressed = indented(self.scene, press, self.rtol, place=place)
         even = None if pressed else electrical_press(self.scene, sharp)
         if even is None:
-            self._varied(sharp, pressed, progress)
+            self._varied(sharp, pressed, progress, place)
         else:
             self._plain(even, progress)
         return progress.answer()
@@ -130,10 +133,12 @@ class Solver:
                 return
         raise ToleranceError(progress.rejected[-1])
 
-    def _varied(self, press: Press, pressed: Pressed | None, progress: Progress) -> None:
-        """Elements for what is not plain. Raises InputError where another model is asked for.
+    def _varied(
+        self, press: Press, pressed: Pressed | None, progress: Progress, place: Place | None
+    ) -> None:
+        """Elements for what is not plain; a reduced model leaves touches of other shapes to them.
 
-        A reduced model leaves touches of other shapes to them.
+        place: where `pressed` presses. Raises InputError where another model is asked for.
         """
         from .varied.meshes import meshes
 
@@ -142,7 +147,7 @@ class Solver:
             require_plain_press(press)
         if self.model == "reduced":
             self._reduced_first(press, pressed, progress)
-        finer = meshes(self.scene, press, pressed, self.rtol)
+        finer = meshes(self.scene, press, pressed, self.rtol, place)
         while not progress.done:
             try:
                 discretised = finer.finer(progress.frequency)

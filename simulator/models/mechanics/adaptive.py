@@ -17,6 +17,7 @@ from ...sweeps.errors import ToleranceError
 from ..outlook import Remaining, check_within_reach
 from .contact import Pushed, Rest, above, at_rest, deepest, held_by
 from .ground import Ground
+from .levels import Again, Level
 from .membrane import ELEMENT, Membrane, Surface, tails
 from .pressed import check_reached
 
@@ -59,23 +60,10 @@ class Solved:
     held: NDArray[np.int64]
 
 
-@dataclass(frozen=True)
-class _Level:
-    ground: Ground
-    membrane: Membrane
-    held: NDArray[np.int64]
-    rest: Rest
-    refined: bool
-
-    @property
-    def surface(self) -> Surface:
-        """Its deflection anywhere."""
-        return Surface(ELEMENT, self.ground.mesh.p, self.membrane.nodes, self.rest.w)
-
-    def solved(self, error: float) -> Solved:
-        """What is known of it."""
-        doubt = unsure(self.membrane, self.rest.w)
-        return Solved(self.surface, self.rest, error, doubt, self.membrane, self.held)
+def _solved(level: Level, error: float) -> Solved:
+    """What is known of a level."""
+    doubt = unsure(level.membrane, level.rest.w)
+    return Solved(level.surface, level.rest, error, doubt, level.membrane, level.held)
 
 
 def unsure(membrane: Membrane, w: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -90,31 +78,35 @@ def solved(
     thickness: float,
     rtol: float,
     tell: Tell = tell_nothing,
+    again: Again | None = None,
 ) -> Solved:
     """The deflection by a press's applicators, within `rtol` of the factor anywhere.
 
-    tell: is told how far it has come. Raises InputError where one of given force
-    meets another, ToleranceError where `rtol` is out of reach.
+    tell: is told how far it has come. again: what presses of the same places left, its mesh is that
+    of `ground`; keeps what this one leaves. Raises InputError where one of given force meets
+    another, ToleranceError where `rtol` is out of reach.
     """
     pushed = _pushed(press)
     _check_apart(press, ground, pushed)
     _check_length(ground, mechanics, thickness)
     pressing, remaining = _Pressing(mechanics, thickness, pushed), Remaining(rtol)
     tell(PRESSING, 0.0)
-    level = pressing.level(ground)
+    known = again or Again()
+    level = pressing.again(known, known.level, rtol) if known.level else pressing.level(ground)
     while True:
         check_reached(press, level.rest.depth, mechanics, thickness)
         found = SAFETY * pressing.relative(level)
         tell(PRESSING, remaining.share(max(float(found.max()), _least(rtol, level))))
         if not (found > rtol).any():
             if level.refined:
-                return level.solved(float(found.max()))
+                known.keep(level, pushed)
+                return _solved(level, float(found.max()))
             found *= HALF_AGAIN * rtol / found.max()
         _check_within_reach(level.ground, found / rtol)
         level = pressing.level(_refined(level.ground, found / rtol), level.surface)
 
 
-def _least(rtol: float, level: _Level) -> float:
+def _least(rtol: float, level: Level) -> float:
     """An error that the first triangles are taken not to be below, as they are refined yet."""
     return 0.0 if level.refined else HALF_AGAIN * rtol
 
@@ -149,18 +141,38 @@ class _Pressing:
     thickness: float
     pushed: Pushed
 
-    def level(self, ground: Ground, start: Surface | None = None) -> _Level:
+    def level(self, ground: Ground, start: Surface | None = None) -> Level:
         if ground.mesh.nelements > MOST_TRIANGLES:
             raise ToleranceError(TOO_FINE)
         tension = self.mechanics.tension
         membrane = Membrane(ground.mesh, tension, self.thickness, self.mechanics.elastic)
-        under = above(membrane.nodes, len(membrane.places.T), ground.covered)
-        first = np.zeros(under.shape[1]) if start is None else start(membrane.places)
-        held = held_by(membrane, tension, deepest(under, self.pushed), self.pushed, first)
+        nodes = len(membrane.places.T)
+        first = np.zeros(nodes) if start is None else start(membrane.places)
+        held = self._held(membrane, self._most(ground, membrane), first)
         rest = at_rest(membrane, held, self.pushed, first)
-        return _Level(ground, membrane, held, rest, start is not None)
+        surface = Surface(ELEMENT, ground.mesh.p, membrane.nodes, rest.w)
+        return Level(ground, membrane, held, rest, surface, start is not None)
 
-    def relative(self, level: _Level) -> NDArray[np.float64]:
+    def again(self, known: Again, level: Level, rtol: float) -> Level:
+        """On the mesh of a level that is known."""
+        start = known.start(level, self.pushed)
+        most = self._most(level.ground, level.membrane)
+        no_deeper = np.where(most < 0, start, np.fmin(start, self.pushed.depth[most]))
+        held = self._held(level.membrane, most, no_deeper)
+        return known.pressed(level, held, self.pushed, start, rtol)
+
+    def _most(self, ground: Ground, membrane: Membrane) -> NDArray[np.int64]:
+        """(node,): the applicator that may hold each node, -1 for none."""
+        under = above(membrane.nodes, len(membrane.places.T), ground.covered)
+        return deepest(under, self.pushed)
+
+    def _held(
+        self, membrane: Membrane, most: NDArray[np.int64], near: NDArray[np.float64]
+    ) -> NDArray[np.int64]:
+        """(node,): the one that does. near: deflections near by, m."""
+        return held_by(membrane, self.mechanics.tension, most, self.pushed, near)
+
+    def relative(self, level: Level) -> NDArray[np.float64]:
         """Tails as relative changes of the factor, shape (triangle,)."""
         strain = level.rest.w[level.membrane.nodes].max(axis=0) / self.thickness
         moved = tails(level.membrane, level.rest.w)

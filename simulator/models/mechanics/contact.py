@@ -26,6 +26,8 @@ GAINED = 10.0
 """Of what is left: a step that gains less is damped, and followed by new factors."""
 SUFFICIENT = 1e-4
 ROUNDING = 1e-13
+MIXED, MOST_MIXED = 4, 8
+"""Steps that are mixed, and tried before new factors are made, which take as long as ten."""
 
 
 class Body(Protocol):
@@ -51,13 +53,21 @@ class Pushed:
         return np.flatnonzero(np.isnan(self.depth))
 
 
+Newton = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""From what pulls at free points to the step that it takes them."""
+
+
 @dataclass(frozen=True)
 class Rest:
-    """Deflection w [m] (node,), and depth [m] and force [N] of each applicator."""
+    """Deflection w [m] (node,), and depth [m] and force [N] of each applicator.
+
+    newton: by the last factors that were made for it, None where none were.
+    """
 
     w: NDArray[np.float64]
     depth: NDArray[np.float64]
     force: NDArray[np.float64]
+    newton: Newton | None = None
 
 
 def at_rest(
@@ -80,16 +90,17 @@ def at_rest(
         return w, reaction, work - turn.T @ reaction
 
     w, reaction, downhill = pulled(q)
-    solve, before = None, np.inf
+    solve, newton, before = None, None, np.inf
     for _ in range(MOST_STEPS):
         left = np.abs(downhill).max(initial=0.0)
         if left <= SETTLED * np.abs(reaction).max():
-            return _rest(w, reaction, held, pushed, q[len(q) - count :])
+            return _rest(w, reaction, held, pushed, q[len(q) - count :], newton)
         if solve is None or left > before / GAINED:
             solve, before = _factors(body, turn, w), left
+            newton = solve
         step = solve(downhill)
         if np.abs(step).max() <= STILL * np.abs(q).max():
-            return _rest(w, reaction, held, pushed, q[len(q) - count :])
+            return _rest(w, reaction, held, pushed, q[len(q) - count :], newton)
         ahead = pulled(q + step)
         if not np.abs(ahead[2]).max() <= left / GAINED:
             part = _damped(body, turn, fixed, work, q, step, float(downhill @ step))
@@ -100,10 +111,55 @@ def at_rest(
     raise ToleranceError("the press did not come to rest: its depth or force is too great")
 
 
-def _factors(
-    body: Body, turn: csr_matrix, w: NDArray[np.float64]
-) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-    """From what pulls at q to a Newton step."""
+def near_rest(
+    body: Body,
+    held: NDArray[np.int64],
+    pushed: Pushed,
+    start: NDArray[np.float64],
+    newton: Newton,
+    left: float,
+) -> Rest | None:
+    """As `at_rest`, by steps of factors that were made for another deflection of the same nodes.
+
+    Of the latest steps those are mixed that leave least, until one is but `left` of the deflection
+    and half the one before or less. None where that takes more than MOST_MIXED. Source: D. G.
+    Anderson, Journal of the ACM 12 (1965) 547.
+    """
+    turn, fixed = _freedoms(held, pushed)
+    q, count = _first(start, held, pushed), len(pushed.by_force)
+    work = np.zeros_like(q)
+    work[len(q) - count :] = pushed.force[pushed.by_force]
+    tried: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
+    before = np.inf
+    for _ in range(MOST_MIXED):
+        step = newton(work - turn.T @ body.residual(turn @ q + fixed))
+        if not np.isfinite(step).all():
+            return None
+        mixed = _mixed(q, step, tried)
+        tried = [*tried[1 - MIXED :], (q, step)]
+        q, size = q + mixed, float(np.abs(mixed).max(initial=0.0))
+        if size <= min(left * np.abs(q).max(initial=0.0), before / 2) and before < np.inf:
+            w = turn @ q + fixed
+            return _rest(w, body.residual(w), held, pushed, q[len(q) - count :])
+        before = size
+    return None
+
+
+def _mixed(
+    q: NDArray[np.float64],
+    step: NDArray[np.float64],
+    tried: list[tuple[NDArray[np.float64], NDArray[np.float64]]],
+) -> NDArray[np.float64]:
+    """The step from q that leaves least, as far as those tried tell: places, and steps there."""
+    if not tried:
+        return step
+    moved, steps = (np.stack(each, axis=1) for each in zip(*tried, strict=True))
+    shares = np.linalg.lstsq(step[:, None] - steps, step, rcond=None)[0]
+    return step - (q[:, None] - moved + step[:, None] - steps) @ shares
+
+
+def _factors(body: Body, turn: csr_matrix, w: NDArray[np.float64]) -> Newton:
+    """At a deflection w."""
     stiffness = (turn.T @ body.tangent(w) @ turn).tocsc()
     return splu(stiffness, options={"SymmetricMode": True}, **SYMMETRIC).solve
 
@@ -156,11 +212,12 @@ def _rest(
     held: NDArray[np.int64],
     pushed: Pushed,
     found: NDArray[np.float64],
+    newton: Newton | None = None,
 ) -> Rest:
     depth = pushed.depth.copy()
     depth[pushed.by_force] = found
     force = [reaction[held == each].sum() for each in range(len(depth))]
-    return Rest(w, depth, np.array(force))
+    return Rest(w, depth, np.array(force), newton)
 
 
 MOST_CHANGES = 200

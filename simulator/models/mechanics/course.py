@@ -16,14 +16,13 @@ from ...sweeps import ToleranceError
 from .adaptive import solved, unsure
 from .contact import Pushed, at_rest
 from .ground import straight_ground
+from .levels import NEAREST, lagrange
 from .membrane import ELEMENT, Surface
 
 COUNTS = (9, 13, 17, 33)
 HELD, STEP = 1e-9, 1e-4
 SMALLEST = 1e-15
 """m."""
-NEAREST = 4
-"""Known depths that the first guess at another is made from."""
 CHECKS = 4
 """In-between depths at which interpolation is compared with the membrane itself."""
 DOUBT = 2.0
@@ -127,13 +126,6 @@ def barycentric(nodes: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[n
     shares = sign / np.where(met, 1.0, away)
     shares = np.where(met.any(axis=-1, keepdims=True), met, shares)
     return shares / shares.sum(axis=-1, keepdims=True)
-
-
-def lagrange(nodes: NDArray[np.float64], x: float) -> NDArray[np.float64]:
-    """Weights of Lagrange's polynomials through any few nodes, shape (node,)."""
-    others = ~np.eye(len(nodes), dtype=bool)
-    ratios = (x - nodes) / np.where(others, nodes[:, None] - nodes, 1.0)
-    return np.where(others, ratios, 1.0).prod(axis=1)
 
 
 def course(scene: Scene, pixel: Touch, deepest: float, factor_rtol: float, rtol: float) -> Course:

@@ -8,6 +8,7 @@ their depth; beside these the deflection falls off over the length sqrt(T d / E)
 from __future__ import annotations
 
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,9 @@ from ...scene.scene import Scene
 from .pressed import Pressed, check_depths
 from .stamps import stamped
 
+if TYPE_CHECKING:
+    from .levels import Again
+
 DISC_SIDES = 128
 """Of the polygon of the same area that a disc is to the membrane."""
 OUT_OF_ROUND = 0.02 * (np.pi / DISC_SIDES) ** 3
@@ -31,12 +35,19 @@ of it far above cut-off."""
 __all__ = ["Pressed", "pressed"]
 
 
-def pressed(scene: Scene, press: Press, rtol: float, tell: Tell = tell_nothing) -> Pressed:
+def pressed(
+    scene: Scene,
+    press: Press,
+    rtol: float,
+    tell: Tell = tell_nothing,
+    again: Again | None = None,
+) -> Pressed:
     """What the touches of given depth or force do, the factor within `rtol` relatively, anywhere.
 
-    tell: is told how far it has come. Raises InputError as `check_press`, where the foam
-    cannot give way so far, where touches of a given force meet others, and where a touch lies
-    beside the skin; ToleranceError where `rtol` is out of reach.
+    tell: is told how far it has come. again: what presses of the same places left. Raises
+    InputError as `check_press`, where the foam cannot give way so far, where touches of a given
+    force meet others, and where a touch lies beside the skin; ToleranceError where `rtol` is out of
+    reach.
     """
     touches = press.indented
     if not touches:
@@ -47,7 +58,7 @@ def pressed(scene: Scene, press: Press, rtol: float, tell: Tell = tell_nothing) 
     check_depths(press, mechanics, thickness)
     if not mechanics.tension:
         return stamped(scene, press, mechanics, thickness)
-    return _spread(scene, press, mechanics, thickness, rtol, tell)
+    return _spread(scene, press, mechanics, thickness, rtol, tell, again)
 
 
 def _spread(
@@ -57,14 +68,17 @@ def _spread(
     thickness: float,
     rtol: float,
     tell: Tell,
+    again: Again | None,
 ) -> Pressed:
     from .adaptive import solved
     from .ground import straight_ground
+    from .levels import Again
 
+    again = again or Again()
     places = [touch.place for touch in press.indented]
     kinks = tuple(ring(polygon_of(scene, polygonal(each, DISC_SIDES))) for each in places)
-    at_first = straight_ground(scene, places, DISC_SIDES)
-    found = solved(press, at_first, mechanics, thickness, rtol, tell)
+    ground = again.ground or straight_ground(scene, places, DISC_SIDES)
+    found = solved(press, ground, mechanics, thickness, rtol, tell, again)
     depth, force = tuple(found.rest.depth.tolist()), tuple(found.rest.force.tolist())
     return Pressed(
         mechanics,
@@ -76,7 +90,7 @@ def _spread(
         kinks,
         None,
         out_of_round=OUT_OF_ROUND * any(isinstance(each, Disc) for each in places),
-        closer=partial(pressed, scene, press),
+        closer=partial(pressed, scene, press, again=again),
         unsure=found.surface.in_triangles(found.unsure),
     )
 

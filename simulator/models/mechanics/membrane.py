@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -170,12 +171,24 @@ def _tail() -> NDArray[np.float64]:
 _TAIL = _tail()
 
 FIRST_LOOK, LAST_LOOK = 4, 256
-LOOKED_UP = 4
+LOOKED_UP = 6
 """Sets of positions, the latest, whose triangles are kept."""
 Located = tuple[NDArray[np.int64], NDArray[np.float64]]
 """The triangle of each point, and where in it."""
 
 INSIDE = -1e-9
+
+
+def powers(order: int) -> list[tuple[int, int]]:
+    """Of a and b in the monomials up to an order."""
+    return [(i, total - i) for total in range(order + 1) for i in range(total + 1)]
+
+
+def _products(at: NDArray[np.float64], powers: list[tuple[int, int]]) -> NDArray[np.float64]:
+    """Monomials at places (2, point) of the reference triangle, shape (monomial, point)."""
+    most = 1 + max(map(max, powers))
+    a, b = (np.stack([np.ones_like(x), *np.cumprod([x] * (most - 1), axis=0)]) for x in at)
+    return np.stack([a[i] * b[j] for i, j in powers])
 
 
 class Surface:
@@ -200,6 +213,14 @@ class Surface:
         self.inverse = np.linalg.inv(sides)
         self.tree = KDTree(corners.mean(axis=1).T)
         self._known: deque[tuple[NDArray[np.float64], Located]] = deque(maxlen=LOOKED_UP)
+        self._powers = powers(element.maxdeg)
+        self._monomials = np.linalg.inv(_products(element.doflocs.T, self._powers))
+
+    def of(self, w: NDArray[np.float64]) -> Surface:
+        """Another deflection of the same nodes; where places lie is found once for both."""
+        other = copy(self)
+        other.w = w
+        return other
 
     def __call__(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """At flat positions x (2, ...) in m; beside the skin as at its nearest triangle."""
@@ -213,8 +234,7 @@ class Surface:
         """The triangle (point,) of positions x (2, ...), and what share each of its nodes has of w
         there, shape (node of the element, point)."""
         triangle, at = self._found(x)
-        shares = [self.element.lbasis(at, k)[0] for k in range(len(self.nodes))]
-        return triangle, np.array(shares).reshape(len(shares), -1)
+        return triangle, self._monomials @ _products(at, self._powers)
 
     def in_triangles(
         self, values: NDArray[np.float64]

@@ -13,7 +13,7 @@ from scipy.sparse import csc_matrix
 from ...fem.assembly import EXTRA_ORDER, add_terms, fill, quadrilateral
 from ...fem.dropped import DROPPED
 from ...fem.galerkin import Galerkin
-from ...fem.quadrature import gauss_rule, stiffness_terms, surface
+from ...fem.quadrature import Rule, Surface, gauss_rule, mass_terms, stiffness_terms, surface
 from ...fem.system import Films, PixelSystem, build_system, conducting
 from ...mesh.quadrilaterals import Resolution, pixel_mesh
 from ...scene.contacts import Contact
@@ -45,6 +45,10 @@ class EvenFamily(Family):
         pixels, c = self.scene.pixels, self.scene.skin.foam.rest_capacitance_per_area
         return Masses(self.system, self.order, _parts(self.system, c, pixels.rows * pixels.columns))
 
+    def masses_in(self, mode: int) -> Masses:
+        """As of `Family`."""
+        return Masses(self.system, self.order, self._parts_in(mode)) if mode else self.masses
+
     @cached_property
     def sheet_terms(self) -> list[csc_matrix]:
         """As of `Family`."""
@@ -66,16 +70,30 @@ class EvenFamily(Family):
         return [self.with_films(films, -np.ones(1), [self.system.films]) for films in halved]
 
     def _mode_term(self, conductance: NDArray[np.float64], mode: int) -> csc_matrix:
+        rule, points, wave = self._mode_at_points(mode)
+        values = np.zeros(len(self.system.pattern.indices))
+        terms = stiffness_terms(rule, points, wave, np.diag(conductance))
+        add_terms(values, self.system.slots, terms)
+        return self.system.pattern.matrix(values)
+
+    def _parts_in(self, mode: int) -> Iterator[Part]:
+        rule, points, wave = self._mode_at_points(mode)
+        system, c = self.system, self.scene.skin.foam.rest_capacitance_per_area * wave
+        values = np.zeros(len(system.pattern.indices))
+        for pixel in range(self.scene.pixels.rows * self.scene.pixels.columns):
+            own = np.flatnonzero(system.element_pixel == pixel)
+            terms = mass_terms(rule, points.some(own), c[own], system.coupling)
+            add_terms(values, system.slots[own], terms)
+            yield _taken(values, system.slots[own])
+
+    def _mode_at_points(self, mode: int) -> tuple[Rule, Surface, NDArray[np.float64]]:
+        """A mode at the points of a rule that is exact for it, shape (cell, point)."""
         cells = pixel_mesh(self.scene, self.circuit.contacts, self.mesh).cells
         order = self.mesh.order
         more = EXTRA_ORDER if cells.twist.any() else MODE_DEGREE
         rule = gauss_rule(quadrilateral(order), 2 * order + more)
         points = surface(cells, rule)
-        wave = mode_values(self.scene, points.x, self.modes)[mode]
-        values = np.zeros(len(self.system.pattern.indices))
-        terms = stiffness_terms(rule, points, wave, np.diag(conductance))
-        add_terms(values, self.system.slots, terms)
-        return self.system.pattern.matrix(values)
+        return rule, points, mode_values(self.scene, points.x, mode + 1)[mode]
 
     def _films_with_half(self, contact: Contact) -> Films:
         """The films where one contact resistance is half of what it is."""
@@ -103,7 +121,13 @@ def _parts(system: PixelSystem, capacitance: float, pixels: int) -> Iterator[Par
         for number in np.unique(group_of[own]):
             here = own[group_of[own] == number]
             fill(values, system.slots[here], weights[here][:, None], of_cell[number])
-        slots = np.unique(system.slots[own])
-        slots = slots[slots != DROPPED]
-        yield slots, values[slots]
-        values[slots] = 0.0
+        yield _taken(values, system.slots[own])
+
+
+def _taken(values: NDArray[np.float64], slots: NDArray[np.int64]) -> Part:
+    """What was added at slots, which is 0 again."""
+    own = np.unique(slots)
+    own = own[own != DROPPED]
+    taken = values[own]
+    values[own] = 0.0
+    return own, taken

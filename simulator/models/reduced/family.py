@@ -26,7 +26,7 @@ from ...scene.contacts import Contact
 from ...scene.frequency import Loss, laplace_variable
 from ...scene.scene import Scene
 from ...sweeps import InputError
-from ..parameters import Variation, foam_parts, nominal
+from ..parameters import WAVES, Variation, foam_parts, nominal
 from ..varied.materials import gauged, gauges
 from .cases import Case
 from .masses import Masses
@@ -82,6 +82,15 @@ class Family(ABC):
     @abstractmethod
     def masses(self) -> Masses:
         """M of each part of the foam at rest."""
+
+    @abstractmethod
+    def masses_in(self, mode: int) -> Masses:
+        """M of each part where its foam goes with one of WAVES; the first is `masses`."""
+
+    @cached_property
+    def foam_waves(self) -> list[Masses]:
+        """The same of each wave but the mean."""
+        return [self.masses_in(mode) for mode in range(1, len(WAVES))]
 
     @abstractmethod
     def finer(self, weights: Weights, factors: NDArray[np.float64]) -> Checking:

@@ -29,8 +29,8 @@ from ..parameters import (
     variation_of,
 )
 from ..response import Response, seen_by_meter
-from ..slow.foam import by_waves, of_pixels, uneven
 from ..slow.sheets import Terms, drawn_waves, uneven_sheets
+from ..slow.waves import amplitudes
 from ..varied.materials import gauge_slopes, gauged, gauges
 from ..varied.meshes import single_field
 from .cases import Case, Draw, pixel_touches, touched
@@ -39,6 +39,13 @@ from .indented.draws import require_whole_pixels
 from .model import Reduced, ReducedSkin
 from .slopes.alone import Sensitivity, sensitivity
 from .slopes.together import sensitivities
+from .waved.model import Waved
+
+
+def _waved(values: Mapping[str, float]) -> bool:
+    """Whether slow waves of the foam are among the values."""
+    return any(name in values for name in FOAM_WAVES)
+
 
 REACH = 3.0
 PIXEL_FACTORS = (0.5, 3.0)
@@ -89,22 +96,25 @@ class Forward:
         """
         values = all_values(self.scene, given)
         s, skin = self._s(values), self._skin(values).under(cells, rises)
+        asked = [np.empty((0, *skin.stiffness.shape)) if beside is None else beside]
+        if _waved(values):
+            asked.append(self._waves.masses(float(skin.rest_factors[0]), cells, rises))
         with one_blas_thread():
-            found = sensitivity(skin, cells, rises, s, beside)
-        pressed = touched(self.divided, cells, rises)
-        at_meter = self._at_meter(found, skin, values, pressed)
+            found = sensitivity(skin, cells, rises, s, np.concatenate(asked))
+        at_meter = self._at_meter(found, skin, values, len(asked[0]))
         if not gauged(self.scene.skin):
             return at_meter
         assert skin.weights is not None
         own = found.by_weight[..., : len(self.reduced.stiffness)] * skin.weights
+        by_gauge = self._by_gauge(own, touched(self.divided, cells, rises))
         turned = leads_of(values).slopes(1 / found.Y, self.scene.frequencies)[0] / -(found.Y**2)
-        return replace(at_meter, by_gauge=turned[..., None] * self._by_gauge(own, pressed))
+        return replace(at_meter, by_gauge=turned[..., None] * by_gauge)
 
-    @cached_property
-    def alike(self) -> bool:
+    def alike(self, given: Mapping[str, float] | None = None) -> bool:
         """Whether all that a press does is to raise M by fixed parts: as `respond_together` takes
-        it."""
-        return type(self.reduced) is Reduced and not gauged(self.scene.skin)
+        it. given: as of `respond`."""
+        even = not _waved(given or {})
+        return even and type(self.reduced) is Reduced and not gauged(self.scene.skin)
 
     def respond_together(
         self,
@@ -118,34 +128,25 @@ class Forward:
         (press, interface, frequency, touch). Only where presses are `alike`.
         """
         values = all_values(self.scene, given)
-        skin, waves = self._skin(values), any(name in FOAM_WAVES for name in values)
+        skin = self._skin(values)
         with one_blas_thread():
-            found = sensitivities(skin, cells, rises, self._s(values), every=waves)
-        pressed = [touched(self.divided, *each) for each in zip(cells, rises, strict=True)]
-        shape = len(cells), 1, 1, len(skin.rest_factors)
-        at_meter = self._at_meter(found, skin, values, np.reshape(pressed, shape))
-        if not waves:
-            return at_meter
-        own = np.take_along_axis(at_meter.by_cell, cells[:, None, None], axis=-1)
-        return replace(at_meter, by_cell=own)
+            found = sensitivities(skin, cells, rises, self._s(values))
+        return self._at_meter(found, skin, values)
 
     def _at_meter(
-        self,
-        found: Sensitivity,
-        skin: ReducedSkin,
-        values: Mapping[str, float],
-        pressed: NDArray[np.float64],
+        self, found: Sensitivity, skin: ReducedSkin, values: Mapping[str, float], beside: int = 0
     ) -> Response:
-        """pressed: by what touches multiply c of each part, (part,) or (press, 1, 1, part)."""
-        terms = [len(self.reduced.stiffness)]
-        by_weight, by_term = np.split(found.by_weight, terms, axis=-1)
+        """beside: how many terms were asked for that K has not."""
+        ends = np.cumsum([len(self.reduced.stiffness), beside])
+        by_weight, by_term, by_wave = np.split(found.by_weight, ends, axis=-1)
         of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
         by_name = {name: found.by_s * slope for name, slope in of_s.items()}
         assert skin.variation is not None and skin.weights is not None
         by_name |= self._by_weights(by_weight * skin.weights, skin.variation)
         by_name |= self._terms.by_waves(by_weight, skin.weights, values)
-        own = math.exp(values["capacitance"]) * pressed
-        by_name |= by_waves(found.by_cell, own, values, self._waves)
+        of_waves = np.moveaxis(self._s(values)[:, None] * by_wave, -1, 0)
+        named = zip(FOAM_WAVES, of_waves, strict=False)
+        by_name |= {name: slope for name, slope in named if name in values}
         return seen_by_meter(found, by_name, by_term, leads_of(values), self.scene.frequencies)
 
     def impedances(
@@ -214,7 +215,9 @@ class Forward:
     def _skin(self, values: Mapping[str, float]) -> ReducedSkin:
         """The last one is kept: many presses of one skin are asked for in a row."""
         if self._kept is None or self._kept[0] != values:
-            self._kept = dict(values), self.reduced.skin(self._variation(values))
+            sizes = amplitudes(values, FOAM_WAVES)[1:]
+            model = self._waves.under(sizes) if _waved(values) else self.reduced
+            self._kept = dict(values), model.skin(self._even(values))
         return self._kept[1]
 
     def _s(self, values: Mapping[str, float]) -> NDArray[np.complex128]:
@@ -231,19 +234,16 @@ class Forward:
         return of_sheets | {"contact_resistance": -films.sum(axis=-1)}
 
     @cached_property
-    def _waves(self) -> NDArray[np.float64]:
-        return of_pixels(self.divided)
-
-    def _variation(self, values: Mapping[str, float]) -> Variation:
-        return uneven(self._even(values), values, self._waves)
+    def _waves(self) -> Waved:
+        return Waved(self.reduced)
 
     def _even(self, values: Mapping[str, float]) -> Variation:
-        """With even foam."""
+        """All but slow waves of the foam."""
         return uneven_sheets(variation_of(self.divided, values), values, self.modes)
 
     def factors_at_rest(self, values: Mapping[str, float]) -> NDArray[np.float64]:
-        """c of each cell at rest over that of the scene, shape (cell,)."""
-        return self._variation(all_values(self.scene, values)).foam(self.divided)
+        """c of each cell at rest over that of the scene, but for slow waves, shape (cell,)."""
+        return self._even(all_values(self.scene, values)).foam(self.divided)
 
     @cached_property
     def _terms(self) -> Terms:

@@ -267,18 +267,21 @@ def _impedances(reduced: Reduced, cases: list[Case]) -> NDArray[np.complex128]:
     return np.array(found)
 
 
-def _of_lower_rank(reduced: Reduced, share: float) -> NDArray[np.float64]:
-    """Each pixel's factor without what adds less than a share of its energy.
-
-    Potentials are weighed as they are: 1 V at terminals, as much as the skin at rest has of the
-    basis.
-    """
+def typical(reduced: Reduced) -> NDArray[np.float64]:
+    """How large potentials are in the model's coordinates, V, shape (N + n,): 1 at terminals, as
+    much as the skin at rest has of the basis."""
     skin = reduced.skin(None)
     none = np.zeros(0, dtype=np.int64)
     at_rest = np.hstack([u for u, _ in skin.solved(none, np.zeros(0), skin.s)])
     terminals = len(reduced.conductance)
     most = float(np.linalg.norm(at_rest[terminals:], axis=0).max())
-    return thinned(reduced.factors, _sizes(terminals, reduced.size, most), share)
+    return _sizes(terminals, reduced.size, most)
+
+
+def _of_lower_rank(reduced: Reduced, share: float) -> NDArray[np.float64]:
+    """Each pixel's factor without what adds less than a share of its energy, of potentials as large
+    as they are."""
+    return thinned(reduced.factors, typical(reduced), share)
 
 
 def _sizes(terminals: int, basis: int, most: float) -> NDArray[np.float64]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -51,6 +52,19 @@ class Masses:
         W: V, shape (inner + terminals of the space, k).
         """
         return thinned([part.factor(W) for part in self._parts], size, share)
+
+    def energies(self, W: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
+        """W'MW in F of each part, shape (k, k); it need not be above zero. W: as of `factors`."""
+        return (W[part.own].T @ (part.mass @ W[part.own]) for part in self._parts)
+
+    def plus(self, weights: NDArray[np.float64], others: Sequence[Masses]) -> Masses:
+        """With so much of others in each part."""
+        found = copy(self)
+        found.__dict__.pop("_parts", None)
+        for weight, other in zip(weights, others, strict=True):
+            found._values = csc_matrix(found._values + weight * other._values)
+        found._by_slot = found._values.tocsr()
+        return found
 
     @cached_property
     def _parts(self) -> list[_Part]:

@@ -55,7 +55,12 @@ class UnevenFamily(Family):
     @cached_property
     def masses(self) -> Masses:
         """As of `Family`."""
-        return Masses(self.system, self.order, self._parts())
+        return self.masses_in(0)
+
+    def masses_in(self, mode: int) -> Masses:
+        """As of `Family`."""
+        wave = mode_values(self.scene, self.elements.surface.x, mode + 1)[mode]
+        return Masses(self.system, self.order, self._parts(wave))
 
     @cached_property
     def sheet_terms(self) -> list[csc_matrix]:
@@ -97,9 +102,9 @@ class UnevenFamily(Family):
         part_of = np.where(pixel < 0, rows * columns, pixel)
         return [part_of == part for part in range(foam_parts(self.scene))]
 
-    def _parts(self) -> Iterator[Part]:
+    def _parts(self, wave: NDArray[np.float64]) -> Iterator[Part]:
         elements, unknowns = self.elements, self.system.unknowns
-        c = self._coefficients.capacitance(elements.surface.x)
+        c = self._coefficients.capacitance(elements.surface.x) * wave
         values = np.zeros(len(self.system.pattern.indices))
         for within in self._cells_of_parts:
             add_foam(values, self.circuit.coupling, elements, unknowns, c, within)

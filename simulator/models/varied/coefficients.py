@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.skin import Electrode
-from .materials import Materials, strain_of
+from .materials import Materials, gauged, strain_of
 
 if TYPE_CHECKING:
     from ..mechanics.pressed import Pressed
@@ -90,6 +90,11 @@ class Coefficients:
             found = self.pressed.strain(x) if self.pressed else np.zeros(x.shape[1:])
             self._spread[id(x)] = known = (x, found)
         return known[1]
+
+    @property
+    def gauged(self) -> bool:
+        """Whether a press changes conductance at all."""
+        return gauged(self.materials.scene.skin)
 
     @property
     def _share(self) -> float:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix
 
 from ...fem.circuit import Circuit
 from ...fem.estimate import (
@@ -37,6 +36,15 @@ class Solved:
     space: Galerkin
     system: PressedSystem
     elements: Elements
+
+    def under(self, circuit: Circuit, coefficients: Coefficients) -> Solved:
+        """Of another press on the same mesh: but for gauges only the capacitance is another."""
+        if coefficients.gauged:
+            system = pressed_system(circuit, self.elements, coefficients, self.system.unknowns)
+            space = Galerkin(system, circuit, self.elements.order)
+            return Solved(space, system, self.elements)
+        mass = foam(circuit, self.elements, coefficients, self.system.unknowns)
+        return replace(self, system=replace(self.system, mass=mass))
 
 
 @dataclass(frozen=True)
@@ -95,21 +103,14 @@ class Discretised:
         """Of Rs and Cp, relatively, by raised coefficients, shape (2, interface, frequency)."""
         own = self.coarse
         s, drives = laplace_variable(frequency, self.loss), self.circuit.drives
-        pairs = [(own.space, own.system.mass), self._raised(raised)]
+        other = own.under(self.circuit, raised)
         with one_blas_thread():
-            Z, other = (
-                swept(space, mass, drives, s, KRYLOV_SHARE * rtol)[0] for space, mass in pairs
+            Z, moved = (
+                swept(each.space, each.system.mass, drives, s, KRYLOV_SHARE * rtol)[0]
+                for each in (own, other)
             )
-        off = relative_difference(Z, other, 2 * np.pi * frequency)
+        off = relative_difference(Z, moved, 2 * np.pi * frequency)
         return np.sqrt(off * off.max(axis=0))
-
-    def _raised(self, raised: Raised) -> tuple[Galerkin, csc_matrix]:
-        """The space of raised coefficients, which is the same but on gauges, and M in F."""
-        own = self.coarse
-        if not raised.gauged:
-            return own.space, foam(self.circuit, own.elements, raised, own.system.unknowns)
-        system = pressed_system(self.circuit, own.elements, raised)
-        return Galerkin(system, self.circuit, own.elements.order), system.mass
 
     @cached_property
     def missed(self) -> NDArray[np.float64]:

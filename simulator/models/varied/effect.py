@@ -48,6 +48,12 @@ class Course:
         self._Y: tuple[Admittances, Admittances] | None = None
         self._largest = 0.0
 
+    def again(self) -> Course:
+        """Of another depth at the same place, whose k is much the same."""
+        other = Course()
+        other._largest = self._largest
+        return other
+
     def effect(self, frequency: NDArray[np.float64], Z: Admittances, finer: Admittances) -> float:
         """k of this mesh. Z, finer: ohm, of two orders, at all `frequencies_around` those in Hz."""
         now = (1 / Z, 1 / finer)

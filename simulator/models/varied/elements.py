@@ -15,6 +15,7 @@ from ...fem.assembly import quadrilateral
 from ...fem.quadrature import (
     Rule,
     Surface,
+    divided,
     gauss_rule,
     rule_at,
     surface,
@@ -64,6 +65,12 @@ class Elements:
     def surface(self) -> Surface:
         """Where the rule's points lie in all cells."""
         return self.surface_at(self.rule, slice(None))
+
+    @cached_property
+    def divided(self) -> tuple[Rule, Surface]:
+        """The rule on each quarter of every triangle, and where its points lie."""
+        rule = divided(self.element, self.rule)
+        return rule, self.surface_at(rule, slice(None))
 
     def edge_rule(self, edge: int) -> tuple[Rule, NDArray[np.float64]]:
         """A rule along one edge of the reference cell, and the direction of that edge."""

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -18,6 +16,7 @@ from ...sweeps import ToleranceError
 from ..plain import electrical
 from .discretised import Discretised
 from .materials import Materials
+from .places import Place
 from .squares import Squares
 from .triangles import Triangles
 from .unsure import of_deflection
@@ -61,16 +60,17 @@ class InTurn:
 class Spread:
     """Triangles of what mechanics spreads, told as closely as Rs and Cp feel it."""
 
-    def __init__(self, triangles: Callable[[Pressed], Triangles], first: Pressed, rtol: float):
-        """triangles: of a press that mechanics spreads so."""
-        self._of, self._rtol = triangles, rtol
-        self._pressed, self._triangles = first, triangles(first)
+    def __init__(self, place: Place, triangles: Triangles, pressed: Pressed, rtol: float) -> None:
+        """place: keeps the latest triangles. pressed: what they are of."""
+        self._place, self._rtol = place, rtol
+        self._pressed, place.triangles = pressed, triangles
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
         """As of `Meshes`."""
-        most = MECHANICS_SHARE * self._rtol
+        most, triangles = MECHANICS_SHARE * self._rtol, self._place.triangles
+        assert triangles is not None
         while True:
-            found = self._triangles.finer(frequency)
+            found = triangles.finer(frequency)
             raised, closer = of_deflection(found.coefficients), self._pressed.closer
             if raised is None or closer is None:
                 return found
@@ -78,32 +78,44 @@ class Spread:
             if error.max() <= most:
                 return replace(found, felt=error)
             self._pressed = closer(max(LEAST_STEP, most / error.max()) * self._pressed.error)
-            self._triangles = self._of(self._pressed)
+            self._place.triangles = triangles = triangles.again(self._pressed)
 
 
 def indented(
-    scene: Scene, press: Press, rtol: float, tell: Tell = tell_nothing
+    scene: Scene,
+    press: Press,
+    rtol: float,
+    tell: Tell = tell_nothing,
+    place: Place | None = None,
 ) -> tuple[Press, Pressed | None]:
     """Touches of a factor, and what mechanics makes of the others: factors too, if it can.
 
-    rtol: the tolerance asked of Rs and Cp. tell: as of `pressed`.
+    rtol: the tolerance asked of Rs and Cp. tell: as of `pressed`. place: where it presses.
     """
     if not press.indented:
         return press, None
     from ..mechanics.indentation import pressed
 
-    found = pressed(scene, press, min(COARSEST_FACTOR, FACTOR_SHARE * rtol), tell)
+    found = pressed(
+        scene, press, min(COARSEST_FACTOR, FACTOR_SHARE * rtol), tell, place and place.again
+    )
     return (press.sharp, found) if found.sharp is None else (found.sharp, None)
 
 
-def meshes(scene: Scene, press: Press, pressed: Pressed | None, rtol: float) -> Meshes:
+def meshes(
+    scene: Scene, press: Press, pressed: Pressed | None, rtol: float, place: Place | None = None
+) -> Meshes:
     """Those that a scene and a press need: quadrilaterals first wherever they serve.
 
-    press, pressed: as of `indented`.
+    press, pressed: as of `indented`. place: where it presses, with the triangles of the press
+    before.
     """
+    if pressed is not None and place and place.triangles:
+        return Spread(place, place.triangles.again(pressed), pressed, rtol)
     circuit, rectangular = circuit_of(scene), scene.skin.outline is None and scene.skin.mesh is None
     if pressed is not None:
-        return Spread(partial(Triangles, scene, circuit, press, rtol), pressed, rtol)
+        first = Triangles(scene, circuit, press, rtol, pressed)
+        return Spread(place or Place(), first, pressed, rtol)
     triangles = Triangles(scene, circuit, press, rtol)
     if rectangular and press.plain:
         return InTurn(Squares(scene, circuit, press, rtol), triangles)

@@ -27,10 +27,13 @@ class PressedSystem(System):
 
 
 def pressed_system(
-    circuit: Circuit, elements: Elements, coefficients: Coefficients
+    circuit: Circuit,
+    elements: Elements,
+    coefficients: Coefficients,
+    known: Unknowns | None = None,
 ) -> PressedSystem:
-    """The matrices of one press on one mesh."""
-    unknowns = numbered(circuit, elements.trial, elements.facets)
+    """The matrices of one press on one mesh. known: its unknowns, where they are numbered yet."""
+    unknowns = known or numbered(circuit, elements.trial, elements.facets)
     return PressedSystem(
         unknowns=unknowns,
         sheets=_sheets(circuit, elements, coefficients, unknowns),

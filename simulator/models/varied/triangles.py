@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -56,7 +57,16 @@ class Triangles:
         self.order = next(order for least, order in ORDERS if rtol >= least)
         self._before: Discretised | None = None
         self._domain: Domain | None = None
+        self._ends = np.empty(0)
+        self._spaces: tuple[Solved, ...] = ()
         self._course = Course()
+
+    def again(self, pressed: Pressed) -> Triangles:
+        """For other depths of the same touches: from the latest mesh on, with all that is solved
+        on it and does not change."""
+        other = copy(self)
+        other.pressed, other._before, other._course = pressed, None, self._course.again()
+        return other
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
         """The next one, for frequencies in Hz.
@@ -66,7 +76,7 @@ class Triangles:
         """
         ends = np.unique(frequency[[0, -1]])
         if self._before is None or self._domain is None:
-            found = self.coarsest(float(ends[-1]))
+            found = self._first(ends)
         else:
             parts = indicators(self._before, ends)
             drives = len(ends) * len(self.circuit.drives)
@@ -75,12 +85,21 @@ class Triangles:
             found = finer(self._domain, most(parts))
         if found.t.shape[1] > MOST_TRIANGLES:
             raise ToleranceError(f"{found.t.shape[1]} triangles are too many")
-        self._domain = found
+        if found is not self._domain:
+            self._domain, self._spaces = found, ()
         left_out = self._left_out(found, float(ends[-1]))
         if left_out > self.rtol:
             raise ToleranceError(f"what the press is taken for leaves out {left_out:.1e}")
-        self._before = self.discretised(found, left_out)
+        self._before = self.discretised(found, left_out, self._spaces)
+        self._spaces = self._before.coarse, self._before.fine
         return self._before
+
+    def _first(self, ends: NDArray[np.float64]) -> Domain:
+        """The coarsest mesh; after other depths the one that held there, for the same ends of the
+        frequencies in Hz."""
+        known = self._domain if np.array_equal(ends, self._ends) else None
+        self._ends = ends
+        return known or self.coarsest(float(ends[-1]))
 
     def coarsest(self, frequency: float) -> Domain:
         """The first mesh: finer at foils and no coarser than maps vary. frequency: Hz."""
@@ -105,11 +124,17 @@ class Triangles:
         across = [np.array([[line, 0.0], [line, width]]) for line in x]
         return [*across, *(np.array([[0.0, line], [length, line]]) for line in y)]
 
-    def discretised(self, mesh: Domain, left_out: float = 0.0) -> Discretised:
-        """The press on a mesh that conforms to it. left_out: of what is not quite as asked."""
+    def discretised(
+        self, mesh: Domain, left_out: float = 0.0, known: tuple[Solved, ...] = ()
+    ) -> Discretised:
+        """The press on a mesh that conforms to it. left_out: of what is not quite as asked. known:
+        what was solved of another press on it, in both orders."""
         factors = sharp_factors(self.press, mesh, self.scene.pixels.columns)
         coefficients = Coefficients(self.materials, factors, self.pressed, self.circuit.fields)
-        coarse, fine = (self._solved(mesh, self.order + more, coefficients) for more in (0, 1))
+        if known:
+            coarse, fine = (each.under(self.circuit, coefficients) for each in known)
+        else:
+            coarse, fine = (self._solved(mesh, self.order + more, coefficients) for more in (0, 1))
         return Discretised(
             self.circuit,
             self.scene.skin.foam.loss,

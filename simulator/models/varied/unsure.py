@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.quadrature import Rule, divided
+from ...fem.quadrature import Rule, Surface
 from .coefficients import Coefficients
 from .elements import Elements
-from .materials import gauged
 
 if TYPE_CHECKING:
     from ..mechanics.pressed import Pressed
@@ -44,11 +43,6 @@ class Raised(Coefficients):
         """As of `Coefficients`."""
         S = super().conductance(field, x)
         return S * self._raise if self.gauged else S
-
-    @property
-    def gauged(self) -> bool:
-        """Whether conductance changes at all."""
-        return gauged(self.materials.scene.skin)
 
     def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """As of `Coefficients`."""
@@ -88,15 +82,10 @@ def missed(elements: Elements, known: Coefficients) -> NDArray[np.float64]:
     """
     if known.pressed is None:
         return np.zeros(elements.cells)
-    coarse, fine = (
-        _integrated(elements, known, rule)
-        for rule in (elements.rule, divided(elements.element, elements.rule))
-    )
-    return TWICE * np.abs(coarse / fine - 1)
+    own = _integrated(elements.rule, elements.surface, known)
+    return TWICE * np.abs(own / _integrated(*elements.divided, known) - 1)
 
 
-def _integrated(elements: Elements, known: Coefficients, rule: Rule) -> NDArray[np.float64]:
-    """Capacitance of each cell in F by a rule, shape (cell,)."""
-    own = rule is elements.rule
-    at = elements.surface if own else elements.surface_at(rule, slice(None))
+def _integrated(rule: Rule, at: Surface, known: Coefficients) -> NDArray[np.float64]:
+    """Capacitance of each cell in F by a rule, shape (cell,). at: where its points lie."""
     return (known.capacitance(at.x) * at.area) @ rule.weights

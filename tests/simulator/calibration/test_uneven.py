@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from rcskin.simulator.calibration.choice import Options
 from rcskin.simulator.calibration.run import calibrate
+from rcskin.simulator.fem.estimate import relative_difference
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.parameters import FOAM_WAVES
 from rcskin.simulator.models.reduced.forward import Forward
-from rcskin.simulator.models.slow.foam import map_of
+from rcskin.simulator.models.slow.foam import map_of, with_foam_waves
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.files import load_scene, scene_text
@@ -72,6 +73,56 @@ def test_waves_of_twins_are_found_and_their_intervals_hold_them(scene, twin, mod
         held += [low <= TRUE[name] <= high for name, (low, high) in _waves(found).items()]
         assert all(found.told[name] for name in FOAM_WAVES)
     assert sum(held) >= 12
+
+
+@pytest.fixture(scope="module")
+def wide_pixels(scene):
+    """Of which each has much of a wave, read by a better meter."""
+    return scene.with_({"pixels": 3, "readout.magnitude_noise": 1e-3, "readout.phase_noise": 1e-3})
+
+
+CUT = [(0, 0), (0.12, 0), (0.12, 0.06), (0.06, 0.12), (0, 0.12)]
+SKINS = {
+    "squares": {},
+    "triangles": {
+        "skin.outline.points": CUT,
+        **{f"contact.{name}-left.edge": "outline.5" for name in ("top", "bottom")},
+    },
+    "two fields": {"skin.bottom.sheet_resistance": 20e3, "contact.bottom-left.edge": "bottom"},
+    "gauges": {"skin.top.piezoresistance": 2.0},
+}
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        pytest.param(changed, id=name, marks=[pytest.mark.slow] if name == "gauges" else [])
+        for name, changed in SKINS.items()
+    ],
+)
+def test_foam_that_varies_within_pixels_is_answered_as_a_map_of_it(wide_pixels, changed):
+    """The bilinear map is off by a hundredth of a wave at most."""
+    scene, rtol = wide_pixels.with_({"pixels": 2, **changed}), 1e-3
+    model, solver = Forward(scene, rtol=rtol), Solver(with_foam_waves(scene, TRUE), rtol)
+    omega = 2 * np.pi * scene.frequencies
+    for press in every_press(scene)[::3]:
+        cells, rises = model.cells(press)
+        Z, true = model.respond(cells, rises, TRUE).Z, solver.solve(press).Z
+        assert relative_difference(Z, true, omega).max() <= rtol
+        assert model.certificate(cells, rises, TRUE) <= rtol
+        assert relative_difference(model.respond(cells, rises).Z, true, omega).max() > 10 * rtol
+
+
+def test_intervals_hold_waves_that_vary_within_pixels(wide_pixels):
+    """Of eight twins, at 0.1 % noise: with waves constant over pixels 17 of 24 did."""
+    model, held = Forward(wide_pixels, rtol=1e-4), []
+    for number in range(8):
+        random = np.random.default_rng(number)
+        waves = dict(zip(FOAM_WAVES, random.normal(0, (0.08, 0.06, 0.04)).tolist(), strict=True))
+        read = read_out(twin_of(wide_pixels, waves), wide_pixels.readout, random, 0)
+        found = calibrate(wide_pixels, read, UNEVEN, model=model)
+        held += [low <= waves[name] <= high for name, (low, high) in _waves(found).items()]
+    assert sum(held) >= 21
 
 
 def _waves(found):

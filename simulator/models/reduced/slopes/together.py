@@ -15,17 +15,16 @@ def sensitivities(
     cells: NDArray[np.int64],
     rises: NDArray[np.float64],
     s: NDArray[np.complex128],
-    every: bool = False,
 ) -> Sensitivity:
     """Of presses that touch as many cells each, shape (press, touch), on sheets that stay.
 
     Shapes as of `Sensitivity` with an axis (press,) first; by_cell of the touched ones alone,
-    shape (press, interface, s, touch), unless of `every` one is asked.
+    shape (press, interface, s, touch).
     """
     weights = rises * skin.rest_factors[cells]
     terms = skin.turn.T @ skin.reduced.stiffness @ skin.turn
     found = [
-        _of_drive(skin, cells, weights, terms, s, every, solved)
+        _of_drive(skin, cells, weights, terms, s, solved)
         for solved in solved_together(skin.drives, skin.rest, cells, weights, s)
     ]
     return Sensitivity(*(np.stack(each, axis=1) for each in zip(*found, strict=True)))
@@ -37,7 +36,6 @@ def _of_drive(
     weights: NDArray[np.float64],
     terms: NDArray[np.float64],
     s: NDArray[np.complex128],
-    every: bool,
     solved: Solved,
 ) -> tuple[NDArray[np.complex128], ...]:
     (u, Y), (rows, diagonal, factors) = solved, skin.rest
@@ -46,8 +44,6 @@ def _of_drive(
     squares = _summed((u @ own) ** 2, factors.shape[1])
     whole = (U * (u @ rows.T)).sum(axis=2) + (U * (V @ rows[:, len(rows) :].T)).sum(axis=2)
     whole += V**2 @ diagonal + (squares * weights[:, None]).sum(axis=2)
-    if every:
-        squares = _summed((u @ factors.reshape(-1, factors.shape[2]).T) ** 2, factors.shape[1])
     by_weight = np.stack([((u @ term) * u).sum(axis=2) for term in terms], axis=2)
     return Y, s[:, None] * squares, by_weight, whole
 

@@ -1,0 +1,1 @@
+"""Slow waves of the foam within its parts: terms of M, as those of sheets are terms of K."""

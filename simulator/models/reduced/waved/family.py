@@ -1,0 +1,26 @@
+"""The family of a skin whose foam has slow waves: the same but for M."""
+
+from __future__ import annotations
+
+from copy import copy
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..family import Family
+from ..uneven import UnevenFamily
+
+
+def family_with(family: Family, amplitudes: NDArray[np.float64]) -> Family:
+    """With waves of these amplitudes over the mean, shape (wave,), in M of every part."""
+    found = _with(family, amplitudes)
+    if isinstance(family, UnevenFamily):
+        vars(found)["_finer"] = _with(family._finer, amplitudes)
+    return found
+
+
+def _with(family: Family, amplitudes: NDArray[np.float64]) -> Family:
+    found = copy(family)
+    vars(found).pop("_masses_inside", None)
+    vars(found)["masses"] = family.masses.plus(amplitudes, family.foam_waves)
+    return found

@@ -1,0 +1,132 @@
+"""Other depths at a place pressed before: what is kept serves them, and what is told holds."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.models.mechanics import adaptive, contact
+from rcskin.simulator.models.mechanics.contact import Pushed, at_rest, near_rest
+from rcskin.simulator.models.mechanics.ground import straight_ground
+from rcskin.simulator.models.mechanics.membrane import ELEMENT, Surface
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied import places, triangles
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.press.touch import Touch
+
+RTOL, CLOSELY = 1e-3, 1e-5
+PRESSES = {
+    "deeper and less deep": ("1,2:1.5mm", "1,2:2.3mm", "1,2:0.2mm", "1,2:1.4mm"),
+    "by force too": ("1,1:5N", "1,1:1.0mm", "1,1:12N", "1,1:2N"),
+    "a disc": ("disc(0.03,0.02,0.008):0.5mm", "disc(0.03,0.02,0.008):2.2mm"),
+    "two that meet": ("1,1:0.5mm+1,2:1.5mm", "1,1:2.0mm+1,2:1.2mm", "1,1:0.6mm+1,2:0.7mm"),
+    "beside a factor": ("1,3:1.5+1,1:0.5mm", "1,3:1.5+1,1:2.0mm", "1,3:2.5+1,1:2.0mm"),
+}
+
+
+@pytest.fixture
+def scene(foam_scene):
+    return foam_scene(20.0, "elastomer")
+
+
+def made(monkeypatch, module, name):
+    """A list that grows by one for each call."""
+    calls, own = [], getattr(module, name)
+
+    def counted(*given, **named):
+        calls.append(name)
+        return own(*given, **named)
+
+    monkeypatch.setattr(module, name, counted)
+    return calls
+
+
+@pytest.mark.parametrize("piezoresistance", [0.0, 2.0])
+@pytest.mark.parametrize("texts", PRESSES.values(), ids=PRESSES)
+def test_what_is_told_holds(scene, texts, piezoresistance):
+    sheet = scene.skin.top.model_copy(update={"piezoresistance": piezoresistance})
+    scene = scene.model_copy(update={"skin": scene.skin.model_copy(update={"top": sheet})})
+    solver, omega = Solver(scene, RTOL), 2 * np.pi * scene.frequencies
+    for text in texts:
+        press = parse_press(text, 2.0)
+        answer, true = solver.solve(press), Solver(scene, CLOSELY).solve(press)
+        off = relative_difference(answer.Z, true.Z, omega)
+        told = np.stack(answer.relative_errors)
+        assert (off <= told + CLOSELY).all() and told.max() <= RTOL
+
+
+def test_another_depth_makes_no_mesh_no_matrix_of_sheets_and_no_factors(scene, monkeypatch):
+    solver = Solver(scene, RTOL)
+    solver.solve(parse_press("1,2:2.3mm", 2.0))
+    watched = (adaptive, "Membrane"), (triangles, "domain"), (triangles, "Galerkin")
+    calls = [made(monkeypatch, *each) for each in (*watched, (contact, "_factors"))]
+    for depth in (1.5, 1.9, 0.7, 2.2):
+        solver.solve(parse_press(f"1,2:{depth}mm", 2.0))
+    assert calls == [[], [], [], []]
+    solver.solve(parse_press("1,1:1.5mm", 2.0))
+    assert all(calls)
+
+
+def test_the_same_presses_in_the_same_order_give_the_same_bytes(scene):
+    asked = [parse_press(text, 2.0) for text in ("1,2:2mm", "1,1:1mm", "1,2:1mm", "1,2:1.7mm")]
+    first, second = (Solver(scene, RTOL) for _ in range(2))
+    for press in asked:
+        assert first.solve(press).Z.tobytes() == second.solve(press).Z.tobytes()
+
+
+@pytest.mark.parametrize("text", ["1,2:1.7mm", "1,2:4N"])
+def test_a_press_asked_again_gives_the_same_bytes(scene, text):
+    solver, press = Solver(scene, RTOL), parse_press(text, 2.0)
+    once = solver.solve(press).Z
+    solver.solve(parse_press("1,2:0.8mm", 2.0))
+    assert solver.solve(press).Z.tobytes() == once.tobytes()
+
+
+def test_other_frequencies_have_a_mesh_of_their_own(scene, monkeypatch):
+    solver, press = Solver(scene, RTOL), parse_press("1,2:2mm", 2.0)
+    solver.solve(press, 1e3)
+    calls = made(monkeypatch, triangles, "domain")
+    high = solver.solve(parse_press("1,2:1mm", 2.0), 1e6)
+    true = Solver(scene, CLOSELY).solve(parse_press("1,2:1mm", 2.0), 1e6)
+    assert calls and relative_difference(high.Z, true.Z, np.array([2e6 * np.pi])).max() <= RTOL
+
+
+def test_no_more_places_are_kept_than_there_is_room_for(monkeypatch):
+    monkeypatch.setattr(places, "MOST_NODES", 5)
+    kept = places.Places()
+    asked = [parse_press(f"1,{column}:1mm", 2.0) for column in (1, 2, 3)]
+    for press in asked:
+        place = kept.of(press)
+        place.again.__dict__["level"] = type("Level", (), {"held": np.zeros(4)})()
+    assert kept.of(asked[2]) is place
+    assert kept.of(parse_press("1,3:2mm", 2.0)) is place
+    assert len(kept._known) == 2
+    assert kept.of(asked[0]).again.level is None
+
+
+def test_steps_by_factors_of_another_depth_lead_to_the_same_rest(scene):
+    mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
+    ground = straight_ground(scene, [Touch(1, 2, 1.0)], 0)
+    press = parse_press("1,2:2mm", 2.0)
+    found = adaptive.solved(press, ground, mechanics, thickness, 1e-2)
+    body, held, w = found.membrane, found.held, found.rest.w
+    pushed = Pushed(np.array([1.2e-3]), np.array([np.nan]))
+    true = at_rest(body, held, pushed, w)
+    near = near_rest(body, held, pushed, 0.6 * w, found.rest.newton, 1e-8)
+    np.testing.assert_allclose(near.w, true.w, atol=1e-7 * true.w.max())
+    np.testing.assert_allclose(near.force, true.force, rtol=1e-6)
+    assert near_rest(body, held, pushed, 0.6 * w, lambda pulls: 1e-3 * pulls, 1e-8) is None
+    assert near_rest(body, held, pushed, 0.6 * w, lambda pulls: np.nan * pulls, 1e-8) is None
+
+
+def test_places_in_triangles_have_the_elements_own_shares(scene):
+    ground = straight_ground(scene, [Touch(1, 2, 1.0)], 0)
+    found = adaptive.solved(
+        parse_press("1,2:2mm", 2.0), ground, scene.skin.foam.mechanics, 4e-3, 1e-2
+    )
+    surface = found.surface
+    assert isinstance(surface, Surface)
+    x = np.random.default_rng(1).uniform(0, 1, (2, 50)) * [[0.12], [0.04]]
+    _, shares = surface.located(x)
+    _, at = surface._located(x)
+    own = [ELEMENT.lbasis(at, k)[0] for k in range(len(shares))]
+    np.testing.assert_allclose(shares, own, atol=1e-12)
+    np.testing.assert_allclose(surface.of(2 * surface.w)(x), 2 * surface(x), atol=1e-12)
