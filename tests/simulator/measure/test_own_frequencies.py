@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.asked.scene import asked_scene
 from rcskin.simulator.bounds.common import CommonDraws
 from rcskin.simulator.bounds.readings import RTOL
 from rcskin.simulator.limits import bayes_accuracy, position_bound
@@ -76,11 +75,7 @@ def test_sweeps_hold_what_is_read_and_nothing_else(shared, own, tmp_path):
         assert np.isnan(found[name].values[:, ~TAKEN]).all()
     assert "taken" not in whole.variables
     write(found, tmp_path / "own.nc")
-    assert check(read(tmp_path / "own.nc", own_frequencies=True)).identical(found)
-    with pytest.raises(InputError, match=r"own.nc: its interfaces have `frequencies` of their own"):
-        read(tmp_path / "own.nc")
-    with pytest.raises(InputError, match=r"own.csv: .* need .nc or .zarr"):
-        write(found, tmp_path / "own.csv")
+    assert check(read(tmp_path / "own.nc")).identical(found)
     with pytest.raises(InputError, match="cannot be joined"):
         concatenate([found, whole])
 
@@ -129,11 +124,3 @@ def test_places_are_told_as_by_a_scene_of_what_is_read(shared):
     assert (second.x <= first.x * (1 + 1e-9)).all()
     whole = position_bound(shared, against_rest=3, most=2)
     assert (whole.x < second.x).all()
-
-
-def test_a_command_that_cannot_take_them_says_so(own, tmp_path):
-    path = tmp_path / "own.toml"
-    path.write_text(scene_text(own), encoding="utf-8")
-    assert asked_scene(str(path), own_frequencies=True) == own
-    with pytest.raises(InputError, match="takes no interfaces with `frequencies` of their own"):
-        asked_scene(str(path))
