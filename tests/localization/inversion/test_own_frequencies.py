@@ -52,7 +52,7 @@ def sweeps(shared, own):
 def trained(sweeps, name, target="pixel"):
     registry = estimators(front._model_based())
     quantities = WITH_REST if name == "model-adapted" else CHANGES
-    return train(sweeps, target, name, quantities, registry=registry)
+    return train(sweeps, target, name, quantities=quantities, registry=registry)
 
 
 @pytest.fixture(scope="module", params=["model-based", "model-adapted"])

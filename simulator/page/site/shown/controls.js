@@ -1,7 +1,7 @@
 // Sliders, boxes and what stands beside them: they show the state, and change it.
 
-import { readAt } from "rcskin/skin";
 import { withPrefix } from "rcskin/charts";
+import { readAt } from "rcskin/skin";
 import { near } from "rcskin/state";
 
 /** @typedef {import("rcskin/state").State} State */
