@@ -10,7 +10,7 @@ import numpy as np
 
 from ..sweeps import InputError, check_needs, checked_output, open_zarr, read, whole_file
 from ..sweeps.formats.csv import append_csv
-from ..sweeps.schema import DIMENSIONS, QUANTITIES, taken_of
+from ..sweeps.schema import DIMENSIONS, QUANTITIES, TAKEN, taken_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -78,7 +78,8 @@ def _parts(sweeps: xr.Dataset) -> Iterator[tuple[int, xr.Dataset]]:
 
 
 def _write_csv(sweeps: xr.Dataset, path: Path) -> None:
-    kept = sweeps.drop_vars([name for name in sweeps.data_vars if name not in QUANTITIES])
+    told = (*QUANTITIES, TAKEN)
+    kept = sweeps.drop_vars([name for name in sweeps.data_vars if name not in told])
     for first, part in _parts(kept):
         append_csv(part, path, first)
 

@@ -237,7 +237,8 @@ def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
                 raise InputError(f"sweeps of different `{name}` cannot be joined")
         if not taken_alike(part, first):
             raise InputError("sweeps of different `frequencies` of interfaces cannot be joined")
-    return xr.concat(parts, dim="sweep", combine_attrs="override", join="exact")
+    told = [part.set_coords(TAKEN) if TAKEN in part.variables else part for part in parts]
+    return xr.concat(told, dim="sweep", combine_attrs="override", join="exact")
 
 
 def taken_alike(one: xr.Dataset, other: xr.Dataset) -> bool:

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 import rcskin
 from rcskin import __main__ as front
+from rcskin.localization.inputs.reading import read_some
 from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.sweeps import read
 from typer.testing import CliRunner
@@ -81,6 +82,12 @@ def test_a_data_set_is_exported_as_what_was_read(data, folder):
     text = (folder / "out.csv").read_text()
     lines = [line for line in text.splitlines() if not line.startswith("#")]
     assert len(lines) == 1 + READINGS * whole.sizes["sweep"]
+
+
+def test_data_sets_are_joined_by_what_was_read(data):
+    joined = read_some([data, data], 1000)
+    assert joined.sizes["sweep"] == 480
+    np.testing.assert_array_equal(joined["taken"].values, TAKEN)
 
 
 def test_a_localizer_that_inverts_the_simulator_is_trained_asked_and_adapted(
