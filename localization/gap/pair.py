@@ -130,10 +130,10 @@ def _of_common_readings(
     simulated: xr.Dataset, other: xr.Dataset, notes: list[str]
 ) -> tuple[xr.Dataset, xr.Dataset]:
     """Both at those frequencies of each interface that both were read at."""
-    read = [all_of(part) for part in (simulated, other)]
-    if np.array_equal(*read):
+    ours, theirs = all_of(simulated), all_of(other)
+    if np.array_equal(ours, theirs):
         return simulated, other
-    common = read[0] & read[1]
+    common = ours & theirs
     if not common.any():
         raise InputError("no interface was read at the same frequency on both sides")
     notes.append("Readings that only one side has are left out.")
