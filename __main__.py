@@ -90,13 +90,13 @@ def _scene_data(name: str, interfaces: list[str] | None) -> SceneData:
     from .simulator.asked.scene import asked_scene
     from .simulator.press.pixels import pixels_with_skin
     from .simulator.scene.files import scene_text
+    from .simulator.scene.reading import frequencies_at
     from .simulator.scene.scene import checked_interface, interface_names
 
-    scene = asked_scene(name, own_frequencies=True)
+    scene = asked_scene(name)
     asked = dict.fromkeys(interfaces or interface_names(scene))
     read = [checked_interface(each, scene) for each in asked]
-    whole = scene.sweep.frequencies
-    own = {each.name: each.frequencies or whole for each in scene.interfaces if each.name in read}
+    own = {name: tuple(frequencies_at(scene, name).tolist()) for name in read}
     frequencies = tuple(sorted(set().union(*own.values())))
     there, (rows, columns) = set(pixels_with_skin(scene)), scene.pixels.shape
     every = [(i, j) for i in range(1, rows + 1) for j in range(1, columns + 1)]

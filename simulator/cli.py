@@ -144,7 +144,7 @@ def sweep(
 
     checked_output(output)
     checked_rtol(rtol)
-    loaded = asked_scene(scene, own_frequencies=True)
+    loaded = asked_scene(scene)
     warn_of_model(scene, loaded)
     presses = [press_on(loaded, text) for text in press or []] or every_press(loaded)
     solver = Solver(loaded, rtol, checked_model(model))

@@ -58,7 +58,7 @@ def read_rest(paths: Sequence[Path], localizer: Localizer, *, anyway: bool = Fal
     anyway: of another skin too. Raises InputError where there are none, or of another skin, other
     interfaces or frequencies.
     """
-    sweeps = read_joined(paths, own_frequencies=True)
+    sweeps = read_joined(paths)
     path = ", ".join(map(str, paths))
     if not anyway:
         check_same_skin(str(sweeps.attrs.get("scene", "")), localizer.scene, path)

@@ -78,8 +78,8 @@ def evaluate_command(
             raise InputError(f"--folds must be >= 2, got {folds}")
         ending = checked_ending(charts)
         folder = None if output is None else checked_folder(output)
-        sweeps = read_some(recordings, most, own_frequencies=True)
-        resting = None if rest is None else read_some(rest, most, own_frequencies=True)
+        sweeps = read_some(recordings, most)
+        resting = None if rest is None else read_some(rest, most)
         if by_model:
             model = model_for(sweeps, recordings, files[0], extra(), anyway=anyway)
             found = _by_model(model, told_for(model.target, sweeps, factors), resting)

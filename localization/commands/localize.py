@@ -52,8 +52,8 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
 
         if output is not None:
             checked_output(output, (".csv",))
-        resting = None if rest is None else read_some(rest, most, own_frequencies=True)
-        asked = read_some(sweeps, most, own_frequencies=True)
+        resting = None if rest is None else read_some(rest, most)
+        asked = read_some(sweeps, most)
         told = model_for(asked, sweeps, model, extra(), anyway=anyway)
         if filtered:
             touching = touch_lasts, touch_every, touch_speed

@@ -53,7 +53,7 @@ def train_command(
         from .asking import told_for
 
         checked_output(output, (ENDING,))
-        given = read_some(sweeps, most, own_frequencies=True, in_parts=True)
+        given = read_some(sweeps, most, in_parts=True)
         known = told_for(target, given, factors)
         with progress() as track:
             model = train_model(

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.schema import taken_of
 from ..inputs.features import seen_from
 from ..inputs.rest import means_at_rest
 from ..inversion.adapted import AdaptedClassifier, AdaptedPosition
@@ -62,12 +63,17 @@ class Asker:
 
 
 def skin_at_hand(model: Model, rest: xr.Dataset) -> tuple[Any, NDArray[np.complex128]]:
-    """Who inverts the simulator for a skin, and the mean of ln (Z / ohm) of sweeps of it at rest.
+    """Who inverts the simulator for a skin, and the mean of ln (Z / ohm) of sweeps of it at rest,
+    shape (reading,).
 
     Tables that have yet to be made of it are made. Of other models, the last step of its pipeline.
     """
-    latest, opening = means_at_rest(seen_from(rest, model.interfaces))
+    seen = seen_from(rest, model.interfaces)
+    taken = taken_of(seen)
+    latest, opening = (
+        mean.ravel() if taken is None else mean[taken] for mean in means_at_rest(seen)
+    )
     step = model.pipeline[-1]
     if isinstance(step, AdaptedClassifier | AdaptedPosition):
-        step = step.at_hand(np.concatenate([opening.real.ravel(), opening.imag.ravel()]))
-    return step, latest.ravel()
+        step = step.at_hand(np.concatenate([opening.real, opening.imag]))
+    return step, latest

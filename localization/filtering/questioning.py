@@ -29,6 +29,9 @@ class Questioning(ABC):
         self.asker, self.gap, self._at_rest = asker, gap, at_rest
         self._interfaces = asker.model.interfaces
         self._frequencies = np.array(asker.model.frequencies)
+        taken = np.array(asker.model.problem.taken, dtype=bool)
+        shape = len(self._interfaces), self._frequencies.size
+        self._places = np.argwhere(taken if taken.size else np.ones(shape, dtype=bool))
 
     @property
     @abstractmethod
@@ -52,17 +55,18 @@ class Questioning(ABC):
         novelty, or nothing is left to read.
         """
         inquiry = self.inquiry
-        left = np.setdiff1d(np.arange(seconds.size), inquiry.told)
+        left = np.setdiff1d(np.arange(len(self._places)), inquiry.told)
         if not left.size or (inquiry.told and not inquiry.novel and self.enough):
             return None
-        rates = inquiry.gains(left) / seconds.ravel()[left]
-        where, at = divmod(int(left[rates.argmax()]), self._frequencies.size)
+        rates = inquiry.gains(left) / seconds[tuple(self._places[left].T)]
+        where, at = self._places[left[rates.argmax()]]
         return self._interfaces[where], float(self._frequencies[at])
 
     def tell(self, interface: str, frequency: float, Z: complex) -> None:
         """What was read at an interface and a frequency in Hz: Z in ohm."""
         at = int(np.abs(self._frequencies - frequency).argmin())
-        reading = self._interfaces.index(interface) * self._frequencies.size + at
+        place = self._interfaces.index(interface), at
+        reading = int(np.flatnonzero((self._places == place).all(axis=1))[0])
         change = np.log(complex(Z)) - self._at_rest[reading]
         self.inquiry.tell(reading, np.array([change.real, change.imag]))
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...simulator.sweeps import impedance
 from ...simulator.sweeps.laws.noise import repeatability
+from ...simulator.sweeps.restricting import all_of
 from ..inputs.targets import labels
 from .given import ReadingError
 from .pair import pixel_of
@@ -38,9 +39,9 @@ class MeterError:
 class Distance:
     """Other side minus simulation of one quantity, each of shape (interface, frequency).
 
-    simulated: mean over the pixels, SI. mean, rms: over the pixels, SI. meter_error: of one reading
-    of it, SI; None where unknown. separation: root mean square distance of neighbouring classes,
-    SI.
+    All are NaN where nothing was read. simulated: mean over the pixels, SI. mean, rms: over the
+    pixels, SI. meter_error: of one reading of it, SI; None where unknown. separation: root mean
+    square distance of neighbouring classes, SI.
     """
 
     simulated: NDArray[np.float64]
@@ -162,9 +163,18 @@ def neighbours(classes: NDArray) -> list[tuple[int | str, int | str]]:
 
 
 def _from_repeats(other: xr.Dataset) -> NDArray[np.float64] | None:
-    """Relative noise, root mean square over the interfaces, shape (frequency,)."""
+    """Relative noise, root mean square over the interfaces, shape (frequency,).
+
+    None where it is not known at all frequencies.
+    """
     groups = list(zip(other["session"].values.tolist(), pixel_of(other).tolist(), strict=True))
-    Z = impedance(other)
-    found = [repeatability(Z[:, each], groups) for each in range(Z.shape[1])]
-    known = [each for each in found if each is not None]
-    return np.sqrt(np.mean(np.square(known), axis=0)) if known else None
+    Z, read = impedance(other), all_of(other)
+    square, count = np.zeros(Z.shape[2]), np.zeros(Z.shape[2])
+    for interface, own in enumerate(read):
+        if own.sum() < FEWEST_FREQUENCIES:
+            continue
+        found = repeatability(Z[:, interface, own], groups)
+        if found is not None:
+            square[own] += found**2
+            count[own] += 1
+    return np.sqrt(square / count) if count.all() else None

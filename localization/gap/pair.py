@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.restricting import all_of, restricted
 from .given import Simulation
 from .noun import Noun, noun_of
 from .thinning import thinned
@@ -22,7 +23,7 @@ SAME_FREQUENCY = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Simulated sweeps and those they are held against, of the same interfaces and frequencies.
+    """Simulated sweeps and those they are held against, of the same interfaces and readings.
 
     scene: TOML text of the simulated skin, empty where unknown. noise_free: whether the simulated
     sweeps are without the meter's errors. notes: what a reader must know of how they were made
@@ -58,6 +59,7 @@ def paired(
     if not _same_frequencies(simulated, other):
         simulated = _at_frequencies_of(other, simulated, simulation, scene, notes)
         noise_free = True
+    simulated, other = _of_common_readings(simulated, other, notes)
     _check_common_press(simulated, other)
     simulated = simulated.assign_attrs(scene=scene)
     return Pair(simulated, other, noun, scene, noise_free, notes)
@@ -122,6 +124,20 @@ def _at_frequencies_of(
     notes.append("The presses were simulated anew, at the other side's frequencies.")
     anew = simulation.resimulated(simulated, scene, g)
     return anew.sel(interface=simulated["interface"].values)
+
+
+def _of_common_readings(
+    simulated: xr.Dataset, other: xr.Dataset, notes: list[str]
+) -> tuple[xr.Dataset, xr.Dataset]:
+    """Both at those frequencies of each interface that both were read at."""
+    ours, theirs = all_of(simulated), all_of(other)
+    if np.array_equal(ours, theirs):
+        return simulated, other
+    common = ours & theirs
+    if not common.any():
+        raise InputError("no interface was read at the same frequency on both sides")
+    notes.append("Readings that only one side has are left out.")
+    return restricted(simulated, common), restricted(other, common)
 
 
 def _check_common_press(simulated: xr.Dataset, other: xr.Dataset) -> None:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError, check, loaded, open_zarr, read
-from ...simulator.sweeps.files import all_taken
 from ...simulator.sweeps.joining import join
 from ...simulator.sweeps.schema import QUANTITIES
 
@@ -17,32 +16,23 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def read_some(
-    files: Path | Sequence[Path],
-    most: int,
-    *,
-    own_frequencies: bool = False,
-    in_parts: bool = False,
-) -> xr.Dataset:
+def read_some(files: Path | Sequence[Path], most: int, *, in_parts: bool = False) -> xr.Dataset:
     """The first sweeps of a file or several, at most so many, and of whole sessions if it can be.
 
-    own_frequencies: as of `read`. Of a `.zarr` no more than these are read; in_parts: its readings
-    stay there, and are read anew as each part is asked for. Raises InputError as `read` and `join`,
-    and for `most` < 1.
+    Of a `.zarr` no more than these are read; in_parts: its readings stay there, and are read anew
+    as each part is asked for. Raises InputError as `read` and `join`, and for `most` < 1.
     """
     if most < 1:
         raise InputError(f"--most must be >= 1, got {most}")
     paths = [files] if isinstance(files, Path) else files
     parts = [_some_of(path, most, in_parts) for path in paths]
-    if not own_frequencies:
-        parts = [all_taken(part, path) for part, path in zip(parts, paths, strict=True)]
     sweeps = join(parts, paths)
     return sweeps.isel(sweep=_whole_sessions(sweeps["session"].values, most))
 
 
 def _some_of(path: Path, most: int, in_parts: bool) -> xr.Dataset:
     if path.suffix != ".zarr" or not path.exists():
-        return read(path, own_frequencies=True)
+        return read(path)
     stored = open_zarr(path).drop_dims("drawn_session", errors="ignore")
     if "session" not in stored.variables:
         return check(stored)

@@ -6,6 +6,7 @@ import tomllib
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
 from sklearn.pipeline import Pipeline
 
 from ...simulator.sweeps import InputError
@@ -72,11 +73,24 @@ def _check(problem: Problem, name: str, takes: Sequence[str]) -> None:
             f"got {','.join(problem.quantities)}"
         )
     try:
-        known = tuple(each["name"] for each in tomllib.loads(problem.scene)["interface"])
+        own = {each["name"]: each.get("frequencies") for each in _interfaces(problem.scene)}
     except (tomllib.TOMLDecodeError, KeyError) as error:
         raise InputError(f"`estimator` {name} needs the scene, which the sweeps lack") from error
+    known = tuple(own)
     if problem.interfaces != known:
         raise InputError(
             f"`estimator` {name} takes all interfaces of the scene, {', '.join(known)}, "
             f"got {', '.join(problem.interfaces)}"
         )
+    asked = problem.frequencies
+    told = [np.isin(asked, asked if given is None else given) for given in own.values()]
+    whole = np.ones((len(known), len(problem.frequencies)), dtype=bool)
+    if not np.array_equal(told, problem.taken or whole):
+        raise InputError(
+            f"`estimator` {name} takes each interface at the `frequencies` that the scene reads it "
+            "at, and the sweeps were read at others"
+        )
+
+
+def _interfaces(scene: str) -> list[dict[str, Any]]:
+    return tomllib.loads(scene)["interface"]

@@ -10,14 +10,9 @@ from .slips import slips
 from .telling import note, warn
 
 
-def asked_scene(name: str, *, own_frequencies: bool = False) -> Scene:
-    """The scene of that name or path; tells of slips. Raises InputError as `load_scene`.
-
-    own_frequencies: whether its interfaces may have frequencies of their own.
-    """
+def asked_scene(name: str) -> Scene:
+    """The scene of that name or path; tells of slips. Raises InputError as `load_scene`."""
     scene = load_scene(name)
-    if not own_frequencies:
-        scene.require_shared_frequencies("this command")
     for slip in slips(scene):
         warn(f"{name}: {slip}")
     return scene

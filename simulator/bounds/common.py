@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
 
 from ..measure.experiment import Strengths, own_presses, strengths
-from ..measure.readout import observed
+from ..measure.readout import errors_of, observed
 from ..models.reduced.model import ReducedSkin
 from ..remembered import remembered
 from ..scene.frequency import laplace_variable
@@ -25,7 +25,6 @@ from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene, interface_names
 from ..sweeps import InputError
 from .bayes import FIRST_LOOK, STEP, Accuracy, Templates, likeliest
-from .information import errors_of_taken
 from .readings import Hypothesis, hypotheses
 
 NODES = 6
@@ -148,7 +147,7 @@ class CommonDraws:
         What all frequencies share of a session's errors is taken from their mean.
         """
         readout, kept = self._scene.readout, numbers[..., told]
-        noise = errors_of_taken(self._scene, self._against_rest).noise[:, None]
+        noise = errors_of(self._scene, self._against_rest).noise[:, None]
         shared = np.array([[readout.magnitude_accuracy], [readout.phase_accuracy]])
         lessened = 1 - 1 / np.sqrt(1 + told.sum() * (shared / noise) ** 2)
         if told.any() and not self._against_rest:

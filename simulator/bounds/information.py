@@ -51,21 +51,11 @@ def _on_diagonal(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def error_model(scene: Scene, frequencies: int, against_rest: int = 0) -> ErrorModel:
-    """The errors of a sweep of a scene at so many frequencies. Raises InputError without noise,
-    and where interfaces have frequencies of their own."""
-    scene.require_shared_frequencies("this bound")
+    """The errors of a sweep of a scene at so many frequencies, all of them at all interfaces.
+
+    Raises InputError without noise.
+    """
     return ErrorModel(scene.readout, len(scene.interfaces), frequencies, against_rest=against_rest)
-
-
-def errors_of_taken(scene: Scene, against_rest: int = 0) -> ErrorModel:
-    """Of what is read of a scene, at its own frequencies. Raises InputError without noise."""
-    return ErrorModel(
-        scene.readout,
-        len(scene.interfaces),
-        len(scene.frequencies),
-        against_rest=against_rest,
-        taken=scene.taken,
-    )
 
 
 def in_noise(

@@ -25,7 +25,6 @@ from .fields import Answer, AnyFields, TouchSize
 from .information import (
     covariances,
     error_model,
-    errors_of_taken,
     in_noise,
     pixel_maps,
     session_errors,
@@ -127,12 +126,18 @@ class Slopes:
         self,
         frequencies: NDArray[np.float64] | None = None,
         interfaces: Sequence[int] | None = None,
+        taken: NDArray[np.bool_] | None = None,
     ) -> Bounds:
-        """Of sweeps at some of the frequencies, in Hz, and through some of the interfaces only."""
-        of_interfaces = self.by if interfaces is None else self.by[:, list(interfaces)]
-        per_frequency = summed(of_interfaces)
+        """Of sweeps at some of the frequencies, in Hz, and through some of the interfaces only.
+
+        taken: which of these is read at which of those, shape (interface, frequency); None for all.
+        """
         chosen = slice(None) if frequencies is None else self.number(frequencies)
-        return self.of_information(per_frequency[:, chosen].sum(axis=1))
+        by = self.by if interfaces is None else self.by[:, list(interfaces)]
+        if taken is not None:
+            by = by[:, :, chosen] * taken[:, :, None, None]
+            return self.of_information(summed(by).sum(axis=1))
+        return self.of_information(summed(by)[:, chosen].sum(axis=1))
 
     def some(self, step: int) -> Slopes:
         """Of every so many places only."""
@@ -205,19 +210,14 @@ def position_slopes(
     unknown_skin: bool = False,
     track: Track = silent,
 ) -> Slopes:
-    """Derivatives at every place; frequency in Hz, ascending.
+    """Derivatives at every place, of all interfaces at all frequencies, in Hz, ascending.
 
     against_rest: how many sweeps of the skin at rest the sweep is compared with, 0 for none.
     unknown_skin: whether the skin is among what is unknown. Raises InputError for a meter without
     noise.
     """
     scene = fields.scene
-    whole = np.array_equal(frequency, scene.frequencies)
-    model = (
-        errors_of_taken(scene, against_rest)
-        if whole
-        else error_model(scene, len(frequency), against_rest)
-    )
+    model = error_model(scene, len(frequency), against_rest)
     errors, prior = session_errors(model)
     skin = SkinUnknowns(fields, frequency, model) if unknown_skin else None
     grid = Cells.of(scene.skin.length, scene.skin.width, fields.grid)

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.readout import observed
+from ..measure.readout import errors_of, observed
 from ..mesh.held import held
 from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case, pixel_touches
@@ -22,7 +22,6 @@ from ..scene.planar import covered
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .information import errors_of_taken
 
 TARGETS = ("column", "row", "pixel", "pair", "touches")
 
@@ -103,7 +102,7 @@ class Readings:
         if size is not None:
             require_whole_pixels(scene, "a touch of a size")
         self.scene, self._size = scene, size
-        self.model = errors_of_taken(scene, against_rest)
+        self.model = errors_of(scene, against_rest)
         self._factors = (
             min(LEAST_FACTOR, float(presses.low)),
             max(LARGEST_FACTOR, float(presses.high)),

@@ -23,7 +23,7 @@ def residuals(fit: Fit) -> dict[str, NDArray[np.float64]]:
     """Measured less fitted over the error of a reading by noise.
 
     Of |Z|, phase, Rs and Cp, each of shape (reading, interface, frequency); the meter's fixed
-    errors of the session are part of what is fitted.
+    errors of the session are part of what is fitted. Nothing is left where nothing was read.
     """
     asked = fit.asked
     Z = np.stack([reading.Z for reading in asked.measured.readings])
@@ -53,11 +53,12 @@ FAINT = 0.35
 def draw_residuals(calibration: Calibration, interface: int, path: Path) -> None:
     """Residuals of |Z|, phase, Rs and Cp at one interface against frequency, as a PNG."""
     measured = calibration.fit.asked.measured
-    frequency = measured.scene.frequencies
+    read = measured.read[interface]
+    frequency = measured.scene.frequencies[read]
     with chart(path, 9, 6.2) as figure:
         grid = figure.subplots(2, 2, sharex=True)
         for axes, (name, left) in zip(grid.flat, residuals(calibration.fit).items(), strict=True):
-            _draw(axes, frequency, left[:, interface], measured.readings)
+            _draw(axes, frequency, left[:, interface, read], measured.readings)
             axes.set_title(name)
         for axes in grid[1]:
             frequency_axis(axes)

@@ -106,9 +106,9 @@ def compared(fit: Fit, tell: Tell) -> Comparison:
 
 
 def _told(fit: Fit, ideal: Fit) -> tuple[str, ...]:
-    frequency = fit.asked.measured.scene.frequencies
-    Z = fit.asked.measured.readings[0].Z[0]
-    ours, theirs = (each.problem.fitted(each.u)[0, 0] for each in (fit, ideal))
+    frequency, Z = fit.asked.measured.first
+    read = fit.asked.measured.read[0]
+    ours, theirs = (each.problem.fitted(each.u)[0, 0, read] for each in (fit, ideal))
     exponent = fit.values["phase_exponent"]
     lines = [
         f"with an ideal capacitance (exponent 1) the best fit leaves {100 * ideal.rms_error:.1f} % "

@@ -85,7 +85,8 @@ class Fit:
     def rms_error(self) -> float:
         """Of Z, relative to |Z|, without the meter's fixed errors."""
         measured = np.stack([reading.Z for reading in self.asked.measured.readings])
-        return float(np.sqrt(np.mean(np.abs(self.problem.fitted(self.u) / measured - 1) ** 2)))
+        off = np.abs(self.problem.fitted(self.u) / measured - 1)
+        return float(np.sqrt(np.mean(off[:, self.asked.measured.read] ** 2)))
 
 
 def model_tolerance(readout: Readout) -> float:

@@ -14,9 +14,11 @@ from ..measure.readout import observed
 from ..models.mechanics.in_depths import settled
 from ..press.press import Press, press_on, pressed_factor
 from ..press.touch import Touch, place_of
-from ..scene.meter import Sweep
+from ..scene.reading import reading_at
 from ..scene.scene import Scene
 from ..sweeps import InputError, impedance
+from ..sweeps.restricting import all_of, restricted
+from ..sweeps.schema import taken_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,8 +28,9 @@ if TYPE_CHECKING:
 class Reading:
     """One press in one session.
 
-    Z: ohm, shape (interface, frequency). deviation: sample standard deviation of `observed` over
-    the sweeps that were averaged, shape (2 * readings,), None where there was one.
+    Z: ohm, shape (interface, frequency), 1 where nothing was read. deviation: sample standard
+    deviation of `observed` over the sweeps that were averaged, shape (2 * Z.size,), None where
+    there was one.
     """
 
     press: Press
@@ -50,9 +53,21 @@ class Measured:
     left_out: tuple[str, ...] = ()
 
     @cached_property
+    def read(self) -> NDArray[np.bool_]:
+        """Which interface was read at which frequency, shape (interface, frequency)."""
+        taken = self.scene.taken
+        whole = np.ones((len(self.scene.interfaces), len(self.scene.frequencies)), dtype=bool)
+        return whole if taken is None else taken
+
+    @cached_property
     def numbers(self) -> int:
         """How many numbers were measured: two for every reading."""
-        return 2 * sum(reading.Z.size for reading in self.readings)
+        return 2 * len(self.readings) * int(self.read.sum())
+
+    @cached_property
+    def first(self) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
+        """Frequencies in Hz and Z in ohm of the first press at the first interface."""
+        return self.scene.frequencies[self.read[0]], self.readings[0].Z[0, self.read[0]]
 
     @cached_property
     def sessions(self) -> list[int]:
@@ -68,7 +83,8 @@ def measured(
 ) -> Measured:
     """Sweeps on a scene: those at rest averaged in each session, every press on its own.
 
-    band: lowest and highest frequency that counts, Hz. session: the only one that counts.
+    band: lowest and highest frequency that counts, Hz; interfaces that were read at none of it are
+    left out. session: the only one that counts.
     Presses that are no whole pixels of the scene are left out.
     Raises InputError where an interface is not in the scene, or nothing is left.
     """
@@ -76,10 +92,13 @@ def measured(
         sweeps = _of_session(sweeps, session)
     if band is not None:
         sweeps = _within(sweeps, band)
+    sweeps = restricted(sweeps, all_of(sweeps))
     bare = _as_measured(scene, sweeps)
     presses, left_out = _presses(bare, list(sweeps["press"].values))
     sessions = [int(each) for each in sweeps["session"].values]
-    readings = tuple(_readings(impedance(sweeps), presses, sessions))
+    Z = impedance(sweeps)
+    known = Z if bare.taken is None else np.where(bare.taken, Z, 1.0)
+    readings = tuple(_readings(known, presses, sessions))
     if not readings:
         raise InputError(f"no sweep can be used: {'; '.join(left_out) or 'there is none'}")
     return Measured(bare, readings, left_out)
@@ -114,9 +133,8 @@ def _as_measured(scene: Scene, sweeps: xr.Dataset) -> Scene:
                 f"the sweeps were measured at interface {name!r}; "
                 f"{scene.name} has {', '.join(interfaces)}"
             )
-    sweep = Sweep(frequencies=tuple(sweeps["frequency"].values.tolist()))
-    chosen = tuple(interfaces[name] for name in asked)
-    return scene.model_copy(update={"sweep": sweep, "interfaces": chosen})
+    chosen = scene.model_copy(update={"interfaces": tuple(interfaces[name] for name in asked)})
+    return reading_at(chosen, sweeps["frequency"].values.tolist(), taken_of(sweeps))
 
 
 def _presses(scene: Scene, texts: Sequence[str]) -> tuple[list[Press | None], tuple[str, ...]]:

@@ -93,8 +93,9 @@ def limits(name: str) -> tuple[float, float]:
 def wide(measured: Measured) -> dict[str, Spread]:
     """Far more than sessions differ."""
     omega = 2 * np.pi * measured.scene.frequencies
-    least = np.min([abs(reading.Z) for reading in measured.readings], axis=(0, 1))
-    most = np.max([abs(reading.Z) for reading in measured.readings], axis=(0, 1))
+    size = np.abs([reading.Z for reading in measured.readings])
+    least = np.where(measured.read, size, np.inf).min(axis=(0, 1))
+    most = np.where(measured.read, size, 0.0).max(axis=(0, 1))
     deviations = {
         "sheet_resistance": WIDE,
         "sheet_mismatch": MISMATCH,
@@ -135,7 +136,8 @@ def noise_of(measured: Measured) -> Noise:
     if readout.magnitude_noise > 0 and readout.phase_noise > 0:
         return Noise(readout, "the scene's readout")
     repeated = [each for each in measured.readings if each.deviation is not None]
-    freedom = sum((each.averaged - 1) * each.Z.size for each in repeated)
+    readings = int(measured.read.sum())
+    freedom = sum((each.averaged - 1) * readings for each in repeated)
     if freedom < LEAST_FREEDOM:
         return Noise(with_noise(readout, FIRST_GUESS, FIRST_GUESS), "a guess", guessed=True)
     squares = sum((each.averaged - 1) * _squares(each.deviation) for each in repeated)

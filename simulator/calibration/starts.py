@@ -62,11 +62,11 @@ def _misfit(problem: Problem, values: Mapping[str, float]) -> float:
 
 def capacitance_off(measured: Measured) -> float:
     """Logarithm of what the lowest frequency shows over the scene's capacitance, 0 where near."""
-    Z, scene = measured.readings[0].Z[0], measured.scene
+    frequency, Z = measured.first
     if Z.imag[0] >= 0:
         return 0.0
-    shown = -1 / (2 * np.pi * scene.frequencies[0] * Z.imag[0])
-    off = math.log(shown / total_capacitance(scene))
+    shown = -1 / (2 * np.pi * frequency[0] * Z.imag[0])
+    off = math.log(shown / total_capacitance(measured.scene))
     return off if abs(off) > FAR else 0.0
 
 
@@ -82,8 +82,8 @@ def _fitted_only(asked: Asked, values: Mapping[str, float]) -> dict[str, float]:
 
 def _of_line(asked: Asked) -> list[dict[str, float]]:
     """The line's share of the resistance from little to all of it."""
-    scene, Z = asked.measured.scene, asked.measured.readings[0].Z[0]
-    omega = 2 * np.pi * scene.frequencies
+    scene, (frequency, Z) = asked.measured.scene, asked.measured.first
+    omega = 2 * np.pi * frequency
     total, floor = float(Z.real.max()), float(np.abs(Z.real).min())
     skin, edge = scene.skin, scene.contacts[0].edge
     squares = skin.length / skin.width if edge in ("left", "right") else skin.width / skin.length

@@ -150,9 +150,7 @@ def _read(file: Path) -> xr.Dataset:
     from ..sweeps import read
     from ..sweeps.imports import import_file
 
-    return (
-        read(file, own_frequencies=True) if file.suffix in (".nc", ".zarr") else import_file(file)
-    )
+    return read(file) if file.suffix in (".nc", ".zarr") else import_file(file)
 
 
 def plot(

@@ -54,7 +54,7 @@ def dataset(
     if workers is not None and workers < 1:
         raise InputError(f"--workers must be >= 1, got {workers}")
     checked_rtol(rtol)
-    loaded = asked_scene(scene, own_frequencies=True)
+    loaded = asked_scene(scene)
     plan = Plan(foldable(loaded, "a data set"), sweeps, seed, rtol)
     tell_if_noise_free(scene, loaded)
     processes = workers or _cores()

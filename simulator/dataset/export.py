@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..sweeps import InputError, check_needs, checked_output, open_zarr, read, whole_file
-from ..sweeps.files import all_taken
 from ..sweeps.formats.csv import append_csv
-from ..sweeps.schema import DIMENSIONS, QUANTITIES
+from ..sweeps.schema import DIMENSIONS, QUANTITIES, TAKEN, taken_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,24 +32,22 @@ def export(data: Path, output: Path) -> Mapping[str, int]:
         raise InputError(f"{data}: no such file")
     if output.suffix == ".parquet":
         check_needs(output, "scale", "pyarrow")
-    opened = open_zarr(data) if data.suffix == ".zarr" else read(data, own_frequencies=True)
-    if output.suffix != ".nc":
-        all_taken(opened, data)
+    opened = open_zarr(data) if data.suffix == ".zarr" else read(data)
     with opened as sweeps, whole_file(output) as unfinished:
         writers[output.suffix](sweeps, unfinished)
         return {name: sweeps.sizes[name] for name in DIMENSIONS}
 
 
 def wide_table(sweeps: xr.Dataset) -> pd.DataFrame:
-    """One row a sweep: what is known of the press, then every quantity at every frequency."""
+    """One row a sweep: what is known of the press, then every quantity of every reading."""
     import pandas as pd
 
     known = [name for name in sweeps.variables if sweeps[name].dims in (("sweep",), LONG)]
-    columns = {}
+    columns, taken = {}, taken_of(sweeps)
     for name in sorted(map(str, known)):
         columns |= _columns(name, sweeps[name].values)
     for name in QUANTITIES:
-        columns |= _spectrum(name, sweeps[name].transpose(*DIMENSIONS))
+        columns |= _spectrum(name, sweeps[name].transpose(*DIMENSIONS), taken)
     return pd.DataFrame(columns)
 
 
@@ -63,12 +60,13 @@ def _columns(name: str, values: np.ndarray) -> dict[str, np.ndarray]:
     return {f"{name}_{touch + 1}": each for touch, each in enumerate(values.T)}
 
 
-def _spectrum(name: str, quantity: xr.DataArray) -> dict[str, np.ndarray]:
+def _spectrum(name: str, quantity: xr.DataArray, taken: np.ndarray | None) -> dict[str, np.ndarray]:
     values = quantity.values
     return {
         f"{name}_{interface}_{frequency:.10g}": values[:, i, f]
         for i, interface in enumerate(quantity["interface"].values)
         for f, frequency in enumerate(quantity["frequency"].values)
+        if taken is None or taken[i, f]
     }
 
 
@@ -80,7 +78,8 @@ def _parts(sweeps: xr.Dataset) -> Iterator[tuple[int, xr.Dataset]]:
 
 
 def _write_csv(sweeps: xr.Dataset, path: Path) -> None:
-    kept = sweeps.drop_vars([name for name in sweeps.data_vars if name not in QUANTITIES])
+    told = (*QUANTITIES, TAKEN)
+    kept = sweeps.drop_vars([name for name in sweeps.data_vars if name not in told])
     for first, part in _parts(kept):
         append_csv(part, path, first)
 

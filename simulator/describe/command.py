@@ -31,7 +31,7 @@ def describe(
 
     if output is not None:
         checked_output(output, ENDINGS)
-    loaded = asked_scene(scene, own_frequencies=True)
+    loaded = asked_scene(scene)
     warn_of_model(scene, loaded)
     told = facts(loaded)
     room = max(len(each.about) for each in told) + 2

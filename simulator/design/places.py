@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from ..bounds.fields import TouchSize
 from ..bounds.fields.answer import at_meter
 from ..bounds.fields.pressed import PressedSkin
-from ..bounds.information import errors_of_taken, in_noise, session_errors
+from ..bounds.information import in_noise, session_errors
 from ..bounds.position import WANTED, Cells, Place, Slopes, chosen_touch, places_on
 from ..fem.galerkin import one_blas_thread
+from ..measure.readout import errors_of
 from ..models.reduced.cases import Case
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene
@@ -64,7 +65,7 @@ class Touches:
         """Of a skin of the divided scene, at every place; frequency in Hz, ascending."""
         skin = on.at(frequency)
         scene = skin.reduced.scene
-        model = errors_of_taken(scene, against_rest)
+        model = errors_of(scene, against_rest)
         s = laplace_variable(frequency, scene.skin.foam.loss)
         pressed = PressedSkin(skin)
         errors, prior = session_errors(model)

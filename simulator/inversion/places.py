@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.readout import observed
 from ..press.press import Press
 from ..press.touch import Rectangle
 from ..scene.scene import Scene
@@ -115,5 +114,5 @@ def _seen(unknown: UnknownSkin, presses: Sequence[Press]) -> NDArray[np.float64]
     touched = [(NOWHERE, np.zeros(0)), *map(unknown.forward.cells, presses)]
     cells, rises = (np.concatenate([each[k] for each in touched]) for k in (0, 1))
     starts = np.cumsum([0, *(len(each[0]) for each in touched)])
-    seen = observed(unknown.forward.impedances(cells, rises, starts, unknown.values))
+    seen = unknown.seen(unknown.forward.impedances(cells, rises, starts, unknown.values))
     return seen[1:] - seen[0]

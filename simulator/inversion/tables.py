@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.experiment import own_presses
-from ..measure.readout import ErrorModel, observed, observed_slope
+from ..measure.readout import errors_of
 from ..mesh.held import held
 from ..models.network.terminals import reduced_for
 from ..models.reduced.forward import Forward
@@ -73,13 +73,11 @@ def _of_mean_skin(text: str, target: str, presses: str) -> Tables:
 
 def _tables(unknown: UnknownSkin, target: str, presses: str, drift: float) -> Tables:
     scene = unknown.forward.scene
-    scene.require_shared_frequencies("what answers by the model of a skin")
-    readings = len(scene.interfaces), len(scene.frequencies)
     chances = np.zeros(3)
     chances[: len(scene.dataset.press.touches)] = scene.dataset.press.touches
     strengths, weights, spread = strength_prior(scene, presses)
     common = {
-        "deviation": ErrorModel(scene.readout, *readings).deviation,
+        "deviation": errors_of(scene).deviation,
         "chances": chances,
         "strengths": strengths,
         "weights": weights,
@@ -130,7 +128,7 @@ def covered(quantile: Callable[[NDArray], NDArray]) -> tuple[NDArray, NDArray, f
 def pixel_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
     """Every pixel on the skin alone at every strength."""
     forward, pixels = unknown.forward, unknown.forward.scene.pixels
-    rest = observed(forward.respond(NOWHERE, np.zeros(0), unknown.values).Z)
+    rest = unknown.seen(forward.respond(NOWHERE, np.zeros(0), unknown.values).Z)
     places = held(forward.scene).numbers
     found = [[_touch(unknown, pixel, f) for f in strengths] for pixel in places.tolist()]
     single, slope, skin, shift = (
@@ -151,8 +149,8 @@ def _touch(unknown: UnknownSkin, pixel: int, strength: float) -> tuple[NDArray, 
     cells, rises = np.array([pixel]), np.array([strength - 1])
     response = unknown.forward.respond(cells, rises, unknown.values)
     by_strength = np.exp(unknown.values["capacitance"]) * response.by_cell + response.by_gauge
-    slope = observed_slope(response.Z, by_strength[..., pixel])
-    return observed(response.Z), slope, *unknown.of_touch(cells, rises)
+    slope = unknown.seen_slope(response.Z, by_strength[..., pixel])
+    return unknown.seen(response.Z), slope, *unknown.of_touch(cells, rises)
 
 
 def pair_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
@@ -169,5 +167,5 @@ def pair_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
         unknown.values,
     )
     rest = unknown.forward.respond(NOWHERE, np.zeros(0), unknown.values).Z
-    change = observed(Z) - observed(rest)
+    change = unknown.seen(Z) - unknown.seen(rest)
     return {"pairs": pairs, "pair": change.reshape(len(pairs), *first.shape, -1)}

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.readout import ErrorModel, observed, observed_slope
+from ..measure.readout import errors_of, observed, observed_slope
 from ..models.parameters import VALUES, WAVES, mode_values, own_values, session_spreads
 from ..models.reduced.forward import Forward
 from ..models.reduced.resolving import family_on
@@ -63,6 +63,16 @@ class UnknownSkin:
         self._known = Known(np.zeros(unknowns), np.eye(unknowns))
         self._at_rest = self._columns(NOWHERE, np.zeros(0))
 
+    def seen(self, Z: NDArray[np.complex128]) -> NDArray[np.float64]:
+        """As `observed`, of what the scene's interfaces are read at, shape (..., number)."""
+        return observed(Z, self.forward.scene.taken)
+
+    def seen_slope(
+        self, Z: NDArray[np.complex128], dZ: NDArray[np.complex128]
+    ) -> NDArray[np.float64]:
+        """The derivative of `seen` from that of Z."""
+        return observed_slope(Z, dZ, self.forward.scene.taken)
+
     def of_touch(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -78,14 +88,14 @@ class UnknownSkin:
     def at_rest(self) -> NDArray[np.float64]:
         """What is observed of the skin at rest, shape (number,)."""
         shared = len(self._deviations)
-        even = observed(self.forward.respond(NOWHERE, np.zeros(0), self.values).Z)
+        even = self.seen(self.forward.respond(NOWHERE, np.zeros(0), self.values).Z)
         return even + self._at_rest[:, shared:] @ self._known.mean[shared:]
 
     def drift(self, step: float) -> NDArray[np.float64]:
         """Columns of all foam and of both sheets changing by a relative step, (number, 2)."""
         response = self.forward.respond(NOWHERE, np.zeros(0), self.values)
         slopes = [response.by_parameter[name] for name in DRIFTING]
-        return step * np.stack([observed_slope(response.Z, each) for each in slopes], axis=-1)
+        return step * np.stack([self.seen_slope(response.Z, each) for each in slopes], axis=-1)
 
     def resting_as(self, rest: NDArray[np.float64], averaged: int) -> UnknownSkin:
         """What is still unknown of the skin that is observed at rest, by Gauss-Newton steps.
@@ -124,8 +134,8 @@ class UnknownSkin:
                 np.moveaxis(response.by_term, -1, 0),
             ]
         )
-        columns = [observed_slope(response.Z, each) for each in dZ]
-        return np.reshape(columns, (-1, 2 * response.Z.size)).T
+        columns = [self.seen_slope(response.Z, each) for each in dZ]
+        return np.reshape(columns, (-1, self.seen(response.Z).size)).T
 
     def _of_foam(
         self, by_cell: NDArray[np.complex128], cells: NDArray[np.int64], rises: NDArray[np.float64]
@@ -142,8 +152,7 @@ def _error_at_rest(scene: Scene, rest: NDArray[np.float64], averaged: int) -> ND
 
     Ranges are taken to be decades of |Z|, each with a fixed error of its own.
     """
-    readings = len(scene.interfaces), len(scene.frequencies)
-    error = ErrorModel(scene.readout, *readings, averaged=averaged)
+    error = errors_of(scene, averaged=averaged)
     decade = np.tile(np.floor(rest[: len(rest) // 2] / math.log(10)), 2)
     noise = np.diag(error.deviation**2)
     return noise + (error.covariance - noise) * (decade[:, None] == decade)

@@ -147,4 +147,4 @@ def position_bound(
         unknown_skin=unknown_skin,
         track=track or silent,
     )
-    return slopes.bounds()
+    return slopes.bounds(taken=scene.taken)

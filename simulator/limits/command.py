@@ -148,6 +148,7 @@ def _write(
     track: Track,
     size: float | None,
 ) -> None:
+    from ..scene.reading import frequencies_of_each
     from .figure import draw_distances, draw_maps
     from .identity import identity
     from .report import summary, write_distances, write_places, write_summary
@@ -175,6 +176,8 @@ def _write(
         "position": [summary(variant) for variant in variants],
         "accuracy": told_apart.summary(),
     }
+    if each := frequencies_of_each(scene):
+        content["frequencies_of_each_Hz"] = each
     write_summary(content, folder / "limits.json")
     _print(scene, variants, question, told_apart, folder)
 

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp, softmax
 
-from ..bounds.information import errors_of_taken
 from ..bounds.readings import CELLS, LARGEST_FACTOR, LEAST_FACTOR, Hypothesis
-from ..measure.readout import observed
+from ..measure.readout import errors_of, observed
 from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case
 from ..models.reduced.model import Reduced
@@ -54,7 +53,7 @@ class Hand:
         self.scene, self._presses, self._offset = scene, presses, offset
         self._sides, self._extent = np.array(size), np.array([skin.length, skin.width])
         self.grid = CELLS * pixels.rows, CELLS * pixels.columns
-        self._model = errors_of_taken(scene, against_rest)
+        self._model = errors_of(scene, against_rest)
 
     def pressed(self, meant: Hypothesis, random: np.random.Generator, count: int) -> Array:
         """Whitened readings, without noise, of pixels pressed so many times; (press, number)."""

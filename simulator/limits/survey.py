@@ -13,6 +13,7 @@ from ..bounds.fields import fields_of
 from ..bounds.position import Bounds, Slopes, TouchSize, places_on, position_slopes
 from ..bounds.sets import OPTIMAL, compared, logarithmic, own_band, within
 from ..progress import Track, silent
+from ..scene.reading import frequencies_at, through
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .criteria import position_criterion
@@ -25,7 +26,10 @@ DESIGN_PLACES = 64
 
 @dataclass(frozen=True)
 class Variant:
-    """One of several ways that are compared: of which comparison, its name, and its bounds."""
+    """One of several ways that are compared: of which comparison, its name, and its bounds.
+
+    frequency: Hz, all that any interface is read at.
+    """
 
     comparison: str
     name: str
@@ -71,17 +75,20 @@ def survey(
     n = n or _pixels_from_edge(scene)
     slopes = _slopes(scene, question, _candidates(scene, n), track)
     own = scene.frequencies
-    everything = Variant(FREQUENCIES, f"the scene's {len(own)}", slopes.bounds(own), own)
+    told = f"the scene's {len(own)}" if scene.taken is None else "the scene's own"
+    everything = Variant(FREQUENCIES, told, slopes.bounds(own, taken=scene.taken), own)
     sets = _sets(scene, slopes, n)
     variants = [everything, *(_variant(FREQUENCIES, k, slopes, f) for k, f in sets.items())]
     if len(scene.interfaces) > 1:
         for number, interface in enumerate(scene.interfaces):
-            alone = slopes.bounds(own, [number])
-            variants.append(Variant(INTERFACES, interface.name, alone, own))
+            its = frequencies_at(scene, interface.name)
+            alone = slopes.bounds(its, [number])
+            variants.append(Variant(INTERFACES, interface.name, alone, its))
         variants.append(Variant(INTERFACES, "all together", everything.bounds, own))
     for resistance in sheet_resistances:
-        of_sheets = _slopes(with_sheets(scene, resistance), question, own, track).bounds()
-        variants.append(Variant(SHEETS, f"{1e-3 * resistance:g} kohm/sq", of_sheets, own))
+        of_sheets = _slopes(with_sheets(scene, resistance), question, own, track)
+        told, bounds = f"{1e-3 * resistance:g} kohm/sq", of_sheets.bounds(taken=scene.taken)
+        variants.append(Variant(SHEETS, told, bounds, own))
     return variants
 
 
@@ -113,10 +120,7 @@ def with_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
     for name in names:
         if name not in known:
             raise InputError(f"--interface must be one of {', '.join(known)}, got {name!r}")
-    if not names:
-        return scene
-    chosen = tuple(each for each in scene.interfaces if each.name in names)
-    return scene.model_copy(update={"interfaces": chosen})
+    return through(scene, [name for name in known if name in names]) if names else scene
 
 
 def _slopes(

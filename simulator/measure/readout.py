@@ -15,6 +15,8 @@ from ..sweeps.schema import taken_of
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ..scene.scene import Scene
+
 
 class Meter:
     """A meter in one session: its fixed errors are drawn once, at each interface.
@@ -68,19 +70,27 @@ def read_out(
     )
 
 
-def observed(Z: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """ln |Z / ohm| of all readings, then their phases in rad; shape (..., 2 * readings).
+def observed(
+    Z: NDArray[np.complex128], taken: NDArray[np.bool_] | None = None
+) -> NDArray[np.float64]:
+    """ln |Z / ohm| of all readings taken, then their phases in rad; shape (..., 2 * readings).
 
-    Z: ohm, shape (..., interface, frequency).
+    Z: ohm, shape (..., interface, frequency). taken: as of `ErrorModel`.
     """
-    flat = Z.reshape(*Z.shape[:-2], -1)
+    flat = _readings(Z, taken)
     return np.concatenate([np.log(np.abs(flat)), np.angle(flat)], axis=-1)
 
 
-def observed_slope(Z: NDArray[np.complex128], dZ: NDArray[np.complex128]) -> NDArray[np.float64]:
+def observed_slope(
+    Z: NDArray[np.complex128], dZ: NDArray[np.complex128], taken: NDArray[np.bool_] | None = None
+) -> NDArray[np.float64]:
     """The derivative of `observed` from that of Z, of the same shape as Z."""
-    ratio = (dZ / Z).reshape(*Z.shape[:-2], -1)
+    ratio = _readings(dZ / Z, taken)
     return np.concatenate([ratio.real, ratio.imag], axis=-1)
+
+
+def _readings(Z: NDArray[np.complex128], taken: NDArray[np.bool_] | None) -> NDArray[np.complex128]:
+    return Z.reshape(*Z.shape[:-2], -1) if taken is None else Z[..., taken]
 
 
 @dataclass(frozen=True)
@@ -144,3 +154,15 @@ class ErrorModel:
         factor = np.linalg.cholesky(self.covariance)
         flat = np.linalg.solve(factor, numbers.reshape(-1, numbers.shape[-1]).T)
         return flat.T.reshape(numbers.shape).astype(np.float64)
+
+
+def errors_of(scene: Scene, against_rest: int = 0, averaged: int = 1) -> ErrorModel:
+    """Of what is read of a scene, at its own frequencies. Raises InputError without noise."""
+    return ErrorModel(
+        scene.readout,
+        len(scene.interfaces),
+        len(scene.frequencies),
+        averaged=averaged,
+        against_rest=against_rest,
+        taken=scene.taken,
+    )

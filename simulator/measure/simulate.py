@@ -14,8 +14,9 @@ from ..models.answer import Answer
 from ..models.solver import Solver
 from ..press.press import Press, check_press, press_on
 from ..scene.files import parse_scene, scene_text
-from ..scene.meter import Sweep
+from ..scene.reading import reading_at
 from ..sweeps import InputError, Table, concatenate, tabled
+from ..sweeps.restricting import all_of, restricted
 from .readout import read_out
 
 if TYPE_CHECKING:
@@ -61,18 +62,21 @@ def gather(solver: Solver, answered: Iterable[tuple[Press, Answer]]) -> Table:
 
 
 def resimulated(sweeps: xr.Dataset, text: str, frequency: NDArray[np.float64]) -> xr.Dataset:
-    """The presses of sweeps on the scene that is written in TOML, noise-free. frequency: Hz.
+    """The presses of sweeps on the scene that is written in TOML, noise-free, at their interfaces.
 
+    frequency: Hz; where they are those of the sweeps, the same readings are taken as of these, else
+    all.
     Raises as `parse_scene`, `parse_press` and `Solver.solve`.
     """
-    asked = Sweep(frequencies=tuple(map(float, frequency)))
-    scene = parse_scene(text, "scene").model_copy(update={"sweep": asked})
+    scene = reading_at(parse_scene(text, "scene"), frequency.tolist())
     presses, which = np.unique(
         sweeps["press"].values.astype(object).astype(str), return_inverse=True
     )
     found = simulate(Solver(scene), [press_on(scene, str(press)) for press in presses])
     again = found.isel(sweep=which).sel(interface=sweeps["interface"].values)
-    return again.assign_coords(session=("sweep", sweeps["session"].values))
+    again = again.assign_coords(session=("sweep", sweeps["session"].values))
+    alike = np.array_equal(frequency, sweeps["frequency"].values)
+    return restricted(again, all_of(sweeps)) if alike else again
 
 
 def read_by_meter(sweeps: xr.Dataset, text: str, seed: int) -> xr.Dataset:

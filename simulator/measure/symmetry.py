@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..scene.contacts import Contact, path
 from ..scene.maps import AnyMap
+from ..scene.reading import frequencies_at
 from ..scene.scene import Scene
 from ..scene.skin import Electrode, Sheet, Skin, curves
 from ..scene.wiring import joined
@@ -215,13 +216,13 @@ def _images(scene: Scene, mapping: Mapping) -> dict[str, str | None]:
 def repeated(scene: Scene) -> list[tuple[str, str]]:
     """Interfaces that show what an earlier one does whatever is pressed, and that one.
 
-    The same two sides, either way round, or by the exchange of sheets that are alike: then a
-    further one only averages the meter's errors.
+    The same two sides, either way round, or by the exchange of sheets that are alike, at no other
+    frequencies: then a further one only averages the meter's errors.
     """
     group = joined(scene.contacts, scene.skin)
     terminal = dict(zip((contact.name for contact in scene.contacts), group, strict=True))
     images = _exchanged(scene)
-    seen: dict[frozenset[frozenset[int]], str] = {}
+    seen: dict[frozenset[frozenset[int]], list[str]] = {}
     found = []
     for interface in scene.interfaces:
         sides = interface.high, interface.low
@@ -229,9 +230,18 @@ def repeated(scene: Scene) -> list[tuple[str, str]]:
             frozenset(frozenset(terminal[as_is[name]] for name in side) for side in sides)
             for as_is in ({name: name for name in terminal}, *images)
         ]
-        earlier = next((seen[each] for each in alike if each in seen), None)
+        own = set(frequencies_at(scene, interface.name))
+        earlier = next(
+            (
+                name
+                for each in alike
+                for name in seen.get(each, [])
+                if own <= set(frequencies_at(scene, name))
+            ),
+            None,
+        )
         if earlier is None:
-            seen[alike[0]] = interface.name
+            seen.setdefault(alike[0], []).append(interface.name)
         else:
             found.append((interface.name, earlier))
     return found

@@ -8,7 +8,7 @@ from functools import partial
 from ..models.plain import evenly_pressed
 from ..progress import told_on_terminal
 from ..scene.files import parse_scene
-from ..scene.meter import Sweep
+from ..scene.reading import reading_at, through
 from ..scene.scene import Scene
 from .document import Link, document
 from .packed import packed, reduced_for_page
@@ -38,7 +38,4 @@ def linked_page(
 
 def _read_at(scene: Scene, frequencies: Sequence[float], interfaces: Sequence[str]) -> Scene:
     """The scene as a meter reads it: its interfaces in their order, its frequencies."""
-    by_name = {each.name: each for each in scene.interfaces}
-    read = tuple(by_name[name] for name in interfaces)
-    sweep = Sweep(frequencies=tuple(frequencies))
-    return scene.model_copy(update={"interfaces": read, "sweep": sweep})
+    return reading_at(through(scene, interfaces), frequencies)

@@ -17,7 +17,7 @@ from ..models.reduced.model import Reduced
 from ..models.varied.materials import gauged
 from ..models.varied.meshes import circuit_of
 from ..scene.files import scene_text
-from ..scene.meter import Sweep
+from ..scene.reading import reading_at
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from . import base64_arrays
@@ -89,9 +89,7 @@ def reduced_for_page(
     cells = 1 if scene.pixels.groups is not None else cells
     rows, columns = (cells * count for count in scene.pixels.shape)
     pixels = scene.pixels.model_copy(update={"rows": rows, "columns": columns})
-    wide = scene.model_copy(
-        update={"pixels": pixels, "sweep": Sweep(frequencies=tuple(band.tolist()))}
-    )
+    wide = reading_at(scene.model_copy(update={"pixels": pixels}), band.tolist())
     return reduce(wide, rtol, pressed_anywhere(wide, cells), advance=advance)
 
 
@@ -112,6 +110,7 @@ def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, An
         "plan": plan(scene, reduced.family),
         "interfaces": [i.model_dump(include={"name", "high", "low"}) for i in scene.interfaces],
         "frequencies": scene.frequencies.tolist(),
+        "taken": None if scene.taken is None else scene.taken.tolist(),
         "press": {"low": presses.low, "high": presses.high}
         | scene.press.model_dump(include={"capacitance_factor", "factor_spread"}),
         "foam": {

@@ -149,13 +149,6 @@ class Scene(Table):
         """Which interface is read at which frequency, see `contacts.taken`."""
         return taken(self.interfaces, self.frequencies)
 
-    def require_shared_frequencies(self, what: str) -> None:
-        """Raises InputError where interfaces have frequencies of their own, naming what it is."""
-        if self.taken is not None:
-            raise InputError(
-                f"{self.name}: {what} takes no interfaces with `frequencies` of their own"
-            )
-
     @property
     def beyond_plain(self) -> str | None:
         """The first key by which it is more than uniform sheets and foam on a rectangle at rest.

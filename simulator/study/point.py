@@ -99,7 +99,8 @@ def judge(
     """
     nominal = trial.nominal(scene)
     labels: list[Label] = [label_of(press.pixel, trial.target) for press in nominal]
-    readings = in_units_of_error(impedances(scene, nominal, curves), scene.readout)
+    Z = impedances(scene, nominal, curves)
+    readings = in_units_of_error(Z, scene.readout, scene.taken)
     return Findings(
         tuple(
             cross_validate(
@@ -135,6 +136,7 @@ def _measured(scene: Scene, trial: Trial, draw: int, curves: Mapping[Pixel, Curv
         press=[str(press) for press in presses],
         row=rows,
         column=columns,
+        taken=scene.taken,
     )
     return read_out(
         exact, scene.readout, np.random.default_rng([scene.experiment.seed, METER, draw])

@@ -49,14 +49,19 @@ def label_of(pixel: Pixel, target: str) -> Label:
     return {"column": (column,), "row": (row,), "pixel": (row, column)}[target]
 
 
-def in_units_of_error(Z: NDArray[np.complex128], readout: Readout) -> NDArray[np.float64]:
+def in_units_of_error(
+    Z: NDArray[np.complex128], readout: Readout, taken: NDArray[np.bool_] | None = None
+) -> NDArray[np.float64]:
     """ln |Z| and phase over the meter's noise, shape (press, frequency, 2 * interface).
 
-    Z: ohm, shape (press, interface, frequency). Raises InputError where a noise is zero.
+    Z: ohm, shape (press, interface, frequency). taken: which interface is read at which frequency,
+    all at all for None; where one is not, 0 stands for every press. Raises InputError where a noise
+    is zero.
     """
     for name in ("magnitude_noise", "phase_noise"):
         if not getattr(readout, name) > 0:
             raise InputError(f"`readout.{name}` must be > 0 for a study, got 0")
+    Z = Z if taken is None else np.where(taken, Z, 1.0)
     readings = [np.log(np.abs(Z)) / readout.magnitude_noise, np.angle(Z) / readout.phase_noise]
     return np.moveaxis(np.concatenate(readings, axis=1), 1, 2)
 

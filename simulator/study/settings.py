@@ -24,6 +24,7 @@ def changed(
         new["experiment"]["seed"] = seed
     if max_frequency is not None:
         new["sweep"]["frequencies"] = _up_to(max_frequency, new["sweep"]["frequencies"])
+        new["interface"] = _read_up_to(max_frequency, new["interface"])
     with_values(new, {find_key("experiment.seed", new): new["experiment"]["seed"]})
     return new
 
@@ -37,6 +38,20 @@ def checked_workers(count: int | None) -> int:
     if not 1 <= count <= MOST_WORKERS:
         raise InputError(f"--workers must be from 1 to {MOST_WORKERS}, got {count}")
     return count
+
+
+def _read_up_to(limit: float, interfaces: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Interfaces without the frequencies of their own above a limit."""
+    kept = []
+    for each in interfaces:
+        own = [f for f in each.get("frequencies", ()) if f <= limit]
+        if "frequencies" in each and not own:
+            raise InputError(
+                f"--max-frequency {limit:g} Hz is below all `frequencies` of interface "
+                f"{each['name']}"
+            )
+        kept.append({**each, "frequencies": own} if own else each)
+    return kept
 
 
 def _up_to(limit: float, frequencies: Any) -> Any:

@@ -32,6 +32,7 @@ COUNTED_BY_THE_LAW: dict[str, Any] = {
     },
     "contacts": {"__all__": {"resistance"}},
 }
+READ_AT: dict[str, Any] = {"interfaces": {"__all__": {"frequencies"}}}
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class Skin:
     """What the impedance of a scene depends on, apart from the press and the frequencies."""
 
     def __init__(self, scene: Scene) -> None:
-        excluded: Any = {**COUNTED_BY_THE_LAW, **dict.fromkeys(NOT_OF_THE_SKIN, True)}
+        excluded: Any = {**COUNTED_BY_THE_LAW, **READ_AT, **dict.fromkeys(NOT_OF_THE_SKIN, True)}
         self._shape = scene.model_dump(exclude=excluded)
         self._shape |= {"spread": None if scene.press.plain else scene.skin.foam.thickness}
         self._resistances = _resistances(circuit_of(scene))

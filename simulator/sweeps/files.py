@@ -17,7 +17,7 @@ from .file_kinds import check_file_kind
 from .formats.csv import read_csv, write_csv, write_rows
 from .formats.netcdf import write_table
 from .needs import check_needs
-from .schema import QUANTITIES, TAKEN, check
+from .schema import QUANTITIES, check
 from .table import DIMENSIONS, Table
 
 if TYPE_CHECKING:
@@ -32,8 +32,6 @@ def write(sweeps: xr.Dataset | Table, path: str | Path) -> None:
     Raises InputError where the ending is not one of ENDINGS or the folder does not exist.
     """
     path = checked_output(path)
-    if path.suffix == ".csv" and TAKEN in sweeps.variables:
-        raise InputError(f"{path}: interfaces with `frequencies` of their own need .nc or .zarr")
     with whole_file(path) as unfinished:
         if isinstance(sweeps, Table) and path.suffix in OF_TABLES:
             OF_TABLES[path.suffix](sweeps, unfinished)
@@ -53,10 +51,9 @@ def counted(sizes: Mapping[Any, int]) -> str:
     return " x ".join(told)
 
 
-def read(path: str | Path, *, own_frequencies: bool = False) -> xr.Dataset:
+def read(path: str | Path) -> xr.Dataset:
     """Sweeps from a file written by `write`, or from any CSV with named columns (see `read_csv`).
 
-    own_frequencies: whether interfaces may have been read at frequencies of their own (see TAKEN).
     Raises InputError naming the file where it is absent, of another kind, or breaks the schema.
     """
     path = Path(path)
@@ -68,23 +65,12 @@ def read(path: str | Path, *, own_frequencies: bool = False) -> xr.Dataset:
     if not path.exists():
         raise InputError(f"{path}: no such file")
     try:
-        found = check(readers[path.suffix](path))
+        return check(readers[path.suffix](path))
     except OSError as error:
         raise InputError(f"{path}: cannot be read as {path.suffix}: {error}") from error
     except InputError as error:
         named = str(error) if str(error).startswith(str(path)) else f"{path}: {error}"
         raise InputError(named) from error
-    return found if own_frequencies else all_taken(found, path)
-
-
-def all_taken(sweeps: xr.Dataset, path: Path) -> xr.Dataset:
-    """The same sweeps. Raises InputError where interfaces have frequencies of their own."""
-    if TAKEN in sweeps.variables:
-        raise InputError(
-            f"{path}: its interfaces have `frequencies` of their own, which only dataset, train, "
-            "evaluate, localize, live, plot and check take"
-        )
-    return sweeps
 
 
 def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:

@@ -13,8 +13,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .file_kinds import check_file_kind
-from .importing.branch import checked_branch, chosen, told
+from .importing.branch import checked_branch, chosen_at_each, told
 from .importing.dialect import read_table
 from .importing.grouping import Defaults, grouped, places
 from .importing.readings import impedance_readings
@@ -45,10 +47,10 @@ def import_file(
     table = read_table(path)
     readings = impedance_readings(table)
     sweeps = grouped(table, readings.frequency, defaults)
-    interfaces, frequency, where = places(table, sweeps)
-    Z, rule = readings.Z[where], {}
+    interfaces, frequency, taken, where = places(table, sweeps)
+    Z, rule = np.where(taken, readings.Z[where], np.nan), {}
     if readings.pair == ("Rs", "Cp"):
-        found = chosen(Z, frequency, checked_branch(branch))
+        found = chosen_at_each(Z, frequency, checked_branch(branch), taken)
         Z, rule = found.Z, told(found, branch, frequency, interfaces)
     return build(
         Z,
@@ -59,6 +61,7 @@ def import_file(
         column=[sweep.column for sweep in sweeps],
         session=[sweep.session for sweep in sweeps],
         Cp=readings.Cp[where],
+        taken=None if taken.all() else taken,
         attributes={
             "source": Path(path).name,
             "quantities": " and ".join(readings.pair),

@@ -13,7 +13,7 @@ from .errors import InputError
 from .files import read
 from .importing.grouping import SAME_FREQUENCY
 from .same_skin import difference
-from .schema import SESSIONS, TIME, concatenate, session_names
+from .schema import SESSIONS, TIME, concatenate, session_names, taken_alike
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,9 +25,9 @@ FLAGGED = "flagged"
 """Attribute of readings that were not normal: JSON, the number of the sweep first."""
 
 
-def read_joined(paths: Sequence[Source], *, own_frequencies: bool = False) -> xr.Dataset:
+def read_joined(paths: Sequence[Source]) -> xr.Dataset:
     """The sweeps of one file, or of several joined. Raises InputError as `read` and `join`."""
-    return join([read(path, own_frequencies=own_frequencies) for path in paths], paths)
+    return join([read(path) for path in paths], paths)
 
 
 def join(parts: Sequence[xr.Dataset], sources: Sequence[Source]) -> xr.Dataset:
@@ -68,6 +68,11 @@ def aligned(part: xr.Dataset, path: Source, first: xr.Dataset, other: Source) ->
     if f.size != g.size or not np.allclose(f, g, rtol=SAME_FREQUENCY, atol=0):
         raise InputError(f"{path}: {_spanned(f)} are not the frequencies of {other}: {_spanned(g)}")
     ordered = part.isel(interface=[ours.index(name) for name in theirs])
+    if not taken_alike(ordered, first):
+        raise InputError(
+            f"{path}: its interfaces were read at other `frequencies` of their own than those of "
+            f"{other}"
+        )
     return ordered.assign_coords(frequency=first["frequency"])
 
 

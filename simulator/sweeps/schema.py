@@ -235,12 +235,14 @@ def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
         for name in ("interface", "frequency"):
             if not np.array_equal(part[name].values, first[name].values):
                 raise InputError(f"sweeps of different `{name}` cannot be joined")
-        if not _taken_alike(part, first):
+        if not taken_alike(part, first):
             raise InputError("sweeps of different `frequencies` of interfaces cannot be joined")
-    return xr.concat(parts, dim="sweep", combine_attrs="override", join="exact")
+    told = [part.set_coords(TAKEN) if TAKEN in part.variables else part for part in parts]
+    return xr.concat(told, dim="sweep", combine_attrs="override", join="exact")
 
 
-def _taken_alike(one: xr.Dataset, other: xr.Dataset) -> bool:
+def taken_alike(one: xr.Dataset, other: xr.Dataset) -> bool:
+    """Whether the interfaces of both were read at the same of as many frequencies."""
     first, second = taken_of(one), taken_of(other)
     if first is None or second is None:
         return first is second
@@ -264,5 +266,13 @@ def side_by_side(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     if len(set(names)) < len(names):
         raise InputError(f"`interface` names must be distinct, got {', '.join(names)}")
     bare = [part.drop_vars(TIME, errors="ignore") for part in parts]
+    if any(TAKEN in part.variables for part in parts):
+        bare = [part if TAKEN in part.variables else _all_taken(part) for part in bare]
     whole = xr.concat(bare, dim="interface", combine_attrs="override", join="exact")
     return whole.assign_coords({TIME: first[TIME]}) if TIME in first.variables else whole
+
+
+def _all_taken(sweeps: xr.Dataset) -> xr.Dataset:
+    """The same, and told that all interfaces were read at all frequencies."""
+    whole = np.ones((sweeps.sizes["interface"], sweeps.sizes["frequency"]), dtype=np.int8)
+    return sweeps.assign_coords({TAKEN: (DIMENSIONS[1:], whole)})

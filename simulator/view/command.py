@@ -12,7 +12,6 @@ from ..asked.options import SceneName
 
 if TYPE_CHECKING:
     from ..progress import Tell
-    from ..scene.scene import Scene
     from .scenery import Stage
 
 
@@ -27,7 +26,7 @@ def view(
     ] = "none",
     frequency: Annotated[
         list[float] | None,
-        typer.Option(help="Hz; may be repeated. Without it one of the scene's, or all."),
+        typer.Option(help="Hz; may be repeated. Without it one of the interface's, or all."),
     ] = None,
     interface: Annotated[
         str | None, typer.Option(help="One of the scene's; without it the first.")
@@ -133,13 +132,14 @@ def _stage(
     from ..asked.telling import warn
     from ..models.fields import fields
     from ..press.press import press_on
+    from ..scene.reading import frequencies_at
     from ..scene.scene import checked_interface
     from .scenery import Stage
 
     scene = asked_scene(name)
     pressed = press_on(scene, press)
     chosen = checked_interface(interface, scene)
-    frequencies = _frequencies(frequency, scene, every)
+    frequencies = _frequencies(frequency, frequencies_at(scene, chosen).tolist(), every)
     for one_terminal in scene.driven_by_touch:
         if one_terminal.interface == chosen:
             warn(f"{name}: {one_terminal}")
@@ -148,14 +148,13 @@ def _stage(
     return Stage(scene, pressed, wiring, found)
 
 
-def _frequencies(asked: list[float] | None, scene: Scene, every: bool) -> list[float]:
-    """Hz, ascending: those asked for, else all of the scene's or the one in their middle."""
+def _frequencies(asked: list[float] | None, known: list[float], every: bool) -> list[float]:
+    """Hz, ascending: those asked for, else all that are known or the one in their middle."""
     from ..sweeps import InputError
 
     for frequency in asked or []:
         if not (math.isfinite(frequency) and frequency > 0):
             raise InputError(f"--frequency must be finite and > 0 Hz, got {frequency:g}")
-    known = scene.frequencies.tolist()
     if asked or every:
         return sorted(set(asked or known))
     middle = math.sqrt(known[0] * known[-1])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....simulator.sweeps.restricting import all_of
 from ...evaluation.belief import draw_reliability, draw_risk
 from ..distance import QUANTITIES
 from ..given import Style
@@ -59,11 +60,12 @@ def _draw_distance(
     axes: Axes, findings: Findings, found: Mapping[str, Distance], unit: str, style: Style
 ) -> None:
     other = findings.trial.pair.other
+    read = all_of(other)
     for stage, distance in found.items():
         for index, interface in enumerate(other["interface"].values):
             axes.plot(
-                other["frequency"].values / 1e3,
-                getattr(distance, unit)[index],
+                other["frequency"].values[read[index]] / 1e3,
+                getattr(distance, unit)[index, read[index]],
                 STAGE_STYLE[stage],
                 marker=".",
                 color=style.colours[index % len(style.colours)],

@@ -14,6 +14,8 @@ from ..distance import QUANTITIES, Distance
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from numpy.typing import NDArray
+
     from ...evaluation.confusion import Confusion
     from ..accuracy import Accuracy, CrossValidated
     from ..findings import Findings, Stage
@@ -31,7 +33,7 @@ KEYS = {
     "side minus simulation: simulated (mean over the pixels), mean, rms (over the pixels), "
     "meter_error (of one reading) and separation (root mean square distance of neighbouring "
     "classes' means) in ohm for Rs and F for Cp; percent of the simulated; in_meter_errors; "
-    "in_separations (null where classes do not differ)",
+    "in_separations (null where classes do not differ); all null where an interface was not read",
     "accuracy.transfer": "stage -> features -> k: trained on simulation and on k sweeps of every "
     "pixel of the other side, those that calibrated first, and tested on its other sweeps; mean "
     "and spread (standard deviation over the draws) are fractions of 1; tested counts all draws",
@@ -128,14 +130,17 @@ def _distance(stage: Stage) -> dict[str, Any]:
 
 def _tables(quantity: str, distance: Distance) -> dict[str, Any]:
     names = ("simulated", "mean", "rms", "separation", "percent")
-    found = {name: getattr(distance, name).tolist() for name in names}
+    found: dict[str, Any] = {name: _known(getattr(distance, name)) for name in names}
     found["unit"] = QUANTITIES[quantity]
     if distance.meter_error is not None and distance.meter_errors is not None:
-        found["meter_error"] = distance.meter_error.tolist()
-        found["in_meter_errors"] = distance.meter_errors.tolist()
-    separations = distance.separations.tolist()
-    known = [[each if math.isfinite(each) else None for each in line] for line in separations]
-    return found | {"in_separations": known}
+        found["meter_error"] = _known(distance.meter_error)
+        found["in_meter_errors"] = _known(distance.meter_errors)
+    return found | {"in_separations": _known(distance.separations)}
+
+
+def _known(table: NDArray[np.float64]) -> list[list[float | None]]:
+    """None where a number is not known, or nothing was read."""
+    return [[each if math.isfinite(each) else None for each in line] for line in table.tolist()]
 
 
 def _transfer(stage: Stage) -> dict[str, Any]:

@@ -132,7 +132,8 @@ def _largest(findings: Findings, stage: str) -> str:
 
 
 def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
+    """Of what was read."""
+    return float(np.sqrt(np.nanmean(np.square(values))))
 
 
 def _percent(accuracy: Accuracy) -> str:

@@ -18,8 +18,8 @@ import numpy as np
 
 from ..errors import InputError
 from ..impedance import branch_reactance
-from ..importing.branch import chosen, told
-from ..schema import SESSIONS, TIME, build
+from ..importing.branch import chosen_at_each, told
+from ..schema import SESSIONS, TAKEN, TIME, build
 from ..table import Table, table_of
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ QUANTITIES = ["Rs_ohm", "X_ohm", "Cp_F"]
 SECONDS = "time_s"
 LABELS = ("press", "row", "column", "session")
 HEADER = ["sweep", *LABELS, SECONDS, "interface", "frequency_Hz", *QUANTITIES]
-TOLD = ("Rs", "X", "Cp", *LABELS, TIME, "interface", "frequency")
+TOLD = ("Rs", "X", "Cp", *LABELS, TIME, "interface", "frequency", TAKEN)
 UNLABELLED = {
     "sweep": "0",
     "press": "unknown",
@@ -43,7 +43,7 @@ NO_SESSIONS = "the file has no column `session`: all its sweeps are taken for on
 
 
 def write_csv(sweeps: xr.Dataset, path: Path) -> None:
-    """Write sweeps in long form; the numbers read back to the same bits."""
+    """Write sweeps in long form, a line for each reading; they read back to the same bits."""
     append_csv(sweeps, path, first=0)
 
 
@@ -57,17 +57,16 @@ def append_csv(sweeps: xr.Dataset, path: Path, first: int) -> None:
 
 def write_rows(sweeps: Table, path: Path, first: int = 0) -> None:
     """As `append_csv`."""
-    sweep, interface, frequency = (
-        axis.ravel() for axis in np.indices(tuple(sweeps.sizes.values()))
-    )
-    axes = sweeps.coordinates
+    axes, shape = sweeps.coordinates, tuple(sweeps.sizes.values())
+    taken = axes[TAKEN].values.astype(bool) if TAKEN in axes else np.ones(shape[1:], dtype=bool)
+    read = sweep, interface, frequency = np.nonzero(np.broadcast_to(taken, shape))
     table = {
         "sweep": first + sweep,
         **{name: axes[name].values[sweep] for name in LABELS},
         **({SECONDS: axes[TIME].values[sweep]} if TIME in axes else {}),
         "interface": axes["interface"].values[interface],
         "frequency_Hz": axes["frequency"].values[frequency],
-        **{name: sweeps.quantities[name.split("_")[0]].values.ravel() for name in QUANTITIES},
+        **{name: sweeps.quantities[name.split("_")[0]].values[read] for name in QUANTITIES},
     }
     columns = [name for name in HEADER if name in table]
     with path.open("w" if first == 0 else "a", encoding="utf-8", newline="") as file:
@@ -88,7 +87,7 @@ def read_csv(path: Path) -> xr.Dataset:
     numbers or names; where their column is absent, the attribute `session_rule` says what follows.
 
     Raises InputError naming the file, and the line and column where there is one: an absent column,
-    a cell that is not a number, a sweep with other frequencies than the first.
+    a cell that is not a number, a sweep with other readings than the first.
     """
     comments = _comments(path)
     text, attributes = _text(path, len(comments)), _attributes(comments)
@@ -97,14 +96,12 @@ def read_csv(path: Path) -> xr.Dataset:
         text = text.assign(session="0")
     text, names = _sessions(text)
     table = _numbers(path, text).sort_values(["sweep", "interface", "frequency_Hz"], kind="stable")
-    sweeps = table["sweep"].unique()
     interfaces = list(table["interface"].unique())
-    shape = (len(sweeps), len(interfaces), -1)
-    frequency = _common_frequencies(path, table, len(sweeps) * len(interfaces))
-    columns = {name: table[name].to_numpy().reshape(shape) for name in QUANTITIES if name in table}
+    frequency = np.unique(table["frequency_Hz"])
+    taken, columns = _readings(path, table, frequency)
     if "X_ohm" not in columns:
         X = branch_reactance(columns["Rs_ohm"], columns["Cp_F"], frequency)
-        found = chosen(columns["Rs_ohm"] + 1j * X, frequency, "followed")
+        found = chosen_at_each(columns["Rs_ohm"] + 1j * X, frequency, "followed", taken)
         columns["X_ohm"] = found.Z.imag
         attributes |= told(found, "followed", frequency, interfaces)
     labels = table.drop_duplicates("sweep")
@@ -118,6 +115,7 @@ def read_csv(path: Path) -> xr.Dataset:
         session=list(labels["session"].astype(int)),
         time=list(labels[SECONDS]) if SECONDS in labels else None,
         Cp=columns.get("Cp_F"),
+        taken=None if taken.all() else taken,
         attributes={**attributes, **names},
     )
 
@@ -222,13 +220,28 @@ def _float(text: str) -> float:
         return np.nan
 
 
-def _common_frequencies(path: Path, table: pd.DataFrame, spectra: int) -> np.ndarray:
-    frequency = table["frequency_Hz"].to_numpy()
-    points = frequency.size // spectra
-    first = frequency[:points]
-    sizes = table.groupby(["sweep", "interface"], observed=True).size()
-    if len(sizes) != spectra or not np.array_equal(frequency, np.tile(first, spectra)):
+def _readings(
+    path: Path, table: pd.DataFrame, frequency: np.ndarray
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Which interface was read at which frequency, the same in all sweeps, and the quantities.
+
+    Shapes (interface, frequency) and (sweep, interface, frequency); NaN where nothing was read.
+    """
+    number, sweeps = table["sweep"].factorize()
+    shape = len(sweeps), len(table["interface"].unique()), frequency.size
+    where = (
+        number,
+        table["interface"].cat.codes.to_numpy(),
+        np.searchsorted(frequency, table["frequency_Hz"]),
+    )
+    counts = np.zeros(shape, dtype=np.int64)
+    np.add.at(counts, where, 1)
+    if counts.max() > 1 or (counts != counts[0]).any():
         raise InputError(
-            f"{path}: every sweep needs every interface, each at the same frequencies once"
+            f"{path}: every sweep needs the same readings once: every interface at the frequencies "
+            "that it has in the others"
         )
-    return first
+    columns = {name: np.full(shape, np.nan) for name in QUANTITIES if name in table}
+    for name, values in columns.items():
+        values[where] = table[name]
+    return counts[0] > 0, columns

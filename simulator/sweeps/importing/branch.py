@@ -46,6 +46,23 @@ def checked_branch(branch: str) -> str:
     return branch
 
 
+def chosen_at_each(
+    Z: NDArray[np.complexfloating],
+    frequency: NDArray[np.float64],
+    branch: str,
+    taken: NDArray[np.bool_],
+) -> Chosen:
+    """As `chosen`, of every interface at what it was read at; NaN at what it was not.
+
+    Z: shape (sweep, interface, frequency). taken: shape (interface, frequency).
+    """
+    found = Chosen(np.full(Z.shape, np.nan, dtype=np.complex128), np.zeros(Z.shape, dtype=np.bool_))
+    for interface, read in enumerate(taken):
+        own = chosen(Z[:, interface, read], frequency[read], branch)
+        found.Z[:, interface, read], found.doubtful[:, interface, read] = own.Z, own.doubtful
+    return found
+
+
 def chosen(Z: NDArray[np.complexfloating], frequency: NDArray[np.float64], branch: str) -> Chosen:
     """Impedance on a branch of RULES.
 
@@ -116,8 +133,9 @@ def _doubts(found: Chosen, frequency: NDArray[np.float64], interfaces: Sequence[
         for (place, first), sweeps in sorted(groups.items())
     ]
     further = [f"{len(listed) - MOST_LISTED} groups more"] if len(listed) > MOST_LISTED else []
+    read = np.isfinite(found.Z).sum()
     return (
-        f"{found.doubtful.sum()} of {found.doubtful.size} readings may be on the wrong branch, "
+        f"{found.doubtful.sum()} of {read} readings may be on the wrong branch, "
         f"beyond a phase near -45 degrees: {'; '.join([*listed[:MOST_LISTED], *further])}"
     )
 

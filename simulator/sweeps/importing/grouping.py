@@ -73,19 +73,25 @@ def grouped(table: Table, frequency: NDArray[np.float64], defaults: Defaults) ->
 
 def places(
     table: Table, sweeps: list[Sweep]
-) -> tuple[list[str], NDArray[np.float64], NDArray[np.intp]]:
-    """Interfaces, frequencies in Hz ascending, and places in the table of every reading.
+) -> tuple[list[str], NDArray[np.float64], NDArray[np.bool_], NDArray[np.intp]]:
+    """Interfaces, frequencies in Hz ascending, which interface was read at which of them, shape
+    (interface, frequency), and places in the table of every reading.
 
-    The places have the shape (sweep, interface, frequency).
+    The places have the shape (sweep, interface, frequency), and are 0 where nothing was read.
     Raises InputError naming the file and the line of the first sweep with other readings.
     """
     first = sweeps[0]
     interfaces = list(dict.fromkeys(name for name, _ in first.lines))
     frequency = np.array(sorted({f for _, f in first.lines}))
-    wanted = [(name, f) for name in interfaces for f in frequency.tolist()]
-    shape = (len(interfaces), frequency.size)
-    found = [_matching(table, first, each, wanted).reshape(shape) for each in sweeps]
-    return interfaces, frequency, np.array(found)
+    taken = np.array([[(name, f) in first.lines for f in frequency] for name in interfaces])
+    wanted = [
+        (name, f)
+        for name, read in zip(interfaces, taken, strict=True)
+        for f in frequency[read].tolist()
+    ]
+    found = np.zeros((len(sweeps), *taken.shape), dtype=np.intp)
+    found[:, taken] = [_matching(table, first, each, wanted) for each in sweeps]
+    return interfaces, frequency, taken, found
 
 
 def _matching(
@@ -100,9 +106,7 @@ def _matching(
     if same:
         return np.array([sweep.lines[reading] for reading in having])
     told = f"has {len(having)} readings, not the same {len(wanted)} interfaces and frequencies"
-    whose = "that its first frequency and interface ask for"
-    if sweep is not first:
-        whose = f"as the sweep from line {first.line} on"
+    whose = f"as the sweep from line {first.line} on"
     raise table.error(sweep.line, f"the sweep from here on {told} {whose}")
 
 

@@ -43,7 +43,7 @@ def recorded(command, ports, order, tmp_path):
         if result.exception:
             raise result.exception
         recorded.output = result.output
-        return read(tmp_path / "a.nc", own_frequencies=True)
+        return read(tmp_path / "a.nc")
 
     return recorded
 

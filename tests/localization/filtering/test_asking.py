@@ -60,6 +60,7 @@ def model_of(step, learned, target, knows_rest=True):
         frequencies=FREQUENCIES,
         classes=tuple(step.classes_.tolist()) if target != "position" else (),
         knows_rest=knows_rest,
+        problem=SimpleNamespace(taken=()),
         scene=SCENE,
         gate=None,
     )

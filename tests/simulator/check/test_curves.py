@@ -162,7 +162,7 @@ def test_interfaces_with_frequencies_of_their_own_are_drawn_at_these(
 ):
     code, out, err = run("plot", own_frequencies, "-o", tmp_path / output)
     assert (code, err) == (0, "") and "3 sweeps x 2 interfaces" in out
-    sweeps = read(own_frequencies, own_frequencies=True)
+    sweeps = read(own_frequencies)
     first, second = (str(name) for name in sweeps["interface"].values)
     for name, count in ((first, 3), (second, 2)):
         for shown in QUANTITIES.values():

@@ -1,20 +1,30 @@
 """Interfaces that are read at frequencies of their own, from the scene to bounds and data sets."""
 
 import numpy as np
+import pandas as pd
 import pytest
-from rcskin.simulator.asked.scene import asked_scene
 from rcskin.simulator.bounds.common import CommonDraws
 from rcskin.simulator.bounds.readings import RTOL
 from rcskin.simulator.limits import bayes_accuracy, position_bound
 from rcskin.simulator.measure.readout import ErrorModel, read_out
-from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.measure.simulate import resimulated, simulate
+from rcskin.simulator.measure.symmetry import repeated
 from rcskin.simulator.models.network.terminals import reduced_for
 from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.files import load_scene, parse_scene, scene_text
 from rcskin.simulator.scene.meter import Readout
+from rcskin.simulator.scene.reading import (
+    frequencies_at,
+    frequencies_of_each,
+    reading_at,
+    through,
+)
 from rcskin.simulator.sweeps import InputError, check, concatenate, impedance, read, write
+from rcskin.simulator.sweeps.imports import import_file
+from rcskin.simulator.sweeps.joining import join
+from rcskin.simulator.sweeps.restricting import restricted
 
 FREQUENCIES = [1e3, 1e4, 1e5]
 READOUT = {"magnitude_accuracy": 0.02, "magnitude_noise": 0.02, "phase_noise": 0.02}
@@ -76,13 +86,74 @@ def test_sweeps_hold_what_is_read_and_nothing_else(shared, own, tmp_path):
         assert np.isnan(found[name].values[:, ~TAKEN]).all()
     assert "taken" not in whole.variables
     write(found, tmp_path / "own.nc")
-    assert check(read(tmp_path / "own.nc", own_frequencies=True)).identical(found)
-    with pytest.raises(InputError, match=r"own.nc: its interfaces have `frequencies` of their own"):
-        read(tmp_path / "own.nc")
-    with pytest.raises(InputError, match=r"own.csv: .* need .nc or .zarr"):
-        write(found, tmp_path / "own.csv")
+    assert check(read(tmp_path / "own.nc")).identical(found)
+    write(found, tmp_path / "own.csv")
+    again = read(tmp_path / "own.csv")
+    assert again.equals(found.drop_vars(["Rs_error", "Cp_error"])) and again.attrs == found.attrs
+    lines = [line for line in (tmp_path / "own.csv").read_text().splitlines() if line[0] != "#"]
+    assert len(lines) == 1 + 2 * TAKEN.sum() and not any("nan" in line for line in lines)
+    bare = tmp_path / "bare.csv"
+    bare.write_text("\n".join(lines))
+    assert import_file(bare)["Rs"].equals(again["Rs"])
     with pytest.raises(InputError, match="cannot be joined"):
         concatenate([found, whole])
+
+
+def test_cp_alone_is_followed_at_what_each_interface_was_read_at(own, tmp_path):
+    found = simulate(Solver(own, 1e-3), every_press(own)[:2])
+    write(found, tmp_path / "own.csv")
+    table = pd.read_csv(tmp_path / "own.csv", comment="#").drop(columns="X_ohm")
+    table.to_csv(tmp_path / "Cp.csv", index=False)
+    for again in (read(tmp_path / "Cp.csv"), import_file(tmp_path / "Cp.csv")):
+        np.testing.assert_array_equal(again["taken"].values, TAKEN)
+        np.testing.assert_allclose(again["X"].values, found["X"].values, rtol=1e-9)
+
+
+def test_recordings_are_joined_where_they_were_read_alike(own, shared):
+    part, whole = (simulate(Solver(scene, 1e-3), every_press(scene)[:2]) for scene in (own, shared))
+    both = join([part, part.isel(interface=[1, 0])], ["one.nc", "other.nc"])
+    np.testing.assert_array_equal(both["taken"].values, TAKEN)
+    assert np.isfinite(both["Rs"].values[:, TAKEN]).all() and both.sizes["sweep"] == 4
+    with pytest.raises(
+        InputError, match=r"two.nc: its interfaces were read at other `frequencies`"
+    ):
+        join([whole, part], ["one.nc", "two.nc"])
+
+
+def test_fewer_readings_are_those_of_a_scene_of_fewer(own, shared):
+    part, whole = (simulate(Solver(scene, 1e-3), every_press(scene)[:2]) for scene in (own, shared))
+    for name in ("Rs", "X", "Cp", "Rs_error", "taken"):
+        assert restricted(whole, TAKEN)[name].equals(part[name])
+    only = restricted(part, np.array([[True, True, False], [False, False, False]]))
+    assert only["interface"].values.tolist() == ["left"] and "taken" not in only.variables
+    assert only["frequency"].values.tolist() == FREQUENCIES[:2]
+
+
+def test_a_scene_is_read_otherwise_by_its_interfaces(own, shared):
+    assert frequencies_at(own, "bottom").tolist() == [1e4, 1e5]
+    assert frequencies_of_each(shared) == {}
+    left = through(own, ["left"])
+    assert left.taken is None and left.frequencies.tolist() == [1e3, 1e4]
+    assert reading_at(own, FREQUENCIES) == shared
+    assert reading_at(shared, FREQUENCIES, TAKEN).taken.tolist() == TAKEN.tolist()
+    assert through(own, ["left", "bottom"]).taken.tolist() == TAKEN.tolist()
+
+
+def test_presses_are_simulated_anew_at_what_was_read(own, shared):
+    part, whole = (simulate(Solver(scene, 1e-3), every_press(scene)[:2]) for scene in (own, shared))
+    again = resimulated(part, scene_text(own), own.frequencies)
+    np.testing.assert_allclose(again["Rs"].values, part["Rs"].values, rtol=1e-3)
+    elsewhere = resimulated(part, scene_text(own), own.frequencies[:2])
+    np.testing.assert_allclose(elsewhere["Rs"], whole["Rs"][:, :, :2], rtol=1e-3)
+
+
+def test_an_interface_that_shows_the_same_is_no_repeat_at_other_frequencies(shared):
+    both = shared.with_({"interface.2.high": ["top-left"], "interface.2.low": ["bottom-left"]})
+    assert repeated(both) == [("bottom", "left")]
+    less = both.with_({"interface.2.frequencies": [1e4]})
+    assert repeated(less) == [("bottom", "left")]
+    other = both.with_({"interface.1.frequencies": [1e3, 1e4], "interface.2.frequencies": [1e5]})
+    assert repeated(other) == []
 
 
 def test_readings_that_were_not_taken_must_not_be_there(own):
@@ -129,11 +200,3 @@ def test_places_are_told_as_by_a_scene_of_what_is_read(shared):
     assert (second.x <= first.x * (1 + 1e-9)).all()
     whole = position_bound(shared, against_rest=3, most=2)
     assert (whole.x < second.x).all()
-
-
-def test_a_command_that_cannot_take_them_says_so(own, tmp_path):
-    path = tmp_path / "own.toml"
-    path.write_text(scene_text(own), encoding="utf-8")
-    assert asked_scene(str(path), own_frequencies=True) == own
-    with pytest.raises(InputError, match="takes no interfaces with `frequencies` of their own"):
-        asked_scene(str(path))

@@ -123,17 +123,21 @@ def test_a_byte_order_mark_is_no_part_of_the_header(csv):
         (lines_of("1e3,1,-1", "2e3,1,-1,7"), "line 3"),
         (lines_of("1e3,1,-1,7"), "not a CSV of sweeps"),
         (lines_of("0,1,-1"), "`frequency` must be finite and > 0 Hz"),
-        (lines_of("1e3,1,-1", "1e3,2,-1"), "`frequency` must be ascending, without repeats"),
+        (lines_of("1e3,1,-1", "1e3,2,-1"), "every sweep needs the same readings once"),
         (lines_of("1e3,1,1", header="frequency_Hz,Rs_ohm,Cp_F"), "no capacitive reactance"),
         (
             lines_of("0,1,1,-1", "1,2,1,-1", header="sweep,frequency_Hz,Rs_ohm,X_ohm"),
-            "every sweep needs every interface, each at the same frequencies once",
+            "every sweep needs the same readings once: every interface at the frequencies",
         ),
         (
             lines_of(
-                "a,1,1,-1", "b,1,1,-1", "b,2,1,-1", header="interface,frequency_Hz,Rs_ohm,X_ohm"
+                "0,a,1,1,-1",
+                "0,b,2,1,-1",
+                "1,a,1,1,-1",
+                "1,b,1,1,-1",
+                header="sweep,interface,frequency_Hz,Rs_ohm,X_ohm",
             ),
-            "every sweep needs every interface, each at the same frequencies once",
+            "every sweep needs the same readings once: every interface at the frequencies",
         ),
     ],
 )

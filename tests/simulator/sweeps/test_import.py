@@ -167,7 +167,10 @@ def test_defaults_hold_where_the_file_has_no_such_column(table):
             "line 4: the sweep from here on has 2 readings, not the same 2",
         ),
         (["f,R,X", "1,1,-1", "2,1,-1", "1,1,-1"], "line 4: the sweep from here on has 1 readings"),
-        (["interface,f,R,X", "a,1,1,-1", "b,2,1,-1"], "line 2: the sweep from here on has 2"),
+        (
+            ["sweep,interface,f,R,X", "1,a,1,1,-1", "1,b,2,1,-1", "2,a,1,1,-1", "2,b,1,1,-1"],
+            "line 4: the sweep from here on has 2 readings, not the same 2 interfaces",
+        ),
     ],
 )
 def test_what_cannot_be_read_is_told_with_its_place(tmp_path, lines, told):

@@ -1,6 +1,7 @@
 // Sliders, boxes and what stands beside them: they show the state, and change it.
 
 import { withPrefix } from "rcskin/charts";
+import { readAt } from "rcskin/skin";
 import { near } from "rcskin/state";
 
 /** @typedef {import("rcskin/state").State} State */
@@ -114,7 +115,7 @@ export class Controls {
       element(id).hidden = interfaces.length === 1;
   }
 
-  /** A box to be ticked for every frequency, or interface; the last one stays. @param {string} id @param {"frequencies" | "drives"} name @param {string[]} labels */
+  /** A box to be ticked for every frequency, or interface; the last that is read stays. @param {string} id @param {"frequencies" | "drives"} name @param {string[]} labels */
   #boxes(id, name, labels) {
     for (const [k, text] of labels.entries()) {
       const label = document.createElement("label");
@@ -124,8 +125,10 @@ export class Controls {
       box.addEventListener("change", () => {
         const others = this.state()[name].filter((each) => each !== k);
         const chosen = box.checked ? [...others, k].sort((a, b) => a - b) : others;
-        box.checked ||= !chosen.length;
-        if (chosen.length) this.set({ [name]: chosen }, true);
+        const { drives, frequencies } = { ...this.state(), [name]: chosen };
+        const read = drives.some((drive) => readAt(this.data, drive, frequencies).length);
+        box.checked ||= !read;
+        if (read) this.set({ [name]: chosen }, true);
       });
       label.append(box, text);
       element(id).append(label);

@@ -1,6 +1,6 @@
 // What can be taken away: the sweep as CSV, the scene as TOML.
 
-import { parallelCapacitance } from "rcskin/skin";
+import { parallelCapacitance, readAt } from "rcskin/skin";
 
 /** @typedef {import("rcskin/model").Complex} Complex */
 /** @typedef {import("rcskin/skin").Touch} Touch */
@@ -28,8 +28,8 @@ export function csv(data, sweeps) {
           ? [-1, -1]
           : [0, 0];
     return Z.flatMap((values, drive) =>
-      values.map((z, k) => {
-        const f = data.frequencies[k];
+      readAt(data, drive, [...values.keys()]).map((k) => {
+        const [f, z] = [data.frequencies[k], values[k]];
         const named = [
           sweep,
           quoted(pressText(touches)),
@@ -55,15 +55,20 @@ export function toml(data, state) {
   scene.skin.foam.capacitance_per_area *= state.capacitance;
   scene.skin.foam.loss_tangent = state.loss;
   scene.press = { ...scene.press, capacitance_factor: state.factor };
-  scene.sweep = { frequencies: state.frequencies.map((k) => data.frequencies[k]) };
-  scene.interface = scene.interface.filter((/** @type {any} */ _, /** @type {number} */ k) =>
-    state.drives.includes(k),
-  );
+  const read = state.drives.map((drive) => readAt(data, drive, state.frequencies));
+  const asked = state.frequencies.filter((k) => read.some((own) => own.includes(k)));
+  const hertz = (/** @type {number[]} */ numbers) => numbers.map((k) => data.frequencies[k]);
+  scene.sweep = { frequencies: hertz(asked) };
+  scene.interface = state.drives.flatMap((drive, at) => {
+    const own = read[at].length < asked.length ? { frequencies: hertz(read[at]) } : {};
+    const { frequencies: _, ...wired } = scene.interface[drive];
+    return read[at].length ? [{ ...wired, ...own }] : [];
+  });
   for (const name of ["magnitude_accuracy", "phase_accuracy", "magnitude_noise", "phase_noise"]) {
     if (scene.readout?.[name]) scene.readout[name] *= state.noise;
   }
-  const asked = `# rcskin sweep THIS.toml --press '${pressText(state.touches)}' -o out.csv\n`;
-  return asked + table(scene, "");
+  const how = `# rcskin sweep THIS.toml --press '${pressText(state.touches)}' -o out.csv\n`;
+  return how + table(scene, "");
 }
 
 /** A table: its own values first, then the tables within. @param {any} values @param {string} path @returns {string} */

@@ -2,6 +2,7 @@
 
 import { apart, believed, heaviest, novel, summed } from "rcskin/bayes";
 import { observed } from "rcskin/meter";
+import { readAt } from "rcskin/skin";
 
 /** @typedef {import("rcskin/skin").Skin} Skin */
 /** @typedef {import("rcskin/skin").Cast} Cast */
@@ -40,7 +41,9 @@ export class Localizer {
   /** Readings used of Z by interface and frequency, in units of their error. @param {Complex[][]} Z */
   seen(Z) {
     const { drives, frequencies, magnitude, phase } = this.readings;
-    const used = drives.flatMap((drive) => frequencies.map((k) => Z[drive][k]));
+    const used = drives.flatMap((drive) =>
+      readAt(this.skin.data, drive, frequencies).map((k) => Z[drive][k]),
+    );
     const scale = 1 / Math.sqrt(1 + 1 / RESTS);
     return observed(used).map((value, i) => (scale * value) / (i % 2 ? phase : magnitude));
   }

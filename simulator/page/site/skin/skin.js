@@ -190,6 +190,11 @@ function shares(middle, size, side, cells) {
   });
 }
 
+/** Those of some frequencies that an interface is read at, all by their numbers. @param {any} data @param {number} drive @param {number[]} frequencies @returns {number[]} */
+export function readAt(data, drive, frequencies) {
+  return data.taken ? frequencies.filter((k) => data.taken[drive][k]) : frequencies;
+}
+
 /** @param {Complex} Z ohm @param {number} frequency Hz */
 export function parallelCapacitance(Z, frequency) {
   return -Z.im / (Z.re * Z.re + Z.im * Z.im) / (2 * Math.PI * frequency);

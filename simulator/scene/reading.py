@@ -1,0 +1,61 @@
+"""At which frequencies a scene's interfaces read, and the same scene read otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .contacts import Interface
+from .meter import Sweep
+from .scene import Scene
+
+
+def frequencies_at(scene: Scene, interface: str) -> NDArray[np.float64]:
+    """Those that an interface of the scene is read at, Hz, ascending, shape (frequency,)."""
+    number = [each.name for each in scene.interfaces].index(interface)
+    return scene.frequencies if scene.taken is None else scene.frequencies[scene.taken[number]]
+
+
+def frequencies_of_each(scene: Scene) -> dict[str, list[float]]:
+    """Of every interface by name, Hz; empty where all are read at all of the scene's."""
+    if scene.taken is None:
+        return {}
+    return {each.name: frequencies_at(scene, each.name).tolist() for each in scene.interfaces}
+
+
+def reading_at(
+    scene: Scene, frequency: Sequence[float], taken: NDArray[np.bool_] | None = None
+) -> Scene:
+    """The same scene read at these frequencies in Hz, ascending, and at no others.
+
+    taken: which interface at which, shape (interface, frequency); all at all for None.
+    """
+    whole = np.array(frequency, dtype=np.float64)
+    told = np.ones((len(scene.interfaces), whole.size), dtype=bool) if taken is None else taken
+    interfaces = [
+        _reading(each, None if row.all() else whole[row])
+        for each, row in zip(scene.interfaces, told, strict=True)
+    ]
+    sweep = Sweep(frequencies=tuple(whole.tolist()))
+    return scene.model_copy(update={"sweep": sweep, "interfaces": tuple(interfaces)})
+
+
+def through(scene: Scene, names: Sequence[str]) -> Scene:
+    """The scene through these of its interfaces, in this order, at what they are read at."""
+    by_name = {each.name: number for number, each in enumerate(scene.interfaces)}
+    numbers = [by_name[name] for name in names]
+    some = scene.model_copy(update={"interfaces": tuple(scene.interfaces[k] for k in numbers)})
+    if scene.taken is None:
+        return some
+    taken = scene.taken[numbers]
+    read = taken.any(axis=0)
+    return reading_at(some, scene.frequencies[read].tolist(), taken[:, read])
+
+
+def _reading(interface: Interface, frequency: NDArray[np.float64] | None) -> Interface:
+    own = None if frequency is None else tuple(frequency.tolist())
+    if own == interface.frequencies:
+        return interface
+    return interface.model_copy(update={"frequencies": own})

@@ -1,0 +1,42 @@
+"""Sweeps as if fewer readings had been taken."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .schema import ERRORS, QUANTITIES, TAKEN, taken_of
+from .table import DIMENSIONS
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+
+def all_of(sweeps: xr.Dataset) -> NDArray[np.bool_]:
+    """Which interfaces were read at which frequencies, shape (interface, frequency)."""
+    taken = taken_of(sweeps)
+    whole = np.ones((sweeps.sizes["interface"], sweeps.sizes["frequency"]), dtype=bool)
+    return whole if taken is None else taken
+
+
+def restricted(sweeps: xr.Dataset, read: NDArray[np.bool_]) -> xr.Dataset:
+    """The same sweeps of these readings only; interfaces and frequencies without any are gone.
+
+    read: shape (interface, frequency), each among those that were taken, one at least.
+    """
+    import xarray as xr
+
+    if read.all():
+        return sweeps
+    there = xr.DataArray(read, dims=DIMENSIONS[1:])
+    names = [name for name in (*QUANTITIES, *ERRORS) if name in sweeps.variables]
+    some = {name: sweeps[name].where(there).transpose(*sweeps[name].dims) for name in names}
+    rows, columns = read.any(axis=1), read.any(axis=0)
+    bare = sweeps.assign(some).drop_vars(TAKEN, errors="ignore")
+    bare = bare.isel(interface=rows, frequency=columns)
+    left = read[np.ix_(rows, columns)]
+    if left.all():
+        return bare
+    return bare.assign_coords({TAKEN: (DIMENSIONS[1:], left.astype(np.int8))})
