@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError, impedance
+from ...simulator.sweeps.schema import read_at
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,8 +22,9 @@ class Recorded:
         names = [str(name) for name in sweeps["interface"].values]
         if interface is not None and interface not in names:
             raise InputError(f"`interface` must be one of {', '.join(names)}, got {interface!r}")
-        self._Z = impedance(sweeps)[:, names.index(interface) if interface else 0]
-        self._frequency = sweeps["frequency"].values
+        own = read_at(sweeps, interface or names[0])
+        self._Z = impedance(own)[:, 0]
+        self._frequency = own["frequency"].values
         self._presses = [str(press) for press in sweeps["press"].values]
         self._pixels = [
             f"{row},{column}"

@@ -24,7 +24,6 @@ from threadpoolctl import ThreadpoolController
 from ..sweeps import ToleranceError
 from .circuit import Circuit, Drive
 from .driven import Driven, Unshifted, driven_by, potentials, shifted, unshifted_together
-from .kernels import substitute
 from .lanczos import Pencil, Pencils, respond
 from .network import Network
 from .system import Films, System
@@ -222,9 +221,7 @@ def _factorised(matrix: csc_matrix) -> SuperLU:
             options={"SymmetricMode": True, "Equil": False},
         )
     except MemoryError as error:
-        raise ToleranceError(
-            f"{len(matrix.indptr) - 1} unknowns are too many to factorise"
-        ) from error
+        raise ToleranceError(f"{len(matrix.indptr) - 1} unknowns: too many to factorise") from error
 
 
 def without_zeros(matrix: csc_matrix) -> csc_matrix:
@@ -234,29 +231,33 @@ def without_zeros(matrix: csc_matrix) -> csc_matrix:
     return own
 
 
-FEWEST_SIDES = 3
-"""Right-hand sides of a system from which on one pass pays."""
+FEWEST_SIDES, FEWEST_ENTRIES = 3, 100_000
+"""Right-hand sides, and entries of the factors, from which on one pass pays."""
 
 
 class _Factors:
     """What SuperLU has factorised; its own `solve` is the readable twin."""
 
     def __init__(self, lu: SuperLU) -> None:
-        lower: Any = lu.L
-        upper: Any = lu.U
-        for each in (lower, upper):
-            each.sort_indices()
         self._lu = lu
-        self._lower = lower.indptr, lower.indices, lower.data
-        self._upper = upper.indptr, upper.indices, upper.data
+
+    @cached_property
+    def _both(self) -> list[tuple[NDArray, NDArray, NDArray]]:
+        """L and U by columns, as the kernel takes them."""
+        both: tuple[Any, Any] = self._lu.L, self._lu.U
+        ordered = (each.sorted_indices() for each in both)
+        return [(each.indptr, each.indices, each.data) for each in ordered]
 
     def solve(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
         """A^-1 y. y: shape (unknown, ...)."""
-        if y.ndim == 1 or y.shape[1] < FEWEST_SIDES:
+        if y.ndim == 1 or y.shape[1] < FEWEST_SIDES or self._lu.nnz < FEWEST_ENTRIES:
             return self._lu.solve(y)
+        from .kernels import substitute
+
         x = np.empty(y.shape)
         x[self._lu.perm_r] = y
-        substitute(self._lower, self._upper, x)
+        lower, upper = self._both
+        substitute(lower, upper, x)
         return x[self._lu.perm_c]
 
 
