@@ -106,6 +106,7 @@ def test_sweeps_read_otherwise_than_their_scene_says_are_refused(sweeps, own, sh
             trained(each.assign_attrs(scene=scene_text(scene)), "model-based")
 
 
+@pytest.mark.slow
 def test_positions_are_told(sweeps):
     model = trained(sweeps[1], "model-based", "position")
     place, deviation = model.positions(sweeps[1])

@@ -2,7 +2,12 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.models.parameters import PARAMETERS, SLOW_WAVES, scene_with
+from rcskin.simulator.models.parameters import (
+    FOAM_WAVES,
+    PARAMETERS,
+    SHEET_WAVES,
+    scene_with,
+)
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
@@ -67,7 +72,7 @@ TWO_INTERFACES = "sheet-5x5-two-interfaces"
 
 @pytest.fixture(scope="module", params=["plain", "floating", "uneven"])
 def reader(request, make_scene):
-    """Of one field, of floating terminals at two interfaces, and with slow waves of all parts."""
+    """Of one field, of floating terminals at two interfaces, and with slow waves of sheets."""
     if request.param == "plain":
         return Forward(make_scene(FILMS, rows=2, columns=3, frequencies=FREQUENCIES), rtol=RTOL)
     scene = load_scene(TWO_INTERFACES) if request.param == "floating" else make_scene(CROSSED)
@@ -81,7 +86,8 @@ def test_presses_together_are_those_one_by_one(reader, moved, touches):
     pixels = reader.scene.pixels.rows * reader.scene.pixels.columns
     cells = np.stack([random.permutation(pixels)[:touches] for _ in range(6)])
     cells[5], rises = cells[0], random.uniform(-0.4, 2.0, cells.shape)
-    waves = dict.fromkeys(SLOW_WAVES, 0.1) if reader.modes > 1 else {}
+    waves = dict.fromkeys(SHEET_WAVES, 0.1) if reader.modes > 1 else {}
+    assert reader.alike(moved | waves) and not reader.alike(moved | dict.fromkeys(FOAM_WAVES, 0.1))
     together = reader.respond_together(cells, rises, moved | waves)
     for k in range(6):
         alone = reader.respond(cells[k], rises[k], moved | waves)

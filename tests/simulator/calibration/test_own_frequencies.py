@@ -78,6 +78,7 @@ def test_the_scene_may_say_other_frequencies_than_were_read(own, shared, read):
     assert one.scene.taken is not None and other.scene.taken is None
 
 
+@pytest.mark.slow
 def test_a_twin_is_told_within_its_intervals_and_by_more_readings_better(own, shared, simulated):
     truth = simulated(shared, TRUTH, PRESSES)
     random, trials, missed, wider = np.random.default_rng(2), 6, 0, []

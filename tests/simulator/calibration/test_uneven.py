@@ -113,6 +113,7 @@ def test_foam_that_varies_within_pixels_is_answered_as_a_map_of_it(wide_pixels, 
         assert relative_difference(model.respond(cells, rises).Z, true, omega).max() > 10 * rtol
 
 
+@pytest.mark.slow
 def test_intervals_hold_waves_that_vary_within_pixels(wide_pixels):
     """Of eight twins, at 0.1 % noise: with waves constant over pixels 17 of 24 did."""
     model, held = Forward(wide_pixels, rtol=1e-4), []

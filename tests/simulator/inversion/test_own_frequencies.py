@@ -24,7 +24,9 @@ def texts():
     return scene_text(scene.with_(OWN)), scene_text(scene)
 
 
-@pytest.mark.parametrize("target", ["pixel", "pair", "position"])
+@pytest.mark.parametrize(
+    "target", ["pixel", "pair", pytest.param("position", marks=pytest.mark.slow)]
+)
 def test_they_are_rows_of_the_tables_of_all_readings(texts, target):
     part, whole = (templates(text, target) for text in texts)
     by_last = {"deviation", "single", "slope", "shift", "pair", "values"}
