@@ -15,7 +15,7 @@ from . import store
 from .layout import joined, values
 from .model import Family
 from .plan import Plan, parse_plan
-from .session import Audit, drawn_session, together
+from .session import Audit, drawn_sessions, together
 
 PLAN_FILE = "plan.json"
 
@@ -64,7 +64,7 @@ def make_block(workshop: Workshop, block: int) -> int:
     """
     plan, family = _loaded(workshop)
     with threadpool_limits(1, user_api="blas"):
-        drawn = [drawn_session(plan, family, number) for number in plan.sessions_of(block)]
+        drawn = drawn_sessions(plan, family, plan.sessions_of(block))
     here = plan.sweeps_of(block)
     arrays = joined([values(session) for session in drawn], here.stop - here.start)
     store.write(workshop.data, plan, block, arrays)

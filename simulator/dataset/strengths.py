@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import islice
 
 import numpy as np
@@ -37,12 +38,18 @@ def texts(
 ) -> list[str]:
     """Each press as `Press` writes it."""
     there = np.arange(row.shape[1]) < touches[:, None]
-    numbers = zip(*(each[there].tolist() for each in (row, column, strength)), strict=True)
-    told = iter([f"{i},{j}:{f!r}{unit}" for i, j, f in numbers])
+    rows, columns, strengths = (each[there].tolist() for each in (row, column, strength))
+    numbers = repr(strengths)[1:-1].split(", ")  # all at once takes half the time
+    told = (f"{_place(i, j)}{f}{unit}" for i, j, f in zip(rows, columns, numbers, strict=False))
     return [
         next(told) if count == 1 else "+".join(islice(told, count)) or UNPRESSED
         for count in touches.tolist()
     ]
+
+
+@cache
+def _place(row: int, column: int) -> str:
+    return f"{row},{column}:"
 
 
 def told(scene: Scene, factor: NDArray[np.float64]) -> tuple[NDArray[np.float64], str]:

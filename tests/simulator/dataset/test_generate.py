@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from rcskin.simulator.dataset.plan import Plan
-from rcskin.simulator.dataset.session import drawn_session
+from rcskin.simulator.dataset.session import drawn_sessions
 from rcskin.simulator.dataset.store import finish
 from rcskin.simulator.measure.readout import displayed
 from rcskin.simulator.scene.files import load_scene, scene_text
@@ -58,7 +58,7 @@ def test_it_is_sweeps_with_their_scene_and_what_was_drawn(make, toy):
     assert sweeps.attrs["scene"] == scene_text(plan.scene)
     assert (sweeps.attrs["seed"], sweeps.attrs["rtol"]) == (1, 1e-4)
     assert (sweeps.attrs["audit_bound"], sweeps.attrs["fallbacks"]) == (3e-6, 0)
-    session = drawn_session(plan, toy.ToyFamily(plan.scene), 4)
+    (session,) = drawn_sessions(plan, toy.ToyFamily(plan.scene), [4])
     drawn = sweeps.isel(drawn_session=4)
     np.testing.assert_array_equal(drawn["drawn_top"], session.skin.variation.top)
     assert drawn["drawn_stray_capacitance"] == session.skin.leads.stray_capacitance
@@ -69,7 +69,7 @@ def test_without_any_variation_it_is_the_model_to_the_digits_displayed(make, toy
     plan = toy.small_plan(100, **NOTHING)
     plan = Plan(plan.scene.model_copy(update={"readout": Readout()}), 100, 1, 1e-4)
     sweeps = read(make("out", plan))
-    session = drawn_session(plan, toy.ToyFamily(plan.scene), 0)
+    (session,) = drawn_sessions(plan, toy.ToyFamily(plan.scene), [0])
     model = toy.ToyFamily(plan.scene).skin(session.skin.variation)
     Z = model.sweeps(session.presses.cells, session.presses.rises, session.presses.starts)
     np.testing.assert_allclose(sweeps["Rs"][:10], displayed(Z.real, 6), rtol=1e-7)
