@@ -37,7 +37,7 @@ class Plan:
     sweeps: int
     seed: int
     rtol: float
-    block_values: int = 2**19
+    block_values: int = 2**18
 
     def __post_init__(self) -> None:
         """Raises InputError where a number is out of range or a press does not fit the scene."""
