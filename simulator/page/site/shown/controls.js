@@ -125,8 +125,10 @@ export class Controls {
       box.addEventListener("change", () => {
         const others = this.state()[name].filter((each) => each !== k);
         const chosen = box.checked ? [...others, k].sort((a, b) => a - b) : others;
-        const { drives, frequencies } = { ...this.state(), [name]: chosen };
-        const read = drives.some((drive) => readAt(this.data, drive, frequencies).length);
+        const asked = { ...this.state(), [name]: chosen };
+        const read = asked.drives.some(
+          (drive) => readAt(this.data, drive, asked.frequencies).length,
+        );
         box.checked ||= !read;
         if (read) this.set({ [name]: chosen }, true);
       });
