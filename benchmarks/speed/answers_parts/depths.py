@@ -19,7 +19,8 @@ from rcskin.simulator.scene.files import load_scene
 
 AGAIN, REDUCED = "rcskin, each further depth", "rcskin, reduced model"
 EVEN, GRID = "one factor for the whole pixel", "differences, then scikit-fem Q1"
-PRESS, OTHERS = "2,3:2e-3m", ("2,3:1.5e-3m", "2,3:1.8e-3m")
+PRESS = "2,3:2e-3m"
+OTHERS = tuple(f"2,3:{mm}e-3m" for mm in (1.5, 1.8, 0.9, 2.1, 1.2, 1.65, 0.75, 1.95, 1.35))
 TRUE, EVEN_RTOL = 1e-6, 1e-5
 RTOLS, OF_REDUCED = (1e-2, 1e-3, 1e-4, 1e-5), (1e-3, 1e-4)
 CELLS = (2, 4, 8, 16)

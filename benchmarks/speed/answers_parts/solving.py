@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -23,7 +24,10 @@ BATCH = 500
 
 @dataclass(frozen=True)
 class Asked:
-    """truth: Z in ohm of the scene's frequencies, shape (frequency,). others: asked afterwards."""
+    """truth: Z in ohm of the scene's frequencies, shape (frequency,).
+
+    others: asked afterwards, each once, for a press that is asked again may be known by then.
+    """
 
     scene: Scene
     press: Press
@@ -42,7 +46,7 @@ class Asked:
             yield Answer(FIRST, f"{rtol:g}", self.off(Z), seconds)
             solver = Solver(self.scene, rtol)
             solver.solve(self.press)
-            further = [timed(partial(solver.solve, other))[0] for other in self.others]
+            further = [_seconds(partial(solver.solve, other)) for other in self.others]
             yield Answer(again, f"{rtol:g}", self.off(Z), float(np.median(further)))
 
     def by_batch(
@@ -58,3 +62,9 @@ class Asked:
         many = np.tile(cells, BATCH), np.tile(rises, BATCH), np.arange(BATCH + 1) * len(cells)
         seconds = best_time(lambda: skin.sweeps(*many)) / BATCH
         return Answer(way, setting, self.off(skin.sweeps(*many)[0, 0]), seconds)
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start

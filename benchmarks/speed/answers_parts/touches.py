@@ -23,7 +23,9 @@ from rcskin.simulator.scene.scene import Scene
 
 AGAIN, ON_CELLS = "rcskin, each further touch", "rcskin, data set on cells"
 PRESS = "rect(0.0373,0.0611,0.021,0.017)"
-OTHERS = ("rect(0.0813,0.0327,0.018,0.023)", "rect(0.0557,0.0911,0.016,0.019)")
+OTHERS = tuple(
+    f"rect({0.0813 - 0.0053 * k:.4f},{0.0327 + 0.0061 * k:.4f},0.018,0.023)" for k in range(9)
+)
 FACTOR, TRUE = 2.0, 1e-9
 RTOLS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 RIVALS = {
