@@ -41,12 +41,6 @@ from .slopes.alone import Sensitivity, sensitivity
 from .slopes.together import sensitivities
 from .waved.model import Waved
 
-
-def _waved(values: Mapping[str, float]) -> bool:
-    """Whether slow waves of the foam are among the values."""
-    return any(name in values for name in FOAM_WAVES)
-
-
 REACH = 3.0
 PIXEL_FACTORS = (0.5, 3.0)
 BAND_POINTS = 20
@@ -257,3 +251,8 @@ class Forward:
         sheets, skin = self._terms.split(weighed)[0].sum(axis=-2), self.scene.skin
         relative = gauge_slopes(skin, pressed) / gauges(skin, pressed)
         return (sheets * relative[: self.reduced.circuit.fields]).sum(axis=-2)
+
+
+def _waved(values: Mapping[str, float]) -> bool:
+    """Whether slow waves of the foam are among the values."""
+    return any(name in values for name in FOAM_WAVES)
