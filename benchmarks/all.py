@@ -26,8 +26,8 @@ from rcskin.benchmarks.quoted import differing
 
 NOTED = RESULTS / "all.csv"
 TITLE = "Every benchmark: how long it took"
-LINES = "campaign.jsonl"
-"""Of the campaign, which goes on where it was stopped; beside the pages."""
+LINES, LINES_IN_TURN = "campaign.jsonl", "in_turn.jsonl"
+"""Of campaigns, which go on where they were stopped; beside the pages."""
 
 
 class Benchmark(NamedTuple):
@@ -53,6 +53,10 @@ IN_ORDER = (
     Benchmark("speed/skins_commands"),
     Benchmark("accuracy/stability"),
     Benchmark("accuracy/campaign", ("-o", LINES, "--workers", "2", "--timeout", "150")),
+    Benchmark(
+        "accuracy/campaign",
+        ("-o", LINES_IN_TURN, "--in-turn", "--workers", "2", "--timeout", "25"),
+    ),
     Benchmark("accuracy/verification"),
     Benchmark("accuracy/calibration_coverage"),
     Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--twins", "200")),

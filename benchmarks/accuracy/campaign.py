@@ -5,9 +5,10 @@ Run: python benchmarks/accuracy/campaign.py -o LINES [--in-turn] [--kinds KIND,K
 
 Each scene is answered at a tolerance drawn with it, and by another route that shares no mesh with
 the first: another telling of the same skin, polygons for discs, a formula, or a finer file.
-Verdicts go to LINES as they come, so that a campaign that was ended goes on where it was. One of
-all kinds and SEEDS ends in results/campaign.csv, one --in-turn, of the kinds that are no even
-rectangles at 1e-3, 1e-4 and 1e-5, in results/campaign_in_turn.csv; verification.py tells of both.
+Verdicts go to LINES as they come, so that a campaign that was ended goes on where it was if the
+code is the same. One of all kinds and SEEDS ends in results/campaign.csv, one --in-turn, of the
+kinds that are no even rectangles at 1e-3, 1e-4 and 1e-5, in results/campaign_in_turn.csv;
+verification.py tells of both.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from rcskin.benchmarks.accuracy.campaign_parts.judging import FIRST_IN_TURN, dra
 from rcskin.benchmarks.accuracy.campaign_parts.kinds import KINDS, NOT_EVEN
 from rcskin.benchmarks.accuracy.campaign_parts.running import verdicts
 from rcskin.benchmarks.accuracy.campaign_parts.verdict import Verdict
-from rcskin.benchmarks.bench import Run, launch
+from rcskin.benchmarks.bench import Run, commit, launch
 from rcskin.simulator.scene.files import scene_text
 
 SEEDS, SEEDS_IN_TURN = range(9), range(FIRST_IN_TURN, FIRST_IN_TURN + 6)
@@ -44,11 +45,12 @@ def main(run: Run) -> int:
     if asked.show:
         return shown(cases)
     lines = asked.output or run.folder / "campaign.jsonl"
-    known = {(each.kind, each.seed): each for each in record.read(lines)}
+    code = commit()
+    known = {(each.kind, each.seed): each for each in record.read(lines, code)}
     left = [case for case in cases if case not in known]
     start = time.perf_counter()
     for count, verdict in enumerate(verdicts(left, asked.workers, asked.timeout), 1):
-        record.appended(lines, verdict)
+        record.appended(lines, verdict, code)
         known[verdict.kind, verdict.seed] = verdict
         told(verdict)
         print(f"{count} of {len(left)}, {time.perf_counter() - start:.0f} s", file=sys.stderr)

@@ -145,10 +145,11 @@ def test_a_record_is_read_as_it_was_written(part, tmp_path):
     refused = Verdict("foils", 2, 1e-6, "refused", "too many triangles, too few")
     lines, table = tmp_path / "lines.jsonl", tmp_path / "table.csv"
     for verdict in (judged, refused):
-        record.appended(lines, verdict)
+        record.appended(lines, verdict, "abc")
     with lines.open("a") as unfinished:
         unfinished.write('{"kind": "foi')
-    read = list(record.read(lines))
+    read = list(record.read(lines, "abc"))
+    assert list(record.read(lines, "other code")) == []
     record.publish(table, read)
     for found in (read, record.published(table)):
         assert [(each.line(), each.broken) for each in found] == [

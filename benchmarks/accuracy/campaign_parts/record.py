@@ -15,22 +15,26 @@ COLUMNS = ("kind", "seed", "rtol", "outcome", "reason", "model", "seconds")
 ERRORS = ("true", "told", "doubt")
 
 
-def read(path: Path) -> Iterator[Verdict]:
-    """The verdicts of a file, of each case the last; of one cut short but for its last line."""
+def read(path: Path, commit: str) -> Iterator[Verdict]:
+    """The verdicts of a file on the code of a commit, of each case the last.
+
+    A last line that was cut short is left out.
+    """
     found: dict[tuple[str, int], Verdict] = {}
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
         try:
             record = json.loads(line)
         except json.JSONDecodeError:
             continue
-        found[record["kind"], record["seed"]] = Verdict(**record)
+        if record.pop("commit", None) == commit:
+            found[record["kind"], record["seed"]] = Verdict(**record)
     yield from found.values()
 
 
-def appended(path: Path, verdict: Verdict) -> None:
+def appended(path: Path, verdict: Verdict, commit: str) -> None:
     """One more line."""
     with path.open("a", encoding="utf-8") as lines:
-        lines.write(json.dumps(verdict.record()) + "\n")
+        lines.write(json.dumps({**verdict.record(), "commit": commit}) + "\n")
 
 
 def publish(path: Path, verdicts: Iterable[Verdict]) -> None:

@@ -20,7 +20,8 @@ COMMAND = (
     ".venv/bin/python benchmarks/accuracy/campaign.py -o campaign.jsonl --workers 2 --timeout 150"
 )
 COMMAND_IN_TURN = (
-    ".venv/bin/python benchmarks/accuracy/campaign.py -o in_turn.jsonl --in-turn --timeout 25"
+    ".venv/bin/python benchmarks/accuracy/campaign.py -o in_turn.jsonl --in-turn --workers 2 "
+    "--timeout 25"
 )
 PLANNED = 180
 """Scenes of a whole run of that command."""
