@@ -42,7 +42,7 @@ from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.scene.scene import Scene
 
 PIXELS, TRAINING = 5, 2000
-SKINS, TOUCHES, REST = 4, 30, 300.0
+SKINS, TOUCHES, REST = 2, 12, 120.0
 """Twins; touches of each; s at rest after them."""
 OF_ADAPTED = (
     ("model-adapted", False, False),
