@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import platform
+import signal
 import subprocess
 import sys
 import tempfile
@@ -62,7 +63,11 @@ class Run:
 def launch(
     main: Callable[[Run], int | None], parser: argparse.ArgumentParser | None = None
 ) -> None:
-    """Run a benchmark as the command line asks and exit with the code that it returns."""
+    """Run a benchmark as the command line asks and exit with the code that it returns.
+
+    Ctrl-C reaches the commands that it starts, also where a shell started it in the background.
+    """
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     parser = parser or argparse.ArgumentParser()
     parser.add_argument(
         "--quick", action="store_true", help="smallest sizes, same checks, no figures kept"
