@@ -69,6 +69,7 @@ def limits(
     from ..charts import checked_ending
     from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
+    from ..sweeps import made_folder
     from .identity import Sampling, identity
     from .survey import Question, survey, with_factor, with_interfaces, with_sheets
 
@@ -87,7 +88,7 @@ def limits(
         if accuracy is not None:
             _print_counts(loaded, accuracy, sampling, track)
         if accuracy is None or output is not None:
-            folder = _made(output or FOLDER)
+            folder = made_folder(output or FOLDER)
             variants = survey(loaded, question, resistances, n, track)
             told_apart = identity(loaded, sampling, track)
             _write(loaded, question, variants, told_apart, folder, ending)
@@ -101,16 +102,6 @@ def _listed(text: str | None) -> list[float]:
         return [float(part) for part in text.split(",")] if text is not None else []
     except ValueError:
         raise InputError(f"--sheet-resistance must be R,R,... in ohm/sq, got {text}") from None
-
-
-def _made(folder: Path) -> Path:
-    from ..sweeps import InputError
-
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be made a folder: {error}") from error
-    return folder
 
 
 def _print_counts(scene: Scene, accuracy: float, sampling: Sampling, track: Track) -> None:
