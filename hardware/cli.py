@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -22,7 +23,17 @@ def meter_app(simulation: Simulation) -> typer.Typer:
     """The `meter` commands, with a simulation to serve and scenes to record."""
     app = typer.Typer(help="Serve a virtual LCR meter, or use a real one.", no_args_is_help=True)
 
-    @app.command()
+    app.command()(serve_command(simulation))
+    app.command()(record_command(simulation.scene))
+    app.command("gather")(gather_command)
+    for command in (identify, correct, press, select, misbehave):
+        app.command()(command)
+    return app
+
+
+def serve_command(simulation: Simulation) -> Callable[..., None]:
+    """The command that serves a virtual meter, with a simulation of its skin."""
+
     def serve(
         scene: Annotated[str | None, typer.Option(help="A built-in scene, or a path.")] = None,
         recorded: Annotated[
@@ -67,88 +78,83 @@ def meter_app(simulation: Simulation) -> typer.Typer:
             paging,
         )
 
-    app.command()(record_command(simulation.scene))
-    app.command("gather")(gather_command)
-    _add_small_commands(app)
-    return app
+    return serve
 
 
-def _add_small_commands(app: typer.Typer) -> None:
-    @app.command()
-    def identify(
-        resources: Annotated[
-            list[str] | None, typer.Argument(help="VISA resources; else all that are found.")
-        ] = None,
-        timeout: Timeout = 2.0,
-        baud: Baud = 9600,
-    ) -> None:
-        """Tell which meters answer, and at what resources."""
-        from .meter.finding import answering, found_resources
+def identify(
+    resources: Annotated[
+        list[str] | None, typer.Argument(help="VISA resources; else all that are found.")
+    ] = None,
+    timeout: Timeout = 2.0,
+    baud: Baud = 9600,
+) -> None:
+    """Tell which meters answer, and at what resources."""
+    from .meter.finding import answering, found_resources
 
-        names = resources or found_resources()
-        answers = [(name, answering(name, timeout, baud)) for name in names]
-        for name, answer in answers:
-            typer.echo(answer.failure or f"{name}  {answer.identity}")
-        if not names:
-            typer.echo("no resource is found; a TCP socket must be named", err=True)
-        if not any(answer.identity for _, answer in answers):
-            raise typer.Exit(1)
+    names = resources or found_resources()
+    answers = [(name, answering(name, timeout, baud)) for name in names]
+    for name, answer in answers:
+        typer.echo(answer.failure or f"{name}  {answer.identity}")
+    if not names:
+        typer.echo("no resource is found; a TCP socket must be named", err=True)
+    if not any(answer.identity for _, answer in answers):
+        raise typer.Exit(1)
 
-    @app.command()
-    def correct(
-        kind: Annotated[str, typer.Argument(help="open or short.")],
-        resource: Resource,
-        extent: Annotated[str, typer.Option(help="ALL, SPOT or OFF.")] = "ALL",
-        timeout: Timeout = 5.0,
-        baud: Baud = 9600,
-    ) -> None:
-        """Acquire open or short correction, or end it."""
-        from .meter.correction import correct as acquire
-        from .meter.ending import ending_in_order
-        from .meter.hioki import open_meter
 
-        with ending_in_order(), open_meter(resource, timeout, baud) as meter:
-            acquire(meter, kind.lower(), extent.upper())
-            state = meter.open_correction, meter.short_correction
-        typer.echo(f"open correction {state[0]}, short correction {state[1]}")
+def correct(
+    kind: Annotated[str, typer.Argument(help="open or short.")],
+    resource: Resource,
+    extent: Annotated[str, typer.Option(help="ALL, SPOT or OFF.")] = "ALL",
+    timeout: Timeout = 5.0,
+    baud: Baud = 9600,
+) -> None:
+    """Acquire open or short correction, or end it."""
+    from .meter.correction import correct as acquire
+    from .meter.ending import ending_in_order
+    from .meter.hioki import open_meter
 
-    @app.command()
-    def press(
-        press: Annotated[str, typer.Argument(help="ROW,COLUMN[:FACTOR], joined by '+', or none.")],
-        control: ControlAddress = CONTROL,
-    ) -> None:
-        """Press the skin of a virtual meter that is being served, until the next press."""
-        from .steer import ask
+    with ending_in_order(), open_meter(resource, timeout, baud) as meter:
+        acquire(meter, kind.lower(), extent.upper())
+        state = meter.open_correction, meter.short_correction
+    typer.echo(f"open correction {state[0]}, short correction {state[1]}")
 
-        typer.echo(ask(control, "press", press=press))
 
-    @app.command()
-    def select(
-        interface: Annotated[str, typer.Argument(help="Of the skin that is being served.")],
-        control: ControlAddress = CONTROL,
-    ) -> None:
-        """Connect a virtual meter to another interface of its skin."""
-        from .steer import ask
+def press(
+    press: Annotated[str, typer.Argument(help="ROW,COLUMN[:FACTOR], joined by '+', or none.")],
+    control: ControlAddress = CONTROL,
+) -> None:
+    """Press the skin of a virtual meter that is being served, until the next press."""
+    from .steer import ask
 
-        typer.echo(ask(control, "select", interface=interface))
+    typer.echo(ask(control, "press", press=press))
 
-    @app.command()
-    def misbehave(
-        kind: Annotated[
-            str,
-            typer.Argument(
-                help="drop, late, silent, garbage, half, status, correction, forget, slow, stuck."
-            ),
-        ],
-        times: Annotated[int, typer.Option(help="How often.")] = 1,
-        seconds: Annotated[float, typer.Option(help="How late.")] = 2.0,
-        status: Annotated[int, typer.Option(help="Which failure a reading reports.")] = 7,
-        control: ControlAddress = CONTROL,
-    ) -> None:
-        """Have a virtual meter misbehave at its next answers."""
-        from .steer import ask
 
-        ask(control, "misbehave", kind=kind, times=times, seconds=seconds, status=status)
+def select(
+    interface: Annotated[str, typer.Argument(help="Of the skin that is being served.")],
+    control: ControlAddress = CONTROL,
+) -> None:
+    """Connect a virtual meter to another interface of its skin."""
+    from .steer import ask
+
+    typer.echo(ask(control, "select", interface=interface))
+
+
+def misbehave(
+    kind: Annotated[
+        str,
+        typer.Argument(
+            help="drop, late, silent, garbage, half, status, correction, forget, slow, stuck."
+        ),
+    ],
+    times: Annotated[int, typer.Option(help="How often.")] = 1,
+    seconds: Annotated[float, typer.Option(help="How late.")] = 2.0,
+    status: Annotated[int, typer.Option(help="Which failure a reading reports.")] = 7,
+    control: ControlAddress = CONTROL,
+) -> None:
+    """Have a virtual meter misbehave at its next answers."""
+    from .steer import ask
+
+    ask(control, "misbehave", kind=kind, times=times, seconds=seconds, status=status)
 
 
 def _exhibit(

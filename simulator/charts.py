@@ -48,12 +48,12 @@ def frequency_axis(axes: Axes) -> None:
     """A logarithmic x axis of frequencies given in kHz."""
     axes.set_xscale("log")
     axes.xaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_minor_formatter(between_decades("{x:g}"))
+    axes.xaxis.set_minor_formatter(_between_decades())
     axes.set_xlabel("Frequency (kHz)")
 
 
-def between_decades(told: str) -> Formatter:
-    """Labels of the ticks within a decade, as `told` says, on axes up to MOST_LABELLED."""
+def _between_decades() -> Formatter:
+    """Labels of the ticks within a decade, on axes up to MOST_LABELLED."""
     from matplotlib.ticker import LogFormatter
 
     class Between(LogFormatter):
@@ -61,7 +61,7 @@ def between_decades(told: str) -> Formatter:
             assert self.axis is not None
             low, high = self.axis.get_view_interval()
             near = high < MOST_LABELLED * low
-            return told.format(x=x) if near and super().__call__(x, pos) else ""
+            return f"{x:g}" if near and super().__call__(x, pos) else ""
 
     return Between(minor_thresholds=(2, 0.4))
 

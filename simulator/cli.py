@@ -91,7 +91,7 @@ def scenes(
 @app.command()
 def keys() -> None:
     """Every key of a scene file: type, unit, default and range, as Markdown."""
-    from .scene.keys.page import page
+    from .scene.keys.listing import page
 
     typer.echo(page(), nl=False)
 
@@ -132,7 +132,7 @@ def sweep(
     ] = False,
 ) -> None:
     """Simulate sweeps, noise-free, and write them with their estimated errors."""
-    from .asked.patience import foretold
+    from .asked.durations import foretold
     from .asked.scene import asked_scene, warn_of_model
     from .asked.telling import written
     from .asked.tolerance import checked_rtol

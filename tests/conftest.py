@@ -18,6 +18,7 @@ import typer
 from hypothesis import Phase, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
+from rcskin import __main__ as rcskin
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.scene import Scene
@@ -249,6 +250,19 @@ def moved():
 def make_scene():
     """A function that builds a scene from a few keywords."""
     return build_scene
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Runs `rcskin ARGUMENTS`; gives the exit code, standard output and standard error."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["rcskin", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            rcskin.main()
+        return ended.value.code, *capsys.readouterr()
+
+    return run
 
 
 @pytest.fixture(scope="session")

@@ -20,7 +20,7 @@ import pandas as pd
 from joblib import Parallel, delayed
 from matplotlib.axes import Axes
 from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.simulator.bounds.common import CommonDraws
+from rcskin.simulator.bounds.common_draws import CommonDraws
 from rcskin.simulator.charts import COLOURS, chart
 from rcskin.simulator.design.trained import Material, Trained
 from rcskin.simulator.scene.contacts import Interface

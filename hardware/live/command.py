@@ -117,7 +117,6 @@ def live_command(
         ] = None,
     ) -> None:
         """Localize presses as they come: time, answer, probability and latency in ms in a pipe."""
-        from ...simulator.sweeps import InputError
         from ..meter.accuracy import DERIVED, read_table
         from ..meter.ending import ending_in_order
         from ..meter.hioki import open_meter
@@ -127,17 +126,11 @@ def live_command(
         from .log import Log
         from .session import Session
 
-        if sweeps is not None and sweeps < 1:
-            raise InputError(f"`sweeps` must be at least 1, got {sweeps}")
-        if adaptive and log:
-            raise InputError("--log keeps whole sweeps, and --adaptive measures parts of them")
-        if certain is not None and not (filtered or adaptive):
-            raise InputError("--certain needs --filter or --adaptive; else `train` takes it")
-        if port is not None and not page:
-            raise InputError("--port is of the page: it needs --page")
-        journal = _journal(log, overwrite) if log else None
         touching = (touch_lasts, touch_every, touch_speed) if filtered else None
-        localizer = load(model, Manner(touching, adaptive, certain, within))
+        manner = Manner(touching, adaptive, certain, within)
+        _check_options(manner, sweeps, log, port, page)
+        journal = _journal(log, overwrite) if log else None
+        localizer = load(model, manner)
         _check_interface(localizer, interface)
         link = Link(
             localizer,
@@ -160,6 +153,22 @@ def live_command(
                 typer.echo(kept.told, err=True)
 
     return live
+
+
+def _check_options(
+    manner: Manner, sweeps: int | None, log: Path | None, port: int | None, page: bool
+) -> None:
+    """Raises InputError for options that do not go together."""
+    from ...simulator.sweeps import InputError
+
+    if sweeps is not None and sweeps < 1:
+        raise InputError(f"`sweeps` must be at least 1, got {sweeps}")
+    if manner.adaptive and log:
+        raise InputError("--log keeps whole sweeps, and --adaptive measures parts of them")
+    if manner.certain is not None and not (manner.touching or manner.adaptive):
+        raise InputError("--certain needs --filter or --adaptive; else `train` takes it")
+    if port is not None and not page:
+        raise InputError("--port is of the page: it needs --page")
 
 
 def _journal(log: Path, overwrite: bool) -> Journal:

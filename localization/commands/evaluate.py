@@ -63,8 +63,8 @@ def evaluate_command(
         calibration, and figures are means over folds, with their spread. Whole
         sessions are held out where there are three or more.
         """
-        from ...simulator.sweeps import InputError
-        from ..evaluation.report import checked_folder, lines_of, write_report
+        from ...simulator.sweeps import InputError, checked_folder
+        from ..evaluation.report import lines_of, write_report
         from ..inputs.reading import read_some
         from ..inputs.samples import samples_of
         from ..model.file import ENDING

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...simulator.sweeps import InputError, whole_file
+from ...simulator.sweeps import whole_file
 from ..inputs.targets import COORDINATES
 from ..trust.rates import rate_told
 from .confusion import write_csv
@@ -38,13 +38,6 @@ class Found:
     figures: Figures
     validation: str
     left_out: str
-
-
-def checked_folder(path: Path) -> Path:
-    """The same path, if it is or can be a folder: its parent exists. Raises InputError."""
-    if path.is_file() or not path.parent.is_dir():
-        raise InputError(f"{path}: cannot be a folder")
-    return path
 
 
 def lines_of(found: Found) -> list[str]:

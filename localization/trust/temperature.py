@@ -15,6 +15,8 @@ from scipy.special import log_softmax, softmax
 
 SHARPEST = 1e4
 """Decisions are multiplied by at most this much, and at least by its inverse."""
+BINS = 10
+"""Of answers, by how sure they are."""
 
 
 def sharpness_of(decisions: NDArray[np.float64], index: NDArray[np.intp]) -> float:
@@ -37,14 +39,14 @@ def probabilities(decisions: NDArray[np.float64], sharpness: float) -> NDArray[n
     return np.asarray(softmax(sharpness * decisions, axis=1))
 
 
-def calibration_error(probability: ArrayLike, right: ArrayLike, bins: int = 10) -> float:
+def calibration_error(probability: ArrayLike, right: ArrayLike) -> float:
     """Expected calibration error: how far answers are from being right as often as they say.
 
-    sum_b |mean right - mean probability| n_b / n over bins of like numbers of answers (Guo et al.,
+    sum_b |mean right - mean probability| n_b / n over BINS of like numbers of answers (Guo et al.,
     section 2, with bins of like widths). Both arrays: shape (n,).
     """
     probability, right = np.asarray(probability, dtype=float), np.asarray(right, dtype=float)
     order = np.argsort(probability, kind="stable")
-    parts = np.array_split(order, bins)
+    parts = np.array_split(order, BINS)
     gaps = [abs(float((right[part] - probability[part]).sum())) for part in parts]
     return sum(gaps) / probability.size

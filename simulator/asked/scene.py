@@ -6,7 +6,7 @@ from ..models.plain import electrical
 from ..models.validity import warnings
 from ..scene.files import load_scene
 from ..scene.scene import Scene
-from .slips import slips
+from .plausibility import slips
 from .telling import note, warn
 
 

@@ -88,11 +88,11 @@ def calibrate(
     from ..progress import told_on_terminal
     from ..scene.files import scene_text
     from ..scene.frequency import parse_band
-    from ..sweeps import read_joined
+    from ..sweeps import checked_folder, read_joined
     from ..sweeps.same_skin import check_same_skin
     from .choice import Options
     from .prior import checked_kind
-    from .report import checked_folder, correlations, explanations, table, write_report
+    from .report import correlations, explanations, table, write_report
     from .run import calibrate as calibrated
 
     folder, ending = checked_folder(output), checked_ending(charts)

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..models.parameters import FACTORS
 from ..scene.files import scene_text
-from ..sweeps import InputError
 from .chart import draw_residuals
 from .sheets import MISMATCH, RATIO
 
@@ -32,15 +31,6 @@ WIDEST = 1000
 """Characters: of any console."""
 WIDENED = 1.2
 """Chi-squared per degree of freedom from which it is said that intervals are wider for it."""
-
-
-def checked_folder(path: Path) -> Path:
-    """The same path, if it is a folder or can become one; raises InputError."""
-    if path.exists() and not path.is_dir():
-        raise InputError(f"{path}: is a file, not a folder")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: the folder {path.parent} does not exist")
-    return path
 
 
 def write_report(

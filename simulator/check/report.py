@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..charts import ENDINGS
-from ..sweeps import InputError, whole_file
+from ..sweeps import InputError, checked_folder, checked_output, whole_file
 from ..sweeps.laws.examination import Judgement
 from .residuals import draw_residuals
 
@@ -46,14 +46,12 @@ def checked_report(path: Path) -> Path:
 
     Raises InputError where it has another ending or its folder does not exist.
     """
-    if path.suffix not in ("", *ENDINGS) and not path.is_dir():
+    if path.is_dir() or not path.suffix:
+        return checked_folder(path)
+    if path.suffix not in ENDINGS:
         endings = ", ".join(ENDINGS)
         raise InputError(f"{path}: must end in {endings} or be a folder, got {path.suffix!r}")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: the folder {path.parent} does not exist")
-    if path.suffix == "" and path.exists() and not path.is_dir():
-        raise InputError(f"{path}: is a file, not a folder")
-    return path
+    return checked_output(path, ENDINGS)
 
 
 def write_report(judgements: Sequence[Judgement], path: Path) -> None:

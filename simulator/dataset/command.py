@@ -38,7 +38,7 @@ def dataset(
     same command goes on. The bytes depend on the scene, SWEEPS, SEED, RTOL and
     the version only, and sweep k on neither SWEEPS nor who computes it.
     """
-    from ..asked.patience import tell_if_long
+    from ..asked.durations import tell_if_long
     from ..asked.scene import asked_scene, tell_if_noise_free
     from ..asked.telling import written
     from ..asked.tolerance import checked_rtol

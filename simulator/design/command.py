@@ -169,10 +169,6 @@ def _own_band(scene: Scene) -> tuple[float, float]:
 
 
 def _journal_of(output: Path) -> Path:
-    from ..sweeps import InputError
+    from ..sweeps import checked_folder
 
-    if output.exists() and not output.is_dir():
-        raise InputError(f"{output}: is a file, not a folder")
-    if not output.parent.is_dir():
-        raise InputError(f"{output}: the folder {output.parent} does not exist")
-    return output.with_name(f".{output.name}.search")
+    return checked_folder(output).with_name(f".{output.name}.search")

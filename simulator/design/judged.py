@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.bayes import drawn, likeliest, templates
-from ..bounds.common import CommonDraws
+from ..bounds.common_draws import CommonDraws
 from ..bounds.readings import hypotheses
 from ..measure.experiment import own_presses
 from ..scene.contacts import Interface

@@ -22,9 +22,9 @@ Swept = tuple[NDArray[np.complex128], NDArray[np.float64]]
 
 
 def relative_difference(
-    Z: NDArray[np.complex128], truth: NDArray[np.complex128], omega: NDArray[np.float64]
+    Z: NDArray[np.complex128], truth: NDArray[np.complex128]
 ) -> NDArray[np.float64]:
-    """|Rs / Rs_true - 1| and |Cp / Cp_true - 1|, shape (2, ...). Z, truth: ohm. omega: rad/s.
+    """|Rs / Rs_true - 1| and |Cp / Cp_true - 1|, shape (2, ...). Z, truth: ohm.
 
     The difference of Cp is told as a fraction of `told_susceptance`.
     """
@@ -92,11 +92,10 @@ def checked(
     a coarser one. frequency: Hz. rtol: the tolerance asked of Rs and Cp.
     """
     around = frequencies_around(frequency)
-    omega = 2 * np.pi * around
     (Z, change), (finer, _), *coarser = sweep(around, KRYLOV_SHARE * rtol)
-    off = estimated_error(relative_difference(Z, finer, omega))
+    off = estimated_error(relative_difference(Z, finer))
     for before, _ in coarser:
-        gained = estimated_error(relative_difference(before, Z, omega))
+        gained = estimated_error(relative_difference(before, Z))
         off = np.maximum(off, gained / MOST_GAINED)
     here = np.s_[:, : len(frequency)]
     return Z[here], off + change[here] + ROUNDING

@@ -177,11 +177,6 @@ def _even(density: NDArray[np.float64]) -> bool:
     return bool((density == density[..., :1]).all())
 
 
-def load(rule: Rule, surface: Surface, f: NDArray) -> NDArray:
-    """Of the form f v, shape (function, cell). f: A/m², shape (cell, point)."""
-    return rule.values @ (rule.weights * surface.area * f).T
-
-
 def interpolated(rule: Rule, surface: Surface, u: NDArray) -> tuple[NDArray, NDArray]:
     """A function and its gradient, per m, from its coefficients u, shape (function, cell).
 

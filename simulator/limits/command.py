@@ -12,7 +12,7 @@ from ..asked.options import AgainstRest, Charts, Interfaces, SceneName, TouchFac
 if TYPE_CHECKING:
     from ..progress import Track
     from ..scene.scene import Scene
-    from .identity import Identity
+    from .identity import Identity, Sampling
     from .survey import Question, Variant
 
 FOLDER = Path("limits")
@@ -69,7 +69,9 @@ def limits(
     from ..charts import checked_ending
     from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
-    from .survey import Question, with_factor, with_interfaces, with_sheets
+    from ..sweeps import made_folder
+    from .identity import Sampling, identity
+    from .survey import Question, survey, with_factor, with_interfaces, with_sheets
 
     plain = foldable(asked_scene(scene), "a limit")
     check_numbers(draws=draws, against_rest=against_rest, seed=seed, n=n)
@@ -77,16 +79,20 @@ def limits(
     touch = chosen_touch(plain, side, factor)
     loaded = with_factor(with_interfaces(plain, interface or []), 1 + touch.rise)
     question = Question(touch, against_rest, unknown_skin, not loaded.press.plain)
+    sampling = Sampling(seed, draws, against_rest, side)
     ending = checked_ending(charts)
     resistances = _listed(sheet_resistance)
     for resistance in resistances:
         with_sheets(loaded, resistance)
     with on_terminal() as track:
         if accuracy is not None:
-            _print_counts(loaded, accuracy, (seed, draws), against_rest, track, side)
+            _print_counts(loaded, accuracy, sampling, track)
         if accuracy is None or output is not None:
-            folder = _made(output or FOLDER)
-            _write(loaded, question, resistances, n, (seed, draws), folder, ending, track, side)
+            folder = made_folder(output or FOLDER)
+            variants = survey(loaded, question, resistances, n, track)
+            told_apart = identity(loaded, sampling, track)
+            _write(loaded, question, variants, told_apart, folder, ending)
+            _print(loaded, question, variants, told_apart, folder)
 
 
 def _listed(text: str | None) -> list[float]:
@@ -98,28 +104,11 @@ def _listed(text: str | None) -> list[float]:
         raise InputError(f"--sheet-resistance must be R,R,... in ohm/sq, got {text}") from None
 
 
-def _made(folder: Path) -> Path:
-    from ..sweeps import InputError
-
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be made a folder: {error}") from error
-    return folder
-
-
-def _print_counts(
-    scene: Scene,
-    accuracy: float,
-    random: tuple[int, int],
-    against_rest: int,
-    track: Track,
-    size: float | None,
-) -> None:
+def _print_counts(scene: Scene, accuracy: float, sampling: Sampling, track: Track) -> None:
     from .identity import FEWEST, MOST, counts, shape_of
 
     for target in ("column", "pixel"):
-        found = list(counts(scene, target, accuracy, *random, against_rest, track, size))
+        found = list(counts(scene, target, accuracy, sampling, track))
         reached = [each for each in found if each.reaches(accuracy)]
         best = reached[-1] if reached else None
         told = (
@@ -140,22 +129,15 @@ def _print_counts(
 def _write(
     scene: Scene,
     question: Question,
-    resistances: list[float],
-    n: int | None,
-    random: tuple[int, int],
+    variants: list[Variant],
+    told_apart: Identity,
     folder: Path,
     ending: str,
-    track: Track,
-    size: float | None,
 ) -> None:
     from ..scene.reading import frequencies_of_each
     from .figure import draw_distances, draw_maps
-    from .identity import identity
     from .report import summary, write_distances, write_places, write_summary
-    from .survey import survey
 
-    variants = survey(scene, question, resistances, n, track)
-    told_apart = identity(scene, *random, question.against_rest, track, size)
     title = _title(scene, question)
     for comparison in dict.fromkeys(variant.comparison for variant in variants):
         chosen = [variant for variant in variants if variant.comparison == comparison]
@@ -179,7 +161,6 @@ def _write(
     if each := frequencies_of_each(scene):
         content["frequencies_of_each_Hz"] = each
     write_summary(content, folder / "limits.json")
-    _print(scene, variants, question, told_apart, folder)
 
 
 def _title(scene: Scene, question: Question) -> str:
@@ -193,8 +174,8 @@ def _title(scene: Scene, question: Question) -> str:
 
 def _print(
     scene: Scene,
-    variants: list[Variant],
     question: Question,
+    variants: list[Variant],
     told_apart: Identity,
     folder: Path,
 ) -> None:

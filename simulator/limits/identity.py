@@ -77,6 +77,33 @@ def _curve(
     return readings.of(hypothesis.pixels, factor)
 
 
+@dataclass(frozen=True)
+class Sampling:
+    """How accuracies are found: by so many sweeps drawn from a seed.
+
+    against_rest, size: as of `Readings`.
+    """
+
+    seed: int
+    draws: int
+    against_rest: int = 0
+    size: float | None = None
+
+    def readings(self, scene: Scene, presses: AnyDistribution) -> Readings:
+        """Of a scene under such presses."""
+        return Readings(scene, presses, self.against_rest, self.size)
+
+    def bayes(
+        self,
+        readings: Readings,
+        among: Sequence[Hypothesis],
+        presses: AnyDistribution,
+        track: Track,
+    ) -> Accuracy:
+        """Bayes' accuracy of hypotheses under such presses."""
+        return bayes(readings, among, presses, self.seed, self.draws, track)
+
+
 TARGETS = ("column", "row", "pixel")
 
 
@@ -114,25 +141,18 @@ class Identity:
         ]
 
 
-def identity(
-    scene: Scene,
-    seed: int,
-    draws: int,
-    against_rest: int = 0,
-    track: Track = silent,
-    size: float | None = None,
-) -> Identity:
-    """Of a known skin, pressed as the scene's experiment does. size: as of `Readings`."""
+def identity(scene: Scene, sampling: Sampling, track: Track = silent) -> Identity:
+    """Of a known skin, pressed as the scene's experiment does."""
     presses = own_presses(scene)
-    readings = Readings(scene, presses, against_rest, size)
+    readings = sampling.readings(scene, presses)
     among = {target: hypotheses(scene, target) for target in TARGETS}
     pixels = [each for each in among["pixel"] if each.pixels]
     return Identity(
-        {t: bayes(readings, each, presses, seed, draws, track) for t, each in among.items()},
+        {t: sampling.bayes(readings, each, presses, track) for t, each in among.items()},
         {t: upper_bound(readings, each, presses) for t, each in among.items()},
         distances(readings, pixels, presses),
         [",".join(map(str, each.answer)) for each in pixels],
-        _asked(scene, size),
+        _asked(scene, sampling.size),
     )
 
 
@@ -171,20 +191,17 @@ def counts(
     scene: Scene,
     target: str,
     asked: float,
-    seed: int,
-    draws: int,
-    against_rest: int = 0,
+    sampling: Sampling,
     track: Track = silent,
-    size: float | None = None,
 ) -> Iterator[Count]:
     """From FEWEST pixels on, up to the first number that does not reach what is asked.
 
-    size: as of `Readings`. Raises InputError where that is no accuracy between 0 and 1.
+    Raises InputError where that is no accuracy between 0 and 1.
     """
     if not 0 < asked < 1:
         raise InputError(f"--accuracy must be > 0 and < 1, got {asked:g}")
     for n in range(FEWEST, MOST + 1):
-        found = counted(scene, target, n, seed, draws, against_rest, track, size)
+        found = counted(scene, target, n, sampling, track)
         yield found
         if not found.reaches(asked):
             return
@@ -194,19 +211,16 @@ def counted(
     scene: Scene,
     target: str,
     n: int,
-    seed: int,
-    draws: int,
-    against_rest: int = 0,
+    sampling: Sampling,
     track: Track = silent,
-    size: float | None = None,
 ) -> Count:
     """The best accuracy with n pixels along each side."""
     divided = with_pixels(scene, n)
     presses, among = own_presses(divided), hypotheses(divided, target)
-    readings = Readings(divided, presses, against_rest, size)
+    readings = sampling.readings(divided, presses)
     readings.train(track)
     bound = upper_bound(readings, among, presses)
-    return Count(n, bayes(readings, among, presses, seed, draws, track), bound)
+    return Count(n, sampling.bayes(readings, among, presses, track), bound)
 
 
 def with_pixels(scene: Scene, n: int) -> Scene:

@@ -78,7 +78,8 @@ def survey(
     told = f"the scene's {len(own)}" if scene.taken is None else "the scene's own"
     everything = Variant(FREQUENCIES, told, slopes.bounds(own, taken=scene.taken), own)
     sets = _sets(scene, slopes, n)
-    variants = [everything, *(_variant(FREQUENCIES, k, slopes, f) for k, f in sets.items())]
+    others = (Variant(FREQUENCIES, name, slopes.bounds(f), f) for name, f in sets.items())
+    variants = [everything, *others]
     if len(scene.interfaces) > 1:
         for number, interface in enumerate(scene.interfaces):
             its = frequencies_at(scene, interface.name)
@@ -159,7 +160,3 @@ def _sets(scene: Scene, slopes: Slopes, n: int) -> dict[str, NDArray[np.float64]
     starts = [slopes.number(f) for f in named.values() if len(np.unique(f)) == n]
     best = best_choice(criterion.score, len(slopes.frequency), n, starts)
     return {f"{n}, {name}": f for name, f in (named | {OPTIMAL: slopes.frequency[best]}).items()}
-
-
-def _variant(comparison: str, name: str, slopes: Slopes, frequency: NDArray[np.float64]) -> Variant:
-    return Variant(comparison, name, slopes.bounds(frequency), frequency)

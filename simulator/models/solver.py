@@ -216,8 +216,8 @@ class Solver:
             )
         sheet = self._sheet(self._ladder.resolution(self._first_level, press, frequency[-1]))
         lumped, finer = Lumped(sheet, sheet.nested), Lumped(sheet)
-        Z, omega = lumped.impedance(press, frequency), 2 * np.pi * frequency
-        resolved = SAFETY * relative_difference(Z, finer.impedance(press, frequency), omega)
+        Z = lumped.impedance(press, frequency)
+        resolved = SAFETY * relative_difference(Z, finer.impedance(press, frequency))
         error = resolved + lumped.left_out(press, frequency) + ROUNDING
         return progress.offer(Rung(LUMPED, sheet.nested.inner, Z, error))
 

@@ -10,7 +10,7 @@ from ..models.line import HALF_POWER, PAPER_CONSTANT, interrogation_frequency
 from ..scene.scene import Scene
 from ..scene.skin import VACUUM_PERMITTIVITY
 from .claim import Claim, listed
-from .reading import STATED_SHEET_RESISTANCE, capacitance_changes, totals, with_sheet_resistance
+from .reading import STATED_SHEET_RESISTANCE, capacitance_changes, totals
 
 THICKNESS = 4e-3
 SILICONE, POROSITY = 2.8, 0.67
@@ -62,7 +62,7 @@ def _frequencies(strip: Scene) -> Claim:
 
 def _sheet_resistance(strip: Scene) -> Claim:
     f = strip.frequencies[-1]
-    stated = with_sheet_resistance(strip, STATED_SHEET_RESISTANCE)
+    stated = strip.with_({"skin.sheet_resistance": STATED_SHEET_RESISTANCE})
     ours, theirs = (100 * capacitance_changes(scene, f) for scene in (strip, stated))
     loop, stated_loop = (totals(scene).R / strip.skin.length / 1e6 for scene in (strip, stated))
     return Claim(

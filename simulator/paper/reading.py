@@ -13,7 +13,6 @@ from ..models.solver import Solver
 from ..press.press import Press
 from ..press.touch import Touch
 from ..scene.scene import Scene
-from ..scene.skin import Sheet
 from ..sweeps import parallel_capacitance
 
 STATED_SHEET_RESISTANCE = 50e3
@@ -34,13 +33,6 @@ def totals(scene: Scene) -> Totals:
     skin = scene.skin
     R = skin.both_sheets * skin.length / skin.width
     return Totals(R, skin.foam.rest_capacitance_per_area * (skin.length * skin.width))
-
-
-def with_sheet_resistance(scene: Scene, sheet_resistance: float) -> Scene:
-    """The same scene with both sheets of another sheet resistance in ohm/sq."""
-    sheet = Sheet(sheet_resistance=sheet_resistance)
-    skin = scene.skin.model_copy(update={"top": sheet, "bottom": sheet})
-    return scene.model_copy(update={"skin": skin})
 
 
 def capacitance_changes(scene: Scene, frequency: float) -> NDArray[np.float64]:

@@ -15,7 +15,7 @@ from ..models.solver import DEFAULT_RTOL
 from ..progress import Track
 from ..scene.files import load_scene
 from ..scene.meter import Readout
-from ..sweeps import InputError, whole_file, write
+from ..sweeps import made_folder, whole_file, write
 from . import figures
 from .claim import Claim
 from .claims import all_claims
@@ -49,10 +49,7 @@ def reproduce(
     same bytes on every run.
     Raises InputError where the folder cannot be made.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be made: {error.strerror}") from error
+    made_folder(folder)
     results = _experiments(localizer, track)
     claims = all_claims(results)
     _write_tables(folder, results, claims, localizer)

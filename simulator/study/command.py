@@ -77,7 +77,7 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         distance between classes in units of the meter's error, and the band of
         frequencies that tells neighbours best.
         """
-        from ..asked.patience import tell_if_long
+        from ..asked.durations import tell_if_long
         from ..asked.scene import asked_scene
         from ..asked.telling import warn, written
         from ..asked.tolerance import checked_rtol

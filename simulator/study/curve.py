@@ -62,12 +62,11 @@ class Curve:
 def trace(
     solve: Callable[[float], NDArray[np.complex128]],
     factors: ArrayLike,
-    frequency: NDArray[np.float64],
     rtol: float,
 ) -> Curve:
     """The curve that gives Z at these factors with an error of Rs and Cp of at most `rtol`.
 
-    solve: Z in ohm of a factor, shape (interface, frequency). factors: > 0. frequency: Hz. Factors
+    solve: Z in ohm of a factor, shape (interface, frequency). factors: > 0. Factors
     are solved one by one where there are fewer of them than a polynomial would need.
     """
     wanted = np.unique(factors)
@@ -80,7 +79,7 @@ def trace(
         curve = _through(known, nodes)
         coarser = _through(known, nodes[:: (fine - 1) // (coarse - 1)])
         Z, expected = curve.impedance(curve.factors), coarser.impedance(curve.factors)
-        if (relative_difference(expected, Z, 2 * np.pi * frequency) <= rtol).all():
+        if (relative_difference(expected, Z) <= rtol).all():
             return curve
     known |= {factor: solve(factor) for factor in wanted.tolist() if factor not in known}
     return replace(_through(known, wanted.tolist()), interpolated=False)

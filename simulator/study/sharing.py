@@ -165,7 +165,7 @@ def solve(task: Task) -> Solution:
             touches = () if pixel == AT_REST else (pixel_pressed(task.scene, *pixel, factor),)
             return solver.solve(Press(touches)).Z
 
-        return trace(impedance, factors, task.scene.frequencies, CURVE_SHARE * task.rtol)
+        return trace(impedance, factors, CURVE_SHARE * task.rtol)
 
     curves = {pixel: curve(pixel, factors) for pixel, factors in task.factors.items()}
     return Solution(curves, solves)

@@ -1,7 +1,17 @@
 """Sweeps: simulated and measured impedance spectra in one schema, and the files that hold them."""
 
 from .errors import InputError, ToleranceError
-from .files import checked_output, counted, loaded, open_zarr, read, whole_file, write
+from .files import (
+    checked_folder,
+    checked_output,
+    counted,
+    loaded,
+    made_folder,
+    open_zarr,
+    read,
+    whole_file,
+    write,
+)
 from .impedance import branch_reactance, parallel_capacitance, series_capacitance
 from .joining import read_joined
 from .laws.passivity import Violation, violations
@@ -29,11 +39,13 @@ __all__ = [
     "build",
     "check",
     "check_needs",
+    "checked_folder",
     "checked_output",
     "concatenate",
     "counted",
     "impedance",
     "loaded",
+    "made_folder",
     "open_zarr",
     "parallel_capacitance",
     "read",

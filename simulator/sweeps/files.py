@@ -81,13 +81,40 @@ def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:
     path = Path(path)
     if path.suffix not in endings:
         raise InputError(f"{path}: must end in {' or '.join(endings)}, got {path.suffix!r}")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: the folder {path.parent} does not exist")
+    _check_parent(path)
     if path.suffix != ".zarr" and path.is_dir():
         raise InputError(f"{path}: is a folder, not a file to write to")
     if path.suffix == ".zarr":
         check_zarr(path)
     return path
+
+
+def checked_folder(path: Path) -> Path:
+    """The same path, if it is a folder or can become one in a folder that exists.
+
+    Raises InputError.
+    """
+    if path.exists() and not path.is_dir():
+        raise InputError(f"{path}: is a file, not a folder")
+    _check_parent(path)
+    return path
+
+
+def made_folder(path: Path) -> Path:
+    """The same folder, made with those above it where it does not exist.
+
+    Raises InputError where it cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be made: {error.strerror}") from error
+    return path
+
+
+def _check_parent(path: Path) -> None:
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: the folder {path.parent} does not exist")
 
 
 @contextmanager

@@ -114,7 +114,7 @@ def _write_picture(path: Path, stage: Stage, what: str) -> None:
 
 def write_turnable(path: Path, stage: Stage, what: str) -> None:
     """Write a page to turn the skin about in a browser."""
-    from .page import write_page
+    from .turnable import write_page
 
     quantities = chosen(what, stage.fields)
     panels = [panel for quantity in quantities for panel in panels_of(stage, quantity, own=True)]

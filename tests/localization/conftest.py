@@ -1,10 +1,7 @@
 """Sweeps of a skin in closed form: a chain of uniform RC segments, one of them pressed."""
 
-import sys
-
 import numpy as np
 import pytest
-from rcskin import __main__ as rcskin
 from rcskin.simulator.sweeps import UNPRESSED, build, concatenate
 
 FREQUENCY = np.geomspace(1e3, 200e3, 20)
@@ -103,16 +100,3 @@ def sheet(make_sweeps):
             for session in (1, 2)
         ]
     )
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Runs `rcskin` with arguments; returns exit code, output and errors."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["rcskin", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            rcskin.main()
-        return end.value.code, *capsys.readouterr()
-
-    return run

@@ -14,9 +14,12 @@ from rcskin.simulator.scene.files import builtin_names, builtin_text
 from typer.main import get_command
 
 ROOT = Path(__file__).parents[2]
+USES = ("calibration", "dataset", "design", "limits", "models", "page", "study", "view")
+PAGES_OF_USES = tuple(f"simulator/{room}/README.md" for room in USES)
 PAGES = (
     "README.md",
     "simulator/README.md",
+    *PAGES_OF_USES,
     "simulator/OWN_SKIN.md",
     "simulator/scene/pages/SKINS.md",
     "simulator/scene/pages/KEYS.md",
@@ -28,6 +31,7 @@ PAGES = (
 SELF_MADE = (
     "README.md",
     "simulator/README.md",
+    *PAGES_OF_USES,
     "simulator/OWN_SKIN.md",
     "simulator/scene/pages/SKINS.md",
 )
@@ -111,7 +115,7 @@ def test_every_command_shown_exists_with_its_options(lines):
         assert {word for word in words if re.match(r"--?[a-z]", word)} <= options, line
 
 
-@pytest.mark.parametrize("page", ["README.md", "simulator/README.md"])
+@pytest.mark.parametrize("page", ["README.md", "simulator/README.md", "simulator/models/README.md"])
 def test_the_examples_run_one_after_the_other(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names = {}

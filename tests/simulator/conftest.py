@@ -1,10 +1,7 @@
 """Sweeps that no simulator made, changed scenes, and the command line as its user meets it."""
 
-import sys
-
 import numpy as np
 import pytest
-from rcskin import __main__ as rcskin
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import build
 
@@ -34,17 +31,3 @@ def make_sweeps():
 def changed():
     """A function of a scene and of keys by dotted path."""
     return Scene.with_
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Runs `rcskin ARGUMENTS`; gives the exit code, standard output and standard error."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["rcskin", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            rcskin.main()
-        out, err = capsys.readouterr()
-        return ended.value.code, out, err
-
-    return run

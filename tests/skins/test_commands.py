@@ -1,45 +1,40 @@
 """From a skin that is no rectangle to answers, at the command line."""
 
-import sys
-
 import pytest
-from rcskin import __main__ as rcskin
 from rcskin.simulator.measure.specimen import Specimen
 from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.sweeps import InputError, read
 
 
 @pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
+def done(run, monkeypatch, tmp_path):
+    """Runs `rcskin ARGUMENTS` in a folder of the test's own, without failure; its output."""
     monkeypatch.chdir(tmp_path)
 
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["rcskin", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            rcskin.main()
-        out, err = capsys.readouterr()
-        assert ended.value.code == 0, err
+    def done(*arguments):
+        code, out, err = run(*arguments)
+        assert code == 0, err
         return out
 
-    return run
+    return done
 
 
 HOLED = pytest.param("l with a hole", marks=pytest.mark.slow)
 
 
 @pytest.mark.parametrize("kind", [HOLED, "mesh"])
-def test_a_localizer_of_drawn_skins_tells_the_columns_of_another(kinds, run, tmp_path, kind):
+def test_a_localizer_of_drawn_skins_tells_the_columns_of_another(kinds, done, tmp_path, kind):
     (tmp_path / "skin.toml").write_text(scene_text(kinds[kind]), encoding="utf-8")
     loose = ("--rtol", "1e-2")
-    run("dataset", "skin.toml", "--sweeps", 60, "--workers", 1, *loose, "-o", "set.zarr")
-    run("train", "set.zarr", "--features", "dlnZ,dphase", "-o", "columns.skops")
-    run("sweep", "skin.toml", "--model", "reduced", *loose, "-o", "swept.nc")
+    done("dataset", "skin.toml", "--sweeps", 60, "--workers", 1, *loose, "-o", "set.zarr")
+    done("train", "set.zarr", "--features", "dlnZ,dphase", "-o", "columns.skops")
+    done("sweep", "skin.toml", "--model", "reduced", *loose, "-o", "swept.nc")
     swept = read(tmp_path / "swept.nc")
     pressed = {*zip(swept["row"].values.tolist(), swept["column"].values.tolist(), strict=True)}
     assert (2, 2) not in pressed and {(0, 0), (1, 1), (1, 2)} <= pressed
-    told = run("localize", "columns.skops", "swept.nc").splitlines()
+    told = done("localize", "columns.skops", "swept.nc").splitlines()
     assert len(told) >= swept.sizes["sweep"]
-    assert "accuracy" in run("evaluate", "columns.skops", "swept.nc")
+    assert "accuracy" in done("evaluate", "columns.skops", "swept.nc")
 
 
 def test_a_pixel_without_skin_is_no_press_of_the_virtual_skin(kinds):

@@ -61,7 +61,7 @@ def _compared(kind: str, seed: int, case: Case) -> Verdict:
 def _held(
     kind: str, seed: int, rtol: float, answer: Answer, truth: Truth, seconds: tuple[float, float]
 ) -> Verdict:
-    true = relative_difference(answer.Z, truth.Z, 2 * np.pi * answer.frequency)
+    true = relative_difference(answer.Z, truth.Z)
     told = np.stack(answer.relative_errors)
     sure = truth.doubt.max() <= DOUBT * rtol
     return Verdict(

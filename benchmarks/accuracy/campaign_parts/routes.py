@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
 from rcskin.benchmarks.accuracy.campaign_parts.draws import Rng
 from rcskin.benchmarks.accuracy.campaign_parts.moves import (
     has_discs,
@@ -46,8 +45,7 @@ def by_polygons(
     def route(rtol: float) -> Truth:
         sides = 4 * round(SIDES * (LOOSE / rtol) ** 0.25 / 4)
         coarse, fine = (solved(of_sides(n * sides), share * rtol) for n in (1, 2))
-        omega = 2 * np.pi * of_sides(sides).scene.frequencies
-        left = LEFT * relative_difference(coarse.Z, fine.Z, omega)
+        left = LEFT * relative_difference(coarse.Z, fine.Z)
         return Truth(fine.Z, fine.doubt + left + cut * CROSSED / (2 * sides) ** 3)
 
     return route

@@ -87,10 +87,10 @@ def uniform_line(u: NDArray) -> Iterator[Check]:
     R1, R2, C = totals(scene)
     s = variable(scene)
     Z = shipped(scene, Press())
-    yield below("1 uniform line, exact line", 1e-12, *worst(scene, Z, uniform(R1 + R2, C, s)))
+    yield below("1 uniform line, exact line", 1e-12, *worst(Z, uniform(R1 + R2, C, s)))
     for title, formula in (("1 uniform line", uniform), ("2 Foster sum", foster)):
         by_elements = shipped(scene, Press(), "sheet")
-        errors = worst(scene, by_elements, formula(R1 + R2, C, s))
+        errors = worst(by_elements, formula(R1 + R2, C, s))
         yield below(f"{title}, elements", RTOL, *errors)
 
 
@@ -108,7 +108,7 @@ def pressed_line(u: NDArray) -> Iterator[Check]:
             c = capacitance_map(scene, press)[0]
             share = c / scene.skin.foam.rest_capacitance_per_area * C / 5
             truth = piecewise((R1 + R2) / 5, share, variable(scene))
-            errors.append(worst(scene, shipped(scene, press, model), truth))
+            errors.append(worst(shipped(scene, press, model), truth))
         yield below(f"3 pressed line, {title}, u from 1e-4", limit, *np.max(errors, axis=0))
 
 
@@ -128,7 +128,7 @@ def ends(every_u: NDArray) -> Iterator[Check]:
         ):
             scene = varied("sheet-5x5", u, changes)
             truth = formula(*totals(scene), variable(scene))
-            yield below(f"{title}, u {where}", RTOL, *worst(scene, shipped(scene, Press()), truth))
+            yield below(f"{title}, u {where}", RTOL, *worst(shipped(scene, Press()), truth))
 
 
 def five_pixels() -> Check:
@@ -171,11 +171,11 @@ def symmetries() -> Iterator[Check]:
         scene = load_scene(name)
         solver = Solver(scene, RTOL)
         answers = {press.pixel: solver.solve(press).Z[0] for press in every_press(scene)[1:]}
-        errors = [worst(scene, Z, answers[image(*pixel)]) for pixel, Z in answers.items()]
+        errors = [worst(Z, answers[image(*pixel)]) for pixel, Z in answers.items()]
         yield below(title, RTOL, *np.max(errors, axis=0))
     scene = varied("sheet-5x5-crossed", [1e-9], {})
     truth = at_low_frequency(*totals(scene), variable(scene))
-    yield below("9 crossed feed at u = 1e-9", RTOL, *worst(scene, shipped(scene, Press()), truth))
+    yield below("9 crossed feed at u = 1e-9", RTOL, *worst(shipped(scene, Press()), truth))
 
 
 def passivity(skins: int) -> Iterator[Check]:

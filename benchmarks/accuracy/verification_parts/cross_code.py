@@ -98,7 +98,7 @@ def by_grids(skin: Skin) -> Iterator[Check]:
     Z = [by_ngspice(skin.scene, Cells(n, n)) for n in skin.grids]
     yield observed_order(skin, Z)
     grids = ", ".join(f"{n}²" for n in skin.grids)
-    left = worst(skin.scene, shipped(skin.scene), extrapolated(Z, skin.powers))
+    left = worst(shipped(skin.scene), extrapolated(Z, skin.powers))
     yield below(f"{skin.title}: ngspice on {grids}, extrapolated: Rs, Cp", skin.limit, *left)
 
 
@@ -108,7 +108,7 @@ def by_script(skin: Skin) -> Iterator[Check]:
     if scene.contacts[2:]:
         return
     other = scikit_fem_script.impedance(scene, press, scene.frequencies, CODE_ELEMENTS)
-    left = worst(scene, shipped(scene), other)
+    left = worst(shipped(scene), other)
     yield below(f"{skin.title}: scikit-fem Q{CODE_ELEMENTS.order}: Rs, Cp", AGREEMENT, *left)
 
 

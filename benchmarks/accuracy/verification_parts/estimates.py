@@ -163,7 +163,7 @@ def reference(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """True errors of Z and what they are known to, shape (2, interface, frequency)."""
     circuit = one_field(scene) or two_fields(scene)
-    ladder, omega = Ladder(scene, circuit), 2 * np.pi * scene.frequencies
+    ladder = Ladder(scene, circuit)
     orders = [order for order, _ in ladder.levels]
     first = min(ladder.first(rtol) + MORE_ORDERS, orders.index(HIGHEST_ORDER))
     for level in range(first, orders.index(HIGHEST_ORDER) + 1):
@@ -178,8 +178,8 @@ def reference(
         (fine, _), (coarse, _) = sheet.sweep(
             press, scene.frequencies, ROUNDED / 10, sheet.space, sheet.nested
         )
-        truth = relative_difference(Z, fine, omega)
-        doubt = relative_difference(coarse, fine, omega)
+        truth = relative_difference(Z, fine)
+        doubt = relative_difference(coarse, fine)
         if (doubt < DOUBT * np.maximum(truth, ROUNDED)).all():
             break
     return truth, doubt

@@ -16,7 +16,6 @@ from rcskin.simulator.fem.pattern import pattern_of_pairs
 from rcskin.simulator.fem.quadrature import (
     gauss_rule,
     interpolated,
-    load,
     mass_terms,
     stiffness_terms,
     surface,
@@ -187,7 +186,8 @@ class Discrete:
         b = np.zeros((len(self.fields), self.dofs.N), dtype=complex)
         for field in self.fields:
             f = self.problem.source(field, self.surface.x)
-            np.add.at(b[field], self.dofs.element_dofs, load(self.rule, self.surface, f))
+            load = self.rule.values @ (self.rule.weights * self.surface.area * f).T
+            np.add.at(b[field], self.dofs.element_dofs, load)
             b[field] += self._entering(field)
         return b.ravel()
 

@@ -52,7 +52,7 @@ class Case:
         """Relative errors of Rs and Cp."""
         circuit = one_field(self.scene) or two_fields(self.scene)
         Z = Sheet(self.scene, circuit, resolution).impedance(self.press, self.scene.frequencies)
-        return worst(self.scene, Z[0], self.truth)
+        return worst(Z[0], self.truth)
 
 
 def line() -> Case:

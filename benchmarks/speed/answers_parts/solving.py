@@ -36,8 +36,7 @@ class Asked:
 
     def off(self, Z: NDArray[np.complex128]) -> float:
         """Largest relative error of Rs and Cp."""
-        omega = 2 * np.pi * self.scene.frequencies
-        return float(relative_difference(Z, self.truth, omega).max())
+        return float(relative_difference(Z, self.truth).max())
 
     def by_solver(self, rtols: Sequence[float], again: str) -> Iterator[Answer]:
         """The first press at each tolerance; again: the way's name for each further one."""

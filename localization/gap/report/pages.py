@@ -8,7 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ....simulator.sweeps import InputError, whole_file
+from ....simulator.sweeps import whole_file
 from ..given import Style
 from .charts import charts_of
 from .numbers import numbers
@@ -29,15 +29,6 @@ class Picture(NamedTuple):
     name: str
     caption: str
     base64: str
-
-
-def made_folder(folder: Path) -> Path:
-    """The same folder, made where it does not exist. Raises InputError where it cannot be made."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be made: {error.strerror}") from error
-    return folder
 
 
 def write_report(folder: Path, findings: Findings, style: Style, ending: str | None = None) -> None:

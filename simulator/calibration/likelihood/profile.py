@@ -87,7 +87,7 @@ class Profile:
         value, slopes = along.read(self.best)
         way = self._covariance @ slopes / self.deviation(along)
         over = OVER * np.sqrt(self._covariance.diagonal())
-        start = self._place(along, value, self.best)
+        start = self._place(value, self.best)
         for side in (-self.width, self.width):
             end = self.best + side * way
             if np.any(end < self._low - over) or np.any(end > self._high + over):
@@ -95,7 +95,7 @@ class Profile:
             if not along.limits[0] <= value + side * self.deviation(along) <= along.limits[1]:
                 return False
             end = self._held(along, value + side * self.deviation(along), self._inside(end))
-            place = self._place(along, value + side * self.deviation(along), end)
+            place = self._place(value + side * self.deviation(along), end)
             rise = (place.misfit - start.misfit) / self.width**2
             if abs(rise - 1) > LINEAR or self._left(along, end) > LINEAR * self.width**2:
                 return False
@@ -104,7 +104,7 @@ class Profile:
     def law(self, along: Along) -> Law:
         """Of the quantity, from places that reach as far as an interval, or its limits."""
         with one_blas_thread():
-            start = self._place(along, along.read(self.best)[0], self.best)
+            start = self._place(along.read(self.best)[0], self.best)
             below, above = (self._walk(along, start, way) for way in (-1.0, 1.0))
         found = sorted([*below, start, *above], key=lambda place: place.at)
         misfits = np.array([each.misfit for each in found])
@@ -143,7 +143,7 @@ class Profile:
         return found
 
     def _solved(self, along: Along, at: float, begin: NDArray[np.float64]) -> Place:
-        return self._place(along, at, self._held(along, at, self._least(begin, along, at)))
+        return self._place(at, self._held(along, at, self._least(begin, along, at)))
 
     def _least(
         self, begin: NDArray[np.float64], along: Along | None, at: float
@@ -200,7 +200,7 @@ class Profile:
         downhill = J.T @ r
         return float(downhill @ np.linalg.solve(J.T @ J, downhill))
 
-    def _place(self, along: Along, at: float, u: NDArray[np.float64]) -> Place:
+    def _place(self, at: float, u: NDArray[np.float64]) -> Place:
         r = self._at(u)[0]
         return Place(at, u, float(r @ r))
 

@@ -51,13 +51,16 @@ def touched(
 
 Draw = Callable[[np.random.Generator], Case]
 
+MOST_AT_ONCE = 2
+"""Pixels that one press touches."""
 
-def pixel_touches(scene: Scene, factor: tuple[float, float] = (1.0, 3.0), most: int = 2) -> Draw:
+
+def pixel_touches(scene: Scene, factor: tuple[float, float] = (1.0, 3.0)) -> Draw:
     """One or several pixels pressed at random on the scene's own skin, factors within a range."""
     pixels = scene.pixels.rows * scene.pixels.columns
 
     def draw(random: np.random.Generator) -> Case:
-        touches = random.integers(1, min(most, pixels), endpoint=True)
+        touches = random.integers(1, min(MOST_AT_ONCE, pixels), endpoint=True)
         cells = random.choice(pixels, touches, replace=False)
         return Case(None, cells, random.uniform(*factor, touches) - 1)
 

@@ -242,11 +242,10 @@ def _done(error: float, begun: float, limit: float) -> float:
 def compressed(reduced: Reduced, cases: list[Case]) -> Reduced:
     """The same with pixels' factors of lower rank, as far as that leaves these cases unchanged."""
     exact = _impedances(reduced, cases)
-    omega = 2 * np.pi * reduced.scene.frequencies
     share = COMPRESSED_SHARE * reduced.rtol
     while True:
         candidate = replace(reduced, factors=_of_lower_rank(reduced, share))
-        change = relative_difference(_impedances(candidate, cases), exact, omega)
+        change = relative_difference(_impedances(candidate, cases), exact)
         if change.max() <= COMPRESSED_SHARE * reduced.rtol:
             return candidate
         share *= 0.1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import product
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,8 @@ from .even import EvenFamily
 from .family import Family, Mesh, Triangulation, Weights, weights_under
 from .uneven import UnevenFamily
 
+FamilyT = TypeVar("FamilyT", bound=Family)
+
 SHARE = 0.7
 """Of the tolerance, for the mesh; the rest is for the basis. The next order has twice as many
 unknowns, while a basis of a half of the tolerance has a few vectors more: its error is a square."""
@@ -47,11 +50,24 @@ def resolved(
 
     Raises ToleranceError where none does.
     """
-    rise, found = max(float(case.rises.max(initial=0)) for case in cases), np.inf
+    rise = max(float(case.rises.max(initial=0)) for case in cases)
     presses = [_everywhere(scene, rise)] if scene.plain else _in_turns(scene, rise)
-    for family in finer_families(scene, circuit, modes, rtol, presses):
+    families = finer_families(scene, circuit, modes, rtol, presses)
+    each = [] if scene.plain else alone(held(scene).numbers, rise, MOST_ALONE)
+    return coarsest(families, [*cases, *each], rtol)
+
+
+def coarsest(
+    families: Iterator[FamilyT], cases: Sequence[Case], rtol: float
+) -> tuple[FamilyT, float]:
+    """The first family whose error in these cases is within its share of the tolerance, and that.
+
+    Raises ToleranceError where none is.
+    """
+    found = np.inf
+    for family in families:
         found = 0.0
-        for case in [*cases, *([] if scene.plain else _alone(scene, rise))]:
+        for case in cases:
             found = max(found, error_of(family, case, rtol))
             if found > SHARE * rtol:
                 break
@@ -130,10 +146,9 @@ def _everywhere(scene: Scene, rise: float) -> Press:
     return Press(tuple(Touch(i + 1, j + 1, 1 + rise) for i, j in pixels))
 
 
-def _alone(scene: Scene, rise: float) -> list[Case]:
-    """Pixels pressed one at a time: all of them, or so many."""
-    pixels = held(scene).numbers
-    some = np.unique(np.linspace(0, len(pixels) - 1, MOST_ALONE).round().astype(np.int64))
+def alone(pixels: NDArray[np.int64], rise: float, most: int) -> list[Case]:
+    """These pixels pressed one at a time: all of them, or so many."""
+    some = np.unique(np.linspace(0, len(pixels) - 1, most).round().astype(np.int64))
     return [Case(None, pixels[[k]], np.array([rise])) for k in some]
 
 

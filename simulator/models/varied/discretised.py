@@ -75,12 +75,11 @@ class Discretised:
         """
         around = frequencies_around(frequency)
         (Z, change), (finer, _), *lower = self._swept(around, KRYLOV_SHARE * rtol)
-        omega = 2 * np.pi * around
         if lower:
             order = self.coarse.space.order
-            off = by_orders(order, [finer, Z, *(each for each, _ in lower)], omega)
+            off = by_orders(order, [finer, Z, *(each for each, _ in lower)])
         else:
-            shown = evened(relative_difference(Z, finer, omega))
+            shown = evened(relative_difference(Z, finer))
             off = self.course.effect(frequency, Z, finer) * shown
         here = np.s_[:, : len(frequency)]
         told = SAFETY * np.sqrt(off * off.max(axis=0)) + change[here] + ROUNDING
@@ -109,7 +108,7 @@ class Discretised:
                 swept(each.space, each.system.mass, drives, s, KRYLOV_SHARE * rtol)[0]
                 for each in (own, other)
             )
-        off = relative_difference(Z, moved, 2 * np.pi * frequency)
+        off = relative_difference(Z, moved)
         return np.sqrt(off * off.max(axis=0))
 
     @cached_property

@@ -79,15 +79,13 @@ def _told(
     return float(np.median(k, axis=1).max(initial=0.0))
 
 
-def by_orders(order: int, Z: list[Admittances], omega: NDArray[np.float64]) -> NDArray[np.float64]:
+def by_orders(order: int, Z: list[Admittances]) -> NDArray[np.float64]:
     """Relative errors of Rs and Cp of the second Z, shape (2, interface, frequency), unsafe still.
 
     Z: ohm, of orders order + 1, order, order - 1, order - 2 on one mesh, at `frequencies_around`.
     D falls like a power of the order, or faster.
     """
-    steps = [
-        evened(relative_difference(low, high, omega)) for high, low in zip(Z, Z[1:], strict=False)
-    ]
+    steps = [evened(relative_difference(low, high)) for high, low in zip(Z, Z[1:], strict=False)]
     latest, before, first = (step.max(axis=0) for step in steps)
     gained, before_gained = _ratio(before, latest), _ratio(first, before)
     power = np.log(gained) / math.log(order / (order - 1)) - 1

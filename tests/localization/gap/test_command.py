@@ -1,11 +1,10 @@
 """`rcskin gap` as its user meets it, on skins of the simulator."""
 
 import json
-import sys
+from functools import partial
 
 import numpy as np
 import pytest
-from rcskin import __main__ as rcskin
 from rcskin.localization.model.file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.experiment import planned_presses
@@ -23,16 +22,9 @@ ENTRIES = {"about", "accuracy", "calibration", "causes", "compared", "discrepanc
 
 
 @pytest.fixture
-def run(monkeypatch, capsys):
-    """Runs `rcskin gap ARGUMENTS`; gives the exit code, standard output and standard error."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["rcskin", "gap", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            rcskin.main()
-        return ended.value.code, *capsys.readouterr()
-
-    return run
+def gap(run):
+    """Runs `rcskin gap ARGUMENTS`, as `run`."""
+    return partial(run, "gap")
 
 
 def recorded(scene, seed, factor=1.0):
@@ -55,8 +47,8 @@ def files(tmp_path_factory):
     return paths
 
 
-def test_a_sheet_resistance_is_named_and_calibration_brings_accuracy_up(run, files, tmp_path):
-    code, out, err = run(*files, "-o", tmp_path / "gap", "--draws", 2)
+def test_a_sheet_resistance_is_named_and_calibration_brings_accuracy_up(gap, files, tmp_path):
+    code, out, err = gap(*files, "-o", tmp_path / "gap", "--draws", 2)
     assert (code, err) == (0, "")
     assert "Sheet resistance explains most of the gap" in out
     assert out.endswith(f" twin sweeps -> {tmp_path / 'gap' / 'gap.html'}\n")
@@ -71,22 +63,22 @@ def test_a_sheet_resistance_is_named_and_calibration_brings_accuracy_up(run, fil
 
 
 def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
-    run, files, tmp_path, monkeypatch
+    gap, files, tmp_path, monkeypatch
 ):
     monkeypatch.setattr("rcskin.localization.gap.report.pages.charts_of", lambda *given: [])
     bare = tmp_path / "bare.nc"
     exact = simulate(Solver(load_scene("strip-1x3")), every_press(load_scene("strip-1x3")))
     write(exact.isel(frequency=slice(None, None, 2)).assign_attrs(scene=""), bare)
-    code, out, _ = run(bare, files[1], "-o", tmp_path, "--scene", "strip-1x3", "--draws", 1)
+    code, out, _ = gap(bare, files[1], "-o", tmp_path, "--scene", "strip-1x3", "--draws", 1)
     assert code == 0
     assert "simulated anew" in out and "free of noise" in out and "after calibration" in out
 
 
-def test_the_users_own_model_is_asked_as_it_is_and_adapted(run, files, tmp_path):
+def test_the_users_own_model_is_asked_as_it_is_and_adapted(gap, files, tmp_path):
     model = tmp_path / "m.skops"
     simulated, twin = map(read, files)
     save(model, train(simulated, quantities=("Rs", "Cp")))
-    code, out, err = run(*files, "--model", model, "-o", tmp_path / "gap", "--draws", 2)
+    code, out, err = gap(*files, "--model", model, "-o", tmp_path / "gap", "--draws", 2)
     assert (code, err) == (0, "")
     assert "the model as it is" in out and "the model, adapted by k = 2" in out
     assert "sweeps' columns the model tells" in out and "Trained on simulation" not in out
@@ -101,10 +93,10 @@ def test_the_users_own_model_is_asked_as_it_is_and_adapted(run, files, tmp_path)
     assert 'id="belief"' in (tmp_path / "gap" / "gap.html").read_text()
 
 
-def test_a_model_leaves_no_choice_of_target(run, files, tmp_path):
+def test_a_model_leaves_no_choice_of_target(gap, files, tmp_path):
     model = tmp_path / "m.skops"
     save(model, train(read(files[0])))
-    code, _, err = run(*files, "--model", model, "--target", "row", "-o", tmp_path / "gap")
+    code, _, err = gap(*files, "--model", model, "--target", "row", "-o", tmp_path / "gap")
     assert (code, err) == (2, "rcskin: --model tells target and estimator: leave these out\n")
 
 
@@ -119,17 +111,17 @@ def test_a_model_leaves_no_choice_of_target(run, files, tmp_path):
         ((0, 1, "--draws", "0"), "--draws must be >= 1, got 0"),
     ],
 )
-def test_bad_input_is_one_line_and_leaves_nothing(run, files, tmp_path, arguments, message):
+def test_bad_input_is_one_line_and_leaves_nothing(gap, files, tmp_path, arguments, message):
     paths = [files[each] if isinstance(each, int) else each for each in arguments]
-    code, out, err = run(*paths, "-o", tmp_path / "gap")
+    code, out, err = gap(*paths, "-o", tmp_path / "gap")
     assert (code, out) == (2, "")
     assert err.count("\n") == 1 and message in err
     assert not (tmp_path / "gap").exists() or not [*(tmp_path / "gap").iterdir()]
 
 
-def test_sides_of_other_interfaces_are_refused(run, files, tmp_path):
+def test_sides_of_other_interfaces_are_refused(gap, files, tmp_path):
     other = tmp_path / "other.nc"
     write(read(files[1]).assign_coords(interface=["elsewhere"]), other)
-    code, _, err = run(files[0], other, "-o", tmp_path / "gap")
+    code, _, err = gap(files[0], other, "-o", tmp_path / "gap")
     assert code == 2
     assert err == "rcskin: no interface in common: left and elsewhere\n"

@@ -11,7 +11,6 @@ from rcskin.localization.gap.report import pages as report
 from rcskin.localization.gap.report.charts import charts_of
 from rcskin.localization.gap.report.numbers import KEYS, numbers
 from rcskin.localization.gap.report.telling import cause_told, rows_of
-from rcskin.simulator.sweeps import InputError
 
 CHARTS = {
     "distance-pressed",
@@ -149,12 +148,6 @@ def test_a_chart_that_fails_leaves_nothing_behind(findings, style, tmp_path, mon
     with pytest.raises(RuntimeError):
         report.write_report(tmp_path, findings, style)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
-    (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="cannot be made"):
-        report.made_folder(tmp_path / "file" / "folder")
 
 
 @pytest.mark.parametrize(

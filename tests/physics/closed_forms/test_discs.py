@@ -1,7 +1,5 @@
 """Discs and annuli fed at a whole rim, on curved cells: Z in Bessel functions."""
 
-import importlib
-
 import numpy as np
 import pytest
 
@@ -10,9 +8,9 @@ R1, R2 = 0.3, 1.0
 
 
 @pytest.fixture(scope="module")
-def discs():
-    """The round skins of the verification, which is a script beside the packages."""
-    return importlib.import_module("rcskin.benchmarks.accuracy.verification_parts.discs")
+def discs(part):
+    """The round skins of the verification."""
+    return part("discs")
 
 
 def off(Z, truth):

@@ -1,7 +1,5 @@
 """Coefficients that vary within cells: orders of convergence on solutions that are chosen first."""
 
-import importlib
-
 import numpy as np
 import pytest
 from rcskin.simulator.fem.assembly import element_pairs, fill, groups, quadrilateral
@@ -12,14 +10,6 @@ from skfem.assembly import Dofs
 
 ORDERS = (1, 2, 3, 4, pytest.param(6, marks=pytest.mark.slow))
 EXPECTED = {"L2": lambda p: p + 1, "H1": lambda p: p, "current": lambda p: 2 * p}
-
-
-@pytest.fixture(scope="module")
-def part():
-    """A function from a name to that part of the verification, a script beside the packages."""
-    return lambda name: importlib.import_module(
-        f"rcskin.benchmarks.accuracy.verification_parts.{name}"
-    )
 
 
 @pytest.fixture(scope="module")
@@ -41,9 +31,9 @@ def test_orders_of_convergence(chosen, manufactured, fields, mesh, order):
         assert slopes[quantity] > 0.9 * theory(order), quantity
 
 
-@pytest.mark.parametrize("fields", ["one field", "two fields"])
+@pytest.mark.parametrize("fields", ["one field", "two fields", "two fields, tensors"])
 def test_the_source_is_that_of_the_chosen_potentials(chosen, fields):
-    """-div(grad u / R) + s c (...) by differences of normal currents across a small square."""
+    """-div(S grad u) + s c (...) by differences of normal currents across a small square."""
     problem = chosen.PROBLEMS[fields]
     middle, h = np.array([[0.3], [0.6]]), 1e-4
     for field in range(len(problem.potentials)):

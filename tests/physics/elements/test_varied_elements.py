@@ -1,7 +1,5 @@
 """Coefficients that vary, as tensors, on squares and on triangles: matrices and orders."""
 
-import importlib
-
 import numpy as np
 import pytest
 from rcskin.simulator.fem.circuit import two_fields
@@ -33,14 +31,6 @@ MAPS = {
 }
 
 
-@pytest.fixture(scope="module")
-def part():
-    """A function from a name to that part of the verification, a script beside the packages."""
-    return lambda name: importlib.import_module(
-        f"rcskin.benchmarks.accuracy.verification_parts.{name}"
-    )
-
-
 @pytest.mark.parametrize(
     ("fields", "mesh", "order"),
     [("one field, tensor", *case) for case in CASES]
@@ -60,20 +50,6 @@ def test_orders_of_numbers_on_triangles(part, fields, order):
     slopes = part("manufactured").observed_orders(problem, "triangles", order)
     for quantity, theory in EXPECTED.items():
         assert slopes[quantity] > 0.9 * theory(order), quantity
-
-
-def test_the_source_is_that_of_the_chosen_potentials(part):
-    """-div(S grad u) + s c (...) by differences of normal currents across a small square."""
-    chosen = part("chosen")
-    problem = chosen.PROBLEMS["two fields, tensors"]
-    middle, h = np.array([[0.3], [0.6]]), 1e-4
-    for field in range(2):
-        out = 0.0
-        for normal in np.array([[1, 0], [-1, 0], [0, 1], [0, -1]])[:, :, None]:
-            out += problem.normal_current(field, middle + h * normal, normal) / (2 * h)
-        across = problem.coupling[field] @ [u.value(middle) for u in problem.potentials]
-        expected = problem.s * chosen.capacitance(middle) * across - out
-        np.testing.assert_allclose(problem.source(field, middle), expected, rtol=1e-6)
 
 
 @BilinearForm

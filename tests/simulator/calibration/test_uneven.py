@@ -104,13 +104,12 @@ def test_foam_that_varies_within_pixels_is_answered_as_a_map_of_it(wide_pixels, 
     """The bilinear map is off by a hundredth of a wave at most."""
     scene, rtol = wide_pixels.with_({"pixels": 2, **changed}), 1e-3
     model, solver = Forward(scene, rtol=rtol), Solver(with_foam_waves(scene, TRUE), rtol)
-    omega = 2 * np.pi * scene.frequencies
     for press in every_press(scene)[::3]:
         cells, rises = model.cells(press)
         Z, true = model.respond(cells, rises, TRUE).Z, solver.solve(press).Z
-        assert relative_difference(Z, true, omega).max() <= rtol
+        assert relative_difference(Z, true).max() <= rtol
         assert model.certificate(cells, rises, TRUE) <= rtol
-        assert relative_difference(model.respond(cells, rises).Z, true, omega).max() > 10 * rtol
+        assert relative_difference(model.respond(cells, rises).Z, true).max() > 10 * rtol
 
 
 @pytest.mark.slow

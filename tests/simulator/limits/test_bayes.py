@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.bounds.bayes import bayes
 from rcskin.simulator.bounds.readings import Readings, hypotheses
 from rcskin.simulator.limits import bayes_accuracy
-from rcskin.simulator.limits.identity import counts, distances, upper_bound, with_pixels
+from rcskin.simulator.limits.identity import Sampling, counts, distances, upper_bound, with_pixels
 from rcskin.simulator.measure.experiment import own_presses, strengths
 from rcskin.simulator.scene.randomisation import Uniform
 from rcskin.simulator.sweeps import InputError
@@ -88,7 +88,7 @@ def test_strengths_have_the_distributions_moments():
 
 def test_pixels_are_counted_until_they_are_not_told(noisy):
     scene = noisy(readout=noise(0.01), columns=3, **STRIP)
-    found = list(counts(scene, "column", 0.9, seed=1, draws=300))
+    found = list(counts(scene, "column", 0.9, Sampling(seed=1, draws=300)))
     assert [each.n for each in found] == list(range(2, 2 + len(found)))
     assert all(each.reaches(0.9) for each in found[:-1]) and not found[-1].reaches(0.9)
     shares = [each.accuracy.share for each in found]

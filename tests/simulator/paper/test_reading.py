@@ -11,7 +11,6 @@ from rcskin.simulator.paper.reading import (
     row_contrast,
     separation_peaks,
     totals,
-    with_sheet_resistance,
 )
 from rcskin.simulator.scene.files import load_scene
 
@@ -24,8 +23,9 @@ def test_changes_of_capacitance_on_the_strip_at_its_highest_frequency():
 
 def test_the_stated_sheet_resistance_would_not_separate_the_curves():
     strip = load_scene("strip-1x5")
-    assert totals(with_sheet_resistance(strip, 50e3)).R == pytest.approx(totals(strip).R / 10)
-    assert np.ptp(capacitance_changes(with_sheet_resistance(strip, 50e3), 17685.0)) < 0.06
+    stated = strip.with_({"skin.sheet_resistance": 50e3})
+    assert totals(stated).R == pytest.approx(totals(strip).R / 10)
+    assert np.ptp(capacitance_changes(stated, 17685.0)) < 0.06
 
 
 def test_position_is_told_by_resistance_at_zero_frequency():

@@ -4,8 +4,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.sweeps import (
     InputError,
+    checked_folder,
     checked_output,
     impedance,
+    made_folder,
     parallel_capacitance,
     read,
     whole_file,
@@ -211,3 +213,15 @@ def test_bad_sweeps_leave_no_file_behind(make_sweeps, tmp_path):
         with pytest.raises(InputError):
             write(sweeps, tmp_path / name)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_one_is_refused(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be made"):
+        made_folder(tmp_path / "file" / "folder")
+    with pytest.raises(InputError, match="is a file, not a folder"):
+        checked_folder(tmp_path / "file")
+    with pytest.raises(InputError, match=r"the folder .*absent does not exist"):
+        checked_folder(tmp_path / "absent" / "folder")
+    assert made_folder(tmp_path / "above" / "folder").is_dir()
+    assert checked_folder(tmp_path / "new") == tmp_path / "new"

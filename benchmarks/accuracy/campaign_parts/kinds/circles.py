@@ -214,9 +214,8 @@ def _extrapolated(of_sides: Callable[[int], Problem]):
 
     def route(rtol: float) -> Truth:
         coarse, fine = (solved(of_sides(sides), OTHER_SHARE * rtol) for sides in SIDES)
-        omega = 2 * np.pi * of_sides(SIDES[0]).scene.frequencies
         Z = fine.Z + (fine.Z - coarse.Z) / 3
-        return Truth(Z, fine.doubt * 5 / 3 + SHIFT * relative_difference(fine.Z, Z, omega))
+        return Truth(Z, fine.doubt * 5 / 3 + SHIFT * relative_difference(fine.Z, Z))
 
     return route
 

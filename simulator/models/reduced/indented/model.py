@@ -94,7 +94,7 @@ class IndentedSkin(ReducedSkin):
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> tuple[Rest, NDArray[np.int64], NDArray[np.float64]]:
         """As of `ReducedSkin`."""
-        self._check(cells, rises)
+        self._check(rises)
         if self.reduced.family.coupled(cells):
             (press,) = self.reduced.family.press(cells, rises)
             F = self.reduced.seen.thin(press, self.rest_factors, press.rise) @ self.turn
@@ -115,7 +115,7 @@ class IndentedSkin(ReducedSkin):
         s: NDArray[np.complex128] | None = None,
     ) -> NDArray[np.float64]:
         """As of `ReducedSkin`, and by how little the foam under applicators is known."""
-        self._check(cells, rises)
+        self._check(rises)
         s = self.s if s is None else s
         found = super().certificate(cells, rises, s)
         return found + self.doubt(cells, rises, s)
@@ -128,7 +128,7 @@ class IndentedSkin(ReducedSkin):
         Y = np.stack([each for _, each in found])
         more = s * np.stack([self._doubted(cells, rises, u) for u, _ in found])
         Z, raised = (each.astype(np.complex128) for each in (1 / Y, 1 / (Y + more)))
-        off = relative_difference(raised, Z, np.abs(s.imag))
+        off = relative_difference(raised, Z)
         return np.sqrt(off * off.max(axis=0))
 
     def charges(
@@ -157,7 +157,7 @@ class IndentedSkin(ReducedSkin):
     ) -> NDArray[np.complex128]:
         from ..kernel import impedances
 
-        self._check(cells, rises)
+        self._check(rises)
         found = np.empty((len(starts) - 1, len(self.feeds), len(s)), dtype=np.complex128)
         own, rtol = np.split(cells, starts[1:-1]), KRYLOV_SHARE * self.reduced.rtol
         coupled = np.array([self._feel_each_other(each) for each in own], dtype=bool)
@@ -215,7 +215,7 @@ class IndentedSkin(ReducedSkin):
             found += np.einsum("rs,rf,sf->f", E, y, y)
         return found
 
-    def _check(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> None:
+    def _check(self, rises: NDArray[np.float64]) -> None:
         """Raises InputError for a press that applicators are not known for."""
         known, most = self._applicators, self._most
         if len(rises) and not (rises.min() >= 0 and rises.max() <= (most - 1) * (1 + ROUNDING)):

@@ -12,13 +12,12 @@ from ....mesh.domain import Domain
 from ....mesh.refining.untangled import finer
 from ....press.press import Press
 from ....scene.scene import Scene
-from ....sweeps import ToleranceError
 from ...mechanics.pressed import Pressed
 from ...varied.discretised import indicators, most
 from ...varied.triangles import MOST_TRIANGLES, Triangles
 from ..cases import Case
 from ..family import Mesh, Triangulation
-from ..resolving import SHARE, error_of
+from ..resolving import alone, coarsest
 from .applicators import Applicators, applicators
 from .family import IndentedFamily
 
@@ -41,21 +40,13 @@ def resolved(
 
     Raises ToleranceError where none does, InputError as `applicators`.
     """
-    known, found = applicators(scene, rtol), np.inf
+    known = applicators(scene, rtol)
     rise = float(known.mechanics.factor(np.array(known.deepest / known.thickness))) - 1
     pixels = np.flatnonzero(known.of_pixel >= 0)
-    some = np.unique(np.linspace(0, len(pixels) - 1, MOST_ALONE).round().astype(np.int64))
-    alone = [Case(None, pixels[[k]], np.array([rise])) for k in some]
     in_turns = [_in_turns(known, turn) for turn in np.ndindex(TURNS, TURNS)]
-    for mesh in _triangulations(scene, circuit, rtol, [each for each in in_turns if each]):
-        family, found = family_on(scene, circuit, mesh, modes, known, rtol), 0.0
-        for case in [*cases, *alone]:
-            found = max(found, error_of(family, case, rtol))
-            if found > SHARE * rtol:
-                break
-        else:
-            return family, found
-    raise ToleranceError(f"the mesh of the reduced model does not reach {rtol:g}: {found:.1e}")
+    meshes = _triangulations(scene, circuit, rtol, [each for each in in_turns if each])
+    families = (family_on(scene, circuit, mesh, modes, known, rtol) for mesh in meshes)
+    return coarsest(families, [*cases, *alone(pixels, rise, MOST_ALONE)], rtol)
 
 
 def finer_families(

@@ -44,11 +44,11 @@ def made(monkeypatch, module, name):
 def test_what_is_told_holds(scene, texts, piezoresistance):
     sheet = scene.skin.top.model_copy(update={"piezoresistance": piezoresistance})
     scene = scene.model_copy(update={"skin": scene.skin.model_copy(update={"top": sheet})})
-    solver, omega = Solver(scene, RTOL), 2 * np.pi * scene.frequencies
+    solver = Solver(scene, RTOL)
     for text in texts:
         press = parse_press(text, 2.0)
         answer, true = solver.solve(press), Solver(scene, CLOSELY).solve(press)
-        off = relative_difference(answer.Z, true.Z, omega)
+        off = relative_difference(answer.Z, true.Z)
         told = np.stack(answer.relative_errors)
         assert (off <= told + CLOSELY).all() and told.max() <= RTOL
 
@@ -86,7 +86,7 @@ def test_other_frequencies_have_a_mesh_of_their_own(scene, monkeypatch):
     calls = made(monkeypatch, triangles, "domain")
     high = solver.solve(parse_press("1,2:1mm", 2.0), 1e6)
     true = Solver(scene, CLOSELY).solve(parse_press("1,2:1mm", 2.0), 1e6)
-    assert calls and relative_difference(high.Z, true.Z, np.array([2e6 * np.pi])).max() <= RTOL
+    assert calls and relative_difference(high.Z, true.Z).max() <= RTOL
 
 
 def test_no_more_places_are_kept_than_there_is_room_for(monkeypatch):

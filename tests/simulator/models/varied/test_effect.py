@@ -51,8 +51,8 @@ def test_smooth_errors_are_not_taken_for_less_than_the_least():
 @pytest.mark.parametrize("order", [3, 5, 9])
 def test_orders_tell_how_their_errors_fall(order, power):
     orders = [off_by(1e-2 * p**-power) for p in range(order + 1, order - 3, -1)]
-    true = evened(relative_difference(orders[1], Z, OMEGA))
-    told = SAFETY * by_orders(order, orders, OMEGA)
+    true = evened(relative_difference(orders[1], Z))
+    told = SAFETY * by_orders(order, orders)
     assert (told >= true).all()
     assert (told <= 5 * true).all()
 
@@ -60,7 +60,7 @@ def test_orders_tell_how_their_errors_fall(order, power):
 def test_orders_that_gain_by_twos_are_not_believed():
     """In a cell far wider than a layer the next order hardly changes the answer."""
     orders = [off_by(error) for error in (0.99e-2, 1e-2, 2.5e-2, 2.6e-2)]
-    assert (SAFETY * by_orders(3, orders, OMEGA)).max() >= 1e-2
+    assert (SAFETY * by_orders(3, orders)).max() >= 1e-2
 
 
 def test_what_grows_with_frequency_is_told_as_it_is_and_what_changes_sign_is_not_lost():

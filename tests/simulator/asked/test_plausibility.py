@@ -1,7 +1,7 @@
 """Numbers that no skin has are told with what was likely meant; those of real skins never are."""
 
 import pytest
-from rcskin.simulator.asked.slips import slips
+from rcskin.simulator.asked.plausibility import slips
 from rcskin.simulator.models.line import cut_off_frequency
 from rcskin.simulator.scene.files import BUILTIN, builtin_names, load_scene
 

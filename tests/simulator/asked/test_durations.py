@@ -1,7 +1,7 @@
 """A word before what takes minutes, by how long the first presses took."""
 
 import pytest
-from rcskin.simulator.asked.patience import foretold, tell_if_long
+from rcskin.simulator.asked.durations import foretold, tell_if_long
 from rcskin.simulator.progress import duration
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.bayes import bayes
-from rcskin.simulator.bounds.common import CommonDraws
+from rcskin.simulator.bounds.common_draws import CommonDraws
 from rcskin.simulator.bounds.fields import CELLS_PER_PIXEL, Fields, fields_of
 from rcskin.simulator.bounds.position import chosen_touch, places_on, position_slopes
 from rcskin.simulator.bounds.readings import Readings, hypotheses
