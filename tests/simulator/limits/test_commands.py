@@ -78,7 +78,7 @@ def test_size_and_factor_hold_for_counts_of_pixels_too(run):
     assert len({whole, small, weak}) == 3
 
 
-def test_beside_each_figure_stands_what_is_known(run, tmp_path, scene_file):
+def test_beside_each_figure_stands_what_is_known(run, tmp_path, scene_file, undrawn):
     out = run("limits", scene_file(), *QUICK, "-o", tmp_path / "found")[1]
     position, accuracy = (
         out.index(f"of a {what}: known are the skin") for what in ("touch", "press")
@@ -91,7 +91,7 @@ def test_beside_each_figure_stands_what_is_known(run, tmp_path, scene_file):
     assert "unknown are x, y and strength, anywhere and any and the skin, but for dataset" in out
 
 
-def test_a_screenful_is_printed_and_all_is_written(run, tmp_path, scene_file, monkeypatch):
+def test_a_screenful_is_printed_and_all_is_written(run, tmp_path, scene_file, monkeypatch, undrawn):
     others, few = 24 - command.MOST_ROWS, 4
     monkeypatch.setattr(command, "MOST_ROWS", few)
     many = "1e4,2e4"
