@@ -136,7 +136,7 @@ def sweep(
     from .asked.scene import asked_scene, warn_of_model
     from .asked.telling import written
     from .asked.tolerance import checked_rtol
-    from .measure.simulate import gather
+    from .measure.simulate import answered, gather
     from .models.solver import Solver, checked_model
     from .press.press import every_press, press_on
     from .progress import on_terminal
@@ -150,13 +150,13 @@ def sweep(
     solver = Solver(loaded, rtol, checked_model(model))
     with on_terminal() as track:
         patient = foretold(scene, track(presses, loaded.name), len(presses))
-        answered = [(asked, solver.solve(asked)) for asked in patient]
-    sweeps = gather(solver, answered)
+        found = list(answered(solver, patient))
+    sweeps = gather(solver, found)
     write(sweeps, output)
     if explain:
         for one_terminal in loaded.driven_by_touch:
             typer.echo(f"wiring: {one_terminal}")
-        for asked, answer in answered:
+        for asked, answer in found:
             typer.echo(solver.explain(asked, answer))
     written(counted(sweeps.sizes), output)
 

@@ -1,5 +1,6 @@
 """Scenes and presses for tests: built from a few keywords, or drawn at random."""
 
+import ctypes
 import gc
 import itertools
 import math
@@ -61,11 +62,12 @@ def why_no_pictures():
 @pytest.hookimpl(wrapper=True)
 def pytest_collection():
     """What is collected stays to the end: to look through it for waste takes a fifth of the time
-    that collecting takes."""
+    that collecting takes, and would take more each time that tests are looked through."""
     gc.disable()
     try:
         return (yield)
     finally:
+        gc.freeze()
         gc.enable()
 
 
@@ -84,6 +86,13 @@ def commands_made_once():
         patch.setattr("typer.main.get_command", once)
         patch.setattr("typer.testing._get_command", once)
         yield
+
+
+@pytest.fixture(scope="module", autouse=True)
+def freed_memory_is_given_back():
+    """To the system, where the C library keeps it: one worker meets the largest skins of many."""
+    yield
+    getattr(ctypes.pythonapi, "malloc_trim", int)(0)
 
 
 LEFT_PAIR = {"top-left": {}, "bottom-left": {}}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,9 @@ from .dropped import DROPPED
 from .warming import Warming
 
 EXTRA_ORDER = 40
+
+SHAPES_KEPT = 128
+"""Of cells that are no parallelograms, 0.1 MB each at order 8; a mesh has four for each order."""
 
 
 def fill_readable(values: NDArray, slots: NDArray, weights: NDArray, reference: NDArray) -> None:
@@ -158,7 +161,7 @@ def _parallelograms(cells: Cells, which: NDArray[np.int64], order: int) -> Group
     return Group(which, weights, reference.stiffness, area, reference.mass)
 
 
-@cache
+@lru_cache(maxsize=SHAPES_KEPT)
 def _shape_matrices(
     shape: tuple[float, ...], order: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

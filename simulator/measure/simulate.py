@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
@@ -29,16 +29,28 @@ def simulate(solver: Solver, presses: Iterable[Press]) -> xr.Dataset:
     Raises InputError where there is no press or one does not fit the scene, ToleranceError where
     the tolerance is not reached.
     """
-    answered = [(p, solver.solve(check_press(p, solver.scene))) for p in presses]
-    return gather(solver, answered).dataset()
+    return gather(solver, answered(solver, presses)).dataset()
 
 
-def gather(solver: Solver, answered: Iterable[tuple[Press, Answer]]) -> Table:
+def answered(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, Answer]]:
+    """Each press with its answer; one that comes again is not solved again.
+
+    Raises InputError where a press does not fit the scene, ToleranceError where the tolerance is
+    not reached.
+    """
+    known: dict[Press, Answer] = {}
+    for press in presses:
+        if press not in known:
+            known[press] = solver.solve(check_press(press, solver.scene))
+        yield press, known[press]
+
+
+def gather(solver: Solver, pairs: Iterable[tuple[Press, Answer]]) -> Table:
     """Sweeps from presses that were answered already. Raises InputError where there is none."""
-    pairs = list(answered)
-    if not pairs:
+    found = list(pairs)
+    if not found:
         raise InputError("`presses` must hold at least one press, got none")
-    presses, answers = zip(*pairs, strict=True)
+    presses, answers = zip(*found, strict=True)
     return tabled(
         np.stack([answer.Z for answer in answers]),
         answers[0].frequency,

@@ -75,7 +75,8 @@ def reader(request, make_scene):
     """Of one field, of floating terminals at two interfaces, and with slow waves of sheets."""
     if request.param == "plain":
         return Forward(make_scene(FILMS, rows=2, columns=3, frequencies=FREQUENCIES), rtol=RTOL)
-    scene = load_scene(TWO_INTERFACES) if request.param == "floating" else make_scene(CROSSED)
+    floating = load_scene(TWO_INTERFACES).with_({"pixels": 3})
+    scene = floating if request.param == "floating" else make_scene(CROSSED)
     scene = scene.model_copy(update={"sweep": Sweep(frequencies=FREQUENCIES)})
     return Forward(scene, rtol=RTOL, modes=4 if request.param == "uneven" else 1)
 

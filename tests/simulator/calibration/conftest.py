@@ -1,9 +1,12 @@
 """Scenes that are cheap to fit, and what a meter would read on others like them."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.network.terminals import reduced_for
 from rcskin.simulator.models.parameters import scene_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
@@ -30,8 +33,28 @@ def line(make_scene):
 
 def true_sweeps(scene, truth, presses):
     """Of a skin of other parameters than the scene's, without a meter's errors."""
-    solver = Solver(scene_with(scene, truth or {}), 1e-6)
-    return simulate(solver, [parse_press(press, 2.0) for press in presses])
+    return _solved(scene_with(scene, truth or {}), tuple(presses)).copy(deep=True)
+
+
+@cache
+def _solved(scene, presses):
+    return simulate(Solver(scene, 1e-6), [parse_press(press, 2.0) for press in presses])
+
+
+@pytest.fixture(scope="session")
+def models_made_once():
+    """Fits of the same scene share the model that the first of them trains."""
+    known = {}
+
+    def train(scene, rtol, draw, **more):
+        key = scene, rtol, more["modes"], more["alike"]
+        if key not in known:
+            known[key] = reduced_for(scene, rtol, draw, **more)
+        return known[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rcskin.simulator.calibration.model.reduced_for", train)
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -59,12 +59,29 @@ def test_the_calibrated_scene_is_the_one_that_was_measured(line, read):
     ]
 
 
-def test_intervals_cover_the_truth_as_often_as_they_say(line, simulated):
-    truth = {"sheet_resistance": 0.05, "capacitance": -0.03, "stray_capacitance": 6e-12}
-    options, trials = only(FITTED), 200
-    sweeps, random = simulated(line, truth, ("none",)), np.random.default_rng(1)
+TOLD = {"sheet_resistance": 0.05, "capacitance": -0.03, "stray_capacitance": 6e-12}
+
+
+def intervals(line, simulated, trials):
+    """Of readings of a skin of TOLD, drawn anew."""
+    sweeps, random = simulated(line, TOLD, ("none",)), np.random.default_rng(1)
     readings = [read_out(sweeps, line.readout, random) for _ in range(trials)]
-    missed = [outside(calibrate(line, each, options), truth) for each in readings]
+    return [calibrate(line, each, only(FITTED)) for each in readings]
+
+
+def test_errors_are_as_large_as_the_intervals_say(line, simulated):
+    """Half of a 95 % interval is 1.96 deviations; 60 draws tell a deviation to 9 %."""
+    found = [each.intervals for each in intervals(line, simulated, 60)]
+    for name in FITTED:
+        low, high = np.array([each[name] for each in found]).T
+        deviations = 1.96 * (low + high - 2 * TOLD[name]) / (high - low)
+        assert 0.75 < np.sqrt(np.mean(deviations**2)) < 1.25
+
+
+@pytest.mark.slow
+def test_intervals_cover_the_truth_as_often_as_they_say(line, simulated):
+    trials = 200
+    missed = [outside(each, TOLD) for each in intervals(line, simulated, trials)]
     for name in FITTED:
         covered = trials - sum(name in each for each in missed)
         assert 0.91 <= covered / trials <= 0.995

@@ -18,6 +18,8 @@ from rcskin.simulator.scene.meter import Readout
 from rcskin.simulator.sweeps import InputError, write
 from rcskin.simulator.sweeps.restricting import restricted
 
+pytestmark = pytest.mark.usefixtures("models_made_once")
+
 FREQUENCIES = np.geomspace(1e3, 2e5, 10).round(3).tolist()
 TRUTH = {"sheet_resistance": 0.2, "capacitance": -0.25, "lead_resistance": 300.0}
 NAMES = tuple(TRUTH)

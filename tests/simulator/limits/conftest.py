@@ -8,6 +8,13 @@ NOISE = {"magnitude_noise": 1e-3, "phase_noise": 2e-3}
 ACCURACY = {"magnitude_accuracy": 3e-3, "phase_accuracy": 4e-3}
 
 
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Tables and summaries without their charts, which take half of the time."""
+    for name in ("draw_maps", "draw_distances"):
+        monkeypatch.setattr(f"rcskin.simulator.limits.figure.{name}", lambda *given: None)
+
+
 @pytest.fixture(scope="session")
 def noisy(make_scene):
     """A function that builds a scene with a readout and a spread of presses.

@@ -74,7 +74,7 @@ def test_a_survey_holds_the_scenes_own_beside_sets_that_all_share(shared):
     assert next(each for each in part if each.name == "left").frequency.tolist() == [1e3, 1e4]
 
 
-def test_frequencies_that_are_all_of_them_are_as_none_told(run, written, shared, tmp_path):
+def test_frequencies_that_are_all_of_them_are_as_none_told(run, written, shared, tmp_path, undrawn):
     every = {f"interface.{k}.frequencies": FREQUENCIES for k in (1, 2)}
     outs = []
     for name, scene in (("every", shared.with_(every)), ("none", shared)):
