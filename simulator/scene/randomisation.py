@@ -211,7 +211,12 @@ class DrawnPress(Table):
     @property
     def cells(self) -> int:
         """Cells along each side of a pixel."""
-        return self.cells_per_pixel if self.place == "anywhere" or self.offset > 0 else 1
+        return self.cells_per_pixel if self.laid else 1
+
+    @property
+    def laid(self) -> bool:
+        """Whether touches are no whole pixels, and are laid on cells."""
+        return self.place == "anywhere" or self.offset > 0
 
     @property
     def most_touches(self) -> int:
