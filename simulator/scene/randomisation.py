@@ -194,7 +194,8 @@ class DrawnPress(Table):
     press is told as that of the pixel. factor: capacitance over that at rest; where the
     scene presses by depth, that under the applicator, unless depth [m] is drawn. shape and size [m]
     (sides of a rectangle, diameter of a disc) count only anywhere. cells_per_pixel: along each
-    side, where touches are no whole pixels; each cell rises by the part of it that is covered.
+    side, where touches are no whole pixels; each cell rises by the part of it that is covered, or
+    by the mean of what a tension spreads.
     """
 
     touches: Annotated[
