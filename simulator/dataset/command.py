@@ -76,6 +76,11 @@ def dataset(
             f"{output}: touches are laid on cells, which changes Rs and Cp by up to "
             f"{told['cells_error']:.1e}; more cells_per_pixel change less"
         )
+    if "deflection_error" in told:
+        typer.echo(
+            f"{output}: how the foam gives way is solved on a lattice, which changes Rs and Cp by "
+            f"up to {told['deflection_error']:.1e} of that"
+        )
     if plan.sessions == 1:
         typer.echo(
             f"{output}: all of one skin, for a session is {plan.session_sweeps} sweeps; "

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..measure.skins import drawn_skin
 from ..models.network.terminals import reduced_for
 from ..models.parameters import WAVES, Variation
+from ..models.plain import evenly_pressed
 from ..models.reduced.cases import Case
 from ..models.reduced.file import load, save
 from ..models.reduced.model import Reduced
@@ -102,11 +103,12 @@ def reduced(scene: Scene, rtol: float) -> Reduced:
 
 
 def _divided(scene: Scene) -> Scene:
-    """The scene with cells for pixels."""
+    """The scene with cells for pixels; where touches are laid on them they rise evenly."""
     pixels, cells = scene.pixels, scene.dataset.press.cells
-    if cells == 1 and pixels.groups is not None and scene.dataset.press.place == "pixel":
+    if cells == 1 and pixels.groups is not None and not scene.dataset.press.laid:
         return scene
-    return scene.on_grid(cells * pixels.rows, cells * pixels.columns)
+    divided = scene.on_grid(cells * pixels.rows, cells * pixels.columns)
+    return evenly_pressed(divided, "a data set") if scene.dataset.press.laid else divided
 
 
 def _alike(session: Session) -> bool:

@@ -12,8 +12,9 @@ from importlib.metadata import version
 import numpy as np
 
 from ..mesh.held import held
+from ..models.mechanics.pressed import check_plane
 from ..models.reduced.indented.applicators import deepest
-from ..models.reduced.indented.draws import require_whole_pixels
+from ..models.reduced.indented.draws import spreading
 from ..scene.files import parse_scene, scene_text
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -150,8 +151,8 @@ def _check_depths(scene: Scene) -> None:
                 "`press.capacitance_factor`, and foam with mechanics"
             )
         return
-    if drawn.cells > 1:
-        require_whole_pixels(scene, "`dataset.press` beside whole pixels")
+    if drawn.laid and spreading(scene):
+        check_plane(scene.skin)
     most = deepest(scene)
     if drawn.depth is not None:
         named, depth = "depth", drawn.depth.high

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from ..mesh.held import held
 from ..scene.randomisation import CUT, DrawnPress, truncated_normal
 from ..scene.scene import Scene
-from .anywhere.laying import Placed, laid_on_cells
+from .anywhere.deep import raised_on_cells, strengths_anywhere
+from .anywhere.laying import Placed
 from .anywhere.places import drawn_places
 from .anywhere.places import texts as texts_anywhere
 from .strengths import drawn_strengths, texts, told
@@ -28,7 +29,8 @@ class Presses:
 
     cells, rises, starts: see `SkinModel.sweeps`. text, row, column: as in the schema of sweeps.
     touches: how many, shape (press,). x, y [m], factor: centre and strength of each touch, shape
-    (press, MOST_TOUCHES); 0, 0 and 1 where there is none.
+    (press, MOST_TOUCHES); 0, 0 and 1 where there is none. placed: where touches that are no whole
+    pixels came to lie.
     """
 
     cells: NDArray[np.int64]
@@ -41,6 +43,7 @@ class Presses:
     x: NDArray[np.float64]
     y: NDArray[np.float64]
     factor: NDArray[np.float64]
+    placed: Placed | None = None
 
     def one(self, press: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Cells and rises of one press."""
@@ -175,19 +178,20 @@ def presses_anywhere(
     chances, factor: as of `drawn_places`.
     """
     placed = drawn_places(scene, touches, chances, factor, grid)
-    cells, rises, starts = laid_on_cells(scene, touches, placed, grid)
+    cells, rises, starts = raised_on_cells(scene, touches, placed, grid)
     there = np.arange(MOST_TOUCHES) < touches[:, None]
     return Presses(
         cells=cells,
         rises=rises,
         starts=starts,
-        text=texts_anywhere(touches, placed),
+        text=texts_anywhere(touches, placed, *strengths_anywhere(scene, placed)),
         row=np.where(touches == 0, 0, -1),
         column=np.where(touches == 0, 0, -1),
         touches=touches,
         x=np.where(there, placed.x, 0.0),
         y=np.where(there, placed.y, 0.0),
         factor=np.where(there, placed.factor, 1.0),
+        placed=placed,
     )
 
 
@@ -211,5 +215,5 @@ def pressed_beside(
     width, height = high - low
     square = np.zeros(x.shape, dtype=bool)
     placed = Placed(square, x, y, width, height, meant.factor)
-    cells, rises, starts = laid_on_cells(scene, meant.touches, placed, grid)
-    return replace(meant, cells=cells, rises=rises, starts=starts, x=x, y=y)
+    cells, rises, starts = raised_on_cells(scene, meant.touches, placed, grid)
+    return replace(meant, cells=cells, rises=rises, starts=starts, x=x, y=y, placed=placed)

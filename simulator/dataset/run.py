@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 
+from ..models.reduced.indented.draws import spreading
 from ..sweeps import InputError, checked_output, whole_file
 from ..sweeps.files import locked
 from . import store, workers
@@ -134,9 +135,14 @@ def _finish(workshop: Workshop, plan: Plan, output: Path) -> None:
 
 def _of_cells(workshop: Workshop, plan: Plan) -> dict[str, float]:
     """What is told of a data set whose touches are laid on cells."""
-    if plan.scene.dataset.press.place == "pixel":
-        return {}
-    from .cells import error_of_cells
+    scene, told = plan.scene, dict[str, float]()
+    if not scene.dataset.press.laid:
+        return told
+    from .cells import error_of_cells, error_of_deflections
 
     family = workshop.load(workshop.model_file)
-    return {"cells_error": error_of_cells(plan.scene, family, plan.seed, plan.rtol)}
+    if scene.dataset.press.place == "anywhere":
+        told["cells_error"] = error_of_cells(scene, family, plan.seed, plan.rtol)
+    if spreading(scene):
+        told["deflection_error"] = error_of_deflections(scene, family, plan.seed)
+    return told

@@ -194,7 +194,8 @@ class DrawnPress(Table):
     press is told as that of the pixel. factor: capacitance over that at rest; where the
     scene presses by depth, that under the applicator, unless depth [m] is drawn. shape and size [m]
     (sides of a rectangle, diameter of a disc) count only anywhere. cells_per_pixel: along each
-    side, where touches are no whole pixels; each cell rises by the part of it that is covered.
+    side, where touches are no whole pixels; each cell rises by the part of it that is covered, or
+    by the mean of what a tension spreads.
     """
 
     touches: Annotated[
@@ -211,7 +212,12 @@ class DrawnPress(Table):
     @property
     def cells(self) -> int:
         """Cells along each side of a pixel."""
-        return self.cells_per_pixel if self.place == "anywhere" or self.offset > 0 else 1
+        return self.cells_per_pixel if self.laid else 1
+
+    @property
+    def laid(self) -> bool:
+        """Whether touches are no whole pixels, and are laid on cells."""
+        return self.place == "anywhere" or self.offset > 0
 
     @property
     def most_touches(self) -> int:

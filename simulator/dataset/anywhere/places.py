@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...mesh.held import held
+from ...models.reduced.indented.draws import spreading
 from ...press.press import Press
 from ...scene.scene import Scene
+from ...scene.skin import covers
 from .laying import Placed
 
 LENGTH_DECIMALS = 6
@@ -44,16 +46,19 @@ def drawn_places(
     return _in_order(placed, touches)
 
 
-def texts(touches: NDArray[np.int64], placed: Placed) -> list[str]:
-    """Each press as `Press` writes it."""
+def texts(
+    touches: NDArray[np.int64], placed: Placed, strength: NDArray[np.float64], unit: str
+) -> list[str]:
+    """Each press as `Press` writes it. strength: of each touch, in a unit of such texts."""
     there = np.arange(placed.x.shape[1]) < touches[:, None]
-    rows = zip(*(each[there].tolist() for each in placed), strict=True)
+    told_of = placed._replace(factor=strength)
+    rows = zip(*(each[there].tolist() for each in told_of), strict=True)
     told = iter(
         [
-            f"disc({x!r},{y!r},{width / 2!r}):{factor!r}"
+            f"disc({x!r},{y!r},{width / 2!r}):{by!r}{unit}"
             if disc
-            else f"rect({x!r},{y!r},{width!r},{height!r}):{factor!r}"
-            for disc, x, y, width, height, factor in rows
+            else f"rect({x!r},{y!r},{width!r},{height!r}):{by!r}{unit}"
+            for disc, x, y, width, height, by in rows
         ]
     )
     none = str(Press())
@@ -63,14 +68,20 @@ def texts(touches: NDArray[np.int64], placed: Placed) -> list[str]:
 def _first_on_skin(
     scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64], grid: tuple[int, int]
 ) -> NDArray[np.int64]:
-    """Which place of each touch is the first in a cell that is at least half skin.
+    """Which place of each touch is the first on the skin, the last where none is.
 
-    The last where none is. x, y: m, shape (place, press, touch).
+    Where a tension spreads presses applicators must meet the skin; else a place counts in a cell
+    that is at least half skin. x, y: m, shape (place, press, touch).
     """
-    (rows, columns), (along, across) = grid, scene.skin.sides
-    part = held(scene.on_grid(*grid)).part.reshape(grid)
-    row, column = (y / across * rows).astype(np.int64), (x / along * columns).astype(np.int64)
-    on_skin = part[row, column] >= HALF
+    if scene.skin.rectangular:
+        return np.zeros(x.shape[1:], dtype=np.int64)
+    if spreading(scene):
+        on_skin = covers(scene.skin, np.stack([x, y]))
+    else:
+        (rows, columns), (along, across) = grid, scene.skin.sides
+        part = held(scene.on_grid(*grid)).part.reshape(grid)
+        row, column = (y / across * rows).astype(np.int64), (x / along * columns).astype(np.int64)
+        on_skin = part[row, column] >= HALF
     on_skin[-1] = True
     return on_skin.argmax(axis=0)
 

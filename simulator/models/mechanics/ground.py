@@ -20,6 +20,7 @@ from ...scene.form.outline import Curve
 from ...scene.planar import Circle, regular
 from ...scene.scene import Scene
 from ...sweeps import InputError
+from .pressed import check_plane
 
 COARSEST = 8
 """Triangles along the longer side of the skin, before any are refined."""
@@ -73,13 +74,10 @@ def ground(scene: Scene, places: Sequence[Place], asked: Sequence[Place] | None 
     asked: what these are called, if not themselves. Raises InputError where it is no plane, or a
     place lies beside it.
     """
+    check_plane(scene.skin)
     size = max(scene.skin.length, scene.skin.width) / COARSEST
     apart = tuple(place for place in places if not isinstance(place, Touch))
     found = domain(scene, Press(apart), size)
-    if len(found.p) > 2:
-        raise InputError(
-            f"skin.mesh {scene.skin.mesh}: must lie in a plane for depth and force of a press"
-        )
     columns = scene.pixels.columns
     pixel = [(p.row - 1) * columns + p.column - 1 if isinstance(p, Touch) else -1 for p in places]
     shapes = [shape_of(scene, place) for place in places]

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from ...press.press import Press
 from ...press.touch import Depth
 from ...scene.foam_mechanics import Mechanics
+from ...scene.form.mesh_file import read_surface
 from ...scene.planar import Circle
+from ...scene.skin import Skin
 from ...sweeps import InputError
 
 
@@ -60,6 +62,14 @@ class Pressed:
         """Capacitance over that at rest at flat positions x (2, ...) in m, shape (...)."""
         strain = self.strain(x)
         return np.ones_like(strain) if self.mechanics is None else self.mechanics.factor(strain)
+
+
+def check_plane(skin: Skin) -> None:
+    """Raises InputError where a skin is no plane."""
+    if skin.mesh is not None and len(read_surface(skin.mesh).p) > 2:
+        raise InputError(
+            f"skin.mesh {skin.mesh}: must lie in a plane for depth and force of a press"
+        )
 
 
 def check_depths(press: Press, mechanics: Mechanics, thickness: float) -> None:

@@ -35,7 +35,7 @@ def test_all_at_once_is_press_by_press(placed, grid):
     grid = 3 * grid[0], 3 * grid[1]
     cells, rises, starts = laid_on_cells(SCENE, touches, where, grid)
     assert starts[-1] == len(cells)
-    for k, text in enumerate(texts(touches, where)):
+    for k, text in enumerate(texts(touches, where, where.factor, "")):
         found, expected = np.zeros((2, grid[0] * grid[1]))
         own = slice(starts[k], starts[k + 1])
         assert (np.diff(cells[own]) > 0).all()

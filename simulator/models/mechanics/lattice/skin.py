@@ -1,0 +1,177 @@
+"""The skin of a scene on an even lattice: where it is, how it holds together, how it gives way."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....scene.foam_mechanics import Mechanics
+from ....scene.scene import Scene
+from ....scene.skin import covers
+
+FINE, OF_TOUCH = 4, 16
+"""Steps for each length of the skins' spread at least, and along the smallest applicator."""
+MOST_ALONG = 800
+SAMPLES = 8
+"""Along each side of a node's area where an edge of the skin passes."""
+LAW = 4096
+PROFILE = 2048
+FELT = 3e-4
+"""Of an applicator's depth: the deflection that is not followed any farther."""
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """Nodes in the middles of even areas, and how they hold together.
+
+    x, y: of nodes, m. part: of each node's area that is skin, shape (row, column). right, up:
+    conductance of a node to the next along x and y, over the tension. within: nodes along x and y
+    in each cell that factors are told of. distance, w: of the deflection beside a straight edge, m,
+    from where cells are closed on.
+    """
+
+    mechanics: Mechanics
+    thickness: float
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    part: NDArray[np.float64]
+    right: NDArray[np.float64]
+    up: NDArray[np.float64]
+    within: tuple[int, int]
+    distance: NDArray[np.float64]
+    w: NDArray[np.float64]
+
+    @property
+    def grid(self) -> tuple[int, int]:
+        """Rows and columns of cells."""
+        return len(self.y) // self.within[1], len(self.x) // self.within[0]
+
+    @property
+    def steps(self) -> tuple[float, float]:
+        """Between nodes along x and y, m."""
+        return 2 * float(self.x[0]), 2 * float(self.y[0])
+
+    @property
+    def area(self) -> float:
+        """Of a node, over the tension, m² / (N/m)."""
+        return math.prod(self.steps) / self.mechanics.tension
+
+    @cached_property
+    def law(self) -> NDArray[np.float64]:
+        """The foam's stress at strains of even steps from 0 to where its cells are closed, Pa."""
+        elastic = self.mechanics.elastic
+        return elastic.stress(np.linspace(0.0, elastic.greatest_strain, LAW))
+
+    @property
+    def per_metre(self) -> float:
+        """Such steps for each m of deflection."""
+        return (LAW - 1) / (self.mechanics.elastic.greatest_strain * self.thickness)
+
+    def nodes(self, here: tuple[slice, slice]) -> tuple[slice, slice]:
+        """Rows and columns of nodes in those of cells."""
+        rows, columns = (
+            slice(cells.start * within, cells.stop * within)
+            for cells, within in zip(here, self.within[::-1], strict=True)
+        )
+        return rows, columns
+
+    def beside(self, depth: float, away: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Deflection so far from the straight edge of an applicator of a depth, all in m."""
+        return np.interp(self._where(depth) + away, self.distance, self.w)
+
+    def reach(self, depth: float) -> float:
+        """How far the straight edge of an applicator of a depth is felt, m."""
+        return self._where(FELT * depth) - self._where(depth)
+
+    def falls_within(self, depth: float) -> float:
+        """How far from there the deflection is a tenth, m."""
+        return self._where(depth / 10) - self._where(depth)
+
+    def _where(self, w: float) -> float:
+        return float(np.interp(-w, -self.w, self.distance))
+
+
+def lattice_of(scene: Scene, grid: tuple[int, int], smallest: float) -> Lattice:
+    """Of a scene whose foam has mechanics and whose skins have a tension.
+
+    grid: rows and columns of cells that factors are told of. smallest: side of an applicator, m.
+    """
+    return _lattice_of(scene, grid, smallest)  # pyright: ignore[reportArgumentType]
+
+
+@lru_cache(maxsize=8)
+def _lattice_of(scene: Scene, grid: tuple[int, int], smallest: float) -> Lattice:
+    mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
+    assert mechanics is not None and thickness is not None
+    spread = math.sqrt(mechanics.tension * thickness / mechanics.young)
+    coarsest = min(spread / FINE, smallest / OF_TOUCH)
+    (length, width), (rows, columns) = scene.skin.sides, grid
+    along, across = (
+        max(1, min(math.ceil(side / cells / coarsest), MOST_ALONG // cells))
+        for side, cells in ((length, columns), (width, rows))
+    )
+    step_x, step_y = length / columns / along, width / rows / across
+    x, y = _nodes(columns * along, step_x), _nodes(rows * across, step_y)
+    part, right, up = _held_together(scene, x, y)
+    distance, w = _profile(mechanics, thickness)
+    ratio = step_y / step_x
+    foam = mechanics, thickness
+    return Lattice(*foam, x, y, part, right * ratio, up / ratio, (along, across), distance, w)
+
+
+def _nodes(count: int, step: float) -> NDArray[np.float64]:
+    return (np.arange(count, dtype=np.float64) + 0.5) * step
+
+
+def _profile(
+    mechanics: Mechanics, thickness: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Distance from where cells are closed, and the deflection there, both m.
+
+    Beside a straight edge T w'² / 2 = d W(w / d), with W the foam's energy per volume.
+    """
+    strain = mechanics.elastic.greatest_strain * np.geomspace(1.0, FELT**2, PROFILE)
+    slope = np.sqrt(2 * thickness * mechanics.elastic.energy(strain) / mechanics.tension)
+    falls = -np.diff(strain * thickness) * (1 / slope[1:] + 1 / slope[:-1]) / 2
+    return np.concatenate([[0.0], np.cumsum(falls)]), strain * thickness
+
+
+def _held_together(
+    scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], ...]:
+    """Part of each node's area that is skin, and of each edge to the next node along x and y."""
+    shape = len(y), len(x)
+    if scene.skin.rectangular:
+        part, right, up = (np.ones(shape) for _ in range(3))
+    else:
+        part, right, up = _cut(scene, x, y)
+    right[:, -1], up[-1] = 0.0, 0.0
+    return part, right, up
+
+
+def _cut(
+    scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], ...]:
+    """As `_held_together`, of a skin of any outline, by samples where an edge is near."""
+    skin, (step_x, step_y) = scene.skin, (x[1] - x[0], y[1] - y[0])
+    middle = covers(skin, np.stack(np.broadcast_arrays(x, y[:, None])))
+    around = np.pad(middle, 1, mode="edge")
+    views = [around[i : i + len(y), j : j + len(x)] for i in range(3) for j in range(3)]
+    row, column = np.nonzero(np.logical_or.reduce(views) & ~np.logical_and.reduce(views))
+    part, right, up = (middle.astype(np.float64) for _ in range(3))
+    off, half = (np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5, np.full(SAMPLES, 0.5)
+
+    def share(along: NDArray[np.float64], across: NDArray[np.float64]) -> NDArray[np.float64]:
+        at_x = x[column][:, None] + step_x * along
+        at_y = y[row][:, None] + step_y * across
+        return covers(skin, np.stack([at_x, at_y])).mean(axis=1)
+
+    part[row, column] = share(np.tile(off, SAMPLES), np.repeat(off, SAMPLES))
+    right[row, column], up[row, column] = share(half, off), share(off, half)
+    right[:, :-1] *= (part[:, 1:] > 0) & (part[:, :-1] > 0)
+    up[:-1] *= (part[1:] > 0) & (part[:-1] > 0)
+    return part, right, up
