@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-FOLLOWED = 4
+FOLLOWED = 2
 """Ways in which skins differ most, along which drift is followed."""
 OPENING = 0.65
 """Part that the opening has in what is known of the skin across them."""
