@@ -19,6 +19,7 @@ import math
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -131,12 +132,18 @@ def asked_of(scene: Scene) -> Trial:
     return Trial("pixel", scene, "pixel", every_pixel(1), LOCALIZERS, GOAL, training=0)
 
 
-def scores(trial: Trial, family: Reduced, models: dict[str, Path], number: int) -> list[dict]:
-    """Of one twin: a row for each localizer and each way of reading it."""
+def scores(
+    trial: Trial,
+    family: Reduced,
+    models: dict[str, Path],
+    number: int,
+    ways: Iterable[str] = tuple(WAYS),
+) -> list[dict]:
+    """Of one twin: a row for each localizer and each way of reading it, of WAYS."""
     scene = trial.believed
     presses = trial.recording(np.random.default_rng([SEED, number]))
     rows = []
-    for way in WAYS:
+    for way in ways:
         drift = STILL if way.endswith("without drift") else Drift()
         twin = Twin(built(scene), family, SEED, number, Hand(offset=OFFSET), drift)
         sweeps = _read(twin, presses, way, [each.name for each in scene.interfaces])
@@ -192,16 +199,20 @@ def spread(right: pd.Series, way: str) -> dict[str, object]:
     }
 
 
+def found_by(run: Run, kept: Kept) -> Scene:
+    """The design that twins are of."""
+    quick = ["--casts", "1", "--draws", "20", "--readings", "2"]
+    plain = believed(TWO, run.sized(6, 2), SINGLE)
+    return kept.designed(plain, run.sized([], quick))
+
+
 def told(run: Run, folder: Path) -> None:
     """Search, train, ask the twins, and write the table."""
     folder.mkdir(parents=True, exist_ok=True)
     kept, skins = Kept(folder), run.asked.skins or run.sized(SKINS, 1)
-    quick = ["--casts", "1", "--draws", "20", "--readings", "2"]
-    plain = believed(TWO, run.sized(6, 2), SINGLE)
-    scene = kept.designed(plain, run.sized([], quick))
-    names = (
-        run.asked.localizers.split(",") if run.asked.localizers else run.sized(LOCALIZERS, FIRST)
-    )
+    scene = found_by(run, kept)
+    asked = run.asked.localizers
+    names = asked.split(",") if asked else run.sized(LOCALIZERS, FIRST)
     sweeps = run.asked.training or run.sized(TRAINING, FEW)
     models = {name: kept.model(name, sweeps) for name in names}
     trial, family = asked_of(scene), kept.family(built(scene))
