@@ -1,8 +1,7 @@
 """What a designed skin reaches on a hundred twins more: `twin_design.py` asks twenty, over TCP.
 
 A median of twenty twins is known to 2 or 3 points only. Here one localizer, trained as there, is
-asked about other twins, read at once, with and without drift, beside what whoever knows each skin
-can tell at most.
+asked about other twins, read at once, with and without drift.
 
 Run: python benchmarks/localization/twin_design_others.py [--skins 100] [--localizer NAME]
      [--training SWEEPS] [--found FOLDER] [--quick]
@@ -20,14 +19,11 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.twin_design import (
     FEW,
     FIRST,
-    KNOWN,
     TRAINING,
     Kept,
     asked_of,
     found_by,
-    known,
     scores,
-    spread,
     summary,
 )
 from rcskin.benchmarks.localization.twin_parts.scenes import built
@@ -35,7 +31,6 @@ from rcskin.benchmarks.localization.twin_parts.scenes import built
 OTHERS, SKINS = 1000, 100
 """Number of the first of them, and how many."""
 READ = "at once, without drift", "at once"
-COLUMNS = ["who", "skins", "10 %", "median", "90 %", "mean", "answered"]
 
 
 def told(run: Run, folder: Path) -> None:
@@ -46,16 +41,13 @@ def told(run: Run, folder: Path) -> None:
     model = kept.model(asked.localizer, asked.training or run.sized(TRAINING, FEW))
     trial, family = asked_of(scene), kept.family(built(scene))
     numbers = range(OTHERS, OTHERS + (asked.skins or run.sized(SKINS, 1)))
-    models, judged = {asked.localizer: model}, run.sized(KNOWN, (20, 10))
-    side_by_side = Parallel(n_jobs=asked.processes)
+    models = {asked.localizer: model}
     work = (delayed(scores)(trial, family, models, number, READ) for number in numbers)
-    found = pd.DataFrame([row for rows in side_by_side(work) for row in rows])
-    own = side_by_side(delayed(known)(trial, family, number, *judged) for number in numbers)
-    bound = {"who": "bound"} | spread(pd.Series(own), "each known, without drift")
-    table = pd.DataFrame([bound, *summary(found)]).astype(object).fillna("-")
+    answers = Parallel(n_jobs=asked.processes)(work)
+    found = pd.DataFrame([row for rows in answers for row in rows])
     pixels = scene.pixels
     title = f"Pixels of {pixels.rows}x{pixels.columns} told right (%), as designed, other twins"
-    publish(run.results, "twin_design_others", title, table[COLUMNS])
+    publish(run.results, "twin_design_others", title, pd.DataFrame(summary(found)))
 
 
 def main(run: Run) -> None:
