@@ -4,7 +4,8 @@
 like it, `rcskin train` makes localizers of them: all as a user does. Twins, cast as
 [dataset.session] spreads them, are read over TCP by the virtual meter, and pressed by a hand that
 misses pixels a little. Beside that, the same twins are read at once, with and without their drift:
-what stands between the bound of a known skin and what is reached.
+what stands between the bound of a known skin and what is reached. The bound is of the design as it
+is meant, and of each twin's own skin as it is.
 
 Run: python benchmarks/localization/twin_design.py [--skins 20] [--localizers NAME,...]
      [--training SWEEPS] [--quick]
@@ -18,6 +19,7 @@ import math
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,6 +29,7 @@ import xarray as xr
 from joblib import Parallel, delayed
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.twin import SEED, WHOLE, equip, localizers
+from rcskin.benchmarks.localization.twin_parts.known import known_accuracy
 from rcskin.benchmarks.localization.twin_parts.reading import HELD, ONE, OWN, read_at_once
 from rcskin.benchmarks.localization.twin_parts.recording import recorded
 from rcskin.benchmarks.localization.twin_parts.scenes import OFFSET, believed, built
@@ -44,7 +47,7 @@ from rcskin.simulator.scene.scene import Scene
 
 RTOL = 1e-2
 """Of Rs and Cp, certified; readings are some ten times closer, a tenth of the meter's noise."""
-SKINS, TRAINING, FEW = 20, 60_000, 600
+SKINS, TRAINING, FEW = 20, 100_000, 600
 LOCALIZERS = ("gaussian", "ksvm-ovo")
 FIRST = LOCALIZERS[:1]
 SHOWN = {"gaussian": math.inf, "ksvm-ovo": 10_000, "model-adapted": 5_000, "network": math.inf}
@@ -52,6 +55,8 @@ SHOWN = {"gaussian": math.inf, "ksvm-ovo": 10_000, "model-adapted": 5_000, "netw
 READ = {"gaussian": ("lnZ", "phase")}
 """Features that localizers take beside WHOLE."""
 GOAL = 0.9
+KNOWN = 400, 600
+"""Draws of a twin, and presses of each pixel, that tell the bound of its own skin."""
 STILL = Drift(capacitance=0.0, resistance=0.0, step=0.0)
 TCP = "over TCP"
 WAYS = {
@@ -127,12 +132,18 @@ def asked_of(scene: Scene) -> Trial:
     return Trial("pixel", scene, "pixel", every_pixel(1), LOCALIZERS, GOAL, training=0)
 
 
-def scores(trial: Trial, family: Reduced, models: dict[str, Path], number: int) -> list[dict]:
-    """Of one twin: a row for each localizer and each way of reading it."""
+def scores(
+    trial: Trial,
+    family: Reduced,
+    models: dict[str, Path],
+    number: int,
+    ways: Iterable[str] = tuple(WAYS),
+) -> list[dict]:
+    """Of one twin: a row for each localizer and each way of reading it, of WAYS."""
     scene = trial.believed
     presses = trial.recording(np.random.default_rng([SEED, number]))
     rows = []
-    for way in WAYS:
+    for way in ways:
         drift = STILL if way.endswith("without drift") else Drift()
         twin = Twin(built(scene), family, SEED, number, Hand(offset=OFFSET), drift)
         sweeps = _read(twin, presses, way, [each.name for each in scene.interfaces])
@@ -159,35 +170,49 @@ def _read(twin: Twin, presses: list[str], way: str, interfaces: list[str]) -> xr
     return read_at_once(twin, presses, ranges=WAYS[way])
 
 
+def known(trial: Trial, family: Reduced, number: int, draws: int, samples: int) -> float:
+    """The bound of one twin, pressed by its hand, for whoever knows its skin and meets no drift."""
+    scene = trial.believed
+    twin = Twin(built(scene), family, SEED, number, Hand(offset=OFFSET), STILL)
+    bound = known_accuracy(scene, twin, draws=draws, samples=samples, against_rest=RECENT)
+    return (bound.least + bound.most) / 2
+
+
 def summary(found: pd.DataFrame) -> list[dict[str, object]]:
     """One row for each localizer and way of reading: the distribution over skins, in %."""
     rows = []
     for (name, way), group in found.groupby(["localizer", "read"], sort=False):
-        right = 100 * group["right"]
-        rows.append(
-            {
-                "who": name,
-                "skins": f"{len(group)} twins, {way}",
-                "10 %": f"{right.quantile(0.1):.1f}",
-                "median": f"{right.median():.1f}",
-                "90 %": f"{right.quantile(0.9):.1f}",
-                "mean": f"{right.mean():.1f} ± {right.std(ddof=0) / len(right) ** 0.5:.1f}",
-                "answered": f"{100 * group['answered'].mean():.1f}",
-            }
-        )
+        answered = {"answered": f"{100 * group['answered'].mean():.1f}"}
+        rows.append({"who": name} | spread(group["right"], way) | answered)
     return rows
+
+
+def spread(right: pd.Series, way: str) -> dict[str, object]:
+    """Over skins, in %."""
+    right = 100 * right
+    return {
+        "skins": f"{len(right)} twins, {way}",
+        "10 %": f"{right.quantile(0.1):.1f}",
+        "median": f"{right.median():.1f}",
+        "90 %": f"{right.quantile(0.9):.1f}",
+        "mean": f"{right.mean():.1f} ± {right.std(ddof=0) / len(right) ** 0.5:.1f}",
+    }
+
+
+def found_by(run: Run, kept: Kept) -> Scene:
+    """The design that twins are of."""
+    quick = ["--casts", "1", "--draws", "20", "--readings", "2"]
+    plain = believed(TWO, run.sized(6, 2), SINGLE)
+    return kept.designed(plain, run.sized([], quick))
 
 
 def told(run: Run, folder: Path) -> None:
     """Search, train, ask the twins, and write the table."""
     folder.mkdir(parents=True, exist_ok=True)
     kept, skins = Kept(folder), run.asked.skins or run.sized(SKINS, 1)
-    quick = ["--casts", "1", "--draws", "20", "--readings", "2"]
-    plain = believed(TWO, run.sized(6, 2), SINGLE)
-    scene = kept.designed(plain, run.sized([], quick))
-    names = (
-        run.asked.localizers.split(",") if run.asked.localizers else run.sized(LOCALIZERS, FIRST)
-    )
+    scene = found_by(run, kept)
+    asked = run.asked.localizers
+    names = asked.split(",") if asked else run.sized(LOCALIZERS, FIRST)
     sweeps = run.asked.training or run.sized(TRAINING, FEW)
     models = {name: kept.model(name, sweeps) for name in names}
     trial, family = asked_of(scene), kept.family(built(scene))
@@ -195,6 +220,9 @@ def told(run: Run, folder: Path) -> None:
     found = pd.DataFrame(
         [row for rows in Parallel(n_jobs=run.asked.processes)(work) for row in rows]
     )
+    judged = run.sized(KNOWN, (20, 10))
+    own = (delayed(known)(trial, family, number, *judged) for number in range(skins))
+    own_skins = pd.Series(Parallel(n_jobs=run.asked.processes)(own))
     hand = kept.bound(scene, run.sized(1000, 20), run.sized(2000, 50))
     middle = f"{50 * (hand.least + hand.most):.1f} ± {100 * hand.error:.1f}"
     bounds = [
@@ -204,6 +232,7 @@ def told(run: Run, folder: Path) -> None:
             ("the twins' hand", middle),
         )
     ]
+    bounds.append({"who": "bound"} | spread(own_skins, "each known, without drift"))
     table = pd.DataFrame([*bounds, *summary(found)]).astype(object).fillna("-")
     pixels = scene.pixels
     title = f"Pixels of {pixels.rows}x{pixels.columns} told right (%), four wires, as designed"

@@ -26,8 +26,9 @@ COMPONENTS, OF_CURVE, SQUARED, SPREAD = 16, 12, 3, 4
 directions of a class's own spread."""
 BENDING = 6
 """Components of the curve that tell how strength bends."""
-DRIFT = 0.01
-"""Of how far curves differ: what a skin may drift by between a touch and the rest before it."""
+DRIFT = 0.02
+"""Of how far curves differ: what a skin may drift by between a touch and the rests before it, as by
+0.3 % of sheets that differ by 15 %."""
 ROUNDS = 3
 """Of finding strengths and what they multiply, in turn."""
 RIDGE = 1.0

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-FOLLOWED = 4
-"""Ways in which skins differ most, along which drift is followed."""
+FOLLOWED = 2
+"""Ways in which skins differ most, along which drift is followed: of foam, and of sheets."""
 OPENING = 0.65
 """Part that the opening has in what is known of the skin across them."""
 SHARE = 0.99

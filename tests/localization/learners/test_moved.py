@@ -5,7 +5,7 @@ import pytest
 from rcskin.localization.inputs.samples import Problem
 from rcskin.localization.learners.classifiers import gaussian
 from rcskin.localization.learners.gaussians import GaussianClassifier
-from rcskin.localization.learners.moved import OPENING, Moved
+from rcskin.localization.learners.moved import FOLLOWED, OPENING, Moved
 
 FEATURES, SWEEPS, NOISE = 40, 4000, 0.01
 
@@ -32,6 +32,20 @@ def test_noise_is_averaged_and_drift_is_followed():
     averaged = np.sqrt(OPENING**2 + (1 - OPENING) ** 2)
     assert abs(error(learned, *at_rest(random, way)) - averaged) < 0.03
     assert abs(error(learned, *at_rest(random, way, drift=0.5)) - averaged) < 0.03
+
+
+def test_noise_is_averaged_along_ways_that_neither_foam_nor_sheets_drift():
+    random = np.random.default_rng(4)
+    spread = np.diag([8.0, 4.0, 0.4, 0.2, *np.zeros(6)])
+    opened = random.standard_normal((SWEEPS, 10)) @ spread
+    drift = np.diag([0.08, 0.04, *np.zeros(8)])
+    now = opened + random.standard_normal((SWEEPS, 10)) @ drift
+    opening, still, recent = (
+        each + NOISE * random.standard_normal(now.shape) for each in (opened, opened, now)
+    )
+    learned = Moved.learned(opening, still, FOLLOWED)
+    averaged = (OPENING**2 + (1 - OPENING) ** 2) * 8 / 10 + 2 / 10
+    assert error(learned, now, opening, recent) < np.sqrt(averaged) + 0.03
 
 
 def test_a_skin_that_has_moved_far_in_another_way_is_told_against_its_latest_rest():

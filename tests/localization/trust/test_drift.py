@@ -9,7 +9,7 @@ from rcskin.localization.trust.fitting import learn_classes
 QUANTITIES = ("dlnZ", "dphase", "lnZ0", "phase0")
 FREQUENCIES = (1e3, 1e4)
 PROBLEM = Problem("column", 8, QUANTITIES, ("left",), FREQUENCIES, "")
-SESSIONS, COUNT, NOISE, DRIFT = 300, 4, 1e-3, 0.01
+SESSIONS, COUNT, NOISE, DRIFT = 300, 4, 1e-3, 0.015
 TOUCHES = 0.02 * np.array([[1, 0, 1, 0], [1, 1, 0, 0], [0, 1, 0, 1]])
 
 

@@ -1,0 +1,71 @@
+"""What a designed skin reaches on a hundred twins more: `twin_design.py` asks twenty, over TCP.
+
+A median of twenty twins is known to 2 or 3 points only. Here one localizer, trained as there, is
+asked about other twins, read at once, with and without drift.
+
+Run: python benchmarks/localization/twin_design_others.py [--skins 100] [--localizer NAME]
+     [--training SWEEPS] [--found FOLDER] [--quick]
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from pathlib import Path
+
+import pandas as pd
+from joblib import Parallel, delayed
+from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.localization.twin_design import (
+    FEW,
+    FIRST,
+    TRAINING,
+    Kept,
+    asked_of,
+    found_by,
+    scores,
+    summary,
+)
+from rcskin.benchmarks.localization.twin_parts.scenes import built
+
+OTHERS, SKINS = 1000, 100
+"""Number of the first of them, and how many."""
+READ = "at once, without drift", "at once"
+
+
+def told(run: Run, folder: Path) -> None:
+    """Search and train where that is still to be done, ask the twins, and write the table."""
+    folder.mkdir(parents=True, exist_ok=True)
+    kept, asked = Kept(folder), run.asked
+    scene = found_by(run, kept)
+    model = kept.model(asked.localizer, asked.training or run.sized(TRAINING, FEW))
+    trial, family = asked_of(scene), kept.family(built(scene))
+    numbers = range(OTHERS, OTHERS + (asked.skins or run.sized(SKINS, 1)))
+    models = {asked.localizer: model}
+    work = (delayed(scores)(trial, family, models, number, READ) for number in numbers)
+    answers = Parallel(n_jobs=asked.processes)(work)
+    found = pd.DataFrame([row for rows in answers for row in rows])
+    pixels = scene.pixels
+    title = f"Pixels of {pixels.rows}x{pixels.columns} told right (%), as designed, other twins"
+    publish(run.results, "twin_design_others", title, pd.DataFrame(summary(found)))
+
+
+def main(run: Run) -> None:
+    """In a folder that is asked for, or one that is not kept."""
+    with tempfile.TemporaryDirectory() as scratch:
+        told(run, run.asked.found or Path(scratch))
+
+
+def options() -> argparse.ArgumentParser:
+    """Of the command line."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--skins", type=int)
+    parser.add_argument("--localizer", default=FIRST[0])
+    parser.add_argument("--training", type=int, help="Simulated sweeps of the data set.")
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--found", type=Path, help="Folder of what takes time, to be kept.")
+    return parser
+
+
+if __name__ == "__main__":
+    launch(main, options())
