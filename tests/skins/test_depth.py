@@ -230,7 +230,6 @@ def test_a_data_set_draws_depths_and_is_what_the_full_solver_says(scene, tmp_pat
     [
         ({"dataset.press.depth": 2.6e-3}, r"`dataset.press.depth` must be <= 0.00241 m"),
         ({"dataset.press.factor": 9.0}, "`dataset.press.factor` must be from 1 to 4"),
-        ({"dataset.press.place": "anywhere"}, "cannot be pressed by `press.depth`"),
         ({"press.depth": None, "press.force": 1.0}, "cannot take `press.force`"),
         ({"press.depth": None, "dataset.press.depth": 1e-3}, "`dataset.press.depth` needs"),
     ],

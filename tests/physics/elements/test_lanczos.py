@@ -152,7 +152,7 @@ def test_against_complex_solves(random, frequency_at, data):
     low = frequency < frequency_at(scene, 200)
     assert (difference <= change + 1e-9)[..., low].all()
     assert change.max() <= 2e-9
-    assert difference.max() <= 1e-6, "more than the complex solves lose at high frequency"
+    assert difference.max() <= 1e-5, "more than the complex solves lose at high frequency"
 
 
 @pytest.mark.parametrize("resistance", [0.0, 1e3, pytest.param(1e7, marks=pytest.mark.slow)])
