@@ -28,6 +28,11 @@ PAGES = (
     "hardware/README.md",
     "benchmarks/README.md",
 )
+LINKING = (
+    *PAGES,
+    "tests/README.md",
+    *(f"benchmarks/{name}.md" for name in ("LOCALIZATION", "VERIFICATION", "GALLERY")),
+)
 SELF_MADE = (
     "README.md",
     "simulator/README.md",
@@ -82,7 +87,7 @@ def test_the_front_page_is_read_in_one_go():
     assert len(text("README.md").splitlines()) <= 200
 
 
-@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize("page", LINKING)
 def test_every_link_leads_to_a_file_and_a_heading(page):
     links = re.findall(r"\]\(([^)]+)\)", text(page))
     for link in links:
