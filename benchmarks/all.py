@@ -52,7 +52,7 @@ IN_ORDER = (
     Benchmark("speed/skins_reduced"),
     Benchmark("speed/skins_commands"),
     Benchmark("accuracy/stability"),
-    Benchmark("accuracy/campaign", ("-o", LINES, "--workers", "2", "--timeout", "150")),
+    Benchmark("accuracy/campaign", ("-o", LINES, "--workers", "2", "--timeout", "60")),
     Benchmark(
         "accuracy/campaign",
         ("-o", LINES_IN_TURN, "--in-turn", "--workers", "2", "--timeout", "25"),

@@ -17,7 +17,7 @@ from rcskin.simulator.charts import AT_REST, COLOURS, chart
 
 TABLE, TABLE_IN_TURN, CHART = "campaign.csv", "campaign_in_turn.csv", "campaign.png"
 COMMAND = (
-    ".venv/bin/python benchmarks/accuracy/campaign.py -o campaign.jsonl --workers 2 --timeout 150"
+    ".venv/bin/python benchmarks/accuracy/campaign.py -o campaign.jsonl --workers 2 --timeout 60"
 )
 COMMAND_IN_TURN = (
     ".venv/bin/python benchmarks/accuracy/campaign.py -o in_turn.jsonl --in-turn --workers 2 "
