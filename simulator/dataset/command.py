@@ -78,8 +78,8 @@ def dataset(
         )
     if "deflection_error" in told:
         typer.echo(
-            f"{output}: how the foam gives way is solved on a lattice, which changes Rs and Cp by "
-            f"up to {told['deflection_error']:.1e} of that"
+            f"{output}: how the foam gives way is solved on a lattice; of that change it makes up "
+            f"to {told['deflection_error']:.1e}"
         )
     if plan.sessions == 1:
         typer.echo(
