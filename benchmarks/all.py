@@ -69,6 +69,7 @@ IN_ORDER = (
     Benchmark("localization/twin"),
     Benchmark("localization/twin_limits"),
     Benchmark("localization/twin_design"),
+    Benchmark("localization/twin_design", ("--second",)),
     Benchmark("localization/twin_design_others"),
     Benchmark("localization/design"),
     Benchmark("localization/training_spread"),

@@ -8,7 +8,7 @@ what stands between the bound of a known skin and what is reached. The bound is 
 is meant, and of each twin's own skin as it is.
 
 Run: python benchmarks/localization/twin_design.py [--skins 20] [--localizers NAME,...]
-     [--training SWEEPS] [--quick]
+     [--training SWEEPS] [--second] [--quick]
 """
 
 from __future__ import annotations
@@ -50,6 +50,8 @@ RTOL = 1e-2
 SKINS, TRAINING, FEW = 20, 100_000, 600
 LOCALIZERS = ("gaussian", "ksvm-ovo")
 FIRST = LOCALIZERS[:1]
+A_SECOND = "--seconds", "1", "--readings", "12"
+"""Asked of `rcskin design` where a sweep may take that long."""
 SHOWN = {"gaussian": math.inf, "ksvm-ovo": 10_000, "model-adapted": 5_000, "network": math.inf}
 """Sweeps of the data set that each is trained on, at most."""
 READ = {"gaussian": ("lnZ", "phase")}
@@ -199,20 +201,20 @@ def spread(right: pd.Series, way: str) -> dict[str, object]:
     }
 
 
-def found_by(run: Run, kept: Kept) -> Scene:
-    """The design that twins are of."""
+def found_by(run: Run, kept: Kept, asked: Iterable[str] = ()) -> Scene:
+    """The design that twins are of. asked: options of the search."""
     quick = ["--casts", "1", "--draws", "20", "--readings", "2"]
     plain = believed(TWO, run.sized(6, 2), SINGLE)
-    return kept.designed(plain, run.sized([], quick))
+    return kept.designed(plain, run.sized(list(asked), quick))
 
 
 def told(run: Run, folder: Path) -> None:
     """Search, train, ask the twins, and write the table."""
     folder.mkdir(parents=True, exist_ok=True)
     kept, skins = Kept(folder), run.asked.skins or run.sized(SKINS, 1)
-    scene = found_by(run, kept)
-    asked = run.asked.localizers
-    names = asked.split(",") if asked else run.sized(LOCALIZERS, FIRST)
+    asked, second = run.asked.localizers, run.asked.second
+    scene = found_by(run, kept, A_SECOND if second else ())
+    names = asked.split(",") if asked else run.sized(FIRST if second else LOCALIZERS, FIRST)
     sweeps = run.asked.training or run.sized(TRAINING, FEW)
     models = {name: kept.model(name, sweeps) for name in names}
     trial, family = asked_of(scene), kept.family(built(scene))
@@ -236,8 +238,9 @@ def told(run: Run, folder: Path) -> None:
     table = pd.DataFrame([*bounds, *summary(found)]).astype(object).fillna("-")
     pixels = scene.pixels
     title = f"Pixels of {pixels.rows}x{pixels.columns} told right (%), four wires, as designed"
+    name = "twin_design_second" if second else "twin_design"
     columns = ["who", "skins", "10 %", "median", "90 %", "mean", "answered"]
-    publish(run.results, "twin_design", title, table[columns])
+    publish(run.results, name, title, table[columns])
 
 
 def main(run: Run) -> None:
@@ -252,6 +255,7 @@ def options() -> argparse.ArgumentParser:
     parser.add_argument("--skins", type=int)
     parser.add_argument("--localizers", help=f"Of {', '.join(SHOWN)}, joined by commas.")
     parser.add_argument("--training", type=int, help="Simulated sweeps of the data set.")
+    parser.add_argument("--second", action="store_true", help="A sweep may take a second.")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--found", type=Path, help="Folder of what takes time, to be kept.")
     return parser
