@@ -61,13 +61,11 @@ def why_no_pictures():
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection():
-    """What is collected stays to the end: to look through it for waste takes a fifth of the time
-    that collecting takes, and would take more each time that tests are looked through."""
+    """What is collected stays to the end: looking through it for waste takes a fifth as long."""
     gc.disable()
     try:
         return (yield)
     finally:
-        gc.freeze()
         gc.enable()
 
 
@@ -79,8 +77,7 @@ def pytest_runtest_setup(item):
 
 @pytest.fixture(scope="session", autouse=True)
 def commands_made_once():
-    """The tree of commands is the same for every command line of a process; typer makes it anew
-    for each, in as long as many of them take."""
+    """The tree of commands is the same in a whole process; typer makes it anew for each line."""
     with pytest.MonkeyPatch.context() as patch:
         once = cache(typer.main.get_command)
         patch.setattr("typer.main.get_command", once)
@@ -102,6 +99,7 @@ LAYOUTS = [WHOLE, [(0.2, 0.7)], [(0.5, 1.0)], [(0.0, 0.3), (0.6, 1.0)], [(0.0, 0
 """Spans of the foils that share one edge; those of the last one touch."""
 RESISTANCES = (0.0, 0.0, 1.0, 300.0)
 """Of contacts, ohm m."""
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
 
 def build_scene(
@@ -293,11 +291,8 @@ def chromium():
     Playwright runs an event loop in this thread: it is let go after each module.
     """
     playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
-    path = next(
-        filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
-    )
-    if path is None:
-        pytest.skip("there is no Chromium to open the page in")
+    path = next(filter(None, map(shutil.which, BROWSERS)), None)
+    path = path or pytest.skip("there is no Chromium to open the page in")
     with playwright.sync_playwright() as started:
         browser = started.chromium.launch(executable_path=path, args=["--no-sandbox"])
         yield browser

@@ -19,7 +19,7 @@ import math
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -243,21 +243,32 @@ def told(run: Run, folder: Path) -> None:
     publish(run.results, name, title, table[columns])
 
 
-def main(run: Run) -> None:
-    """In a folder that is asked for, or one that is not kept."""
+def in_its_folder(run: Run, tell: Callable[[Run, Path], None]) -> None:
+    """Do what takes time in a folder that is asked for, or in one that is not kept."""
     with tempfile.TemporaryDirectory() as scratch:
-        told(run, run.asked.found or Path(scratch))
+        tell(run, run.asked.found or Path(scratch))
+
+
+def main(run: Run) -> None:
+    """All of it."""
+    in_its_folder(run, told)
+
+
+def shared_options() -> argparse.ArgumentParser:
+    """Of the command line, of all that ask twins of a design."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--skins", type=int)
+    parser.add_argument("--training", type=int, help="Simulated sweeps of the data set.")
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--found", type=Path, help="Folder of what takes time, to be kept.")
+    return parser
 
 
 def options() -> argparse.ArgumentParser:
     """Of the command line."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--skins", type=int)
+    parser = shared_options()
     parser.add_argument("--localizers", help=f"Of {', '.join(SHOWN)}, joined by commas.")
-    parser.add_argument("--training", type=int, help="Simulated sweeps of the data set.")
     parser.add_argument("--second", action="store_true", help="A sweep may take a second.")
-    parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--found", type=Path, help="Folder of what takes time, to be kept.")
     return parser
 
 

@@ -10,7 +10,6 @@ Run: python benchmarks/localization/twin_design_others.py [--skins 100] [--local
 from __future__ import annotations
 
 import argparse
-import tempfile
 from pathlib import Path
 
 import pandas as pd
@@ -23,7 +22,9 @@ from rcskin.benchmarks.localization.twin_design import (
     Kept,
     asked_of,
     found_by,
+    in_its_folder,
     scores,
+    shared_options,
     summary,
 )
 from rcskin.benchmarks.localization.twin_parts.scenes import built
@@ -51,19 +52,14 @@ def told(run: Run, folder: Path) -> None:
 
 
 def main(run: Run) -> None:
-    """In a folder that is asked for, or one that is not kept."""
-    with tempfile.TemporaryDirectory() as scratch:
-        told(run, run.asked.found or Path(scratch))
+    """All of it."""
+    in_its_folder(run, told)
 
 
 def options() -> argparse.ArgumentParser:
     """Of the command line."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--skins", type=int)
+    parser = shared_options()
     parser.add_argument("--localizer", default=FIRST[0])
-    parser.add_argument("--training", type=int, help="Simulated sweeps of the data set.")
-    parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--found", type=Path, help="Folder of what takes time, to be kept.")
     return parser
 
 

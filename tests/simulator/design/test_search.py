@@ -48,7 +48,7 @@ def test_twice_the_sheets_tell_as_much_at_half_the_frequencies(strip):
 
 def test_a_search_ends_no_worse_than_any_of_its_steps_and_keeps_its_bounds(strip):
     scene = strip()
-    asked = asking(60, frequencies=2, sheet_resistance=(20e3, 100e3), seconds=0.02, casts=2)
+    asked = asking(frequencies=2, sheet_resistance=(20e3, 100e3), seconds=0.02, casts=3)
     found = search(scene, asked)
     assert found.before.name == "as it is" and found.best.taken
     assert found.best.tenth == max(step.tenth for step in found.steps[1:] if step.taken)
