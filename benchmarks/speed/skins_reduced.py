@@ -19,6 +19,7 @@ from rcskin.simulator.fem.estimate import relative_difference
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.model import KRYLOV_SHARE, Reduced
+from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.scene.scene import Scene
 
 PREDICTION = (
@@ -70,10 +71,9 @@ def _row(name: str, scene: Scene, rtol: float, presses: int) -> dict[str, object
     prepared = time.perf_counter() - start
     draw, random = pixel_touches(scene), np.random.default_rng(1)
     cases = [draw(random) for _ in range(presses)]
-    cells, rises = (np.concatenate([getattr(c, k) for c in cases]) for k in ("cells", "rises"))
-    starts = np.cumsum([0, *(len(case.cells) for case in cases)])
+    batch = PressBatch.of((case.cells, case.rises) for case in cases)
     skin = reduced.skin(None)
-    spent = best_time(lambda: skin.sweeps(cells, rises, starts)) / presses
+    spent = best_time(lambda: skin.sweeps(batch)) / presses
     off, told = _checked(reduced, cases)
     rows, columns = scene.pixels.shape
     return {
@@ -95,7 +95,7 @@ def _checked(reduced: Reduced, cases: list[Case]) -> tuple[float, float]:
     skin = reduced.skin(None)
     rounding, worst = KRYLOV_SHARE * reduced.rtol, (0.0, 0.0)
     for case in cases:
-        Z = skin.sweeps(case.cells, case.rises, np.array([0, len(case.cells)]))[0]
+        Z = skin.sweep(case.cells, case.rises)
         off = relative_difference(Z, skin.exact(case.cells, case.rises))
         told = skin.certificate(case.cells, case.rises)
         if (off > told + rounding).any():

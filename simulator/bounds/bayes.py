@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.experiment import strengths, together
+from ..press.batch import PressBatch
 from ..progress import Track, silent
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
@@ -43,9 +44,7 @@ class Reads(Protocol):
         """The same pixels pressed in many ways."""
         ...
 
-    def of_each(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], starts: NDArray[np.int64], /
-    ) -> NDArray[np.float64]:
+    def of_each(self, batch: PressBatch, /) -> NDArray[np.float64]:
         """Many presses."""
         ...
 
@@ -129,11 +128,9 @@ def drawn(
     columns = readings.scene.pixels.columns
     which = random.choice(len(among), draws, p=[each.chance for each in among])
     factors = presses.at(random.random((draws, max(len(each.pixels) for each in among) or 1)))
-    pressed = [[i * columns + j for i, j in among[k].pixels] for k in which]
-    cells = np.array([cell for each in pressed for cell in each], dtype=np.int64)
-    rises = np.concatenate([f[: len(each)] - 1 for f, each in zip(factors, pressed, strict=True)])
-    starts = np.cumsum([0, *map(len, pressed)])
-    clean = readings.of_each(cells, rises, starts)
+    cells = [np.array([i * columns + j for i, j in e.pixels], dtype=np.int64) for e in among]
+    pressed = ((cells[k], f[: len(cells[k])] - 1) for k, f in zip(which, factors, strict=True))
+    clean = readings.of_each(PressBatch.of(pressed))
     return clean + random.standard_normal(clean.shape)
 
 

@@ -19,6 +19,7 @@ from scipy.interpolate import BarycentricInterpolator
 from ..measure.experiment import Strengths, own_presses, strengths
 from ..measure.readout import errors_of, observed
 from ..models.reduced.model import ReducedSkin
+from ..press.batch import PressBatch
 from ..remembered import remembered
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import AnyDistribution
@@ -130,11 +131,13 @@ class CommonDraws:
         scene, columns = skin.reduced.scene, self._scene.pixels.columns
         count = len(self._nodes)
         cells = [[i * columns + j for i, j in each.pixels] for each in self._among]
-        each = np.repeat([len(own) for own in cells], count)
-        flat = np.repeat(np.concatenate([np.array(own, dtype=np.int64) for own in cells]), count)
-        rises = np.tile(self._nodes - 1, int(sum(map(len, cells))))
+        batch = PressBatch.of(
+            (np.array(own, dtype=np.int64), np.full(len(own), node - 1))
+            for own in cells
+            for node in self._nodes
+        )
         s = laplace_variable(scene.frequencies, scene.skin.foam.loss)
-        Z = skin.sweeps(flat, rises, np.concatenate([[0], np.cumsum(each)]), s)
+        Z = skin.sweeps(batch, s)
         seen = observed(scene.leads.seen_through(Z, scene.frequencies))
         shape = 2, len(scene.interfaces), len(scene.frequencies)
         numbers = np.moveaxis(seen.reshape(-1, *shape), 1, 2)

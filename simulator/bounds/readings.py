@@ -16,6 +16,7 @@ from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.indented.draws import require_whole_pixels
 from ..models.reduced.model import Reduced
+from ..press.batch import PressBatch
 from ..progress import Track, silent
 from ..scene.frequency import laplace_variable
 from ..scene.planar import covered
@@ -119,31 +120,23 @@ class Readings:
         pixels: (row, column) from 0. factors: of each, shape (pixel, press).
         """
         cells = np.array([i * self.scene.pixels.columns + j for i, j in pixels], dtype=np.int64)
-        count = factors.shape[1]
-        return self.of_each(
-            np.tile(cells, count), factors.T.ravel() - 1, np.arange(count + 1) * len(cells)
-        )
+        return self.of_each(PressBatch.even(cells, factors.T - 1))
 
-    def of_each(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], starts: NDArray[np.int64]
-    ) -> NDArray[np.float64]:
-        """Readings of many presses, see `ReducedSkin.sweeps`; shape (press, number)."""
+    def of_each(self, batch: PressBatch) -> NDArray[np.float64]:
+        """Readings of many presses, shape (press, number)."""
         frequency = self.scene.frequencies
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
         if self._size is not None:
-            cells, rises, starts = self._laid(cells, rises, starts)
-        Z = self._reduced.skin(None).sweeps(cells, rises, starts, s)
+            batch = self._laid(batch)
+        Z = self._reduced.skin(None).sweeps(batch, s)
         return self.model.whitened(observed(self.scene.leads.seen_through(Z, frequency)))
 
-    def _laid(
-        self, pixels: NDArray[np.int64], rises: NDArray[np.float64], starts: NDArray[np.int64]
-    ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
+    def _laid(self, batch: PressBatch) -> PressBatch:
         """Touches about the middles of pixels as cells; overlapping ones multiply."""
-        factors = np.ones((len(starts) - 1, self._covers.shape[1]))
-        press = np.repeat(np.arange(len(factors)), np.diff(starts))
-        np.multiply.at(factors, press, 1 + rises[:, None] * self._covers[pixels])
-        press, cells = np.nonzero(factors - 1)
-        return cells, factors[press, cells] - 1, np.searchsorted(press, np.arange(len(starts)))
+        factors = np.ones((batch.count, self._covers.shape[1]))
+        press = np.repeat(np.arange(batch.count), np.diff(batch.starts))
+        np.multiply.at(factors, press, 1 + batch.rises[:, None] * self._covers[batch.cells])
+        return PressBatch.on_grid(factors - 1)
 
     @cached_property
     def _divided(self) -> Scene:
@@ -169,8 +162,7 @@ class Readings:
 
         def laid(random: np.random.Generator) -> Case:
             case = touches(random)
-            cells, rises, _ = self._laid(case.cells, case.rises, np.array([0, len(case.cells)]))
-            return Case(None, cells, rises)
+            return Case(None, *self._laid(PressBatch.of([(case.cells, case.rises)])).one(0))
 
         return reduced_for(self._divided, RTOL, laid)
 

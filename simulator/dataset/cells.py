@@ -12,6 +12,7 @@ from ..measure.streams import CELLS, stream
 from ..models.parameters import nominal
 from ..models.reduced.indented.draws import spreading
 from ..models.solver import Solver
+from ..press.batch import PressBatch
 from ..press.press import parse_press
 from ..scene.scene import Scene
 from .anywhere.deep import raised_by_triangles
@@ -33,7 +34,7 @@ def error_of_cells(scene: Scene, family: Family, seed: int, rtol: float) -> floa
     presses = _sample(scene, family, seed)
     solver = Solver(scene, rtol)
     exact = np.stack([solver.solve(parse_press(text, np.nan)).Z for text in presses.text])
-    laid = _answers(scene, family, presses.cells, presses.rises, presses.starts)
+    laid = _answers(scene, family, presses.batch)
     return (SAFETY if spreading(scene) else 1.0) * _largest(laid, exact)
 
 
@@ -44,10 +45,9 @@ def error_of_deflections(scene: Scene, family: Family, seed: int) -> float:
     """
     presses = _sample(scene, family, seed)
     assert presses.placed is not None
-    laid = _answers(scene, family, presses.cells, presses.rises, presses.starts)
-    exact = _answers(
-        scene, family, *raised_by_triangles(scene, presses.touches, presses.placed, family.grid)
-    )
+    laid = _answers(scene, family, presses.batch)
+    traced = raised_by_triangles(scene, presses.touches, presses.placed, family.grid)
+    exact = _answers(scene, family, traced)
     return SAFETY * _largest(laid, exact)
 
 
@@ -55,16 +55,10 @@ def _sample(scene: Scene, family: Family, seed: int) -> Presses:
     return drawn_presses(scene, stream(seed, 0, CELLS), SAMPLE, family.grid)
 
 
-def _answers(
-    scene: Scene,
-    family: Family,
-    cells: NDArray[np.int64],
-    rises: NDArray[np.float64],
-    starts: NDArray[np.int64],
-) -> NDArray[np.complex128]:
+def _answers(scene: Scene, family: Family, batch: PressBatch) -> NDArray[np.complex128]:
     """Z in ohm of presses on the scene's own skin, shape (press, interface, frequency)."""
     rest = replace(nominal(scene, family.modes), capacitance=np.ones(family.grid))
-    return family.skin(rest).sweeps(cells, rises, starts)
+    return family.skin(rest).sweeps(batch)
 
 
 def _largest(found: NDArray[np.complex128], exact: NDArray[np.complex128]) -> float:

@@ -17,6 +17,7 @@ from ..models.plain import evenly_pressed
 from ..models.reduced.cases import Case
 from ..models.reduced.file import load, save
 from ..models.reduced.model import Reduced
+from ..press.batch import PressBatch
 from ..scene.randomisation import Session
 from ..scene.scene import Scene
 from .presses import drawn_presses
@@ -28,13 +29,8 @@ TRAINED_TO = 0.5
 class SkinModel(Protocol):
     """One skin. Presses raise the capacitance of cells, counted row by row, by rises times that."""
 
-    def sweeps(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], starts: NDArray[np.int64], /
-    ) -> NDArray[np.complex128]:
-        """Z in ohm of many presses, shape (press, interface, frequency).
-
-        Press k is cells[starts[k]:starts[k + 1]] with the rises of the same places.
-        """
+    def sweeps(self, batch: PressBatch, /) -> NDArray[np.complex128]:
+        """Z in ohm of many presses, shape (press, interface, frequency)."""
         ...
 
     def certificate(
@@ -96,7 +92,7 @@ def reduced(scene: Scene, rtol: float) -> Reduced:
     def draw(random: np.random.Generator) -> Case:
         skin = drawn_skin(scene, int(random.integers(2**62)), 0, grid, modes)
         press = drawn_presses(scene, random, 1, grid)
-        return Case(skin.variation, press.cells, press.rises)
+        return Case(skin.variation, *press.batch.one(0))
 
     alike = _alike(scene.dataset.session)
     return reduced_for(divided, TRAINED_TO * rtol, draw, modes=modes, alike=alike)

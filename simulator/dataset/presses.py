@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mesh.held import held
+from ..press.batch import PressBatch
 from ..scene.randomisation import CUT, DrawnPress, truncated_normal
 from ..scene.scene import Scene
 from .anywhere.deep import raised_on_cells, strengths_anywhere
@@ -27,15 +28,13 @@ TRIES = 64
 class Presses:
     """Presses as a model takes them, as labels, and as numbers to learn.
 
-    cells, rises, starts: see `SkinModel.sweeps`. text, row, column: as in the schema of sweeps.
+    batch: on cells. text, row, column: as in the schema of sweeps.
     touches: how many, shape (press,). x, y [m], factor: centre and strength of each touch, shape
     (press, MOST_TOUCHES); 0, 0 and 1 where there is none. placed: where touches that are no whole
     pixels came to lie.
     """
 
-    cells: NDArray[np.int64]
-    rises: NDArray[np.float64]
-    starts: NDArray[np.int64]
+    batch: PressBatch
     text: list[str]
     row: NDArray[np.int64]
     column: NDArray[np.int64]
@@ -44,11 +43,6 @@ class Presses:
     y: NDArray[np.float64]
     factor: NDArray[np.float64]
     placed: Placed | None = None
-
-    def one(self, press: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Cells and rises of one press."""
-        here = slice(self.starts[press], self.starts[press + 1])
-        return self.cells[here], self.rises[here]
 
 
 def session_presses(
@@ -115,10 +109,10 @@ def _on_pixels(
     middle = _centres(scene, row, column) if whole else held(scene).middle[:, pixel]
     x, y = np.where(there, middle, 0.0)
     inside = cells_of_pixels(scene, grid)
+    starts = np.concatenate([[0], np.cumsum(touches * inside.shape[1])])
+    rises = np.repeat(factor[there] - 1, inside.shape[1])
     presses = Presses(
-        cells=inside[pixel[there]].ravel(),
-        rises=np.repeat(factor[there] - 1, inside.shape[1]),
-        starts=np.concatenate([[0], np.cumsum(touches * inside.shape[1])]),
+        batch=PressBatch(inside[pixel[there]].ravel(), rises, starts),
         text=texts(touches, row + 1, column + 1, *told(scene, factor)),
         row=single_label(touches, row[:, 0] + 1),
         column=single_label(touches, column[:, 0] + 1),
@@ -178,12 +172,9 @@ def presses_anywhere(
     chances, factor: as of `drawn_places`.
     """
     placed = drawn_places(scene, touches, chances, factor, grid)
-    cells, rises, starts = raised_on_cells(scene, touches, placed, grid)
     there = np.arange(MOST_TOUCHES) < touches[:, None]
     return Presses(
-        cells=cells,
-        rises=rises,
-        starts=starts,
+        batch=raised_on_cells(scene, touches, placed, grid),
         text=texts_anywhere(touches, placed, *strengths_anywhere(scene, placed)),
         row=np.where(touches == 0, 0, -1),
         column=np.where(touches == 0, 0, -1),
@@ -215,5 +206,5 @@ def pressed_beside(
     width, height = high - low
     square = np.zeros(x.shape, dtype=bool)
     placed = Placed(square, x, y, width, height, meant.factor)
-    cells, rises, starts = raised_on_cells(scene, meant.touches, placed, grid)
-    return replace(meant, cells=cells, rises=rises, starts=starts, x=x, y=y, placed=placed)
+    batch = raised_on_cells(scene, meant.touches, placed, grid)
+    return replace(meant, batch=batch, x=x, y=y, placed=placed)

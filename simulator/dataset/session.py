@@ -50,13 +50,13 @@ def audited(
 
     Raises ToleranceError where a value is not finite even by the full system.
     """
-    Z = model.sweeps(presses.cells, presses.rises, presses.starts)
+    Z = model.sweeps(presses.batch)
     bounds = _bounds(model, presses, {*_sample(random, len(Z), session), *_not_finite(Z)})
     if any(bound > rtol for bound in bounds.values()):
         bounds |= _bounds(model, presses, set(range(len(Z))) - set(bounds))
     failed = sorted({*_not_finite(Z), *(press for press, b in bounds.items() if b > rtol)})
     for press in failed:
-        Z[press] = model.exact(*presses.one(press))
+        Z[press] = model.exact(*presses.batch.one(press))
     for press in _not_finite(Z):
         raise ToleranceError(f"press {presses.text[press]}: no finite impedance was found")
     kept = max((bounds[press] for press in set(bounds) - set(failed)), default=0.0)
@@ -76,7 +76,7 @@ def _not_finite(Z: NDArray[np.complex128]) -> list[int]:
 
 def _bounds(model: SkinModel, presses: Presses, which: Iterable[int]) -> dict[int, float]:
     """The largest bound of each press; infinite where it is not a number."""
-    largest = {press: _bound(model, *presses.one(press)) for press in which}
+    largest = {press: _bound(model, *presses.batch.one(press)) for press in which}
     return {press: b if np.isfinite(b) else np.inf for press, b in largest.items()}
 
 

@@ -20,7 +20,7 @@ def warm() -> None:
     """Load what the first block would load."""
     skin = reduce(load_scene(SCENE), RTOL).skin(None)
     cell, rise = np.zeros(1, dtype=np.int64), np.ones(1)
-    skin.sweeps(cell, rise, np.array([0, 1]))
+    skin.sweep(cell, rise)
     skin.certificate(cell, rise)
 
 

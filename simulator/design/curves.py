@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.readings import Hypothesis
+from ..press.batch import PressBatch
 from ..scene.scene import Scene
 from .trained import OnSkin
 
@@ -60,8 +61,7 @@ def _expected(
     """
     touches = max(len(each.pixels) for each in among)
     signs = np.array(list(itertools.product((-1.0, 1.0), repeat=touches))).reshape(-1, touches)
-    cells, rises, starts = _presses(on.scene, among, signs)
-    found = on.observed(cells, rises, starts, frequency)
+    found = on.observed(_presses(on.scene, among, signs), frequency)
     shape = len(among), len(signs), 2, -1, len(frequency)
     readout = on.scene.readout
     scale = noise * np.array([readout.magnitude_noise, readout.phase_noise])
@@ -70,19 +70,12 @@ def _expected(
     return each.mean(axis=1), slopes
 
 
-def _presses(
-    scene: Scene, among: Sequence[Hypothesis], signs: NDArray[np.float64]
-) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
-    """Cells, rises and starts, see `ReducedSkin.sweeps`; each hypothesis in all ways in turn."""
+def _presses(scene: Scene, among: Sequence[Hypothesis], signs: NDArray[np.float64]) -> PressBatch:
+    """Each hypothesis in all ways in turn."""
     press, columns = scene.press, scene.pixels.columns
-    rise = press.capacitance_factor - 1
-    cells, rises, starts = [], [], [0]
-    for each in among:
-        for sign in signs:
-            cells += [i * columns + j for i, j in each.pixels]
-            rises += [rise * (1 + press.factor_spread * k) for k in sign[: len(each.pixels)]]
-            starts.append(len(cells))
-    return np.array(cells, dtype=np.int64), np.array(rises), np.array(starts)
+    rises = (press.capacitance_factor - 1) * (1 + press.factor_spread * signs)
+    cells = [np.array([i * columns + j for i, j in e.pixels], dtype=np.int64) for e in among]
+    return PressBatch.of((own, rise[: len(own)]) for own in cells for rise in rises)
 
 
 def _nearest(

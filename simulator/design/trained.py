@@ -20,6 +20,7 @@ from ..models.parameters import WAVES, nominal
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced, ReducedSkin
+from ..press.batch import PressBatch
 from ..progress import Tell, tell_nothing
 from ..scene.contacts import Interface, taken
 from ..scene.design import Design
@@ -168,17 +169,11 @@ class OnSkin:
         found.reduced = replace(self._skin.reduced, scene=self.scene.model_copy(update=changes))
         return found
 
-    def observed(
-        self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
-        starts: NDArray[np.int64],
-        frequency: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
-        """ln |Z| and phase of many presses, see `ReducedSkin.sweeps`; (press, 2 * readings)."""
+    def observed(self, batch: PressBatch, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+        """ln |Z| and phase of many presses, shape (press, 2 * readings)."""
         s = laplace_variable(frequency, self._loss)
         network = NetworkSkin(self._skin, s)
-        Y = network.admittances(cells, rises, starts)
+        Y = network.admittances(batch)
         Z = network.impedances(network.wiring(self._readings), Y)
         return observed(self._leads.seen_through(Z, frequency))
 
@@ -198,11 +193,9 @@ class CastReadings:
             taken=taken(on.scene.interfaces, frequency),
         )
 
-    def of_each(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], starts: NDArray[np.int64]
-    ) -> NDArray[np.float64]:
+    def of_each(self, batch: PressBatch) -> NDArray[np.float64]:
         """Whitened, shape (press, number)."""
-        return self.model.whitened(self._on.observed(cells, rises, starts, self._frequency))
+        return self.model.whitened(self._on.observed(batch, self._frequency))
 
     def of(
         self, pixels: Sequence[tuple[int, int]], factors: NDArray[np.float64]
@@ -211,10 +204,9 @@ class CastReadings:
 
         factors: of each, shape (pixel, press).
         """
-        columns, count = self.scene.pixels.columns, factors.shape[1]
+        columns = self.scene.pixels.columns
         cells = np.array([i * columns + j for i, j in pixels], dtype=np.int64)
-        starts = np.arange(count + 1) * len(cells)
-        return self.of_each(np.tile(cells, count), factors.T.ravel() - 1, starts)
+        return self.of_each(PressBatch.even(cells, factors.T - 1))
 
 
 def _nominal(scene: Scene, modes: int) -> DrawnSkin:

@@ -8,11 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..press.batch import NOTHING, PressBatch
 from ..press.press import Press
 from ..press.touch import Rectangle
 from ..scene.scene import Scene
 from ..scene.skin import covers
-from .unknown_skin import NOWHERE, UnknownSkin
+from .unknown_skin import UnknownSkin
 
 NODES, STRENGTH_NODES = 15, 4
 CELLS_PER_TOUCH, MOST_CELLS = 3, 40
@@ -111,8 +112,6 @@ def _touch(x: float, y: float, width: float, height: float, factor: float) -> Pr
 
 def _seen(unknown: UnknownSkin, presses: Sequence[Press]) -> NDArray[np.float64]:
     """What is observed of even skins against rest, shape (press, number)."""
-    touched = [(NOWHERE, np.zeros(0)), *map(unknown.forward.cells, presses)]
-    cells, rises = (np.concatenate([each[k] for each in touched]) for k in (0, 1))
-    starts = np.cumsum([0, *(len(each[0]) for each in touched)])
-    seen = unknown.seen(unknown.forward.impedances(cells, rises, starts, unknown.values))
+    touched = PressBatch.of([NOTHING, *map(unknown.forward.cells, presses)])
+    seen = unknown.seen(unknown.forward.impedances(touched, unknown.values))
     return seen[1:] - seen[0]

@@ -18,10 +18,11 @@ from ..measure.readout import errors_of
 from ..mesh.held import held
 from ..models.network.terminals import reduced_for
 from ..models.reduced.forward import Forward
+from ..press.batch import NOTHING, PressBatch
 from ..scene.files import parse_scene
 from ..scene.scene import Scene
 from .places import cells_per_pixel, place_tables
-from .unknown_skin import NOWHERE, UnknownSkin
+from .unknown_skin import UnknownSkin
 
 Tables = dict[str, NDArray]
 STRENGTHS = 6
@@ -128,7 +129,7 @@ def covered(quantile: Callable[[NDArray], NDArray]) -> tuple[NDArray, NDArray, f
 def pixel_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
     """Every pixel on the skin alone at every strength."""
     forward, pixels = unknown.forward, unknown.forward.scene.pixels
-    rest = unknown.seen(forward.respond(NOWHERE, np.zeros(0), unknown.values).Z)
+    rest = unknown.seen(forward.respond(*NOTHING, unknown.values).Z)
     places = held(forward.scene).numbers
     found = [[_touch(unknown, pixel, f) for f in strengths] for pixel in places.tolist()]
     single, slope, skin, shift = (
@@ -159,13 +160,9 @@ def pair_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
     pairs = np.stack(np.triu_indices(len(places), 1), axis=1)
     first, second = np.meshgrid(strengths - 1, strengths - 1, indexing="ij")
     rises = np.stack([first.ravel(), second.ravel()], axis=1)
-    presses = len(pairs) * len(rises)
-    Z = unknown.forward.impedances(
-        np.repeat(places[pairs], len(rises), axis=0).ravel(),
-        np.tile(rises, (len(pairs), 1)).ravel(),
-        2 * np.arange(presses + 1),
-        unknown.values,
-    )
-    rest = unknown.forward.respond(NOWHERE, np.zeros(0), unknown.values).Z
+    cells = np.repeat(places[pairs], len(rises), axis=0)
+    batch = PressBatch.even(cells, np.tile(rises, (len(pairs), 1)))
+    Z = unknown.forward.impedances(batch, unknown.values)
+    rest = unknown.forward.respond(*NOTHING, unknown.values).Z
     change = unknown.seen(Z) - unknown.seen(rest)
     return {"pairs": pairs, "pair": change.reshape(len(pairs), *first.shape, -1)}

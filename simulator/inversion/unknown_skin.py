@@ -19,10 +19,10 @@ from ..measure.readout import errors_of, observed, observed_slope
 from ..models.parameters import VALUES, WAVES, mode_values, own_values, session_spreads
 from ..models.reduced.forward import Forward
 from ..models.reduced.resolving import family_on
+from ..press.batch import NOTHING
 from ..press.pixels import cell_centres
 from ..scene.scene import Scene
 
-NOWHERE = np.zeros(0, dtype=np.int64)
 STEPS = 5
 """Of Gauss and Newton, from the mean skin to one that is observed."""
 FARTHEST = 5.0
@@ -61,7 +61,7 @@ class UnknownSkin:
         self._waves, self._foam = _wave_terms(forward), _foam_terms(forward)
         unknowns = len(self._deviations) + len(self._foam) + len(self._waves)
         self._known = Known(np.zeros(unknowns), np.eye(unknowns))
-        self._at_rest = self._columns(NOWHERE, np.zeros(0))
+        self._at_rest = self._columns(*NOTHING)
 
     def seen(self, Z: NDArray[np.complex128]) -> NDArray[np.float64]:
         """As `observed`, of what the scene's interfaces are read at, shape (..., number)."""
@@ -88,12 +88,12 @@ class UnknownSkin:
     def at_rest(self) -> NDArray[np.float64]:
         """What is observed of the skin at rest, shape (number,)."""
         shared = len(self._deviations)
-        even = self.seen(self.forward.respond(NOWHERE, np.zeros(0), self.values).Z)
+        even = self.seen(self.forward.respond(*NOTHING, self.values).Z)
         return even + self._at_rest[:, shared:] @ self._known.mean[shared:]
 
     def drift(self, step: float) -> NDArray[np.float64]:
         """Columns of all foam and of both sheets changing by a relative step, (number, 2)."""
-        response = self.forward.respond(NOWHERE, np.zeros(0), self.values)
+        response = self.forward.respond(*NOTHING, self.values)
         slopes = [response.by_parameter[name] for name in DRIFTING]
         return step * np.stack([self.seen_slope(response.Z, each) for each in slopes], axis=-1)
 
@@ -118,7 +118,7 @@ class UnknownSkin:
     def _with(self, known: Known) -> UnknownSkin:
         skin = copy(self)
         skin._known, skin.values = known, _moved(self._mean, self._deviations, known.mean)
-        skin._at_rest = skin._columns(NOWHERE, np.zeros(0))
+        skin._at_rest = skin._columns(*NOTHING)
         return skin
 
     def _columns(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:

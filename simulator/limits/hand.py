@@ -17,6 +17,7 @@ from ..measure.readout import errors_of, observed
 from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case
 from ..models.reduced.model import Reduced
+from ..press.batch import PressBatch
 from ..progress import Track, silent
 from ..scene.frequency import laplace_variable
 from ..scene.planar import covered
@@ -78,16 +79,13 @@ class Hand:
         )
 
     def _read(self, middles: Array, factors: Array) -> Array:
-        cells, rises, starts = self._laid(middles, factors)
         frequency = self.scene.frequencies
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
-        Z = self._reduced.skin(None).sweeps(cells, rises, starts, s)
+        Z = self._reduced.skin(None).sweeps(self._laid(middles, factors), s)
         return self._model.whitened(observed(self.scene.leads.seen_through(Z, frequency)))
 
-    def _laid(
-        self, middles: Array, factors: Array
-    ) -> tuple[NDArray[np.int64], Array, NDArray[np.int64]]:
-        """Cells, rises and starts, see `ReducedSkin.sweeps`; overlapping touches multiply."""
+    def _laid(self, middles: Array, factors: Array) -> PressBatch:
+        """Touches on cells; those that overlap multiply."""
         along, across = (
             covered(
                 middles[..., k] - self._sides[k] / 2,
@@ -97,10 +95,7 @@ class Hand:
             for k, count in ((0, self.grid[1]), (1, self.grid[0]))
         )
         each = 1 + (factors - 1)[..., None, None] * across[..., :, None] * along[..., None, :]
-        rises = each.prod(axis=1).reshape(len(middles), -1) - 1
-        press, cells = np.nonzero(rises)
-        starts = np.searchsorted(press, np.arange(len(middles) + 1))
-        return cells, rises[press, cells], starts
+        return PressBatch.on_grid(each.prod(axis=1).reshape(len(middles), -1) - 1)
 
     @cached_property
     def _reduced(self) -> Reduced:
@@ -111,8 +106,7 @@ class Hand:
         def draw(random: np.random.Generator) -> Case:
             touches = int(random.integers(1, MOST_TOUCHES, endpoint=True))
             middles = random.random((1, touches, 2)) * self._extent
-            cells, rises, _ = self._laid(middles, random.uniform(*range_of, (1, touches)))
-            return Case(None, cells, rises)
+            return Case(None, *self._laid(middles, random.uniform(*range_of, (1, touches))).one(0))
 
         return reduced_for(divided, RTOL, draw)
 

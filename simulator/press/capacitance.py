@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..scene.planar import NO_LINES, SAME_EDGE, SAME_LINE, Lines, disc_fraction, distinct, shared
 from ..scene.scene import Scene
 from ..sweeps import InputError
+from .batch import TouchedCells
 from .pixels import pixel_lines
 from .press import Press, pressed_factor, require_plain
 from .touch import AnyTouch, Box, Disc, Rectangle, Touch
@@ -78,20 +79,16 @@ def _even_lines(length: float, cells: int) -> NDArray[np.float64]:
     return lines
 
 
-Cells = tuple[NDArray[np.int64], NDArray[np.float64]]
-"""Of a grid, counted row by row from 0, and by how much of that at rest c rises in each."""
-
-
-def touched_cells(scene: Scene, press: Press, grid: tuple[int, int] | None = None) -> Cells:
-    """Cells of a uniform grid, by default the pixels, in which a press raises c; as `grid_map`."""
+def touched_cells(scene: Scene, press: Press, grid: tuple[int, int] | None = None) -> TouchedCells:
+    """Of a uniform grid, by default of the pixels, where a press raises c; as `grid_map`."""
     if press.indented:
         return _under_applicators(scene, press)
     rises = grid_map(scene, press, *(grid or scene.pixels.shape)).ravel() - 1
     cells = np.flatnonzero(rises)
-    return cells, rises[cells]
+    return TouchedCells(cells, rises[cells])
 
 
-def _under_applicators(scene: Scene, press: Press) -> Cells:
+def _under_applicators(scene: Scene, press: Press) -> TouchedCells:
     """Pixels, and by how much c rises under their applicators.
 
     Raises InputError where touches are others, or a scene is pressed by factors and its skins'
@@ -107,7 +104,7 @@ def _under_applicators(scene: Scene, press: Press) -> Cells:
         )
     cells = [(each.row - 1) * scene.pixels.columns + each.column - 1 for each in places]
     rises = [pressed_factor(scene, each) - 1 for each in press.indented]
-    return np.array(cells, dtype=np.int64), np.array(rises)
+    return TouchedCells(np.array(cells, dtype=np.int64), np.array(rises))
 
 
 def tile_map(

@@ -19,6 +19,7 @@ from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import every_press, parse_press
 from rcskin.simulator.press.touch import Depth
 from rcskin.simulator.scene.frequency import Loss
@@ -101,7 +102,7 @@ def test_the_full_solver_agrees_within_what_is_told(scene, reduced, cells):
     """Single touches, two that do not feel each other, and two that meet."""
     random, own = np.random.default_rng(len(cells)), reduced.skin(None)
     cells, rises = np.array(cells), random.uniform(0.1, 2.9, len(cells))
-    Z = own.sweeps(cells, rises, np.array([0, len(cells)]))[0]
+    Z = own.sweep(cells, rises)
     truth = Solver(scene, CLOSELY).solve(parse_press(as_text(scene, cells, rises), DEEP)).Z
     off = relative_difference(Z, truth)
     told = own.certificate(cells, rises) + reduced.mesh_error + 0.03 * RTOL
@@ -113,11 +114,9 @@ def test_the_full_solver_agrees_within_what_is_told(scene, reduced, cells):
 def test_presses_answer_alike_one_by_one_and_together(reduced):
     own = reduced.skin(None)
     cells, rises = np.array([0, 1, 0, 1, 2]), np.array([0.5, 2.0, 1.0, 0.7, 1.5])
-    starts = np.array([0, 1, 1, 3, 4, 5])
-    together = own.sweeps(cells, rises, starts)
-    for press, (a, b) in enumerate(zip(starts[:-1], starts[1:], strict=True)):
-        alone = own.sweeps(cells[a:b], rises[a:b], np.array([0, b - a]))[0]
-        np.testing.assert_allclose(alone, together[press], rtol=1e-9)
+    batch = PressBatch(cells, rises, np.array([0, 1, 1, 3, 4, 5]))
+    for touched, Z in zip(batch.each(), own.sweeps(batch), strict=True):
+        np.testing.assert_allclose(own.sweep(*touched), Z, rtol=1e-9)
 
 
 def test_the_certificate_holds_on_skins_that_it_was_not_trained_on(reduced):
@@ -128,7 +127,7 @@ def test_the_certificate_holds_on_skins_that_it_was_not_trained_on(reduced):
     own = reduced.skin(skin)
     for cells, rises in (([1], [2.8]), ([0, 2], [0.4, 2.2]), ([1, 2], [1.0, 2.0])):
         press = np.array(cells), np.array(rises)
-        Z = own.sweeps(*press, np.array([0, len(cells)]))[0]
+        Z = own.sweep(*press)
         off = relative_difference(Z, own.exact(*press))
         bound = own.certificate(*press)
         assert (off <= bound + 0.03 * RTOL).all()
@@ -157,7 +156,7 @@ def test_a_model_is_the_same_from_its_file(reduced, tmp_path):
     press = np.array([1]), np.array([1.5])
     found = [each.skin(None) for each in (reduced, again)]
     np.testing.assert_array_equal(*(each.certificate(*press) for each in found))
-    np.testing.assert_array_equal(*(each.sweeps(*press, np.array([0, 1])) for each in found))
+    np.testing.assert_array_equal(*(each.sweep(*press) for each in found))
 
 
 def test_sweeps_by_depth_and_force_are_reduced_where_that_serves(scene):

@@ -96,8 +96,8 @@ def covered(scene, count, *others):
     drawn = drawn_presses(scene, np.random.default_rng(7), count, family.grid)
     solver = Solver(scene, RTOL / 10)
     for touches, placed in ((drawn.touches, drawn.placed), *others):
-        Z = own.sweeps(*raised_on_cells(scene, touches, placed, family.grid))
-        by_triangles = own.sweeps(*raised_by_triangles(scene, touches, placed, family.grid))
+        Z = own.sweeps(raised_on_cells(scene, touches, placed, family.grid))
+        by_triangles = own.sweeps(raised_by_triangles(scene, touches, placed, family.grid))
         told = texts(touches, placed, *strengths_anywhere(scene, placed))
         exact = np.stack([solver.solve(parse_press(text, np.nan)).Z for text in told])
         moved = relative_difference(Z, by_triangles).max()
@@ -132,7 +132,7 @@ def test_a_press_beside_the_pixel_that_was_meant_is_told_as_meant(scenes):
     single = np.flatnonzero(presses.touches == 1)[0]
     row, column = presses.row[single], presses.column[single]
     assert presses.text[single].startswith(f"{row},{column}:") and presses.text[single][-1] == "m"
-    _, rises = presses.one(single)
+    _, rises = presses.batch.one(single)
     most = presses.factor[single, 0] - 1
     assert rises.max() <= most * (1 + 1e-9)
     assert ((rises > 0.01 * most) & (rises < 0.9 * most)).any()  # beside the applicator

@@ -8,6 +8,7 @@ from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.batch import NOTHING
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.frequency import Loss
@@ -48,7 +49,7 @@ def test_the_full_solver_agrees_within_what_is_told(families, kinds, name):
     reduced, scene = families(name), kinds[name]
     own, solver = reduced.skin(None), Solver(scene, CLOSELY)
     for case in drawn(reduced, 2):
-        Z = own.sweeps(case.cells, case.rises, np.array([0, len(case.cells)]))[0]
+        Z = own.sweep(case.cells, case.rises)
         truth = solver.solve(press_of(case, scene.pixels.columns)).Z
         off = relative_difference(Z, truth)
         told = own.certificate(case.cells, case.rises) + reduced.mesh_error + 0.03 * RTOL
@@ -73,7 +74,7 @@ def test_the_certificate_bounds_what_the_reduction_leaves_out(families, name):
     own, worst = reduced.skin(skin), 0.0
     for case in drawn(reduced, 6):
         far = Case(skin, case.cells, 5 * case.rises)
-        Z = own.sweeps(far.cells, far.rises, np.array([0, len(far.cells)]))[0]
+        Z = own.sweep(far.cells, far.rises)
         true = relative_difference(Z, own.exact(far.cells, far.rises))
         bound = own.certificate(far.cells, far.rises)
         assert (true <= bound + 0.03 * RTOL + reduced.mesh_error).all()
@@ -119,8 +120,7 @@ def test_slow_waves_of_the_sheets_are_maps_of_the_sheets(kinds):
     own = Variation(
         np.array([1.0, wave, 0, 0]), np.eye(1, 4).ravel(), np.ones(2), np.ones((2, 2)), Loss(0.0)
     )
-    none = np.zeros(0, dtype=np.int64)
-    Z = reduced.skin(own).sweeps(none, np.zeros(0), np.array([0, 0]))[0]
+    Z = reduced.skin(own).sweep(*NOTHING)
     truth = Solver(mapped, 1e-4).solve(Press()).Z
     assert relative_difference(Z, truth).max() <= RTOL
 

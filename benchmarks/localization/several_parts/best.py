@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rcskin.localization.inputs.rest import RECENT
 from rcskin.simulator.dataset.model import reduced
+from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -64,8 +65,7 @@ class KnownSkin:
 
     def log_impedance(self, cells: NDArray[np.int64], factors: Array) -> NDArray[np.complex128]:
         """Of presses, without noise, (press, frequency)."""
-        starts = np.arange(len(cells) + 1) * cells.shape[1]
-        return np.log(self._skin.sweeps(cells.ravel(), factors.ravel() - 1, starts))[:, 0]
+        return np.log(self._skin.sweeps(PressBatch.even(cells, factors - 1)))[:, 0]
 
 
 def log_ratio(skin: KnownSkin, seen: Array, strengths: int) -> Array:

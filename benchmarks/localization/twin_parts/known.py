@@ -11,6 +11,7 @@ from rcskin.simulator.bounds.readings import Hypothesis, hypotheses
 from rcskin.simulator.limits.hand import Between, Hand, accuracy_of_hand
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import errors_of, observed
+from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.frequency import laplace_variable
@@ -32,11 +33,9 @@ class TwinsHand(Hand):
         asked = parse_press(_text(meant), self.scene.press.capacitance_factor)
         events = random.integers(2**31, size=count).tolist()
         family = twin.family.scene
-        laid = [touched_cells(family, twin.pressed(asked, event)) for event in events]
-        cells, rises = (np.concatenate(each) for each in zip(*laid, strict=True))
-        starts = np.cumsum([0, *(len(of_press) for of_press, _ in laid)])
+        batch = PressBatch.of(touched_cells(family, twin.pressed(asked, e)) for e in events)
         s = laplace_variable(frequencies, twin.drawn.variation.loss)
-        Z = twin.family.skin(twin.drawn.variation).sweeps(cells, rises, starts, s)
+        Z = twin.family.skin(twin.drawn.variation).sweeps(batch, s)
         seen = twin.drawn.leads.seen_through(Z, frequencies)
         return self._errors.whitened(observed(seen))
 

@@ -50,7 +50,7 @@ def _measured(
 
 def _impedance(twin: Twin, asked: Press, event: int) -> np.ndarray:
     scene, drawn = twin.scene, twin.drawn
-    cells, rises = touched_cells(twin.family.scene, twin.pressed(asked, event))
+    touched = touched_cells(twin.family.scene, twin.pressed(asked, event))
     s = laplace_variable(scene.frequencies, drawn.variation.loss)
-    Z = twin.skin(event).sweeps(cells, rises, np.array([0, len(cells)]), s)[0]
+    Z = twin.skin(event).sweep(*touched, s)
     return drawn.leads.seen_through(Z, scene.frequencies)

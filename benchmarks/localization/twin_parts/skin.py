@@ -131,5 +131,5 @@ class Bench:
         cells, rises = touched_cells(family.scene, parse_press(press, 1.0))
         f = np.array([frequency])
         s = laplace_variable(f, drawn.variation.loss)
-        Z = self._skin.sweeps(cells, rises, np.array([0, len(cells)]), s)[0]
+        Z = self._skin.sweep(cells, rises, s)
         return complex(drawn.leads.seen_through(Z, f)[self._number, 0])

@@ -15,6 +15,7 @@ from rcskin.simulator.limits.identity import upper_bound
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import observed
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.files import load_scene
@@ -73,10 +74,10 @@ def _judged(classifier, known: Readings, sweeps: int) -> float:
     scene, random = known.scene, np.random.default_rng(1)
     among = [each.pixels for each in hypotheses(scene, TARGET)]
     which = random.integers(0, len(among), 2 * sweeps)
-    cells = [i * scene.pixels.columns + j for k in which for i, j in among[k]]
-    starts = np.cumsum([0, *(len(among[k]) for k in which)])
-    rises = own_presses(scene).at(random.random(len(cells))) - 1
-    clean = known.of_each(np.array(cells), rises, starts)
+    cells = [np.array([i * scene.pixels.columns + j for i, j in own], dtype=int) for own in among]
+    starts = np.cumsum([0, *(len(cells[k]) for k in which)])
+    rises = own_presses(scene).at(random.random(starts[-1])) - 1
+    clean = known.of_each(PressBatch(np.concatenate([cells[k] for k in which]), rises, starts))
     read = clean + random.standard_normal(clean.shape)
     classifier.fit(read[:sweeps], which[:sweeps])
     return float(classifier.score(read[sweeps:], which[sweeps:]))
@@ -88,15 +89,13 @@ class _InFull(Readings):
     def train(self, track=None) -> None:
         """Nothing to train."""
 
-    def of_each(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], starts: NDArray[np.int64]
-    ) -> NDArray[np.float64]:
+    def of_each(self, batch: PressBatch) -> NDArray[np.float64]:
         """As of `Readings`."""
         columns = self.scene.pixels.columns
         solver = Solver(self.scene, 1e-4)
         Z = []
-        for start, stop in zip(starts[:-1], starts[1:], strict=True):
-            each = zip(*divmod(cells[start:stop], columns), rises[start:stop], strict=True)
+        for cells, rises in batch.each():
+            each = zip(*divmod(cells, columns), rises, strict=True)
             touches = tuple(Touch(int(i) + 1, int(j) + 1, 1 + float(r)) for i, j, r in each)
             Z.append(solver.solve(Press(touches)).Z)
         seen = self.scene.leads.seen_through(np.stack(Z), self.scene.frequencies)

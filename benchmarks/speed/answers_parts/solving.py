@@ -14,6 +14,7 @@ from rcskin.benchmarks.speed.answers_parts.question import Answer
 from rcskin.simulator.fem.estimate import relative_difference
 from rcskin.simulator.models.reduced.model import Reduced
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.scene import Scene
 
@@ -58,9 +59,9 @@ class Asked:
     ) -> Answer:
         """By a reduced model that was trained before, many at once; cells, rises: of the press."""
         skin = reduced.skin(None)
-        many = np.tile(cells, BATCH), np.tile(rises, BATCH), np.arange(BATCH + 1) * len(cells)
-        seconds = best_time(lambda: skin.sweeps(*many)) / BATCH
-        return Answer(way, setting, self.off(skin.sweeps(*many)[0, 0]), seconds)
+        many = PressBatch.even(np.tile(cells, (BATCH, 1)), np.tile(rises, (BATCH, 1)))
+        seconds = best_time(lambda: skin.sweeps(many)) / BATCH
+        return Answer(way, setting, self.off(skin.sweeps(many)[0, 0]), seconds)
 
 
 def _seconds(work: Callable[[], object]) -> float:

@@ -18,6 +18,7 @@ from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.model import Reduced, ReducedSkin
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.batch import PressBatch, TouchedCells
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.files import load_scene
@@ -63,36 +64,27 @@ class Skin:
 
 @dataclass(frozen=True)
 class Presses:
-    """Random single and double pixel presses, as `ReducedSkin.sweeps` takes them."""
+    """Random single and double pixel presses."""
 
     scene: Scene
-    cells: NDArray[np.int64]
-    rises: NDArray[np.float64]
-    starts: NDArray[np.int64]
+    batch: PressBatch
 
     @classmethod
     def drawn(cls, scene: Scene, count: int, seed: int) -> Presses:
         """Not those of the training: the seed is another."""
         random, draw = np.random.default_rng(seed), pixel_touches(scene, FACTORS)
         cases = [draw(random) for _ in range(count)]
-        return cls.of(scene, [(case.cells, case.rises) for case in cases])
-
-    @classmethod
-    def of(cls, scene: Scene, each: list[tuple[NDArray[np.int64], NDArray[np.float64]]]) -> Presses:
-        """These presses, each with its cells and rises."""
-        cells, rises = (np.concatenate(parts) for parts in zip(*each, strict=True))
-        return cls(scene, cells, rises, np.cumsum([0, *(len(cells) for cells, _ in each)]))
+        return cls(scene, PressBatch.of((case.cells, case.rises) for case in cases))
 
     def doubtful(self, skin: ReducedSkin, count: int) -> tuple[Presses, NDArray[np.float64]]:
         """Those with the largest certificates, and the certificates of all."""
         each = list(self)
         certified = np.array([skin.certificate(*press).max() for press in each])
         worst_first = np.argsort(-certified)[:count]
-        return Presses.of(self.scene, [each[k] for k in worst_first]), certified
+        return Presses(self.scene, PressBatch.of(each[k] for k in worst_first)), certified
 
-    def __iter__(self) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
-        for start, stop in zip(self.starts[:-1], self.starts[1:], strict=True):
-            yield self.cells[start:stop], self.rises[start:stop]
+    def __iter__(self) -> Iterator[TouchedCells]:
+        return self.batch.each()
 
     def named(self) -> list[Press]:
         """The same as the full solver takes them."""
@@ -109,7 +101,7 @@ class Presses:
 
     def solved(self, skin: ReducedSkin) -> Impedance:
         """Z in ohm by a reduced model, shape (press, interface, frequency)."""
-        return skin.sweeps(self.cells, self.rises, self.starts)
+        return skin.sweeps(self.batch)
 
 
 @dataclass(frozen=True)

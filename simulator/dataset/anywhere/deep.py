@@ -9,32 +9,32 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.mechanics.lattice.presses import Applied, Cells, raised, window
+from ...models.mechanics.lattice.presses import Applied, raised, window
 from ...models.mechanics.lattice.skin import Lattice, lattice_of
 from ...models.reduced.indented.draws import spreading
+from ...press.batch import NOTHING, PressBatch, TouchedCells
 from ...press.press import Press, order
 from ...press.touch import Depth, Disc, Indentation, Rectangle
 from ...scene.scene import Scene
 from ...scene.skin import covers
 from ..strengths import told
-from .laying import Laid, Placed, laid_on_cells
+from .laying import Placed, laid_on_cells
 
 FACTOR_RTOL = 1e-3
 """Of the factor anywhere, which lattices are compared with."""
 POINTS = 24
 """Along each side of a cell, at which that is seen."""
-NOTHING: Cells = np.zeros(0, dtype=np.int64), np.zeros(0)
 
 
 def raised_on_cells(
     scene: Scene, touches: NDArray[np.int64], placed: Placed, grid: tuple[int, int]
-) -> Laid:
+) -> PressBatch:
     """As `laid_on_cells`, by the deflection where a tension spreads how a scene is pressed."""
     if not spreading(scene):
         return laid_on_cells(scene, touches, placed, grid)
     lattice = lattice_under(scene, grid)
     each = (applied(scene, placed, k, count) for k, count in enumerate(touches.tolist()))
-    return _joined([raised(lattice, own) for own in each])
+    return PressBatch.of(raised(lattice, own) for own in each)
 
 
 def strengths_anywhere(scene: Scene, placed: Placed) -> tuple[NDArray[np.float64], str]:
@@ -54,16 +54,16 @@ def lattice_under(scene: Scene, grid: tuple[int, int]) -> Lattice:
 
 def raised_by_triangles(
     scene: Scene, touches: NDArray[np.int64], placed: Placed, grid: tuple[int, int]
-) -> Laid:
+) -> PressBatch:
     """As `raised_on_cells`, to FACTOR_RTOL of the factor: some tenths of a second each."""
     lattice = lattice_under(scene, grid)
     each = (applied(scene, placed, k, count) for k, count in enumerate(touches.tolist()))
-    return _joined(
-        [_by_triangles(scene, lattice, own) if len(own.depth) else NOTHING for own in each]
+    return PressBatch.of(
+        _by_triangles(scene, lattice, own) if len(own.depth) else NOTHING for own in each
     )
 
 
-def _by_triangles(scene: Scene, lattice: Lattice, own: Applied) -> Cells:
+def _by_triangles(scene: Scene, lattice: Lattice, own: Applied) -> TouchedCells:
     from ...models.mechanics.indentation import pressed
 
     here, grid = window(lattice, own), lattice.grid
@@ -79,12 +79,7 @@ def _by_triangles(scene: Scene, lattice: Lattice, own: Applied) -> Cells:
     every = np.zeros(grid)
     every[here] = np.divide(total, area, out=np.zeros_like(total), where=area > 0)
     cells = np.flatnonzero(every)
-    return cells, every.ravel()[cells]
-
-
-def _joined(presses: list[Cells]) -> Laid:
-    cells, rises = (np.concatenate(each) for each in zip(*presses, strict=True))
-    return cells, rises, np.cumsum([0, *(len(own) for own, _ in presses)], dtype=np.int64)
+    return TouchedCells(cells, every.ravel()[cells])
 
 
 def applied(scene: Scene, placed: Placed, press: int, touches: int) -> Applied:

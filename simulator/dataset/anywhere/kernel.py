@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.compiled import compiled
-from .laying import Laid
 
 
 @compiled()
@@ -17,7 +16,7 @@ def laid(
     factor: NDArray,
     x: NDArray,
     y: NDArray,
-) -> Laid:  # pragma: no cover
+) -> tuple[NDArray, NDArray, NDArray]:  # pragma: no cover
     """As `laid_on_cells`. boxes: left, right, bottom and top in m, shape (press, touch, 4).
 
     radius: of discs in m, 0 of rectangles. x, y: the grid's lines in m, ascending.

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...press.batch import PressBatch
 from ...scene.planar import SAME_LINE
 from ...scene.scene import Scene
 
@@ -30,13 +31,9 @@ class Placed(NamedTuple):
     factor: NDArray[np.float64]
 
 
-Laid = tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]
-"""Cells, counted row by row from 0, and rises of c there: of press k from starts[k] on."""
-
-
 def laid_on_cells(
     scene: Scene, touches: NDArray[np.int64], placed: Placed, grid: tuple[int, int]
-) -> Laid:
+) -> PressBatch:
     """Cells in which presses raise c, and by how much of that without them.
 
     touches: how many each press has, shape (press,). grid: rows and columns.
@@ -54,7 +51,7 @@ def laid_on_cells(
         axis=-1,
     )
     radius = np.where(placed.disc, placed.width / 2, 0.0)
-    return laid(touches, boxes, radius, placed.factor, x, y)
+    return PressBatch(*laid(touches, boxes, radius, placed.factor, x, y))
 
 
 def _ends(

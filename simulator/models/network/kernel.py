@@ -14,6 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ...press.batch import PressBatch
 from ..reduced.dense import Rest, written_out
 
 
@@ -63,16 +64,14 @@ def at_rest(rest: Rest, s: NDArray[np.complex128]) -> AtRest:
 def admittances(
     rest: Rest,
     known: AtRest,
-    cells: NDArray,
-    weights: NDArray,
-    starts: NDArray,
+    batch: PressBatch,
     s: NDArray,
 ) -> NDArray:  # pragma: no cover
     """Y in S beyond that at zero frequency, of many presses, shape (press, s, N, N).
 
-    Press k adds `weights` times M of the cells[starts[k]:starts[k + 1]]. s: rad/s.
+    Each adds its rises times M of its cells. s: rad/s.
     """
-    N = len(rest.rows)
+    N, (cells, weights, starts) = len(rest.rows), batch
     Y = np.empty((len(starts) - 1, len(s), N, N), np.complex128)
     most = len(rest.diagonal)
     for press in range(len(starts) - 1):
@@ -86,21 +85,17 @@ def admittances(
 
 
 def admittances_readable(
-    rest: Rest,
-    cells: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    starts: NDArray[np.int64],
-    s: NDArray[np.complex128],
+    rest: Rest, batch: PressBatch, s: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
     """What `admittances` does, with matrices written out."""
     N, found = len(rest.rows), []
-    for start, stop in zip(starts[:-1], starts[1:], strict=True):
-        M = written_out(rest, cells[start:stop], weights[start:stop])
+    for cells, weights in batch.each():
+        M = written_out(rest, cells, weights)
         inner, beside = np.eye(len(M) - N), M[N:, :N]
         for each in s:
             delayed = np.linalg.solve(inner + each * M[N:, N:], beside)
             found.append(each * M[:N, :N] - each**2 * beside.T @ delayed)
-    return np.reshape(found, (len(starts) - 1, len(s), N, N))
+    return np.reshape(found, (batch.count, len(s), N, N))
 
 
 @njit(cache=True)

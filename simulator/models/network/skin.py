@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...fem.circuit import Drive, two_fields
 from ...fem.network import allowed_potentials
+from ...press.batch import PressBatch
 from ...scene.contacts import Interface
 from ...sweeps import InputError
 from ..reduced.model import ReducedSkin
@@ -37,12 +38,10 @@ class NetworkSkin:
     def _at_rest(self) -> AtRest:
         return at_rest(self.skin.rest, self.s)
 
-    def admittances(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], starts: NDArray[np.int64]
-    ) -> NDArray[np.complex128]:
-        """Y in S beyond `conductance`, shape (press, s, N, N); arguments as of `ReducedSkin`."""
-        weights = rises * self.skin.rest_factors[cells]
-        return admittances(self.skin.rest, self._at_rest, cells, weights, starts, self.s)
+    def admittances(self, batch: PressBatch) -> NDArray[np.complex128]:
+        """Y in S beyond `conductance` of presses on pixels, shape (press, s, N, N)."""
+        weighted = batch.weighted(self.skin.rest_factors)
+        return admittances(self.skin.rest, self._at_rest, weighted, self.s)
 
     @property
     def conductance(self) -> NDArray[np.float64]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...fem.galerkin import one_blas_thread
 from ...press.at_random import random_presses
+from ...press.batch import PressBatch, TouchedCells
 from ...press.capacitance import touched_cells
 from ...press.press import Press
 from ...scene.frequency import laplace_variable, slopes_of_s
@@ -72,7 +73,7 @@ class Forward:
         self._advance, self._train = advance, train
         self._kept: tuple[Mapping[str, float], ReducedSkin] | None = None
 
-    def cells(self, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    def cells(self, press: Press) -> TouchedCells:
         """Cells that a press touches, row by row from 0, and by how much of c at rest it rises."""
         return touched_cells(self.divided, press)
 
@@ -145,14 +146,12 @@ class Forward:
 
     def impedances(
         self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
-        starts: NDArray[np.int64],
+        batch: PressBatch,
         given: Mapping[str, float] | None = None,
     ) -> NDArray[np.complex128]:
-        """Z in ohm of many presses, shape (press, interface, frequency), see `Reduced.sweeps`."""
+        """Z in ohm of many presses, shape (press, interface, frequency)."""
         values = all_values(self.scene, given)
-        Z = self._skin(values).sweeps(cells, rises, starts, self._s(values))
+        Z = self._skin(values).sweeps(batch, self._s(values))
         return leads_of(values).seen_through(Z, self.scene.frequencies)
 
     def certificate(

@@ -15,6 +15,7 @@ from ...fem.compiled import compiled
 from ...fem.estimate import LOST_SUSCEPTANCE
 from ...fem.kernels import continued_fractions, next_convergent
 from ...fem.lanczos import FEWEST_STEPS, MOST_STEPS, respond
+from ...press.batch import PressBatch
 from .dense import Feed, Rest, dense_pencil, written_out
 
 ROOM = 7
@@ -25,17 +26,16 @@ ROOM = 7
 def swept(
     rest: Rest,
     feed: Feed,
-    cells: NDArray,
-    rises: NDArray,
-    starts: NDArray,
+    batch: PressBatch,
     s: NDArray,
     rtol: float,
 ) -> NDArray:  # pragma: no cover
     """Y in S of many presses, shape (press, s).
 
-    Press k adds `rises` times M of the cells[starts[k]:starts[k + 1]]. s: rad/s. rtol: of Rs and
-    Cp, for Lanczos' method to end at.
+    Each adds its rises times M of its cells. s: rad/s. rtol: of Rs and Cp, for Lanczos' method to
+    end at.
     """
+    cells, rises, starts = batch
     Y = np.empty((len(starts) - 1, len(s)), np.complex128)
     farthest = s[np.argmax(np.abs(s))]
     parts = np.stack((np.real(s), np.imag(s), np.real(s * s), np.imag(s * s)))
@@ -59,30 +59,25 @@ def swept(
 def impedances(
     rest: Rest,
     feeds: Sequence[Feed],
-    cells: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    starts: NDArray[np.int64],
+    batch: PressBatch,
     s: NDArray[np.complex128],
     rtol: float,
 ) -> NDArray[np.complex128]:
     """Z in ohm of every drive, shape (press, drive, s); arguments as of `swept`."""
-    cells = np.ascontiguousarray(cells)  # or else another `swept` is compiled
-    Y = [swept(rest, feed, cells, weights, starts, s, rtol) for feed in feeds]
+    contiguous = np.ascontiguousarray(batch.cells)  # or else another `swept` is compiled
+    Y = [swept(rest, feed, batch._replace(cells=contiguous), s, rtol) for feed in feeds]
     return (1 / np.stack(Y, axis=1)).astype(np.complex128)
 
 
 def swept_readable(
     rest: Rest,
     feed: Feed,
-    cells: NDArray[np.int64],
-    rises: NDArray[np.float64],
-    starts: NDArray[np.int64],
+    batch: PressBatch,
     s: NDArray[np.complex128],
     rtol: float,
 ) -> NDArray[np.complex128]:
     """What `swept` does, with matrices written out."""
-    touched = [slice(*ends) for ends in zip(starts[:-1], starts[1:], strict=True)]
-    masses = [written_out(rest, cells[each], rises[each]) for each in touched]
+    masses = [written_out(rest, *touched) for touched in batch.each()]
     return np.stack([respond(dense_pencil(mass, feed), s, rtol)[0] for mass in masses])
 
 

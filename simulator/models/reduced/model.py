@@ -21,6 +21,7 @@ from ...fem.circuit import Circuit
 from ...fem.driven import driven_by
 from ...fem.galerkin import one_blas_thread
 from ...fem.system import System
+from ...press.batch import PressBatch
 from ...press.capacitance import touched_cells
 from ...press.press import Press
 from ...scene.frequency import laplace_variable
@@ -93,9 +94,8 @@ class Reduced:
 
         Touches that are no pixels count by the area they cover of each.
         """
-        cells, rises = touched_cells(self.scene, press)
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
-        return self.skin(None).sweeps(cells, rises, np.array([0, len(cells)]), s)[0]
+        return self.skin(None).sweep(*touched_cells(self.scene, press), s)
 
     def skin(self, variation: Variation | None) -> ReducedSkin:
         """One skin of the family, the scene's own for None.
@@ -153,21 +153,25 @@ class ReducedSkin:
         self.feeds = [feed_of(driven) for driven in self.drives]
 
     def sweeps(
-        self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
-        starts: NDArray[np.int64],
-        s: NDArray[np.complex128] | None = None,
+        self, batch: PressBatch, s: NDArray[np.complex128] | None = None
     ) -> NDArray[np.complex128]:
-        """Z in ohm of many presses, shape (press, interface, s).
+        """Z in ohm of many presses of pixels, shape (press, interface, s).
 
-        Press k multiplies c of the pixels cells[starts[k]:starts[k + 1]] (row * columns + column,
-        from 0) by 1 + rises. s: rad/s, by default of the scene's frequencies.
+        s: rad/s, by default of the scene's frequencies.
         """
         s = self.s if s is None else s
         if gauged(self.reduced.scene.skin):
-            return self._one_by_one(cells, rises, starts, s)
-        return self._swept(cells, rises, starts, s)
+            return self._one_by_one(batch, s)
+        return self._swept(batch, s)
+
+    def sweep(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        s: NDArray[np.complex128] | None = None,
+    ) -> NDArray[np.complex128]:
+        """Z in ohm of one press, shape (interface, s), see `sweeps`."""
+        return self.sweeps(PressBatch.of([(cells, rises)]), s)[0]
 
     def under(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> ReducedSkin:
         """The skin with its sheets as these touches change them; itself where they do not."""
@@ -175,32 +179,19 @@ class ReducedSkin:
             return self
         return self.reduced.skin_under(Case(self.variation, cells, rises))
 
-    def _one_by_one(
-        self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
-        starts: NDArray[np.int64],
-        s: NDArray[np.complex128],
-    ) -> NDArray[np.complex128]:
+    def _one_by_one(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """As `sweeps`, K another one for each press."""
-        found = np.empty((len(starts) - 1, len(self.feeds), len(s)), dtype=np.complex128)
+        found = np.empty((batch.count, len(self.feeds), len(s)), dtype=np.complex128)
         with one_blas_thread():
-            for press, (start, stop) in enumerate(zip(starts[:-1], starts[1:], strict=True)):
-                own = cells[start:stop], rises[start:stop]
-                found[press] = self.under(*own)._swept(*own, np.array([0, stop - start]), s)[0]
+            for press, own in enumerate(batch.each()):
+                found[[press]] = self.under(*own)._swept(PressBatch.of([own]), s)
         return found
 
-    def _swept(
-        self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
-        starts: NDArray[np.int64],
-        s: NDArray[np.complex128],
-    ) -> NDArray[np.complex128]:
+    def _swept(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         from .kernel import impedances
 
-        weights, rtol = rises * self.rest_factors[cells], KRYLOV_SHARE * self.reduced.rtol
-        return impedances(self._aligned, self.feeds, cells, weights, starts, s, rtol)
+        weighted, rtol = batch.weighted(self.rest_factors), KRYLOV_SHARE * self.reduced.rtol
+        return impedances(self._aligned, self.feeds, weighted, s, rtol)
 
     def certificate(
         self,

@@ -14,6 +14,7 @@ from ...mesh.domain import Domain
 from ...mesh.held import held
 from ...mesh.quadrilaterals import Resolution
 from ...mesh.refining.untangled import finer
+from ...press.batch import NOTHING
 from ...press.press import Press
 from ...press.touch import Touch
 from ...scene.meter import Sweep
@@ -33,7 +34,6 @@ SHARE = 0.7
 """Of the tolerance, for the mesh; the rest is for the basis. The next order has twice as many
 unknowns, while a basis of a half of the tolerance has a few vectors more: its error is a square."""
 FEW, MOST_ALONE = 3, 36
-NOWHERE = np.zeros(0, dtype=np.int64)
 
 
 def family_on(scene: Scene, circuit: Circuit, mesh: Mesh, modes: int) -> Family:
@@ -85,7 +85,7 @@ def unreduced(scene: Scene, circuit: Circuit, rtol: float, highest: float) -> Fa
         return EvenFamily(scene, circuit, resolution, modes=1)
     asked = scene.model_copy(update={"sweep": Sweep(frequencies=(highest,))})
     draw, random = pixel_touches(scene), np.random.default_rng(0)
-    cases = [Case(None, NOWHERE, np.zeros(0)), *(draw(random) for _ in range(FEW))]
+    cases = [Case(None, *NOTHING), *(draw(random) for _ in range(FEW))]
     return resolved(asked, circuit, 1, rtol / SHARE, cases)[0]
 
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from functools import cached_property
 
-import numpy as np
-
 from ...press.capacitance import touched_cells
 from ...press.press import Press
 from ...press.touch import Touch
@@ -35,7 +33,7 @@ class OfPixels:
         skin, (cells, rises) = self._skin, touched_cells(self.scene, press)
         if not skin.reduced.on_skin[cells].all():
             raise InputError(f"press {press}: there is no skin at that place")
-        Z = skin.sweeps(cells, rises, np.array([0, len(cells)]))[0]
+        Z = skin.sweep(cells, rises)
         at_most = skin.certificate(cells, rises) + KRYLOV_SHARE * self.rtol
         told = f"reduced to {skin.reduced.size} vectors, {skin.reduced.circuit.told}"
         return Rung(told, skin.reduced.size, Z, at_most + skin.reduced.mesh_error)

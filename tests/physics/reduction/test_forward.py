@@ -10,6 +10,7 @@ from rcskin.simulator.models.parameters import (
 )
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.meter import Sweep
@@ -40,7 +41,7 @@ def test_values_are_those_of_the_full_solver(forward, moved):
 def test_a_batch_gives_the_same_values(forward, moved):
     cells, rises = forward.cells(parse_press("2,1:1.4", 2.0))
     one = forward.respond(cells, rises, moved).Z
-    batch = forward.impedances(cells, rises, np.array([0, len(cells)]), moved)[0]
+    batch = forward.impedances(PressBatch.of([(cells, rises)]), moved)[0]
     np.testing.assert_allclose(batch, one, rtol=0.1 * RTOL)
 
 

@@ -10,6 +10,7 @@ from rcskin.simulator.models.network.skin import NetworkSkin
 from rcskin.simulator.models.network.terminals import chain, read, trained
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.contacts import Interface
 from rcskin.simulator.sweeps import InputError
@@ -31,7 +32,7 @@ READINGS = {
     "three to one": (["top-left", "top-bottom", "bottom-left"], ["bottom-bottom"]),
 }
 PRESS, CELLS, RISES = "1,1:2.0+2,3:0.7", np.array([0, 5]), np.array([1.0, -0.3])
-ONE_PRESS = np.array([0, 2])
+ONE_PRESS = PressBatch.of([(CELLS, RISES)])
 
 
 def interfaces(named):
@@ -52,7 +53,7 @@ def model(scene):
 
 @pytest.fixture(scope="module")
 def impedance(scene, model):
-    return read(model, scene.interfaces).skin(None).sweeps(CELLS, RISES, ONE_PRESS)[0]
+    return read(model, scene.interfaces).skin(None).sweep(CELLS, RISES)
 
 
 def apart(Z, truth, scene):
@@ -70,27 +71,27 @@ def test_the_certificate_bounds_every_reading(scene, model):
     skin = read(model, scene.interfaces).skin(None)
     bound = skin.certificate(CELLS, RISES)
     asked = skin.weights, skin.loss, skin.map_of(CELLS, RISES), RTOL
-    exact, Z = skin.reduced.family.solved(*asked)[0], skin.sweeps(CELLS, RISES, ONE_PRESS)[0]
+    exact, Z = skin.reduced.family.solved(*asked)[0], skin.sweep(CELLS, RISES)
     off = relative_difference(Z, exact)
     assert (off <= bound + RTOL * 0.05).all()
 
 
 def test_sides_of_a_reading_are_exchangeable(scene, model, impedance):
     swapped = interfaces({name: (low, high) for name, (high, low) in READINGS.items()})
-    Z = read(model, swapped).skin(None).sweeps(CELLS, RISES, ONE_PRESS)[0]
+    Z = read(model, swapped).skin(None).sweep(CELLS, RISES)
     assert apart(Z, impedance, scene) <= RTOL * 0.05
 
 
 def test_a_reading_of_its_own_trained_model_is_the_same(scene, impedance):
     alone = scene.model_copy(update={"interfaces": scene.interfaces[2:3]})
-    Z = reduce(alone, RTOL).skin(None).sweeps(CELLS, RISES, ONE_PRESS)[0]
+    Z = reduce(alone, RTOL).skin(None).sweep(CELLS, RISES)
     assert apart(Z, impedance[2:3], scene) <= RTOL
 
 
 def test_every_pair_of_terminals_is_passive(scene, model):
     pairs = itertools.combinations(FOILS, 2)
     every = interfaces({f"{a} {b}": ([a], [b]) for a, b in pairs})
-    Z = read(model, every).skin(None).sweeps(CELLS, RISES, ONE_PRESS)
+    Z = read(model, every).skin(None).sweeps(ONE_PRESS)
     assert (Z.real > 0).all()
 
 
@@ -119,26 +120,24 @@ def test_a_network_gives_all_readings_at_once(scene, model):
     skin = read(model, scene.interfaces).skin(None)
     network = NetworkSkin(skin)
     cells, rises = np.array([0, 5, 1, 0, 1, 2, 3, 4, 5]), np.array([1.0, -0.4, 2.0, *[0.5] * 6])
-    starts = np.array([0, 1, 3, 9, 9])
-    found = network.impedances(
-        network.wiring(scene.interfaces), network.admittances(cells, rises, starts)
-    )
-    assert apart(found, skin.sweeps(cells, rises, starts), scene) <= 1e-6
+    batch = PressBatch(cells, rises, np.array([0, 1, 3, 9, 9]))
+    found = network.impedances(network.wiring(scene.interfaces), network.admittances(batch))
+    assert apart(found, skin.sweeps(batch), scene) <= 1e-6
 
 
 def test_the_kernel_is_its_readable_twin(scene, model):
     network = NetworkSkin(model.skin(None))
-    cells, rises, starts = np.array([3, 0, 5]), np.array([0.8, 1.5, -0.5]), np.array([0, 1, 3])
-    truth = admittances_readable(network.skin.rest, cells, rises, starts, network.s)
-    np.testing.assert_allclose(network.admittances(cells, rises, starts), truth, rtol=1e-10)
+    batch = PressBatch(np.array([3, 0, 5]), np.array([0.8, 1.5, -0.5]), np.array([0, 1, 3]))
+    truth = admittances_readable(network.skin.rest, batch, network.s)
+    np.testing.assert_allclose(network.admittances(batch), truth, rtol=1e-10)
 
 
 def test_terminals_at_one_potential_are_in_parallel(scene, model):
     """Y of tied pairs is the sum over both terminals' currents, each at 1 V."""
     network = NetworkSkin(model.skin(None))
-    Y = network.conductance + network.admittances(CELLS, RISES, ONE_PRESS)[0]
+    Y = network.conductance + network.admittances(ONE_PRESS)[0]
     tops = [k for k, foil in enumerate(scene.contacts) if foil.electrode == "top"]
     tied = network.wiring(interfaces({"tied": READINGS["tied"]}))
-    Z = network.impedances(tied, network.admittances(CELLS, RISES, ONE_PRESS))[0, 0]
+    Z = network.impedances(tied, network.admittances(ONE_PRESS))[0, 0]
     current = Y[:, tops][:, :, tops].sum(axis=(1, 2))
     np.testing.assert_allclose(1 / Z, current, rtol=1e-9)

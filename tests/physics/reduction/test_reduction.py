@@ -11,6 +11,7 @@ from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.kernel import swept, swept_readable
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Rectangle, Touch
 from rcskin.simulator.scene.frequency import LOSSLESS, Loss
@@ -44,9 +45,7 @@ def press_of(case, columns):
 
 
 def batch(cases):
-    cells = np.concatenate([case.cells for case in cases])
-    rises = np.concatenate([case.rises for case in cases])
-    return cells, rises, np.cumsum([0, *(len(case.cells) for case in cases)])
+    return PressBatch.of((case.cells, case.rises) for case in cases)
 
 
 def error(Z, truth, scene):
@@ -63,7 +62,7 @@ def test_within_the_tolerance_of_the_full_solver(families, name):
     reduced = families[name]
     scene, cases = reduced.scene, drawn(reduced.scene, 6)
     solver = Solver(scene, 1e-8)
-    for case, Z in zip(cases, reduced.skin(None).sweeps(*batch(cases)), strict=True):
+    for case, Z in zip(cases, reduced.skin(None).sweeps(batch(cases)), strict=True):
         assert error(Z, solver.solve(press_of(case, 3)).Z, scene) <= RTOL
 
 
@@ -82,7 +81,7 @@ def test_the_certificate_bounds_what_the_reduction_leaves_out(families, name):
     own = reduced.skin(None)
     ratios = []
     for case in drawn(full.scene, 6):
-        Z = own.sweeps(*batch([case]))[0]
+        Z = own.sweep(case.cells, case.rises)
         exact = own.exact(case.cells, case.rises)
         true = relative_difference(Z, exact)
         bound = own.certificate(case.cells, case.rises)
@@ -97,9 +96,8 @@ def test_the_certificate_bounds_what_the_reduction_leaves_out(families, name):
 def test_the_kernel_and_its_readable_twin_agree(families):
     for reduced in families.values():
         own, cases = reduced.skin(None), drawn(reduced.scene, 4)
-        cells, rises, starts = batch(cases)
         for feed in own.feeds:
-            given = own.rest, feed, cells, rises, starts, own.s
+            given = own.rest, feed, batch(cases), own.s
             fused, readable = swept(*given, 1e-13), swept_readable(*given, 1e-13)
             np.testing.assert_allclose(fused, readable, rtol=1e-11)
 
@@ -110,7 +108,7 @@ def test_the_potentials_of_a_certificate_are_those_of_the_sweep(families, touche
     cells, rises = np.arange(touches), np.linspace(0.4, 2.0, touches)
     for reduced in families.values():
         own = reduced.skin(None)
-        given = cells, rises, np.array([0, touches]), own.s, 1e-13
+        given = PressBatch.of([(cells, rises)]), own.s, 1e-13
         factors = np.ones(len(reduced.factors))
         factors[cells] += rises
         M = np.einsum("k,krm,krn->mn", factors, reduced.factors, reduced.factors)
@@ -131,7 +129,7 @@ def test_poles_are_negative_and_the_impedance_passive(families):
     for reduced in families.values():
         own, cases = reduced.skin(None), drawn(reduced.scene, 20)
         assert (own.rest.diagonal >= 0).all()
-        Z = own.sweeps(*batch(cases))
+        Z = own.sweeps(batch(cases))
         assert (Z.real > 0).all()
         Cp = parallel_capacitance(Z, reduced.scene.frequencies)
         assert (np.diff(Z.real) < 0).all()
@@ -174,7 +172,7 @@ def test_skins_of_a_family(make_scene, name, alike):
     for _ in range(4):
         case = draw(random)
         own = reduced.skin(case.variation)
-        exact, Z = own.exact(case.cells, case.rises), own.sweeps(*batch([case]))[0]
+        exact, Z = own.exact(case.cells, case.rises), own.sweep(case.cells, case.rises)
         assert error(Z, exact, scene) <= own.certificate(case.cells, case.rises).max() + 1e-6
         assert error(Z, exact, scene) <= RTOL
 
@@ -210,7 +208,7 @@ def test_common_factors_of_resistance_and_capacitance_only_shift_frequencies(fam
     )
     shifted = replace(reduced, scene=reduced.scene.model_copy(update={"sweep": sweep}))
     cases = drawn(reduced.scene, 3)
-    Z, Z_shifted = scaled.sweeps(*batch(cases)), shifted.skin(None).sweeps(*batch(cases))
+    Z, Z_shifted = scaled.sweeps(batch(cases)), shifted.skin(None).sweeps(batch(cases))
     np.testing.assert_allclose(Z, a * Z_shifted, rtol=1e-6)
 
 
@@ -253,7 +251,7 @@ def test_a_model_comes_back_from_its_file_whole(families, name, tmp_path):
     save(reduced, tmp_path / "model.npz")
     again = load(tmp_path / "model.npz")
     cases = drawn(reduced.scene, 3)
-    first, second = (each.skin(None).sweeps(*batch(cases)) for each in (reduced, again))
+    first, second = (each.skin(None).sweeps(batch(cases)) for each in (reduced, again))
     np.testing.assert_array_equal(first, second)
     case = cases[0]
     first, second = (

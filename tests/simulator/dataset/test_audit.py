@@ -14,8 +14,8 @@ class Skin:
     def __init__(self, bounds, Z=1.0, exact=2.0):
         self.bounds, self.Z, self.full, self.certified = bounds, Z, exact, []
 
-    def sweeps(self, cells, rises, starts):
-        return np.full((len(starts) - 1, 1, 3), self.Z, complex)
+    def sweeps(self, batch):
+        return np.full((batch.count, 1, 3), self.Z, complex)
 
     def certificate(self, cells, rises):
         self.certified.append(len(cells))

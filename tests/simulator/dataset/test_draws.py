@@ -33,7 +33,7 @@ def maps(presses, grid):
     """c over that at rest of each press, shape (press, row, column)."""
     found = np.ones((len(presses.text), grid[0] * grid[1]))
     for k in range(len(presses.text)):
-        cells, rises = presses.one(k)
+        cells, rises = presses.batch.one(k)
         found[k, cells] += rises
     return found.reshape(-1, *grid)
 
@@ -77,7 +77,7 @@ def test_touches_come_as_often_as_told_and_everywhere_alike():
 
 def test_without_a_chance_there_is_never_a_touch_and_two_fit_on_two_pixels():
     none = drawn_presses(with_press(touches=(1.0,)), stream(3, 0, 0), 50, (3, 3))
-    assert set(none.text) == {"none"} and none.cells.size == 0
+    assert set(none.text) == {"none"} and none.batch.cells.size == 0
     strip = load_scene("strip-1x3")
     both = strip.dataset.press.model_copy(update={"touches": (0.0, 0.0, 1.0)})
     strip = strip.model_copy(update={"dataset": strip.dataset.model_copy(update={"press": both})})

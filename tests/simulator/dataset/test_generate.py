@@ -71,7 +71,7 @@ def test_without_any_variation_it_is_the_model_to_the_digits_displayed(make, toy
     sweeps = read(make("out", plan))
     (session,) = drawn_sessions(plan, toy.ToyFamily(plan.scene), [0])
     model = toy.ToyFamily(plan.scene).skin(session.skin.variation)
-    Z = model.sweeps(session.presses.cells, session.presses.rises, session.presses.starts)
+    Z = model.sweeps(session.presses.batch)
     np.testing.assert_allclose(sweeps["Rs"][:10], displayed(Z.real, 6), rtol=1e-7)
     np.testing.assert_allclose(sweeps["X"][:10], displayed(Z.imag, 6), rtol=1e-7)
 

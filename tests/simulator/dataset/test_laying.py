@@ -33,13 +33,12 @@ def placed(draw):
 def test_all_at_once_is_press_by_press(placed, grid):
     touches, where = placed
     grid = 3 * grid[0], 3 * grid[1]
-    cells, rises, starts = laid_on_cells(SCENE, touches, where, grid)
-    assert starts[-1] == len(cells)
-    for k, text in enumerate(texts(touches, where, where.factor, "")):
+    batch = laid_on_cells(SCENE, touches, where, grid)
+    assert batch.starts[-1] == len(batch.cells)
+    for own, text in zip(batch.each(), texts(touches, where, where.factor, ""), strict=True):
         found, expected = np.zeros((2, grid[0] * grid[1]))
-        own = slice(starts[k], starts[k + 1])
-        assert (np.diff(cells[own]) > 0).all()
-        found[cells[own]] = rises[own]
+        assert (np.diff(own.cells) > 0).all()
+        found[own.cells] = own.rises
         at, by = touched_cells(SCENE, parse_press(text, np.nan), grid)
         expected[at] = by
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
@@ -50,7 +49,7 @@ def test_no_cell_beside_a_touch_is_counted():
     disc = Placed(one > 0, 0.06 * one, 0.06 * one, 0.04 * one, 0.04 * one, 2 * one)
     on_lines = disc._replace(disc=one < 0)
     count = np.ones(1, dtype=np.int64)
-    assert laid_on_cells(SCENE, count, on_lines, (12, 12))[0].size == 4 * 4
+    assert laid_on_cells(SCENE, count, on_lines, (12, 12)).cells.size == 4 * 4
     whole = laid_on_cells(SCENE, count, disc, (24, 24))
-    assert whole[0].size < 8 * 8
-    assert whole[1].sum() * (SIDE / 24) ** 2 == pytest.approx(np.pi * 0.02**2, rel=1e-12)
+    assert whole.cells.size < 8 * 8
+    assert whole.rises.sum() * (SIDE / 24) ** 2 == pytest.approx(np.pi * 0.02**2, rel=1e-12)

@@ -26,8 +26,8 @@ class ToySkin:
     variation: object
     doubtful: int | None
 
-    def sweeps(self, cells, rises, starts):
-        return np.array([self._Z(cells[a:b], rises[a:b]) for a, b in zip(starts, starts[1:])])  # noqa: B905
+    def sweeps(self, batch):
+        return np.array([self._Z(*touched) for touched in batch.each()])
 
     def certificate(self, cells, rises):
         shape = (2, len(self.scene.interfaces), len(self.scene.frequencies))

@@ -12,6 +12,7 @@ from rcskin.simulator.design.judged import Judge, designed, merits
 from rcskin.simulator.design.pool import terminals
 from rcskin.simulator.design.search import best_along, search
 from rcskin.simulator.design.trained import Material
+from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.scene.design import Design
 
 SINGLE = {"frequencies": 1, "readings": 1, "casts": 1, "band": (300.0, 30e3), "sheet_ratio": 1.0}
@@ -107,8 +108,8 @@ def test_model_and_exact_solution_agree_far_closer_than_the_meter_errs(strip):
     scene = strip()
     found = bench(scene, band=None)
     on = found._trained.on(None, Material(50e3, 50e3), found.pool)
-    cells, rises = np.array([2]), np.array([1.0])
-    told = on.observed(cells, rises, np.array([0, 1]), scene.frequencies)[0]
+    batch = PressBatch.of([(np.array([2]), np.array([1.0]))])
+    told = on.observed(batch, scene.frequencies)[0]
     Z = Solver(scene, 1e-6).solve(parse_press("1,3:2.0", default=2.0)).Z[0]
     exact = np.concatenate([np.log(np.abs(Z)), np.angle(Z)])
     assert np.abs(told - exact).max() < 2e-3

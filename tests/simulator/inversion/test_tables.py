@@ -12,6 +12,7 @@ from rcskin.simulator.models.reduced.cases import Case
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.batch import NOTHING, PressBatch
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Rectangle, Touch
 from rcskin.simulator.scene.files import parse_scene, scene_text
@@ -103,7 +104,7 @@ def _seen(scene, family, seed):
     """At rest, and what a touch changes."""
     skin = drawn_skin(scene, seed, 0, (2, 2), len(WAVES))
     s = laplace_variable(scene.frequencies, skin.variation.loss)
-    Z = family.skin(skin.variation).sweeps(*TOUCH, np.array([0, 0, 1]), s)
+    Z = family.skin(skin.variation).sweeps(PressBatch.of([NOTHING, TOUCH]), s)
     seen = observed(skin.leads.seen_through(Z, scene.frequencies))
     return seen[0], seen[1] - seen[0]
 

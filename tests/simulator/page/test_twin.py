@@ -6,6 +6,7 @@ from rcskin.simulator.models.fields import fields
 from rcskin.simulator.models.parameters import Variation
 from rcskin.simulator.models.reduced.kernel import swept
 from rcskin.simulator.page.raster import Raster, pictured
+from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.capacitance import grid_map
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Rectangle, Touch
@@ -60,11 +61,9 @@ def by_python(paged, press, cast):
         loss=Loss(cast["loss"], scene.skin.foam.phase_exponent),
     )
     s = laplace_variable(scene.frequencies, variation.loss) * common * cast["capacitance"]
-    starts = np.array([0, len(cells)])
+    batch = PressBatch.of([(cells, rises)])
     skin = reduced.skin(variation).under(cells, rises)
-    Y = np.stack(
-        [swept(skin.rest, feed, cells, rises, starts, s, ON_A_PAGE)[0] for feed in skin.feeds]
-    )
+    Y = np.stack([swept(skin.rest, feed, batch, s, ON_A_PAGE)[0] for feed in skin.feeds])
     return scene.leads.seen_through(common / Y, scene.frequencies)
 
 

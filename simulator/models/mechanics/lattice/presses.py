@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ....press.batch import TouchedCells
 from ....sweeps.errors import ToleranceError
 from .kernel import laid, settled
 from .skin import Lattice
@@ -20,8 +21,6 @@ SLOWEST = 2.0
 """Length of the slowest wave beside applicators, over that in which a deflection falls to a tenth:
 on foams and skins not alike presses came to rest soonest from 1.5 to 2."""
 
-Cells = tuple[NDArray[np.int64], NDArray[np.float64]]
-"""Of a grid, counted row by row from 0, and by how much of that at rest c rises in each."""
 Window = tuple[slice, slice]
 """Rows and columns of cells."""
 
@@ -38,7 +37,7 @@ class Applied(NamedTuple):
     depth: NDArray[np.float64]
 
 
-def raised(lattice: Lattice, applied: Applied) -> Cells:
+def raised(lattice: Lattice, applied: Applied) -> TouchedCells:
     """Cells and rises of c there by a press, in the mean of the skin in each.
 
     Of applicators that do not feel each other each settles for itself.
@@ -48,7 +47,7 @@ def raised(lattice: Lattice, applied: Applied) -> Cells:
         here = window(lattice, own)
         rise[here] += _rises(lattice, deflected(lattice, own, here), here)
     cells = np.flatnonzero(rise > FAINT)
-    return cells, rise.ravel()[cells]
+    return TouchedCells(cells, rise.ravel()[cells])
 
 
 def deflected(lattice: Lattice, applied: Applied, here: Window) -> NDArray[np.float64]:

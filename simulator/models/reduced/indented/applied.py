@@ -36,7 +36,7 @@ class Applied:
         """
         cells, rises, unsure = self.cells(press)
         skin = self._skin
-        Z = skin.sweeps(cells, rises, np.array([0, len(cells)]))[0]
+        Z = skin.sweep(cells, rises)
         model = skin.reduced
         at_most = skin.certificate(cells, rises) + KRYLOV_SHARE * self.rtol + unsure
         told = f"reduced to {model.size} vectors, {model.circuit.told}"

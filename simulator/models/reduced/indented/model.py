@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....fem.estimate import relative_difference
+from ....press.batch import PressBatch
 from ....sweeps import InputError
 from ...parameters import Variation
 from ..cases import Case
@@ -148,36 +149,23 @@ class IndentedSkin(ReducedSkin):
             squares[:, cell] = by_rise / self.rest_factors[cell]
         return squares, whole
 
-    def _swept(
-        self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
-        starts: NDArray[np.int64],
-        s: NDArray[np.complex128],
-    ) -> NDArray[np.complex128]:
+    def _swept(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         from ..kernel import impedances
 
-        self._check(rises)
-        found = np.empty((len(starts) - 1, len(self.feeds), len(s)), dtype=np.complex128)
-        own, rtol = np.split(cells, starts[1:-1]), KRYLOV_SHARE * self.reduced.rtol
-        coupled = np.array([self._feel_each_other(each) for each in own], dtype=bool)
-        together = np.flatnonzero(coupled)
-        for press in together:
-            here = slice(starts[press], starts[press + 1])
-            rest, which, weights = self.touched(cells[here], rises[here])
-            found[[press]] = impedances(
-                rest, self.feeds, which, weights, np.array([0, len(which)]), s, rtol
-            )
-        alone = np.flatnonzero(~coupled)
-        for some in _batches(alone, starts):
-            ends = zip(starts[some].tolist(), starts[some + 1].tolist(), strict=True)
-            of = np.concatenate([np.arange(*each) for each in ends])
-            ends = np.concatenate([[0], np.cumsum(starts[some + 1] - starts[some])])
-            factors = self._factors(cells[of], rises[of])
+        self._check(batch.rises)
+        found = np.empty((batch.count, len(self.feeds), len(s)), dtype=np.complex128)
+        rtol, each = KRYLOV_SHARE * self.reduced.rtol, list(batch.each())
+        coupled = np.array([self._feel_each_other(own.cells) for own in each], dtype=bool)
+        for press in np.flatnonzero(coupled):
+            rest, which, weights = self.touched(*each[press])
+            touches = PressBatch.of([(which, weights)])
+            found[[press]] = impedances(rest, self.feeds, touches, s, rtol)
+        for some in _parts(np.flatnonzero(~coupled), batch.starts):
+            own = PressBatch.of(each[press] for press in some)
+            factors = self._factors(own.cells, own.rises)
             rest = Rest(self.rest.rows, self.rest.diagonal, factors)
-            found[some] = impedances(
-                rest, self.feeds, np.arange(len(of)), np.ones(len(of)), ends, s, rtol
-            )
+            touches = PressBatch(np.arange(len(factors)), np.ones(len(factors)), own.starts)
+            found[some] = impedances(rest, self.feeds, touches, s, rtol)
         return found
 
     def _feel_each_other(self, cells: NDArray[np.int64]) -> bool:
@@ -240,7 +228,7 @@ SLOPE_STEP = 1e-5
 ROUNDING = 1e-9
 
 
-def _batches(presses: NDArray[np.int64], starts: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
+def _parts(presses: NDArray[np.int64], starts: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
     """Presses of about so many touches at a time."""
     if not len(presses):
         return

@@ -1,0 +1,65 @@
+"""Cells of a grid that presses touch: of one press, and of many in one batch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class TouchedCells(NamedTuple):
+    """Of one press: cells, counted row by row from 0, and rises of c there over that at rest."""
+
+    cells: NDArray[np.int64]
+    rises: NDArray[np.float64]
+
+
+NOTHING = TouchedCells(np.zeros(0, dtype=np.int64), np.zeros(0))
+
+
+class PressBatch(NamedTuple):
+    """Of many presses: press k touches cells[starts[k]:starts[k + 1]] with their rises."""
+
+    cells: NDArray[np.int64]
+    rises: NDArray[np.float64]
+    starts: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, presses: Iterable[tuple[NDArray[np.int64], NDArray[np.float64]]]) -> PressBatch:
+        """Cells and rises of each press, one after the other."""
+        cells, rises = zip(NOTHING, *presses, strict=True)
+        starts = np.cumsum([len(own) for own in cells], dtype=np.int64)
+        return cls(np.concatenate(cells), np.concatenate(rises), starts)
+
+    @classmethod
+    def even(cls, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> PressBatch:
+        """Presses of equally many cells: both of shape (press, cell), or what broadcasts to it."""
+        cells, rises = np.broadcast_arrays(cells, rises)
+        count, each = cells.shape
+        return cls(cells.ravel(), rises.ravel(), np.arange(count + 1) * each)
+
+    @classmethod
+    def on_grid(cls, rises: NDArray[np.float64]) -> PressBatch:
+        """Of rises on every cell, shape (press, cell): those that are not 0."""
+        press, cells = np.nonzero(rises)
+        return cls(cells, rises[press, cells], np.searchsorted(press, np.arange(len(rises) + 1)))
+
+    @property
+    def count(self) -> int:
+        """How many presses."""
+        return len(self.starts) - 1
+
+    def one(self, press: int) -> TouchedCells:
+        """What one of them touches."""
+        here = slice(self.starts[press], self.starts[press + 1])
+        return TouchedCells(self.cells[here], self.rises[here])
+
+    def each(self) -> Iterator[TouchedCells]:
+        """What one after the other touches."""
+        return map(self.one, range(self.count))
+
+    def weighted(self, rest_factors: NDArray[np.float64]) -> PressBatch:
+        """Of a skin whose cells are by such factors above what rises refer to, shape (cell,)."""
+        return self._replace(rises=self.rises * rest_factors[self.cells])
