@@ -168,7 +168,7 @@ class Galerkin:
 
     @cached_property
     def _factor(self) -> SuperLU:
-        return _factorised(self.K)
+        return _factorised(without_zeros(self.K) if self._system.fields_apart else self.K)
 
     @cached_property
     def _factors(self) -> _Factors:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,8 +46,10 @@ class System:
     """(K + B + s M) u = b, with each terminal's potential as one unknown.
 
     sheets: K in S, the sheets' conductance, shape (inner + terminals, inner + terminals).
+    fields_apart: whether K is factorised without the zeros between fields that its pattern has.
     """
 
+    fields_apart: ClassVar[bool] = False
     unknowns: Unknowns
     sheets: csc_matrix
     films: Films

@@ -92,7 +92,8 @@ class Resolution:
     layers: rings around the ends of foils, for the square-root singularity there. edge_cell: width
     in m that cells do not exceed next to contacted edges, for the layer of the field there.
     touch_cell: the same next to the lines `touched`, where the capacitance jumps. lines: those that
-    the mesh conforms to beside the pixels' and the ends of foils.
+    the mesh conforms to beside the pixels' and the ends of foils. corners: crossings of lines with
+    rings around them too, by x, y in m and how many.
     """
 
     order: int
@@ -102,9 +103,11 @@ class Resolution:
     touch_cell: float = np.inf
     touched: Lines = NO_LINES
     lines: Lines = NO_LINES
+    corners: tuple[tuple[float, float, int], ...] = ()
 
     def __str__(self) -> str:
         rings = f", {self.layers} rings at ends of foils" if self.layers else ""
+        rings += f", rings at {len(self.corners)} corners" if self.corners else ""
         cells = f", {self.cells}x{self.cells} cells between lines" if self.cells > 1 else ""
         return f"Q{self.order}{cells}{rings}"
 
@@ -150,13 +153,15 @@ def pixel_mesh(scene: Scene, contacts: Sequence[Contact], resolution: Resolution
     """The mesh of a scene at a resolution, conforming to its pixels and the ends of `contacts`."""
     skin = scene.skin
     tips = singular_ends(contacts, skin) if resolution.layers else []
+    rings = {(x, y): count for x, y, count in resolution.corners}
+    rings |= dict.fromkeys(tips, resolution.layers)
     size = _patch(scene, contacts, resolution, tips) if tips else np.inf
     x = _nodes(scene, 0, contacts, resolution, tips, size)
     y = _nodes(scene, 1, contacts, resolution, tips, size)
     at = np.array(
-        [np.abs(y - q).argmin() * len(x) + np.abs(x - p).argmin() for p, q in tips], dtype=np.int64
+        [np.abs(y - q).argmin() * len(x) + np.abs(x - p).argmin() for p, q in rings], dtype=np.int64
     )
-    cells = ringed(rectangles(x, y), at, resolution.layers)
+    cells = ringed(rectangles(x, y), at, np.array(list(rings.values()), dtype=np.int64))
     middle = cells.p[:, cells.t].mean(axis=1)
     mesh = MeshQuad(cells.p, cells.t)
     tiles_x, tiles_y = tile_lines(scene, 0, resolution), tile_lines(scene, 1, resolution)
@@ -204,11 +209,14 @@ def _nodes(
     patch: float,
 ) -> NDArray[np.float64]:
     """Nodes along x (axis 0) or y (axis 1)."""
-    length = (scene.skin.length, scene.skin.width)[axis]
+    skin, length = scene.skin, scene.skin.sides[axis]
     widths = dict.fromkeys(resolution.touched[axis], resolution.touch_cell)
     for contact in contacts:
         if axis == (0 if contact.edge in ("left", "right") else 1):
             line = length if contact.edge in ("right", "top") else 0.0
+            widths[line] = min(widths.get(line, np.inf), resolution.edge_cell)
+    for line in (0.0, length):
+        if any(each[axis] == line and _at_corner(each, skin) for each in resolution.corners):
             widths[line] = min(widths.get(line, np.inf), resolution.edge_cell)
     beside = [tip[axis] + side * patch for tip in tips for side in (-1, 1)]
     lines = distinct(
@@ -217,7 +225,22 @@ def _nodes(
             *(line for line in beside if 0 < line < length),
         ]
     )
-    return nodes(lines, resolution.cells, widths, GROWTH if tips else np.inf)
+    found = nodes(lines, resolution.cells, widths, GROWTH if tips else np.inf)
+    if not resolution.corners:
+        return found
+    return _apart(found, [each[axis] for each in (*tips, *resolution.corners)])
+
+
+def _at_corner(ringed: tuple[float, float, int], skin: Skin) -> bool:
+    return all(at in (0.0, side) for at, side in zip(ringed, skin.sides, strict=False))
+
+
+def _apart(nodes: NDArray[np.float64], ringed: Sequence[float]) -> NDArray[np.float64]:
+    """With one more in the middle of cells between two that have rings: no cell has rings twice."""
+    at = np.zeros(len(nodes), dtype=bool)
+    at[np.abs(nodes[:, None] - np.array(ringed)).argmin(axis=0)] = True
+    shared = np.flatnonzero(at[:-1] & at[1:])
+    return np.insert(nodes, shared + 1, (nodes[shared] + nodes[shared + 1]) / 2)
 
 
 def singular_ends(contacts: Sequence[Contact], skin: Skin) -> list[tuple[float, float]]:

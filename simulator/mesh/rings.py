@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 RATIO = 0.2
 PARTNER_ALONG = (1, 0, 3, 2)
@@ -54,21 +54,27 @@ def rectangles(x: NDArray[np.float64], y: NDArray[np.float64]) -> Cells:
     )
 
 
-def ringed(cells: Cells, tips: NDArray[np.int64], layers: int) -> Cells:
-    """Rectangles, those with a corner at one of the points `tips` divided into rings."""
-    if not layers or not tips.size:
+def ringed(cells: Cells, tips: NDArray[np.int64], layers: ArrayLike) -> Cells:
+    """Rectangles, those with a corner at one of the points `tips` divided into rings.
+
+    layers: how many, of all or of each tip.
+    """
+    around = np.broadcast_to(layers, tips.shape)
+    tips, around = tips[around > 0], around[around > 0]
+    if not tips.size:
         return cells
     cornered = [(k, cell) for k in range(4) for cell in np.flatnonzero(np.isin(cells.t[k], tips))]
-    builder = _Builder(cells, layers)
+    scales = {int(tip): RATIO ** np.arange(n + 1.0) for tip, n in zip(tips, around, strict=True)}
+    builder = _Builder(cells, scales)
     for corner, cell in cornered:
         builder.divide(int(cell), corner)
     return builder.built(np.array([cell for _, cell in cornered]))
 
 
 class _Builder:
-    def __init__(self, cells: Cells, layers: int) -> None:
-        self.cells = cells
-        self.scale = RATIO ** np.arange(layers + 1.0)
+    def __init__(self, cells: Cells, scales: dict[int, NDArray[np.float64]]) -> None:
+        """scales: of the rings around each tip, the outermost 1."""
+        self.cells, self.scales = cells, scales
         self.points = [cells.p]
         self.count = cells.p.shape[1]
         self.parts: list[tuple[NDArray, NDArray, NDArray, NDArray]] = []
@@ -77,25 +83,26 @@ class _Builder:
     def divide(self, cell: int, corner: int) -> None:
         cells, t = self.cells, self.cells.t[:, cell]
         tip, a, b = t[corner], t[PARTNER_ALONG[corner]], t[PARTNER_ACROSS[corner]]
+        scale = self.scales[int(tip)]
         opposite = t[PARTNER_ALONG[PARTNER_ACROSS[corner]]]
         away_a = cells.along[:, cell] * (1 if corner in (0, 3) else -1)
         away_b = cells.across[:, cell] * (1 if corner in (0, 1) else -1)
         chain_a, chain_b, diagonal = (self._chain(int(tip), int(p)) for p in (a, b, opposite))
-        self._trapezoids(chain_a, diagonal, away_a, away_b)
-        self._trapezoids(chain_b, diagonal, away_b, away_a)
+        self._trapezoids(scale, chain_a, diagonal, away_a, away_b)
+        self._trapezoids(scale, chain_b, diagonal, away_b, away_a)
         inner = np.empty((4, 1), dtype=np.int64)
         inner[corner], inner[PARTNER_ALONG[corner]] = tip, chain_a[-1]
         inner[PARTNER_ACROSS[corner]] = chain_b[-1]
         inner[PARTNER_ALONG[PARTNER_ACROSS[corner]]] = diagonal[-1]
         shape = (cells.along, cells.across, cells.twist)
-        along, across, twist = (self.scale[-1] * each[:, [cell]] for each in shape)
+        along, across, twist = (scale[-1] * each[:, [cell]] for each in shape)
         self.parts.append((inner, along, across, twist))
 
     def _trapezoids(
-        self, side: NDArray, diagonal: NDArray, away: NDArray, sideways: NDArray
+        self, scale: NDArray, side: NDArray, diagonal: NDArray, away: NDArray, sideways: NDArray
     ) -> None:
         """The layers on one side of the diagonal: along them outwards, across as x or y grows."""
-        outer, inner = self.scale[:-1], self.scale[1:]
+        outer, inner = scale[:-1], scale[1:]
         if sideways.sum() > 0:
             first, second, start = side, diagonal, away
         else:
@@ -109,8 +116,9 @@ class _Builder:
         """Points between `towards`, which is the first, and the tip, which is left out."""
         if (tip, towards) not in self._chains:
             start, end = self.cells.p[:, [tip]], self.cells.p[:, [towards]]
-            new = self.count + np.arange(len(self.scale) - 1)
-            self.points.append(start + (end - start) * self.scale[1:])
+            scale = self.scales[tip]
+            new = self.count + np.arange(len(scale) - 1)
+            self.points.append(start + (end - start) * scale[1:])
             self.count += len(new)
             self._chains[tip, towards] = np.concatenate([[towards], new])
         return self._chains[tip, towards]

@@ -49,7 +49,7 @@ class Ladder:
         factor = strongest(press, self.scene)
         depth = self.scene.skin.depth(frequency)
         reached = self._reached(press, depth)
-        layer = depth / math.sqrt(factor if reached.touches else 1.0) * followed(order)
+        layer = depth / math.sqrt(factor if reached.touches else 1.0) * self.followed(order)
         if self.halved(layer) == math.inf:
             reached = Press()
         return Resolution(
@@ -73,6 +73,10 @@ class Ladder:
         pixels = self.scene.pixels
         return max(cells, 2 if 1 in (pixels.rows, pixels.columns) else 1)
 
+    def followed(self, order: int) -> float:
+        """Widths of a cell, of the depth of a layer that elements of that order follow."""
+        return max(1.0, order / 4)
+
     def halved(self, width: float) -> float:
         """No wider, and one of few widths, so that presses and frequencies share meshes."""
         skin = self.scene.skin
@@ -90,11 +94,6 @@ class Ladder:
                 if touch.factor > 1 and felt(touch, self.scene, depth)
             )
         )
-
-
-def followed(order: int) -> float:
-    """Widths of a cell, of the depth of a layer that elements of that order follow."""
-    return max(1.0, order / 4)
 
 
 def felt(touch: AnyTouch, scene: Scene, depth: float) -> bool:

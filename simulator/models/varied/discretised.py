@@ -52,7 +52,7 @@ class Discretised:
     """told: the mesh in words. error: relative, of Rs and Cp, by what is not quite as asked.
 
     lower: of one and of two orders less than `coarse`, where they tell how much `fine` shows.
-    course: where meshes before do. felt: what Rs and Cp feel of the error of mechanics, relative,
+    course: of the meshes before. felt: what Rs and Cp feel of the error of mechanics, relative,
     shape (2, interface, frequency).
     """
 
@@ -86,6 +86,7 @@ class Discretised:
         told = told + self.error + self.felt
         if self.missed.max() > NEGLIGIBLE * rtol:
             told += self.changes(of_rule(self.coefficients, self.missed), frequency, rtol)
+        self.course.saw(float(told.max()))
         return Rung(self.told, self.coarse.space.inner, Z[here], told)
 
     def _swept(self, frequency: NDArray[np.float64], rtol: float) -> list[Swept]:

@@ -27,6 +27,10 @@ PARITY = 0.8
 """Of the difference before, where the latest two orders agree and those before did not gain: in a
 cell far wider than a layer every second order hardly changes the answer."""
 MOST_BY_ORDERS = 5.0
+BY_TWO, MOST_BY_TWO = 100.0, 2.5
+"""k at most, where two orders gained that much though the latest hardly did: differences of a
+smooth field change sign between orders. What falls by no more than a corner's singularity gains 20
+on two orders."""
 Admittances = NDArray[np.complex128]
 
 
@@ -47,6 +51,22 @@ class Course:
         self._frequency = np.empty(0)
         self._Y: tuple[Admittances, Admittances] | None = None
         self._largest = 0.0
+        self._told: list[float] = []
+
+    def saw(self, error: float) -> None:
+        """To be told the largest error of each mesh."""
+        self._told.append(error)
+
+    def lacks(self, rtol: float) -> float:
+        """Times a tolerance that the latest error is; 1 before there is one."""
+        return self._told[-1] / rtol if self._told else 1.0
+
+    def reaches(self, rtol: float, meshes: int) -> bool:
+        """Whether so many more meshes do for a tolerance, if each gains as much as the latest."""
+        if len(self._told) < 2:
+            return True
+        before, now = self._told[-2:]
+        return now * min(now / before, 1.0) ** meshes <= rtol
 
     def again(self) -> Course:
         """Of another depth at the same place, whose k is much the same."""
@@ -82,16 +102,19 @@ def _told(
 def by_orders(order: int, Z: list[Admittances]) -> NDArray[np.float64]:
     """Relative errors of Rs and Cp of the second Z, shape (2, interface, frequency), unsafe still.
 
-    Z: ohm, of orders order + 1, order, order - 1, order - 2 on one mesh, at `frequencies_around`.
-    D falls like a power of the order, or faster.
+    Z: ohm, of orders order + 1, order, order - 1 and, where there is one, order - 2 on one mesh,
+    at `frequencies_around`. D falls like a power of the order, or faster.
     """
     steps = [evened(relative_difference(low, high)) for high, low in zip(Z, Z[1:], strict=False)]
-    latest, before, first = (step.max(axis=0) for step in steps)
-    gained, before_gained = _ratio(before, latest), _ratio(first, before)
+    latest, before, *first = (step.max(axis=0) for step in steps)
+    gained = _ratio(before, latest)
     power = np.log(gained) / math.log(order / (order - 1)) - 1
     left = (order / (order + 1)) ** np.maximum(power, 0.0)
     k = np.minimum(1 / np.maximum(1 - left, 1 / MOST_BY_ORDERS), MOST_BY_ORDERS)
-    odd = np.minimum(PARITY, 1 / before_gained)
+    if not first:
+        return k * steps[0]
+    k = np.where(_ratio(first[0], latest) > BY_TWO, np.minimum(k, MOST_BY_TWO), k)
+    odd = np.minimum(PARITY, 1 / _ratio(first[0], before))
     return np.maximum(k * steps[0], odd * steps[1] / SAFETY)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,11 +92,16 @@ def squares(pixels: PixelMesh, order: int) -> Elements:
         element=element,
         order=order,
         trial=quadrilateral_trial(pixels.mesh, order),
-        rule=gauss_rule(element, 2 * order + MORE_ON_SQUARES),
+        rule=_rule_on_squares(order),
         surface_at=lambda rule, some: surface(pixels.cells.some(some), rule),
         beside=beside,
         facets=pixels.facets,
     )
+
+
+@cache
+def _rule_on_squares(order: int) -> Rule:
+    return gauss_rule(quadrilateral(order), 2 * order + MORE_ON_SQUARES)
 
 
 def triangles(domain: Domain, order: int) -> Elements:

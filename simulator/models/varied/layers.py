@@ -11,7 +11,7 @@ from ...press.press import Press
 from ...scene.planar import Lines
 from ...scene.scene import Scene
 from ..plain import electrical
-from ..resolution import Ladder, all_lines, felt, followed, strongest
+from ..resolution import Ladder, all_lines, felt, strongest
 from .materials import strain_of
 
 
@@ -31,7 +31,7 @@ def layered(ladder: Ladder, resolution: Resolution, press: Press, frequency: flo
             if touch.factor != 1 and (not in_pairs or felt(touch, scene, depth))
         )
     )
-    width = depth / math.sqrt(_thinner(scene, press)) * followed(resolution.order - 1)
+    width = depth / math.sqrt(_thinner(scene, press)) * ladder.followed(resolution.order - 1)
     narrow = ladder.halved(width)
     if not jumps.touches or narrow == math.inf:
         return resolution

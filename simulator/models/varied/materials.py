@@ -156,6 +156,10 @@ class Materials:
         B = adjugate(root(found.G, J))
         return between(B, A) / (R * J ** (1 + self._sheet_power))
 
+    def directed(self, electrode: Electrode) -> bool:
+        """Whether an electrode may conduct better along one direction than along another."""
+        return not self._isometric or self.scene.skin.sheet(electrode).anisotropy is not None
+
     def capacitance(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """c of the foam at rest in F per flat m², shape (...), at x of shape (2, ...)."""
         foam = self.scene.skin.foam

@@ -19,7 +19,9 @@ from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from ..resolution import ONE_CELL, Ladder
 from .coefficients import Coefficients
+from .corners import ringed_corners
 from .discretised import Discretised, Solved
+from .effect import Course
 from .elements import squares
 from .layers import layered
 from .materials import Materials
@@ -28,8 +30,34 @@ from .system import pressed_system
 CELLS_TO_A_LENGTH = 2.0
 """For the shortest length of a map, of elements of order 1; fewer of higher order."""
 
-LOWEST = 1
-"""The first level that has two orders below the one that answers."""
+HARDER = 1e-3
+"""From which tolerance down ends of foils take an order more."""
+AN_ORDER = 15.0
+"""What it takes off an error, as a rule: orders that will not do are left out."""
+FEW = 2
+"""Meshes more that are tried, where the latest tell that they will do; triangles need as long."""
+LAYER_SHARE = 0.3
+"""Of the tolerance: what cells in layers may take."""
+LAYER_TAKES, GAINED = 2.6, 90.0
+"""Of Rs and Cp, over `GAINED`^order: what cells as wide as a layer is deep take at that order."""
+
+
+class _OwnLadder(Ladder):
+    """Meshes for one press and one tolerance alone, with cells as wide as these allow."""
+
+    def __init__(self, scene: Scene, circuit: Circuit, rtol: float) -> None:
+        super().__init__(scene, circuit)
+        self.lowest = self.first(rtol) + (self.singular and rtol <= HARDER)
+        order, _ = ONE_CELL[self.lowest]
+        self._widths = (LAYER_SHARE * rtol / LAYER_TAKES * GAINED**order) ** (1 / (2 * order))
+
+    def followed(self, order: int) -> float:
+        """Of the first order, whichever follows: the next ones have the error to gain on it."""
+        return self._widths
+
+    def halved(self, width: float) -> float:
+        """The same: presses share no meshes."""
+        return width
 
 
 class Squares:
@@ -41,13 +69,22 @@ class Squares:
     def __init__(self, scene: Scene, circuit: Circuit, press: Press, rtol: float) -> None:
         self.scene, self.circuit, self.press = scene, circuit, press
         self.materials = Materials(scene)
-        self._ladder = Ladder(scene, circuit)
-        self._level = max(LOWEST, self._ladder.first(rtol))
+        self.rtol = rtol
+        self._course = Course()
+        self._ladder = _OwnLadder(scene, circuit, rtol)
+        self._level = self._ladder.lowest
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
-        """The next one, for frequencies in Hz. Raises ToleranceError after the finest."""
-        if self._level == len(ONE_CELL):
+        """The next one, for frequencies in Hz.
+
+        Raises ToleranceError after the finest, and where the orders gain too little to serve.
+        """
+        lacks = self._course.lacks(self.rtol)
+        self._level += math.floor(math.log(max(lacks / AN_ORDER, 1.0), AN_ORDER))
+        if self._level >= len(ONE_CELL):
             raise ToleranceError("there is no finer mesh")
+        if not self._course.reaches(self.rtol, FEW):
+            raise ToleranceError(f"orders gain too little: {lacks:.1g} times the tolerance is left")
         highest = float(frequency[-1])
         found = self._ladder.resolution(self._level, self.press, highest)
         self._level += 1
@@ -64,7 +101,7 @@ class Squares:
         system = pressed_system(circuit, elements, coefficients)
         fine, coarse, *lower = (
             Solved(Galerkin(system, circuit, resolution.order - less), system, elements)
-            for less in range(4)
+            for less in range(min(4, resolution.order))
         )
         answered = replace(resolution, order=resolution.order - 1)
         return Discretised(
@@ -75,6 +112,7 @@ class Squares:
             fine,
             f"2-D elements, {circuit.told}, varied, {answered}",
             lower=tuple(lower),
+            course=self._course,
         )
 
     def _varied(self, resolution: Resolution) -> Resolution:
@@ -84,7 +122,9 @@ class Squares:
         finer = replace(resolution, lines=lines)
         widest = max(np.diff(tile_lines(self.scene, axis, finer)).max() for axis in (0, 1))
         needed = CELLS_TO_A_LENGTH * widest / self.materials.shortest / resolution.order
-        return replace(finer, cells=max(resolution.cells, math.ceil(needed)))
+        corners = ringed_corners(self.materials, self.circuit.contacts, self.press, self.rtol)
+        cells = max(resolution.cells, math.ceil(needed))
+        return replace(finer, cells=cells, corners=corners)
 
     def _with(self, axis: int, lines: Lines, kinks: Lines) -> tuple[float, ...]:
         """Lines across an axis and those kinks that are apart from them and from pixels' lines."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +13,8 @@ from scipy.sparse import csc_matrix
 
 from ...fem.assembly import add_terms
 from ...fem.circuit import Circuit, Terminal
+from ...fem.dropped import DROPPED
+from ...fem.galerkin import one_blas_thread
 from ...fem.quadrature import Terms, mass_terms, stiffness_terms
 from ...fem.system import System, films
 from ...fem.unknowns import Unknowns, numbered
@@ -23,6 +27,7 @@ from .elements import Elements
 class PressedSystem(System):
     """With the capacitance of one press: mass is M in F."""
 
+    fields_apart: ClassVar[bool] = True
     mass: csc_matrix
 
 
@@ -65,8 +70,8 @@ def add_sheet(
     alone: what picks the field, shape (field, field). within: the cells that are meant.
     """
     for cells in _groups(elements, within):
-        terms = stiffness_terms(elements.rule, elements.surface.some(cells), S[:, cells], alone)
-        add_terms(values, unknowns.slots[cells], terms)
+        terms = stiffness_terms(elements.rule, elements.surface.some(cells), S[:, cells])
+        _add_between_fields(values, unknowns.slots[cells], alone, terms)
 
 
 def foam(
@@ -89,8 +94,29 @@ def add_foam(
 ) -> None:
     """M in the pattern. c: F/m², shape (cell, point). within: the cells that are meant."""
     for cells in _groups(elements, within):
-        terms = mass_terms(elements.rule, elements.surface.some(cells), c[cells], coupling)
-        add_terms(values, unknowns.slots[cells], terms)
+        terms = mass_terms(elements.rule, elements.surface.some(cells), c[cells])
+        _add_between_fields(values, unknowns.slots[cells], coupling, terms)
+
+
+def _add_between_fields(
+    values: NDArray[np.float64],
+    slots: NDArray[np.int64],
+    fields: NDArray[np.float64],
+    terms: Iterable[Terms],
+) -> None:
+    """Matrices of cells in one field, in the pattern wherever `fields` are not zero, as often.
+
+    slots: shape (cell, pair). fields: shape (field, field).
+    """
+    with one_blas_thread():
+        matrices = sum(weights @ reference for weights, reference in terms)
+    assert isinstance(matrices, np.ndarray)
+    local = math.isqrt(matrices.shape[1])
+    between = slots.reshape(-1, len(fields), local, len(fields), local) - DROPPED
+    for f, g in np.argwhere(fields).tolist():
+        own = between[:, f, :, g].ravel()
+        added = np.bincount(own, matrices.ravel(), len(values) - DROPPED)
+        values += fields[f, g] * added[-DROPPED:]
 
 
 def _groups(

@@ -48,9 +48,9 @@ def test_smooth_errors_are_not_taken_for_less_than_the_least():
 
 
 @pytest.mark.parametrize("power", [1.5, 2.0, 4.0, 8.0])
-@pytest.mark.parametrize("order", [3, 5, 9])
+@pytest.mark.parametrize("order", [2, 3, 5, 9])
 def test_orders_tell_how_their_errors_fall(order, power):
-    orders = [off_by(1e-2 * p**-power) for p in range(order + 1, order - 3, -1)]
+    orders = [off_by(1e-2 * p**-power) for p in range(order + 1, max(order - 3, 0), -1)]
     true = evened(relative_difference(orders[1], Z))
     told = SAFETY * by_orders(order, orders)
     assert (told >= true).all()
@@ -61,6 +61,26 @@ def test_orders_that_gain_by_twos_are_not_believed():
     """In a cell far wider than a layer the next order hardly changes the answer."""
     orders = [off_by(error) for error in (0.99e-2, 1e-2, 2.5e-2, 2.6e-2)]
     assert (SAFETY * by_orders(3, orders)).max() >= 1e-2
+
+
+def test_orders_that_cross_are_believed_to_gain_as_two_of_them_did():
+    orders = [off_by(error) for error in (2e-6, 1.2e-5, 1.3e-5, 1e-2)]
+    true = evened(relative_difference(orders[1], Z))
+    told = SAFETY * by_orders(3, orders)
+    assert (told >= true).all()
+    assert (told <= 5 * true).all()
+
+
+def test_meshes_that_gain_too_little_will_not_reach_a_tolerance():
+    course = Course()
+    assert course.lacks(1e-5) == 1.0
+    assert course.reaches(1e-5, 2)
+    course.saw(8e-4)
+    assert course.lacks(1e-5) == pytest.approx(80)
+    assert course.reaches(1e-5, 2)
+    course.saw(2e-4)
+    assert not course.reaches(1e-5, 2)
+    assert course.reaches(1e-5, 3)
 
 
 def test_what_grows_with_frequency_is_told_as_it_is_and_what_changes_sign_is_not_lost():

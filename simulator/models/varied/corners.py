@@ -1,0 +1,145 @@
+"""Corners at which the potential of a sheet goes like a broken power of the distance.
+
+There what elements lack falls slowly, whatever their order, unless cells shrink towards the
+corner. Where conductance jumps, under a gauge that is touched, and where a sheet that conducts
+along a direction meets a foil at the skin's corner, that power follows from the quadrants there:
+stretched so that it conducts alike along all directions, each is a sector of one conductance.
+In it u = r^p (a cos p t + b sin p t); u and the current across are the same on both sides of a
+jump. Source: R. B. Kellogg, Appl. Anal. 4 (1975) 101.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...mesh.rings import RATIO
+from ...press.capacitance import Patch, patch
+from ...press.press import Press
+from ...scene.contacts import Contact
+from ...scene.planar import distinct
+from ...scene.scene import Scene
+from ...scene.skin import Electrode
+from ..resolution import all_lines
+from .coefficients import ELECTRODES
+from .materials import Materials, gauged, gauges
+
+POWERS = np.linspace(0.02, 1.0, 197)
+STRENGTH = 1e-2
+"""Over (1 - p)²: of Rs and Cp, at most what a corner takes of elements of low order."""
+SHARE = 0.03
+"""Of the tolerance: what a corner may take."""
+BESIDE = 1e-6
+"""Of a side: how far from a corner it is looked at."""
+QUADRANTS = np.array([[1, -1, -1, 1], [1, 1, -1, -1]])
+TOWARDS = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
+"""Where quadrants begin, anticlockwise."""
+Corner = tuple[float, float, int]
+"""x and y in m, and how many rings of cells shrink towards it."""
+
+
+def ringed_corners(
+    materials: Materials, contacts: Sequence[Contact], press: Press, rtol: float
+) -> tuple[Corner, ...]:
+    """Those that take more of Rs and Cp than a part of a tolerance. press: of rectangles."""
+    found = []
+    if not (gauged(materials.scene.skin) or any(map(materials.directed, ELECTRODES))):
+        return ()
+    for place in _places(materials.scene, press):
+        power = power_at(materials, contacts, press, place)
+        taken = STRENGTH * (1 - power) ** 2 / (SHARE * rtol)
+        if taken > 1:
+            found.append((*place, math.ceil(-math.log(taken) / math.log(RATIO) / (2 * power))))
+    return tuple(found)
+
+
+def power_at(
+    materials: Materials, contacts: Sequence[Contact], press: Press, place: tuple[float, float]
+) -> float:
+    """The power of the distance from a place in m that a sheet's potential goes by.
+
+    1 where all is smooth; of both sheets the one that is farther from that. It may exceed 1 where a
+    foil meets the skin's corner alone: elsewhere the field is weak then.
+    """
+    scene, at = materials.scene, np.array(place)
+    away = BESIDE * np.array(scene.skin.sides)
+    beside = at[:, None] + away[:, None] * QUADRANTS
+    sides = np.array(scene.skin.sides)[:, None]
+    within: NDArray[np.bool_] = np.all((beside > 0) & (beside < sides), axis=0)
+    found = gauges(scene.skin, _factors([patch(scene, t) for t in press.touches], beside))
+    powers = [1.0]
+    for sheet, conductances in zip(ELECTRODES, found, strict=True):
+        jumps = np.ptp(conductances[within]) > 0
+        if not jumps and (within.sum() > 1 or not materials.directed(sheet)):
+            continue
+        xx, yy, xy = materials.conductance(sheet, at[:, None])[:, 0]
+        cosine = -xy / math.sqrt(xx * yy)
+        angles = np.arccos([cosine, -cosine] * 2)
+        if within.all():
+            M = _transfer(angles, conductances)
+            powers.append(_first_change(M[0, 0] + M[1, 1] - 2))
+            continue
+        first = next(k for k in range(4) if within[k] and not within[k - 1])
+        run = (first + np.arange(within.sum())) % 4
+        ends = (at + away * TOWARDS[k] for k in (first, (run[-1] + 1) % 4))
+        begins, stops = (_held(contacts, sheet, end, scene) for end in ends)
+        if len(run) > 1:
+            M = _transfer(angles[run], conductances[run])
+            powers.append(_first_change(M[0 if stops else 1, 1 if begins else 0]))
+        elif begins != stops:
+            powers.append(np.pi / 2 / angles[first])
+    return max(powers, key=lambda power: abs(power - 1))
+
+
+def _places(scene: Scene, press: Press) -> list[tuple[float, float]]:
+    """Corners of the skin and of touches, and where their lines meet."""
+    lines = all_lines(press, scene)
+    x, y = (
+        distinct([0.0, side, *each]).tolist()
+        for side, each in zip(scene.skin.sides, lines, strict=True)
+    )
+    return [(a, b) for a in x for b in y]
+
+
+def _factors(patches: Sequence[Patch], x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """c over that at rest at places in m, shape (2, place)."""
+    found = np.ones(x.shape[1])
+    for each in patches:
+        inside = (each.x[0] < x[0]) & (x[0] < each.x[1]) & (each.y[0] < x[1]) & (x[1] < each.y[1])
+        found[inside] *= each.factor
+    return found
+
+
+def _transfer(angles: NDArray[np.float64], conductances: NDArray[np.float64]) -> NDArray:
+    """From potential and current over p at the first edge to those at the last, for all POWERS,
+    shape (2, 2, power)."""
+    M = np.eye(2)[:, :, None] * np.ones(len(POWERS))
+    for angle, S in zip(angles, conductances, strict=True):
+        cos, sin = np.cos(POWERS * angle), np.sin(POWERS * angle)
+        M = np.einsum("ijp,jkp->ikp", np.array([[cos, sin / S], [-S * sin, cos]]), M)
+    return M
+
+
+def _first_change(values: NDArray[np.float64]) -> float:
+    """The first power at which the sign changes, 1 without."""
+    changed = np.flatnonzero(values * values[0] <= 0)
+    return float(POWERS[changed[0]]) if changed.size else 1.0
+
+
+def _held(
+    contacts: Sequence[Contact], sheet: Electrode, place: NDArray[np.float64], scene: Scene
+) -> bool:
+    """Whether a foil without contact resistance holds that sheet at a place of the edge, m."""
+    ends = [
+        np.array(each.ends(scene.skin))
+        for each in contacts
+        if each.electrode == sheet and each.ideal
+    ]
+    same = BESIDE * max(scene.skin.sides) / 10
+    return any(
+        bool((place > each.min(0) - same).all() and (place < each.max(0) + same).all())
+        for each in ends
+    )

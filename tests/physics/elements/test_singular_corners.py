@@ -1,0 +1,84 @@
+"""Corners where the field goes like a broken power, and squares with rings around them."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.mesh.quadrilaterals import Resolution, pixel_mesh
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied.corners import power_at, ringed_corners
+from rcskin.simulator.models.varied.materials import Materials
+from rcskin.simulator.models.varied.meshes import circuit_of
+from rcskin.simulator.models.varied.triangles import Triangles
+from rcskin.simulator.press.press import Press, parse_press
+
+SIDE = 0.12
+SHEETS = {"top": 6e4, "bottom": 4e4, "c": 5e-9, "length": SIDE, "width": SIDE}
+FOILS = {"top-left": {}, "bottom-left": {}}
+DIRECTED = {"top.anisotropy": {"ratio": 3.0, "angle": 0.5}, "top.piezoresistance": 2.0}
+GRID = 0.006
+"""Powers are told to about this."""
+
+
+@pytest.mark.parametrize("factor", [1.5, 5.0])
+def test_a_pressed_corner_of_a_gauge(varied, factor):
+    """One quadrant of another conductance: cos(pi p / 2) = |1 - R| / (2 (1 + R))."""
+    scene = varied({"top.piezoresistance": 3.0}, FOILS, rows=4, columns=4, **SHEETS)
+    press = parse_press(f"2,2:{factor}", 2.0)
+    R = 1 / (1 + 3.0 * (1 - 1 / factor))
+    power = 2 / np.pi * np.arccos((1 - R) / (2 * (1 + R)))
+    for place in ((0.03, 0.03), (0.06, 0.06)):
+        told = power_at(Materials(scene), scene.contacts, press, place)
+        assert told == pytest.approx(power, abs=GRID)
+    assert power_at(Materials(scene), scene.contacts, press, (0.0, 0.03)) == 1.0
+
+
+@pytest.mark.parametrize("angle", [0.5, 2.0])
+def test_a_foil_at_the_corner_of_an_oblique_sheet(varied, angle):
+    """Stretched to conduct alike, the corners at both ends of a foil have angles that add to pi."""
+    oblique = {"top.anisotropy": {"ratio": 3.0, "angle": angle}}
+    scene = varied(oblique, FOILS, **SHEETS)
+    low, high = (power_at(Materials(scene), scene.contacts, Press(), (0.0, y)) for y in (0.0, SIDE))
+    assert 1 / low + 1 / high == pytest.approx(2)
+    assert (low < 1) == (angle < np.pi / 2)
+    for y in (0.0, SIDE):
+        assert power_at(Materials(scene), scene.contacts, Press(), (SIDE, y)) == 1.0
+
+
+def test_even_sheets_have_no_such_corners_and_loose_tolerances_need_no_rings(varied):
+    press = parse_press("2,2:3", 2.0)
+    even = varied({"foam.map": {"kind": "gradient", "x": 0.5, "y": 0.0}}, FOILS, **SHEETS)
+    assert ringed_corners(Materials(even), even.contacts, press, 1e-6) == ()
+    scene = varied(DIRECTED, FOILS, rows=5, columns=5, **SHEETS)
+    counts = [
+        sum(rings for *_, rings in ringed_corners(Materials(scene), scene.contacts, press, rtol))
+        for rtol in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
+    ]
+    assert counts == sorted(counts) and counts[0] == 0 < counts[-1]
+
+
+def test_cells_with_rings_at_corners_of_neighbouring_lines_conform(varied):
+    scene = varied(DIRECTED, FOILS, rows=4, columns=3, **SHEETS)
+    at = tuple((x, y, n) for n, x in ((1, 0.04), (2, 0.08)) for y in (0.03, 0.06))
+    pixels = pixel_mesh(scene, scene.contacts, Resolution(3, corners=(*at, (0.0, 0.0, 3))))
+    rim = pixels.mesh.boundary_facets()
+    ends = pixels.mesh.p[:, pixels.mesh.facets[:, rim]]
+    assert np.hypot(*(ends[:, 1] - ends[:, 0])).sum() == pytest.approx(4 * SIDE)
+    cells = pixels.cells
+    middle = cells.along + cells.twist / 2, cells.across + cells.twist / 2
+    area = np.abs(middle[0][0] * middle[1][1] - middle[0][1] * middle[1][0])
+    assert area.sum() == pytest.approx(SIDE**2)
+
+
+def test_squares_serve_a_directed_piezoresistive_sheet_to_five_digits(varied, off):
+    """Nothing but few meshes of squares is tried, and the error told holds against triangles."""
+    f = np.array([1e3, 1e5])
+    scene = varied(DIRECTED, FOILS, rows=5, columns=5, frequencies=f, **SHEETS)
+    press = parse_press("2,2", 2.0)
+    finer = Triangles(scene, circuit_of(scene), press, 2e-6)
+    while (known := finer.finer(f).rung(f, 2e-6)).error.max() > 2e-6:
+        pass
+    for rtol in (1e-2, 1e-3, 1e-4, 1e-5):
+        answer = Solver(scene, rtol).solve(press)
+        told, true = np.stack(answer.relative_errors), off(answer.Z, known.Z)
+        assert "triangles" not in answer.model and len(answer.rejected) <= 1
+        assert (true - known.error <= told).all()
+        assert told.max() <= rtol
