@@ -44,6 +44,7 @@ class Course:
     """What one mesh after the other told of one press."""
 
     def __init__(self) -> None:
+        self._told = dict[float, float]()
         self._frequency = np.empty(0)
         self._Y: tuple[Admittances, Admittances] | None = None
         self._largest = 0.0
@@ -54,6 +55,20 @@ class Course:
         other._largest = self._largest
         return other
 
+    def tell(self, frequency: NDArray[np.float64], error: NDArray[np.float64]) -> None:
+        """The relative error of the latest mesh, shape (..., frequency), at frequencies in Hz."""
+        largest = error.reshape(-1, len(frequency)).max(axis=0)
+        self._told = dict(zip(frequency.tolist(), largest.tolist(), strict=True))
+
+    def expected_at(self, frequency: NDArray[np.float64], likely: float) -> NDArray[np.float64]:
+        """The same at some of these frequencies, the largest of all where none is told.
+
+        likely: k of the next mesh, by which the error of a first one will be told anew.
+        """
+        largest = max(self._told.values())
+        told = np.array([self._told.get(each, largest) for each in frequency.tolist()])
+        return told if self._largest else told * np.clip(likely, LEAST, UNSEEN) / UNSEEN
+
     def effect(self, frequency: NDArray[np.float64], Z: Admittances, finer: Admittances) -> float:
         """k of this mesh. Z, finer: ohm, of two orders, at all `frequencies_around` those in Hz."""
         now = (1 / Z, 1 / finer)
@@ -63,6 +78,11 @@ class Course:
             self._largest = max(self._largest, _told(*before, *map(_in_thirds, now)))
         self._frequency, self._Y = frequency, now
         return float(np.clip(self._largest, LEAST, MOST)) if self._largest else UNSEEN
+
+
+def at_corners(exponents: NDArray[np.float64], order: int) -> NDArray[np.float64]:
+    """k where the field goes like that power of the distance: D falls like order^(-4 power)."""
+    return 1 / (1 - (order / (order + 1)) ** (4 * exponents))
 
 
 def _in_thirds(Y: Admittances) -> Admittances:
