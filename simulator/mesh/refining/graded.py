@@ -107,7 +107,9 @@ def _angles(mesh: Domain) -> NDArray[np.float64]:
         turned = side * np.arcsin(np.abs(bend) * chord / 2)
         at[i] += turned
         at[j] += turned
-    return np.bincount(mesh.t.ravel(), at.ravel(), minlength=mesh.p.shape[1])
+    around = np.zeros(mesh.p.shape[1])
+    np.add.at(around, mesh.t, at)
+    return around
 
 
 def _between(u: Points, v: Points) -> NDArray[np.float64]:
