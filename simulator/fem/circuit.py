@@ -65,6 +65,11 @@ class Circuit:
         """All foils, of one terminal after the other."""
         return [contact for terminal in self.terminals for contact in terminal.contacts]
 
+    def foils(self, field: int) -> list[str]:
+        """The names of the foils of one field."""
+        own = [terminal for terminal in self.terminals if terminal.field == field]
+        return [contact.name for terminal in own for contact in terminal.contacts]
+
     def field_alone(self, field: int) -> NDArray[np.float64]:
         """What picks one field of all, shape (field, field)."""
         return np.diag(np.eye(self.fields)[field])

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from skfem import MeshTri
 
 from ..scene.planar import Circle, inside
 from .arcs import NO_ARCS, Arcs, beside_chords, mapped
@@ -39,7 +41,13 @@ class Domain:
     arcs: Arcs = NO_ARCS
     out_of_round: float = 0.0
 
-    @property
+    @cached_property
+    def flat(self) -> MeshTri:
+        """The triangles for scikit-fem, straight and as they are seen along z."""
+        p, t = np.ascontiguousarray(self.p[:2]), np.ascontiguousarray(self.t)
+        return MeshTri(p, t, sort_t=False)
+
+    @cached_property
     def curvature(self) -> NDArray[np.float64]:
         """Of the edges of each triangle from points 0 to 1, 1 to 2 and 0 to 2, in 1/m.
 

@@ -27,7 +27,8 @@ class Drawing:
     """A skin with its foils, the grid of its pixels, and what is pressed.
 
     lines: across x and across y, those around pixels included. touches: what touches cover that
-    have a factor and are no pixels, in order. creases: circles and polylines.
+    have a factor and are no pixels, in order. creases: circles and polylines. between: whether the
+    lines between pixels are drawn.
     """
 
     skin: Skin
@@ -36,6 +37,7 @@ class Drawing:
     lines: tuple[Points, Points]
     touches: tuple[Shape, ...]
     creases: tuple[Shape, ...]
+    between: bool = True
 
     @property
     def edges(self) -> list[Shape]:
@@ -67,7 +69,9 @@ class Drawing:
         return np.where(within, row * columns + column, -1)
 
 
-def drawing_of(scene: Scene, press: Press, creases: Sequence[Shape]) -> Drawing:
+def drawing_of(
+    scene: Scene, press: Press, creases: Sequence[Shape], between: bool = True
+) -> Drawing:
     """The drawing of a press on a scene."""
     return Drawing(
         scene.skin,
@@ -76,12 +80,19 @@ def drawing_of(scene: Scene, press: Press, creases: Sequence[Shape]) -> Drawing:
         (pixel_lines(scene, 0), pixel_lines(scene, 1)),
         tuple(shape_of(scene, touch) for touch in sharp_touches(press)),
         tuple(creases),
+        between,
     )
 
 
 def sharp_touches(press: Press) -> list[Rectangle | Disc | Polygon]:
     """The touches of a press that have a factor and are no pixels, in order."""
     return [each for each in press.touches if isinstance(each, Rectangle | Disc | Polygon)]
+
+
+def around_pixels(scene: Scene, press: Press) -> list[Points]:
+    """The edges of pixels that a press presses, closed polylines of shape (5, 2)."""
+    boxes = [polygon_of(scene, each) for each in press.touches if isinstance(each, Touch)]
+    return [np.concatenate([box, box[:1]]) for box in boxes]
 
 
 def shape_of(scene: Scene, place: Place) -> Shape:

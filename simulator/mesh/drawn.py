@@ -48,6 +48,8 @@ def drawn(drawing: Drawing, size: float) -> Domain:
 
 def _grid(drawing: Drawing) -> list[Points]:
     """Segments (segment, 2, 2) between pixels; m."""
+    if not drawing.between:
+        return []
     x, y = drawing.lines
     return [
         np.array([[(line, y[0]), (line, y[-1])] for line in x[1:-1]]).reshape(-1, 2, 2),

@@ -80,7 +80,8 @@ def imported(drawing: Drawing) -> Domain:
     groups = drawing.pixels.groups
     pixel = _grouped(path, surface, groups or ())
     whole = replace(unlabelled(surface.p, surface.t, foils), pixel=pixel)
-    shapes = drawing.edges if groups else [_grid(drawing), *drawing.edges]
+    by_lines = drawing.between and not groups
+    shapes = [_grid(drawing), *drawing.edges] if by_lines else drawing.edges
     mesh = (_cut_as_seen if in_space else _conforming)(whole, shapes)
     labels = labelled(drawing, mesh)
     if groups is not None:

@@ -130,7 +130,7 @@ def _triangulations(
 
 
 def _uncertain(press: Triangles, domain: Domain, ends: NDArray[np.float64]) -> NDArray[np.float64]:
-    return indicators(press.discretised(domain), ends)
+    return indicators(press.discretised(domain), ends).sum(axis=0)
 
 
 def _on_skin(press: Press, domain: Domain, scene: Scene) -> Press:

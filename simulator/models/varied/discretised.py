@@ -18,13 +18,14 @@ from ...fem.estimate import (
     relative_difference,
 )
 from ...fem.galerkin import Galerkin, one_blas_thread, swept
-from ...fem.quadrature import interpolated, rule_at
+from ...fem.quadrature import interpolated
 from ...fem.unknowns import on_cells
+from ...mesh.refining.graded import fewest
 from ...scene.frequency import Loss, laplace_variable
 from ..answer import Rung
 from .coefficients import Coefficients
 from .effect import SAFETY, Course, by_orders, evened
-from .elements import Elements
+from .elements import Elements, raising
 from .system import PressedSystem, foam, pressed_system
 from .unsure import NEGLIGIBLE, Raised, missed, of_rule
 
@@ -86,7 +87,7 @@ class Discretised:
         told = told + self.error + self.felt
         if self.missed.max() > NEGLIGIBLE * rtol:
             told += self.changes(of_rule(self.coefficients, self.missed), frequency, rtol)
-        self.course.saw(float(told.max()))
+        self.course.tell(frequency, told)
         return Rung(self.told, self.coarse.space.inner, Z[here], told)
 
     def _swept(self, frequency: NDArray[np.float64], rtol: float) -> list[Swept]:
@@ -127,50 +128,48 @@ class Discretised:
 KEPT = 0.7
 """Of the whole error: what lies in the cells that are marked."""
 
-Potentials = tuple[NDArray[np.float64], NDArray[np.float64]]
-"""V, shape (field, cell, point), and its slope in V/m, shape (field, 2, cell, point)."""
-
 
 def indicators(discretised: Discretised, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Part of each cell in the error of Rs and Cp, shape (cell,). frequency: Hz.
+    """Part of each cell in the error of Rs and Cp at frequencies in Hz, shape (frequency, cell).
 
     At s = omega instead of j omega potentials are real and reach as far. There the energy of what
     the next order adds is what it takes off Y. Beside the heat in the sheets it tells on Rs, beside
     the energy in the foam on Cp, and so does what is missed of the foam.
     """
-    parts = np.zeros(discretised.fine.elements.cells)
-    for s in (2 * np.pi * frequency).tolist():
+    parts = np.zeros((len(frequency), discretised.fine.elements.cells))
+    for part, s in zip(parts, (2 * np.pi * frequency).tolist(), strict=True):
         for drive in range(len(discretised.circuit.drives)):
-            (v, slope), (w, steeper) = _potentials(discretised, drive, s)
-            added = sum(_energies(discretised, s, w - v, steeper - slope))
-            heat, stored = _energies(discretised, s, w, steeper)
-            parts += added / heat.sum() + (added + discretised.missed * stored) / stored.sum()
+            w, added_w = _potentials(discretised, drive, s)
+            added = sum(_energies(discretised, s, added_w))
+            heat, stored = _energies(discretised, s, w)
+            part += added / heat.sum() + (added + discretised.missed * stored) / stored.sum()
     return parts
 
 
 def most(parts: NDArray[np.float64]) -> NDArray[np.int64]:
     """The fewest cells that hold KEPT of the whole. Source: W. Doerfler, SINUM 33 (1996) 1106."""
-    order = np.argsort(-parts, kind="stable")
-    held = np.cumsum(parts[order])
-    return np.sort(order[: int(np.searchsorted(held, KEPT * held[-1])) + 1])
+    return fewest(parts, KEPT * float(parts.sum()))
 
 
-def _potentials(discretised: Discretised, drive: int, s: float) -> list[Potentials]:
-    """Of both orders at the points of the finer one's rule."""
-    rule, at = discretised.fine.elements.rule, discretised.fine.elements.surface
-    found = []
-    for each in (discretised.coarse, discretised.fine):
-        known = rule_at(each.elements.element, rule.points, rule.weights)
-        fields = [interpolated(known, at, u) for u in discretised.coefficients_of(each, drive, s)]
-        found.append(tuple(np.stack(part) for part in zip(*fields, strict=True)))
-    return found
+def _potentials(discretised: Discretised, drive: int, s: float) -> list[NDArray[np.float64]]:
+    """Of the finer order, and what it adds, by its coefficients, shape (field, function, cell)."""
+    v, w = (
+        discretised.coefficients_of(each, drive, s)
+        for each in (discretised.coarse, discretised.fine)
+    )
+    return [w, w - raising(discretised.coarse.elements.order) @ v]
 
 
 def _energies(
-    discretised: Discretised, s: float, u: NDArray[np.float64], slope: NDArray[np.float64]
+    discretised: Discretised, s: float, of_fields: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Of potentials at s: in the sheets and in the foam, W, both of shape (cell,)."""
+    """Of potentials at s: in the sheets and in the foam, W, both of shape (cell,).
+
+    of_fields: coefficients of the finer order, shape (field, function, cell).
+    """
     elements, coefficients = discretised.fine.elements, discretised.coefficients
+    at = [interpolated(elements.rule, elements.surface, each) for each in of_fields]
+    u, slope = (np.stack(part) for part in zip(*at, strict=True))
     weights = elements.surface.area * elements.rule.weights
     heat = np.zeros_like(weights)
     for field, (dx, dy) in enumerate(slope):

@@ -48,24 +48,21 @@ class Course:
     """What one mesh after the other told of one press."""
 
     def __init__(self) -> None:
+        self._told = dict[float, float]()
         self._frequency = np.empty(0)
         self._Y: tuple[Admittances, Admittances] | None = None
         self._largest = 0.0
-        self._told: list[float] = []
-
-    def saw(self, error: float) -> None:
-        """To be told the largest error of each mesh."""
-        self._told.append(error)
+        self._errors: list[float] = []
 
     def lacks(self, rtol: float) -> float:
         """Times a tolerance that the latest error is; 1 before there is one."""
-        return self._told[-1] / rtol if self._told else 1.0
+        return self._errors[-1] / rtol if self._errors else 1.0
 
     def reaches(self, rtol: float, meshes: int) -> bool:
         """Whether so many more meshes do for a tolerance, if each gains as much as the latest."""
-        if len(self._told) < 2:
+        if len(self._errors) < 2:
             return True
-        before, now = self._told[-2:]
+        before, now = self._errors[-2:]
         return now * min(now / before, 1.0) ** meshes <= rtol
 
     def again(self) -> Course:
@@ -73,6 +70,21 @@ class Course:
         other = Course()
         other._largest = self._largest
         return other
+
+    def tell(self, frequency: NDArray[np.float64], error: NDArray[np.float64]) -> None:
+        """The relative error of the latest mesh, shape (..., frequency), at frequencies in Hz."""
+        largest = error.reshape(-1, len(frequency)).max(axis=0)
+        self._told = dict(zip(frequency.tolist(), largest.tolist(), strict=True))
+        self._errors.append(float(largest.max()))
+
+    def expected_at(self, frequency: NDArray[np.float64], likely: float) -> NDArray[np.float64]:
+        """The same at some of these frequencies, the largest of all where none is told.
+
+        likely: k of the next mesh, by which the error of a first one will be told anew.
+        """
+        largest = max(self._told.values())
+        told = np.array([self._told.get(each, largest) for each in frequency.tolist()])
+        return told if self._largest else told * np.clip(likely, LEAST, UNSEEN) / UNSEEN
 
     def effect(self, frequency: NDArray[np.float64], Z: Admittances, finer: Admittances) -> float:
         """k of this mesh. Z, finer: ohm, of two orders, at all `frequencies_around` those in Hz."""
@@ -83,6 +95,11 @@ class Course:
             self._largest = max(self._largest, _told(*before, *map(_in_thirds, now)))
         self._frequency, self._Y = frequency, now
         return float(np.clip(self._largest, LEAST, MOST)) if self._largest else UNSEEN
+
+
+def at_corners(exponents: NDArray[np.float64], order: int) -> NDArray[np.float64]:
+    """k where the field goes like that power of the distance: D falls like order^(-4 power)."""
+    return 1 / (1 - (order / (order + 1)) ** (4 * exponents))
 
 
 def _in_thirds(Y: Admittances) -> Admittances:

@@ -106,9 +106,8 @@ def _rule_on_squares(order: int) -> Rule:
 
 def triangles(domain: Domain, order: int) -> Elements:
     """Triangles of a domain in the plane or in space, orders 1 to 4."""
-    element = TRIANGLES[order - 1]()
-    p, t = np.ascontiguousarray(domain.p[:2]), np.ascontiguousarray(domain.t)
-    mesh = MeshTri(p, t, sort_t=False)
+    element, rule = _triangle(order)
+    mesh = domain.flat
 
     def beside(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         return _beside(mesh, facets)
@@ -117,13 +116,29 @@ def triangles(domain: Domain, order: int) -> Elements:
         element=element,
         order=order,
         trial=triangle_trial(mesh, order),
-        rule=triangle_rule(element, 2 * order + MORE_ON_TRIANGLES),
+        rule=rule,
         surface_at=_on_triangles(domain),
         beside=beside,
         facets=lambda contact: numbers_of(mesh, domain.foils[contact.name]),
         groups=_straight_and_bent(domain),
         in_space=_edges(domain.p, domain.t) if len(domain.p) == 3 else None,
     )
+
+
+@cache
+def _triangle(order: int) -> tuple[Element, Rule]:
+    element = TRIANGLES[order - 1]()
+    return element, triangle_rule(element, 2 * order + MORE_ON_TRIANGLES)
+
+
+@cache
+def raising(order: int) -> NDArray[np.float64]:
+    """From the coefficients of a function on triangles of an order to those of the next order.
+
+    Shape (function of the next order, function).
+    """
+    finer = TRIANGLES[order]()
+    return rule_at(TRIANGLES[order - 1](), finer.doflocs.T, np.zeros(len(finer.doflocs))).values.T
 
 
 def _on_triangles(domain: Domain) -> Callable[[Rule, NDArray[np.int64] | slice], Surface]:

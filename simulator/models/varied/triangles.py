@@ -12,6 +12,7 @@ from ...fem.circuit import Circuit
 from ...fem.galerkin import Galerkin
 from ...mesh.domain import Domain
 from ...mesh.drawing import sharp_touches
+from ...mesh.refining.graded import corner_exponents, graded
 from ...mesh.refining.untangled import finer
 from ...mesh.skin_mesh import domain
 from ...press.press import Press
@@ -20,8 +21,8 @@ from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
 from ..outlook import cells_needed, check_within_reach
 from .coefficients import Coefficients
-from .discretised import Discretised, Solved, indicators, most
-from .effect import Course
+from .discretised import Discretised, Solved, indicators
+from .effect import Course, at_corners
 from .elements import triangles
 from .materials import Materials
 from .system import pressed_system
@@ -29,12 +30,14 @@ from .system import pressed_system
 if TYPE_CHECKING:
     from ..mechanics.pressed import Pressed
 
-ORDERS = ((1e-3, 2), (0.0, 3))
-"""From which tolerance on which order of elements answers; one order more checks it. Order 1 needs
-more unknowns for 1e-2 than order 2 for 1e-3."""
+ORDERS, ORDERS_OF_SPREAD = ((5e-3, 2), (0.0, 3)), ((1e-3, 2), (0.0, 3))
+"""From which tolerance on which order of elements answers, and does so what mechanics spreads; one
+order more checks it. Order 1 needs more unknowns for 1e-2 than order 2 for 1e-3."""
 MOST_TRIANGLES = 60_000
 DEPTHS_PER_ORDER = 1.0
 """Longest edges at foils, of what a polynomial of that order follows at the highest frequency."""
+AIMED = 1.2
+"""Of the tolerance: the error that meshes are refined for, told in advance."""
 FALLS = 2.0
 """How fast |V|² falls towards a touch, for the depth of the field."""
 
@@ -54,7 +57,8 @@ class Triangles:
         self.scene, self.circuit, self.press = scene, circuit, press.sharp
         self.pressed, self.rtol = pressed, rtol
         self.materials = Materials(scene)
-        self.order = next(order for least, order in ORDERS if rtol >= least)
+        orders = ORDERS if pressed is None else ORDERS_OF_SPREAD
+        self.order = next(order for least, order in orders if rtol >= least)
         self._before: Discretised | None = None
         self._domain: Domain | None = None
         self._ends = np.empty(0)
@@ -79,10 +83,10 @@ class Triangles:
             found = self._first(ends)
         else:
             parts = indicators(self._before, ends)
-            drives = len(ends) * len(self.circuit.drives)
-            needed = cells_needed(parts / drives, self.order, self.rtol)
+            drives = len(self.circuit.drives)
+            needed = cells_needed(parts.mean(axis=0) / drives, self.order, self.rtol)
             check_within_reach(needed, MOST_TRIANGLES, self.order, "triangles")
-            found = finer(self._domain, most(parts))
+            found = self._halved(self._domain, parts, ends)
         if found.t.shape[1] > MOST_TRIANGLES:
             raise ToleranceError(f"{found.t.shape[1]} triangles are too many")
         if found is not self._domain:
@@ -94,20 +98,38 @@ class Triangles:
         self._spaces = self._before.coarse, self._before.fine
         return self._before
 
+    def _halved(
+        self, mesh: Domain, parts: NDArray[np.float64], frequency: NDArray[np.float64]
+    ) -> Domain:
+        """With about as much of the error left at some frequencies in Hz as is asked for.
+
+        parts: of each triangle in it, shape (frequency, triangle).
+        """
+        foils = [self.circuit.foils(field) for field in range(self.circuit.fields)]
+        exponents = corner_exponents(mesh, foils)
+        share = parts / parts.sum(axis=1, keepdims=True)
+        likely = (share * at_corners(exponents[mesh.t].min(axis=0), self.order)).sum(axis=1).max()
+        expected = self._course.expected_at(frequency, float(likely))
+        enough = AIMED * min(self.rtol, expected.max())
+        return graded(mesh, expected[:, None] * share, enough, self.order, exponents)
+
     def _first(self, ends: NDArray[np.float64]) -> Domain:
         """The coarsest mesh; after other depths the one that held there, for the same ends of the
         frequencies in Hz."""
         known = self._domain if np.array_equal(ends, self._ends) else None
         self._ends = ends
-        return known or self.coarsest(float(ends[-1]))
+        return known or self.coarsest(float(ends[-1]), between=self.pressed is not None)
 
-    def coarsest(self, frequency: float) -> Domain:
-        """The first mesh: finer at foils and no coarser than maps vary. frequency: Hz."""
+    def coarsest(self, frequency: float, between: bool = True) -> Domain:
+        """The first mesh: finer at foils and no coarser than maps vary. frequency: Hz.
+
+        between: whether it conforms to all pixels, not just to those that are pressed.
+        """
         scene, skin = self.scene, self.scene.skin
         creases = self.pressed.kinks if self.pressed else []
         pixel = max(side / n for side, n in zip(skin.sides, scene.pixels.shape[::-1], strict=True))
         size = min(pixel, self.order * self.materials.shortest)
-        found = domain(scene, self.press, size, [*creases, *self._kinks()])
+        found = domain(scene, self.press, size, [*creases, *self._kinks()], between)
         return _fine_at_foils(found, DEPTHS_PER_ORDER * self.order * skin.depth(frequency))
 
     def _left_out(self, mesh: Domain, frequency: float) -> float:

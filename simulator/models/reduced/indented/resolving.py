@@ -74,12 +74,12 @@ def _triangulations(
     each = [Triangles(scene, circuit, Press(), rtol, press) for press in presses]
 
     def refined(domain: Domain) -> Domain:
-        marked = [most(indicators(press.discretised(domain), ends)) for press in each]
+        marked = [most(indicators(press.discretised(domain), ends).sum(axis=0)) for press in each]
         return finer(domain, np.unique(np.concatenate(marked)))
 
     domain = bare.coarsest(float(ends[-1])) if domain is None else refined(domain)
     while domain.t.shape[1] <= MOST_TRIANGLES:
-        yield Triangulation(domain, bare.order)
+        yield Triangulation(domain, each[0].order)
         domain = refined(domain)
 
 

@@ -8,6 +8,7 @@ from rcskin.simulator.models.varied.effect import (
     SAFETY,
     UNSEEN,
     Course,
+    at_corners,
     by_orders,
     evened,
 )
@@ -32,6 +33,23 @@ def test_meshes_tell_how_much_of_the_error_the_next_order_shows():
     left, kept = FREQUENCY[1:], np.isin(AROUND, frequencies_around(FREQUENCY[1:]))
     later = [each[:, kept] for each in pairs[2]]
     assert course.effect(left, *later) == pytest.approx(k, rel=1e-6)
+
+
+def test_the_error_of_a_first_mesh_is_told_anew_by_what_corners_will_show():
+    course, told = Course(), np.array([[1e-3, 4e-3, 2e-3], [2e-3, 1e-3, 1e-3]])
+    course.tell(FREQUENCY, told)
+    some = FREQUENCY[[0, 2]]
+    assert course.expected_at(some, 2.0) == pytest.approx(np.array([2e-3, 2e-3]) * 2.0 / UNSEEN)
+    assert course.expected_at(some, 1.0) == pytest.approx(np.array([2e-3, 2e-3]) * LEAST / UNSEEN)
+    assert course.expected_at(np.array([7.0]), 5.0) == pytest.approx([4e-3])
+    for error in (1e-2, 3e-3):
+        course.effect(FREQUENCY, off_by(error), off_by(error / 2))
+    assert course.expected_at(some, 1.0) == pytest.approx([2e-3, 2e-3])
+
+
+def test_at_corners_the_next_order_shows_as_little_as_their_exponent_tells():
+    found = at_corners(np.array([0.5, 2 / 3, np.inf]), 3)
+    assert found == pytest.approx([1 / (1 - 0.75**2), 1 / (1 - 0.75 ** (8 / 3)), 1.0])
 
 
 def test_what_does_not_change_tells_nothing():
@@ -75,10 +93,10 @@ def test_meshes_that_gain_too_little_will_not_reach_a_tolerance():
     course = Course()
     assert course.lacks(1e-5) == 1.0
     assert course.reaches(1e-5, 2)
-    course.saw(8e-4)
+    course.tell(np.ones(1), np.array([8e-4]))
     assert course.lacks(1e-5) == pytest.approx(80)
     assert course.reaches(1e-5, 2)
-    course.saw(2e-4)
+    course.tell(np.ones(1), np.array([2e-4]))
     assert not course.reaches(1e-5, 2)
     assert course.reaches(1e-5, 3)
 

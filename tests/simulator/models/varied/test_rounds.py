@@ -1,0 +1,62 @@
+"""How few meshes of triangles a tolerance takes, and what they are made for."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.models.varied.elements import raising, triangles
+from rcskin.simulator.models.varied.meshes import circuit_of
+from rcskin.simulator.models.varied.triangles import Triangles
+from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.scene.files import load_scene
+
+SCENES = Path(__file__).parents[2] / "mesh" / "scenes"
+FEW_CELLS = 600
+
+
+@pytest.fixture(scope="module")
+def l_shape():
+    return load_scene(SCENES / "l-shape.toml")
+
+
+def finer(scene, press, rtol):
+    """Cells and answer of each mesh until a tolerance is kept."""
+    meshes, found = Triangles(scene, circuit_of(scene), press, rtol), []
+    while True:
+        mesh = meshes.finer(scene.frequencies)
+        rung = mesh.rung(scene.frequencies, rtol)
+        found.append((mesh.coarse.elements.cells, rung))
+        if rung.error.max() <= rtol:
+            return found
+
+
+@pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-5])
+def test_around_a_corner_two_meshes_are_enough(l_shape, rtol):
+    """Each level towards the corner gains a factor of 2.5: one a mesh would take six or seven."""
+    *_, (cells, rung) = found = finer(l_shape, parse_press("2,1", 2.0), rtol)
+    assert len(found) <= 2
+    assert cells < FEW_CELLS
+    *_, (_, close) = finer(l_shape, parse_press("2,1", 2.0), rtol / 100)
+    assert (relative_difference(rung.Z, close.Z) <= rung.error).all()
+
+
+def test_pixels_that_are_not_pressed_cost_nothing(l_shape):
+    pixels = l_shape.pixels.model_copy(update={"rows": 4, "columns": 6})
+    (few, _), (many, _) = (
+        finer(scene, Press(), 1e-2)[0]
+        for scene in (l_shape, l_shape.model_copy(update={"pixels": pixels}))
+    )
+    assert many <= 4 * few
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_functions_are_the_same_by_the_next_order(l_shape, order):
+    mesh = Triangles(l_shape, circuit_of(l_shape), Press(), 1e-2).coarsest(1e3)
+    low, high = (triangles(mesh, each).element for each in (order, order + 1))
+    points = np.random.default_rng(order).dirichlet([1, 1, 1], 20).T[:2]
+    own, next_order = (
+        np.stack([each.lbasis(points, k)[0] for k in range(len(each.doflocs))])
+        for each in (low, high)
+    )
+    assert raising(order).T @ next_order == pytest.approx(own, abs=1e-12)
