@@ -38,6 +38,8 @@ DEPTHS_PER_ORDER = 1.0
 """Longest edges at foils, of what a polynomial of that order follows at the highest frequency."""
 AIMED = 1.2
 """Of the tolerance: the error that meshes are refined for, told in advance."""
+LEAST_GAIN = 0.5
+"""Of the error expected of a mesh: what the next one is refined for, at most."""
 FALLS = 2.0
 """How fast |V|² falls towards a touch, for the depth of the field."""
 
@@ -110,7 +112,7 @@ class Triangles:
         share = parts / parts.sum(axis=1, keepdims=True)
         likely = (share * at_corners(exponents[mesh.t].min(axis=0), self.order)).sum(axis=1).max()
         expected = self._course.expected_at(frequency, float(likely))
-        enough = AIMED * min(self.rtol, expected.max())
+        enough = min(AIMED * self.rtol, LEAST_GAIN * float(expected.max()))
         return graded(mesh, expected[:, None] * share, enough, self.order, exponents)
 
     def _first(self, ends: NDArray[np.float64]) -> Domain:

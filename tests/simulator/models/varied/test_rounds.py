@@ -26,6 +26,7 @@ def finer(scene, press, rtol):
     while True:
         mesh = meshes.finer(scene.frequencies)
         rung = mesh.rung(scene.frequencies, rtol)
+        assert not found or mesh.coarse.elements.cells > found[-1][0]
         found.append((mesh.coarse.elements.cells, rung))
         if rung.error.max() <= rtol:
             return found
@@ -39,6 +40,26 @@ def test_around_a_corner_two_meshes_are_enough(l_shape, rtol):
     assert cells < FEW_CELLS
     *_, (_, close) = finer(l_shape, parse_press("2,1", 2.0), rtol / 100)
     assert (relative_difference(rung.Z, close.Z) <= rung.error).all()
+
+
+@pytest.mark.parametrize("asked", [0.99, 0.8, 0.4])
+@pytest.mark.parametrize("order", [2, 3])
+def test_a_mesh_that_just_does_not_serve_is_followed_by_a_finer_one(l_shape, order, asked):
+    """Also where the error is expected to be told as less by the second mesh."""
+    loose = {2: 1.0, 3: 1e-3}[order]
+    first = Triangles(l_shape, circuit_of(l_shape), Press(), loose).finer(l_shape.frequencies)
+    rtol = asked * float(first.rung(l_shape.frequencies, loose).error.max())
+    meshes = Triangles(l_shape, circuit_of(l_shape), Press(), rtol)
+    meshes.order = order
+    cells = []
+    for _ in range(3):
+        mesh = meshes.finer(l_shape.frequencies)
+        cells.append(mesh.coarse.elements.cells)
+        if mesh.rung(l_shape.frequencies, rtol).error.max() <= rtol:
+            break
+    else:
+        raise AssertionError(f"meshes of {cells} triangles do not serve")
+    assert len(set(cells)) == len(cells) > 1
 
 
 def test_pixels_that_are_not_pressed_cost_nothing(l_shape):
