@@ -3,8 +3,8 @@
 A benchmark that ended well is noted with its times in `results/all.csv`, and is not run again on
 the same commit: what was stopped goes on. A quick pass runs every script on its smallest sizes,
 keeps none of their figures, and notes its times in `results/quick.csv` at the root, which is no
-part of the repository. Ends with code 1 where a benchmark fails or a page quotes another table than the one
-that was written.
+part of the repository. Ends with code 1 where a benchmark fails or a page quotes another table than
+the one that was written.
 
 Run: python benchmarks/all.py [--quick] [--only FOLDER/NAME] [--again]
 """
