@@ -1,9 +1,10 @@
 """Every benchmark that the pages quote, one after the other, and whether the pages are up to date.
 
 A benchmark that ended well is noted with its times in `results/all.csv`, and is not run again on
-the same commit: what was stopped goes on. A quick pass runs every script on its smallest sizes and
-keeps nothing. Ends with code 1 where a benchmark fails or a page quotes another table than the one
-that was written.
+the same commit: what was stopped goes on. A quick pass runs every script on its smallest sizes,
+keeps none of their figures, and notes its times in `results/quick.csv` at the root, which is no
+part of the repository. Ends with code 1 where a benchmark fails or a page quotes another table than
+the one that was written.
 
 Run: python benchmarks/all.py [--quick] [--only FOLDER/NAME] [--again]
 """
@@ -25,6 +26,7 @@ from rcskin.benchmarks.bench import HERE, RESULTS, commit, publish
 from rcskin.benchmarks.quoted import differing
 
 NOTED = RESULTS / "all.csv"
+NOTED_QUICKLY = HERE.parent / "results" / "quick.csv"
 TITLE = "Every benchmark: how long it took"
 LINES, LINES_IN_TURN = "campaign.jsonl", "in_turn.jsonl"
 """Of campaigns, which go on where they were stopped; beside the pages."""
@@ -110,11 +112,11 @@ def command_of(benchmark: Benchmark, quick: bool) -> list[str]:
     return [sys.executable, str(benchmark.script), *own]
 
 
-def noted() -> pd.DataFrame:
+def noted(path: Path) -> pd.DataFrame:
     """Benchmarks that ended well on this commit."""
-    if not NOTED.exists():
+    if not path.exists():
         return pd.DataFrame(columns=["benchmark", "clock (s)", "processor (s)", "commit"])
-    there = pd.read_csv(NOTED, dtype=str)
+    there = pd.read_csv(path, dtype=str)
     return there[there["commit"] == commit()]
 
 
@@ -130,12 +132,14 @@ def _row(name: str, times: Times) -> dict[str, str]:
 def main() -> int:
     """Run what is asked for; returns the exit code."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("--quick", action="store_true", help="smallest sizes, nothing is kept")
+    parser.add_argument("--quick", action="store_true", help="smallest sizes, no figures kept")
     parser.add_argument("--only", metavar="FOLDER/NAME", help="one of them")
     parser.add_argument("--again", action="store_true", help="also what has ended well")
     asked = parser.parse_args()
-    done = noted()
-    known, failed = set(() if asked.quick or asked.again else done["benchmark"]), []
+    path = NOTED_QUICKLY if asked.quick else NOTED
+    path.parent.mkdir(exist_ok=True)
+    done = noted(path)
+    known, failed = set(() if asked.again else done["benchmark"]), []
     for benchmark in IN_ORDER:
         name = " ".join([benchmark.name, *([] if asked.quick else benchmark.options)])
         if name in known or asked.only not in (None, benchmark.name):
@@ -146,10 +150,10 @@ def main() -> int:
         known.add(name)
         if times.code:
             failed.append(name)
-        elif not asked.quick:
+        else:
             others = done[done["benchmark"] != name]
             done = pd.concat([others, pd.DataFrame([_row(name, times)])])
-            publish(RESULTS, NOTED.stem, TITLE, done)
+            publish(path.parent, path.stem, TITLE, done)
     stale = [quote.told() for quote in differing()]
     for told in stale:
         print(f"another table was written: {told}")

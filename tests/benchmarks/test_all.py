@@ -1,5 +1,6 @@
 """All benchmarks by one command, and the tables that pages quote from them."""
 
+import subprocess
 import sys
 
 import pytest
@@ -62,7 +63,8 @@ def run(monkeypatch, tmp_path, codes, *options):
         ran.append(name)
         return every.Times(1.0, 2.0, codes.get(name, 0))
 
-    for name, value in {"timed": timed, "RESULTS": tmp_path, "NOTED": tmp_path / "all.csv"}.items():
+    noted = {"NOTED": tmp_path / "all.csv", "NOTED_QUICKLY": tmp_path / "quick" / "quick.csv"}
+    for name, value in {"timed": timed, **noted}.items():
         monkeypatch.setattr(every, name, value)
     monkeypatch.setattr(every, "commit", lambda: "abc")
     monkeypatch.setattr(sys, "argv", ["all.py", *options])
@@ -82,7 +84,13 @@ def test_what_ended_well_is_not_run_again(monkeypatch, tmp_path, capsys):
     assert len((tmp_path / "all.csv").read_text().splitlines()) == 1 + len(every.IN_ORDER)
 
 
-def test_a_quick_pass_keeps_nothing(monkeypatch, tmp_path):
-    code, ran = run(monkeypatch, tmp_path, {}, "--quick")
-    assert code == 0 and len(ran) == len({benchmark.name for benchmark in every.IN_ORDER})
-    assert not [*tmp_path.iterdir()]
+def test_a_quick_pass_goes_on_and_keeps_nothing_among_the_results(monkeypatch, tmp_path):
+    scripts = [*dict.fromkeys(benchmark.name for benchmark in every.IN_ORDER)]
+    assert run(monkeypatch, tmp_path, {"speed/skins": 1}, "--quick") == (1, scripts)
+    assert run(monkeypatch, tmp_path, {}, "--quick") == (0, ["speed/skins"])
+    assert [path.name for path in tmp_path.iterdir()] == ["quick"]
+
+
+def test_times_of_quick_passes_are_no_part_of_the_repository():
+    ignored = ["git", "-C", str(HERE.parent), "check-ignore", "-q", str(every.NOTED_QUICKLY)]
+    assert subprocess.run(ignored).returncode == 0

@@ -16,7 +16,7 @@ from rcskin.simulator.dataset.anywhere.deep import (
 from rcskin.simulator.dataset.anywhere.laying import Placed
 from rcskin.simulator.dataset.anywhere.places import texts
 from rcskin.simulator.dataset.cells import error_of_cells, error_of_deflections
-from rcskin.simulator.dataset.model import REDUCED, Training, reduced
+from rcskin.simulator.dataset.model import REDUCED, Training
 from rcskin.simulator.dataset.plan import Plan
 from rcskin.simulator.dataset.presses import drawn_presses
 from rcskin.simulator.dataset.run import generate
@@ -29,6 +29,7 @@ from rcskin.simulator.sweeps import InputError
 from typer.testing import CliRunner
 
 RTOL, SEED = 1e-3, 1
+COARSE = {"dataset.press.cells_per_pixel": 2, "dataset.session.sweeps_per_session": 10}
 FOAM = {
     "skin.foam": {
         "thickness": 4e-3,
@@ -70,6 +71,10 @@ def at_the_worst(scene):
     return np.array([1, 1, 1, 2]), Placed(disc, x, y, width, height, factor)
 
 
+trained = cache(REDUCED.train)
+"""Tests of the same scene share its model."""
+
+
 @pytest.fixture
 def compared(monkeypatch):
     """A function: errors are told of so many presses."""
@@ -78,7 +83,7 @@ def compared(monkeypatch):
 
 def test_errors_told_cover_those_of_some_others(scenes, compared):
     compared(3)
-    covered(scenes["flat"].with_({"dataset.press.cells_per_pixel": 2}), 2)
+    covered(scenes["flat"].with_(COARSE), 2)
 
 
 @pytest.mark.slow
@@ -89,7 +94,7 @@ def test_errors_told_cover_those_of_other_presses_and_the_worst(scenes, name):
 
 def covered(scene, count, *others):
     """Whether errors told hold for so many presses drawn, and for others."""
-    family = reduced(scene, RTOL)
+    family = trained(scene, RTOL)
     of_cells = error_of_cells(scene, family, SEED, RTOL)
     of_deflections = error_of_deflections(scene, family, SEED)
     own = family.skin(None)
@@ -140,10 +145,9 @@ def test_a_press_beside_the_pixel_that_was_meant_is_told_as_meant(scenes):
 
 def test_bytes_are_the_same_by_two_workers_and_when_resumed(scenes, compared, tmp_path):
     compared(1)
-    coarse = {"dataset.press.cells_per_pixel": 2, "dataset.session.sweeps_per_session": 10}
-    scene = scenes["flat"].with_(coarse)
-    plan = Plan(scene, 30, SEED, 1e-2, block_values=10 * len(scene.frequencies))
-    training = Training(cache(REDUCED.train), REDUCED.save, cache(REDUCED.load))
+    scene = scenes["flat"].with_(COARSE)
+    plan = Plan(scene, 30, SEED, RTOL, block_values=10 * len(scene.frequencies))
+    training = Training(trained, REDUCED.save, cache(REDUCED.load))
     generate(plan, tmp_path / "one.zarr", training=training)
     generate(
         plan, tmp_path / "two.zarr", processes=2, training=replace(training, load=REDUCED.load)

@@ -142,6 +142,10 @@ def test_frequencies_not_looked_at_while_the_farthest_changes_would_not_have_end
         np.testing.assert_array_equal(found, expected)
 
 
+ROUNDING = np.finfo(np.longdouble).eps
+"""Of extended precision."""
+
+
 def complex_solves(sheet, press, frequency):
     """As `Sheet.impedance`, with residuals in extended precision: in double the difference of the
     two terms of Y loses up to six digits far above cut-off."""
@@ -151,10 +155,13 @@ def complex_solves(sheet, press, frequency):
     charge = product(mass, lift)
     inside, delayed = charge[: space.inner], []
     for each in s:
-        matrix, x = (space.K + each * space._inner(mass)).tocsc(), np.zeros_like(inside)
-        factors = splu(matrix)
+        matrix, x = (space.K + each * space._inner(mass)).tocsr(), np.zeros_like(inside)
+        factors = splu(matrix.tocsc())
         for _ in range(5):
-            x += factors.solve((inside - product(matrix, x)).astype(complex))
+            change = factors.solve((inside - product(matrix, x)).astype(complex))
+            x += change
+            if (abs(change).max(axis=0) <= ROUNDING * abs(x).max(axis=0)).all():
+                break
         delayed.append(inside.T @ x)
     s = s[:, None, None]
     dynamic = (s * (lift.T @ charge) - s**2 * np.array(delayed)).astype(complex)
@@ -164,8 +171,10 @@ def complex_solves(sheet, press, frequency):
 
 def product(matrix, x):
     """A sparse matrix by columns in their own precision."""
-    entries, found = matrix.tocoo(), np.zeros_like(x)
-    np.add.at(found, entries.row, entries.data[:, None] * x[entries.col])
+    rows, found = matrix.tocsr(), np.zeros_like(x)
+    held = np.flatnonzero(np.diff(rows.indptr))
+    terms = rows.data[:, None] * x[rows.indices]
+    found[held] = np.add.reduceat(terms, rows.indptr[held])
     return found
 
 

@@ -2,10 +2,18 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.measure.experiment import METER, PRESSES, own_presses, planned_presses, stream
+from rcskin.simulator.measure.experiment import (
+    METER,
+    PRESSES,
+    own_presses,
+    planned_presses,
+    stream,
+    strengths,
+)
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.meter import Experiment
+from rcskin.simulator.scene.randomisation import Uniform
 from rcskin.simulator.scene.scene import Pressing
 from rcskin.simulator.sweeps import InputError
 
@@ -63,3 +71,10 @@ def test_presses_and_meter_draw_from_streams_of_their_own():
     scene = load_scene("sheet-5x5")
     first, again, other = (stream(scene, purpose) for purpose in (PRESSES, PRESSES, METER))
     assert first.random() == again.random() != other.random()
+
+
+def test_strengths_have_the_distributions_moments():
+    found = strengths(Uniform(low=1.0, high=3.0), 50)
+    assert found.weight.sum() == pytest.approx(1)
+    assert found.weight @ found.factor == pytest.approx(2)
+    assert found.weight @ (found.factor - 2) ** 2 == pytest.approx(1 / 3, rel=1e-3)

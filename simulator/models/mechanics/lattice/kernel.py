@@ -34,38 +34,44 @@ def settled(
     steps from 0. per_metre: such steps for each m of deflection.
     """
     rows, columns = w.shape
-    last = len(law) - 2
+    last, held = len(law) - 2, _held(right, up)
     for sweep in range(most):
         moved = 0.0
         for i in range(rows):
+            left = 0.0
             for j in range(columns):
-                if load[i, j] == 0.0:
-                    continue
                 own = w[i, j]
-                pull, stiff = 0.0, 0.0
-                if j > 0:
-                    pull += right[i, j - 1] * (w[i, j - 1] - own)
-                    stiff += right[i, j - 1]
-                if j + 1 < columns:
-                    pull += right[i, j] * (w[i, j + 1] - own)
-                    stiff += right[i, j]
-                if i > 0:
-                    pull += up[i - 1, j] * (w[i - 1, j] - own)
-                    stiff += up[i - 1, j]
-                if i + 1 < rows:
-                    pull += up[i, j] * (w[i + 1, j] - own)
-                    stiff += up[i, j]
+                if load[i, j] == 0.0:
+                    left = own
+                    continue
                 at = own * per_metre
                 step = min(int(at), last)
                 slope = law[step + 1] - law[step]
-                pull -= load[i, j] * (law[step] + (at - step) * slope)
-                stiff += load[i, j] * slope * per_metre
-                new = max(own + relaxed * pull / stiff, least[i, j])
-                moved = max(moved, abs(new - own))
-                w[i, j] = new
+                pull = -load[i, j] * (law[step] + (at - step) * slope)
+                if j + 1 < columns:
+                    pull += right[i, j] * (w[i, j + 1] - own)
+                if i > 0:
+                    pull += up[i - 1, j] * (w[i - 1, j] - own)
+                if i + 1 < rows:
+                    pull += up[i, j] * (w[i + 1, j] - own)
+                gain = relaxed / (held[i, j] + load[i, j] * slope * per_metre)
+                if j > 0:  # last, for it has only just moved: all else is known while it does
+                    pull += right[i, j - 1] * (left - own)
+                left = max(own + gain * pull, least[i, j])
+                moved = max(moved, abs(left - own))
+                w[i, j] = left
         if moved <= still:
             return sweep + 1
     return most + 1
+
+
+@compiled()
+def _held(right: NDArray, up: NDArray) -> NDArray:  # pragma: no cover
+    """Conductance of each node to all its neighbours, over the tension."""
+    held = right + up
+    held[:, 1:] += right[:, :-1]
+    held[1:] += up[:-1]
+    return held
 
 
 @compiled()

@@ -1,11 +1,7 @@
-"""Keys of materials at the command line: what is wrong, and what a study folds in."""
+"""Keys of materials at the command line: what is wrong."""
 
 import pytest
 from rcskin.simulator.scene.files import BUILTIN
-from rcskin.simulator.study.axis import Axis
-from rcskin.simulator.study.keys import find_key, scene_table
-from rcskin.simulator.study.point import Trial
-from rcskin.simulator.study.run import scenes_of
 
 
 @pytest.fixture
@@ -71,14 +67,3 @@ def test_bad_materials_are_named_with_key_value_and_range(run, scene_file, tmp_p
     assert code == 2
     assert err.startswith(f"rcskin: {path}: {told}")
     assert err.count("\n") == 1
-
-
-def test_a_study_may_stretch_a_skin(scene_file):
-    """Its points are the plain scenes that the stretched ones are."""
-    table = scene_table(str(scene_file("[skin.stretch]", "x = 1.0", "y = 1.0")))
-    axis = Axis(find_key("skin.stretch.x", table), (1.0, 1.25))
-    rest, pulled = scenes_of(table, [axis], Trial())
-    assert (rest.plain, pulled.plain) == (True, True)
-    assert rest.skin.sides == (0.12, 0.12)
-    assert pulled.skin.sides == (0.15, 0.12)
-    assert pulled.skin.top.sheet_resistance == pytest.approx(1.25 * 50e3)

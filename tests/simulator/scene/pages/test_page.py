@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 HERE = Path(__file__).parent
-PAGE = HERE.parents[2] / "simulator" / "scene" / "pages" / "FORMULAS.md"
+PAGE = HERE.parents[3] / "simulator" / "scene" / "pages" / "FORMULAS.md"
 
 
 def formulas():

@@ -1,0 +1,39 @@
+"""Exchange against every choice there is."""
+
+import itertools
+
+import numpy as np
+import pytest
+from rcskin.simulator.bounds.exchange import best_choice
+from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.bounds.position import chosen_touch, places_on, position_slopes
+from rcskin.simulator.limits.criteria import identity_criterion, position_criterion
+
+
+@pytest.fixture(scope="module")
+def strip(noisy):
+    return noisy(
+        accuracy=True,
+        length=0.1,
+        width=0.02,
+        columns=4,
+        frequencies=np.geomspace(1e2, 1e5, 9).tolist(),
+    )
+
+
+@pytest.mark.parametrize("repeats", [False, True])
+@pytest.mark.parametrize("target", ["position", "column"])
+def test_exchange_finds_the_best_of_all_choices(strip, target, repeats):
+    fields, f = Fields(strip, 1e5), strip.frequencies
+    if target == "position":
+        touch = chosen_touch(strip)
+        places = places_on(strip, touch, fields.cells)
+        criterion = position_criterion(position_slopes(fields, places, touch, f))
+    else:
+        criterion = identity_criterion(fields, target, f)
+    every = itertools.combinations_with_replacement if repeats else itertools.combinations
+    choices = np.array(list(every(range(len(f)), 3)))
+    scores = criterion.score(choices)
+    found = best_choice(criterion.score, len(f), 3, [np.array([0, 4, 8])], repeats=repeats)
+    assert criterion.score(found[None])[0] == pytest.approx(scores.min(), rel=1e-9)
+    np.testing.assert_array_equal(found, choices[scores.argmin()])

@@ -1,0 +1,40 @@
+"""Pixels told apart: the bound by pairs, how many are told, and how far readings lie apart."""
+
+import numpy as np
+from rcskin.simulator.bounds.bayes import bayes
+from rcskin.simulator.bounds.readings import Readings, hypotheses
+from rcskin.simulator.limits.identity import Sampling, counts, distances, upper_bound, with_pixels
+from rcskin.simulator.measure.experiment import own_presses
+
+STRIP = {"length": 0.1, "width": 0.02, "frequencies": (1e3, 1e4)}
+
+
+def noise(size):
+    return {"magnitude_noise": size, "phase_noise": size}
+
+
+def test_the_pairwise_bound_is_one(noisy):
+    scene = noisy(readout=noise(0.02), spread=0.2, columns=4, **STRIP)
+    presses = own_presses(scene)
+    readings, among = Readings(scene, presses), hypotheses(scene, "column")
+    found = bayes(readings, among, presses, seed=1, draws=2000)
+    assert 0.3 < found.share - 4 * found.error <= upper_bound(readings, among, presses) < 1
+
+
+def test_pixels_are_counted_until_they_are_not_told(noisy):
+    scene = noisy(readout=noise(0.01), columns=3, **STRIP)
+    found = list(counts(scene, "column", 0.9, Sampling(seed=1, draws=300)))
+    assert [each.n for each in found] == list(range(2, 2 + len(found)))
+    assert all(each.reaches(0.9) for each in found[:-1]) and not found[-1].reaches(0.9)
+    shares = [each.accuracy.share for each in found]
+    assert shares == sorted(shares, reverse=True)
+    assert with_pixels(scene, 4).pixels.rows == 1
+
+
+def test_distances_grow_with_what_is_known_of_strengths(noisy):
+    scene = noisy(readout=noise(0.01), spread=0.1, columns=3, **STRIP)
+    presses, among = own_presses(scene), hypotheses(scene, "column")
+    readings = Readings(scene, presses)
+    free, held = distances(readings, among, presses), distances(readings, among, presses, 0.1)
+    assert (held >= free - 1e-12).all() and (np.diag(free) == 0).all()
+    assert (free[~np.eye(3, dtype=bool)] > 0).all()
