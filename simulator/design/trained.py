@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.readout import ErrorModel, observed
+from ..measure.readout import observed
 from ..measure.skins import DrawnSkin, drawn_skin
 from ..models.network.skin import NetworkSkin
 from ..models.network.terminals import read, require_no_spread, with_chain
@@ -21,7 +21,7 @@ from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced, ReducedSkin
 from ..progress import Tell, tell_nothing
-from ..scene.contacts import Interface, taken
+from ..scene.contacts import Interface
 from ..scene.design import Design
 from ..scene.frequency import laplace_variable
 from ..scene.meter import Sweep
@@ -181,40 +181,6 @@ class OnSkin:
         Y = network.admittances(cells, rises, starts)
         Z = network.impedances(network.wiring(self._readings), Y)
         return observed(self._leads.seen_through(Z, frequency))
-
-
-class CastReadings:
-    """As `bounds.readings.Readings`, of one skin that is known at chosen frequencies in Hz."""
-
-    def __init__(self, on: OnSkin, frequency: NDArray[np.float64], against_rest: int) -> None:
-        self.scene: Scene = on.scene
-        self._on, self._frequency = on, frequency
-        readings = len(on.scene.interfaces)
-        self.model = ErrorModel(
-            on.scene.readout,
-            readings,
-            len(frequency),
-            against_rest=against_rest,
-            taken=taken(on.scene.interfaces, frequency),
-        )
-
-    def of_each(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], starts: NDArray[np.int64]
-    ) -> NDArray[np.float64]:
-        """Whitened, shape (press, number)."""
-        return self.model.whitened(self._on.observed(cells, rises, starts, self._frequency))
-
-    def of(
-        self, pixels: Sequence[tuple[int, int]], factors: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Of the same pixels, (row, column) from 0, pressed in many ways, shape (press, number).
-
-        factors: of each, shape (pixel, press).
-        """
-        columns, count = self.scene.pixels.columns, factors.shape[1]
-        cells = np.array([i * columns + j for i, j in pixels], dtype=np.int64)
-        starts = np.arange(count + 1) * len(cells)
-        return self.of_each(np.tile(cells, count), factors.T.ravel() - 1, starts)
 
 
 def _nominal(scene: Scene, modes: int) -> DrawnSkin:
