@@ -39,6 +39,16 @@ def test_the_best_single_frequency_of_a_line_lies_between_those_of_equation_6(st
     assert min(near, far) < found.frequency[picked.frequencies[0]] < max(near, far)
 
 
+def test_as_many_frequencies_are_read_as_are_asked_for(strip):
+    """Even those of a scene that has few, in a band that is narrow."""
+    found = bench(strip(session=EVEN | BARE), frequencies=60, band=(5e3, 10e3))
+    picked = found.picked(Material(50e3, 50e3), [0], [])
+    assert len(picked.frequencies) == 60
+    few = bench(strip(session=EVEN | BARE), frequencies=20, band=(5e3, 10e3))
+    fewer = few.picked(Material(50e3, 50e3), [0], [])
+    assert picked.share > fewer.share
+
+
 def test_twice_the_sheets_tell_as_much_at_half_the_frequencies(strip):
     frequencies = (500.0, 1e3, 2e3, 4e3, 8e3, 16e3)
     clear = {"magnitude_noise": 0.005, "phase_noise": 0.005}
