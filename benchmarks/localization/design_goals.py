@@ -31,6 +31,7 @@ from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.scene.scene import Scene
 
 USUAL, QUICK = ("--casts", "3", "--draws", "1000"), ("--casts", "1", "--draws", "20")
+MORE = "--frequencies", "40", "--band", "5e3:200e3"
 HALVES = {"low": (0.0, 0.495), "high": (0.505, 1.0)}
 HALVED = [
     {"name": f"{sheet}-{half}", "electrode": sheet, "edge": "left", "span": list(span)}
@@ -76,7 +77,7 @@ GOALS = (
     Goal("6x6 pixels", TWO, 6, asked=("--seconds", "0.4", "--sheet-ratio", "1")),
     Goal("6x6 pixels", TWO, 6, asked=("--seconds", "1", "--readings", "12", "--sheet-ratio", "1")),
     Goal("8x8 columns from one edge, two wires", ONE, 8, "column"),
-    Goal("8x8 columns from one edge, two wires", ONE, 8, "column", ("--frequencies", "100")),
+    Goal("8x8 columns from one edge, two wires", ONE, 8, "column", MORE),
     Goal("8x8 columns from one edge, two wires", ONE, 8, "column", ("--grading", "10")),
     Goal("8x8 columns from one edge, four wires", ONE, 8, "column", (), FOUR_ON_ONE_EDGE),
     Goal("positions on 5x5 pixels", TWO, 5, "position"),
