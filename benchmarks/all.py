@@ -72,7 +72,11 @@ IN_ORDER = (
     Benchmark("localization/twin_limits"),
     Benchmark("localization/twin_design"),
     Benchmark("localization/twin_design", ("--second",)),
+    Benchmark("localization/twin_design", ("--target", "column"), ("--target", "column")),
+    Benchmark("localization/twin_design", ("--target", "position"), ("--target", "position")),
+    Benchmark("localization/twin_design", ("--target", "pair"), ("--target", "pair")),
     Benchmark("localization/twin_design_others"),
+    Benchmark("localization/design_goals"),
     Benchmark("localization/design"),
     Benchmark("localization/training_spread"),
     Benchmark("localization/adaptation"),
@@ -141,7 +145,7 @@ def main() -> int:
     done = noted(path)
     known, failed = set(() if asked.again else done["benchmark"]), []
     for benchmark in IN_ORDER:
-        name = " ".join([benchmark.name, *([] if asked.quick else benchmark.options)])
+        name = " ".join([benchmark.name, *(benchmark.quick if asked.quick else benchmark.options)])
         if name in known or asked.only not in (None, benchmark.name):
             continue
         print(f"== {name}", flush=True)

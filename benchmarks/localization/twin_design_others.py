@@ -15,19 +15,10 @@ from pathlib import Path
 import pandas as pd
 from joblib import Parallel, delayed
 from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.benchmarks.localization.twin_design import (
-    FEW,
-    FIRST,
-    TRAINING,
-    Kept,
-    asked_of,
-    found_by,
-    in_its_folder,
-    scores,
-    shared_options,
-    summary,
-)
-from rcskin.benchmarks.localization.twin_parts.scenes import built
+from rcskin.benchmarks.localization.design_parts.asking import scores, summary
+from rcskin.benchmarks.localization.design_parts.goals import GOALS
+from rcskin.benchmarks.localization.design_parts.kept import Kept
+from rcskin.benchmarks.localization.twin_design import asked_of, in_its_folder, shared_options
 
 OTHERS, SKINS = 1000, 100
 """Number of the first of them, and how many."""
@@ -37,16 +28,17 @@ READ = "at once, without drift", "at once"
 def told(run: Run, folder: Path) -> None:
     """Search and train where that is still to be done, ask the twins, and write the table."""
     folder.mkdir(parents=True, exist_ok=True)
-    kept, asked = Kept(folder), run.asked
-    scene = found_by(run, kept)
-    model = kept.model(asked.localizer, asked.training or run.sized(TRAINING, FEW))
-    trial, family = asked_of(scene), kept.family(built(scene))
+    goal, asked = run.sized(GOALS["pixel"], GOALS["pixel"].quick()), run.asked
+    kept = Kept(folder, goal)
+    trial = asked_of(kept)
+    model = kept.model(asked.localizer, asked.training or goal.training)
+    family = kept.family(trial.believed)
     numbers = range(OTHERS, OTHERS + (asked.skins or run.sized(SKINS, 1)))
     models = {asked.localizer: model}
     work = (delayed(scores)(trial, family, models, number, READ) for number in numbers)
     answers = Parallel(n_jobs=asked.processes)(work)
     found = pd.DataFrame([row for rows in answers for row in rows])
-    pixels = scene.pixels
+    pixels = trial.believed.pixels
     title = f"Pixels of {pixels.rows}x{pixels.columns} told right (%), as designed, other twins"
     publish(run.results, "twin_design_others", title, pd.DataFrame(summary(found)))
 
@@ -59,7 +51,7 @@ def main(run: Run) -> None:
 def options() -> argparse.ArgumentParser:
     """Of the command line."""
     parser = shared_options()
-    parser.add_argument("--localizer", default=FIRST[0])
+    parser.add_argument("--localizer", default="gaussian")
     return parser
 
 

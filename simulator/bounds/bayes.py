@@ -101,11 +101,7 @@ def templates(
     """All hypotheses at all strengths."""
     steps = {pixel: _steps(readings, pixel, presses) for pixel in _pixels(among)}
     count = sum(math.prod(steps[pixel] for pixel in each.pixels) for each in among)
-    if count > MOST_TEMPLATES:
-        raise InputError(
-            f"the meter's noise is too small to sum over strengths: {count} readings to compare, "
-            f"at most {MOST_TEMPLATES}"
-        )
+    require_countable(count)
     found, chance = [], []
     for each in track(among, "readings"):
         every = together([strengths(presses, steps[pixel]) for pixel in each.pixels])
@@ -115,6 +111,15 @@ def templates(
     first = [k for k, answer in enumerate(answers) if answer not in answers[:k]]
     sizes = np.cumsum([0, *(len(each) for each in chance)])
     return _in_few_numbers(np.concatenate(found), np.concatenate(chance), sizes[first])
+
+
+def require_countable(templates: int) -> None:
+    """Raises InputError where there are too many to compare."""
+    if templates > MOST_TEMPLATES:
+        raise InputError(
+            f"the meter's noise is too small to sum over strengths: {templates} readings to "
+            f"compare, at most {MOST_TEMPLATES}"
+        )
 
 
 def drawn(

@@ -1,14 +1,16 @@
-"""Bayes' accuracy of one pressed pixel for many skins and readings, with the same draws for all.
+"""Bayes' accuracy of pressed pixels for many skins and readings, with the same draws for all.
 
 The same pixels, strengths and errors of the meter are drawn for every one, so that the difference
-of two has a far smaller error than each. Readings of a pixel are a smooth function of its strength:
-NODES presses of it tell all others, to a small part of the meter's error.
+of two has a far smaller error than each. Readings are a smooth function of the strength of each
+touch: NODES presses along each tell all others, to a small part of the meter's error.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
 
-from ..measure.experiment import Strengths, own_presses, strengths
+from ..measure.experiment import own_presses, strengths, together
 from ..measure.readout import errors_of, observed
 from ..models.reduced.model import ReducedSkin
 from ..press.batch import PressBatch
@@ -25,13 +27,15 @@ from ..scene.frequency import laplace_variable
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene, interface_names
 from ..sweeps import InputError
-from .bayes import FIRST_LOOK, STEP, Accuracy, Templates, likeliest
+from .bayes import FIRST_LOOK, STEP, Accuracy, Templates, likeliest, require_countable
 from .readings import Hypothesis, hypotheses
+from .tiles import in_tiles, likeliest_of_tiles
 
 NODES = 6
 LEFT_OUT = 0.015
 """Of the meter's error: what presses at nodes may lose to fewer numbers; others lose up to twice
 as much."""
+TOLD = ("column", "row", "pixel", "pair")
 KEPT = 256
 """Draws of interfaces, and strengths of counts of nodes."""
 
@@ -68,15 +72,17 @@ class CommonDraws:
         against_rest: int = 0,
     ) -> None:
         """scene: its pixels and meter count; other arguments as of `bayes_accuracy`. Raises
-        InputError for targets of more touches than one, and for a meter without noise."""
-        if target not in ("column", "row", "pixel"):
-            raise InputError(f"`target` must be one of column, row, pixel, got {target!r}")
+        InputError for another target than column, row, pixel and pair, and for a meter without
+        noise."""
+        if target not in TOLD:
+            raise InputError(f"`target` must be one of {', '.join(TOLD)}, got {target!r}")
         self._scene, self._seed, self._against_rest = scene, seed, against_rest
         self._presses = presses or own_presses(scene)
         self._among: list[Hypothesis] = hypotheses(scene, target)
         random = np.random.default_rng(seed)
         self._which = random.choice(len(self._among), draws, p=[e.chance for e in self._among])
-        self._factors = np.asarray(self._presses.at(random.random(draws)))
+        self._touches = max(len(each.pixels) for each in self._among)
+        self._factors: Array = self._presses.at(random.random((draws, self._touches)))
 
     def judged(self, skin: ReducedSkin, told: NDArray[np.bool_] | None = None) -> Judged:
         """For one skin and the readings of its model's scene, all at that scene's frequencies.
@@ -95,7 +101,10 @@ class CommonDraws:
         noise = [self._noise(name, len(f))[..., f] for name, f in zip(names, told, strict=True)]
         errors = np.concatenate([each.reshape(len(each), -1) for each in noise], axis=1) @ axes
         clean = np.einsum("dk,dkn->dn", self._at_draws, nodes[self._which])
-        return Judged(likeliest(self._templates(nodes, origin, axes), clean + errors))
+        known, tiles = self._templates(nodes, origin, axes)
+        if self._touches == 1:
+            return Judged(likeliest(known, clean + errors))
+        return Judged(likeliest_of_tiles(known, tiles, clean + errors))
 
     @cached_property
     def _nodes(self) -> Array:
@@ -106,11 +115,21 @@ class CommonDraws:
         return (low + high) / 2 - (high - low) / 2 * np.cos(angles)
 
     @cached_property
+    def _ways(self) -> Array:
+        """Factors of all touches at nodes in all ways, shape (way, touch)."""
+        return np.array(list(itertools.product(self._nodes, repeat=self._touches)))
+
+    @cached_property
     def _at_draws(self) -> Array:
-        return self._interpolation(self._factors)
+        """From readings in all ways to those drawn, shape (draw, way)."""
+        found = np.ones((len(self._factors), 1))
+        for factors in self._factors.T:
+            more = self._interpolation(factors)
+            found = (found[:, :, None] * more[:, None, :]).reshape(len(found), -1)
+        return found
 
     def _interpolation(self, factors: Array) -> Array:
-        """From readings at nodes to those at factors, shape (factor, node)."""
+        """From readings at nodes of one touch to those at factors, shape (factor, node)."""
         if len(self._nodes) == 1:
             return np.ones((len(factors), 1))
         return BarycentricInterpolator(self._nodes, np.eye(len(self._nodes)))(factors)
@@ -122,19 +141,19 @@ class CommonDraws:
         return random.standard_normal((len(self._which), 2, frequencies))
 
     @remembered(KEPT)
-    def _strengths(self, count: int) -> tuple[Strengths, Array]:
-        found = strengths(self._presses, count)
-        return found, self._interpolation(found.factor)
+    def _strengths(self, count: int) -> Array:
+        """From readings at nodes of one touch to those at so many strengths, (strength, node)."""
+        return self._interpolation(strengths(self._presses, count).factor)
 
     def _whitened(self, skin: ReducedSkin, told: NDArray[np.bool_]) -> Array:
-        """Readings of every hypothesis at every node, shape (hypothesis, node, number)."""
+        """Readings of every hypothesis in all ways, shape (hypothesis, way, number)."""
         scene, columns = skin.reduced.scene, self._scene.pixels.columns
-        count = len(self._nodes)
+        count = len(self._ways)
         cells = [[i * columns + j for i, j in each.pixels] for each in self._among]
         batch = PressBatch.of(
-            (np.array(own, dtype=np.int64), np.full(len(own), node - 1))
+            (np.array(own, dtype=np.int64), way[: len(own)] - 1)
             for own in cells
-            for node in self._nodes
+            for way in self._ways
         )
         s = laplace_variable(scene.frequencies, scene.skin.foam.loss)
         Z = skin.sweeps(batch, s)
@@ -157,26 +176,50 @@ class CommonDraws:
             kept = kept - lessened * kept.mean(axis=-1, keepdims=True)
         return (kept / noise).reshape(len(kept), -1)
 
-    def _templates(self, nodes: Array, origin: Array, axes: Array) -> Templates:
-        readings, chance = [], []
-        for own, each in zip(nodes, self._among, strict=True):
-            known, turn = self._strengths(self._steps(own) if each.pixels else 1)
-            readings.append(turn @ own)
-            chance.append(each.chance * known.weight)
+    def _templates(
+        self, nodes: Array, origin: Array, axes: Array
+    ) -> tuple[Templates, NDArray[np.int64]]:
+        """All hypotheses at all strengths, and where the tiles of these begin."""
+        counts = [
+            self._steps(own) if each.pixels else (1,) * self._touches
+            for own, each in zip(nodes, self._among, strict=True)
+        ]
+        require_countable(sum(map(math.prod, counts)))
+        readings, chance, tiles, first = [], [], [], [0]
+        for own, each, count in zip(nodes, self._among, counts, strict=True):
+            order, starts = in_tiles(count)
+            weight = together([strengths(self._presses, n) for n in count]).weight
+            readings.append(self._at_strengths(own, count)[order])
+            chance.append(each.chance * weight[order])
+            tiles.append(first[-1] + starts)
+            first.append(first[-1] + len(order))
         answers = [each.answer for each in self._among]
-        first = [k for k, answer in enumerate(answers) if answer not in answers[:k]]
-        sizes = np.cumsum([0, *(len(each) for each in chance)])
-        return Templates(
-            np.concatenate(readings), np.concatenate(chance), sizes[first], origin, axes
+        begun = [first[k] for k, answer in enumerate(answers) if answer not in answers[:k]]
+        known = Templates(
+            np.concatenate(readings), np.concatenate(chance), np.array(begun), origin, axes
         )
+        return known, np.concatenate(tiles)
 
-    def _steps(self, nodes: Array) -> int:
-        """As many strengths as are no further apart than STEP of the meter's error."""
+    def _at_strengths(self, nodes: Array, counts: Sequence[int]) -> Array:
+        """Readings of one hypothesis at so many strengths of each touch, in all ways."""
+        found = nodes.reshape(*(len(self._nodes),) * self._touches, -1)
+        for touch, count in enumerate(counts):
+            turned = np.tensordot(self._strengths(count), found, axes=(1, touch))
+            found = np.moveaxis(turned, 0, touch)
+        return found.reshape(-1, found.shape[-1])
+
+    def _steps(self, nodes: Array) -> tuple[int, ...]:
+        """As many strengths of each touch as are no further apart than STEP of the meter's error,
+        however strong the other is."""
         if len(self._nodes) == 1:
-            return 1
-        _, turn = self._strengths(FIRST_LOOK)
-        speed = np.linalg.norm(np.diff(turn @ nodes, axis=0), axis=1).max()
-        return max(1, math.ceil(float(speed) * FIRST_LOOK / STEP))
+            return (1,) * self._touches
+        found = nodes.reshape(*(len(self._nodes),) * self._touches, -1)
+        turn, counts = self._strengths(FIRST_LOOK), []
+        for touch in range(self._touches):
+            apart = np.diff(np.tensordot(turn, found, axes=(1, touch)), axis=0)
+            speed = float(np.linalg.norm(apart, axis=-1).max())
+            counts.append(max(1, math.ceil(speed * FIRST_LOOK / STEP)))
+        return tuple(counts)
 
 
 def _axes(centred: Array) -> Array:

@@ -16,7 +16,7 @@ from ..scene.files import scene_text
 from ..scene.scene import Scene
 from .journal import Journal
 from .judged import Judge, Layout, PlaceJudge, merits
-from .picking import Picked, Picker, PixelPairs, TouchedPlaces, candidate_frequencies
+from .picking import GRID, Picked, Picker, PixelPairs, TouchedPlaces, candidate_frequencies
 from .places import Touches
 from .pool import own_readings, pool, terminals, wirings
 from .trained import Material, Trained, material_of
@@ -40,7 +40,7 @@ class Bench:
         self.scene, self._asking, asked = scene, asking, asking.asked
         own = float(scene.frequencies[0]), float(scene.frequencies[-1])
         band = asked.band or own
-        self.frequency = candidate_frequencies(scene, band)
+        self.frequency = candidate_frequencies(scene, band, asked.frequencies or GRID)
         spanned = min(own[0], band[0]), max(own[1], band[1])
         self.wired, self.pool = tuple(wired), pool(scene, wired)
         touches = Touches(scene) if asked.target == POSITION else None

@@ -82,26 +82,38 @@ def _nearest(
     middle: NDArray[np.float64], slopes: NDArray[np.float64], answers: Sequence[tuple[int, ...]]
 ) -> NDArray[np.int64]:
     """Pairs (one, other) by number, one < other: of each hypothesis those of its NEAREST others."""
-    count = len(middle)
-    flat, turned = middle.reshape(count, -1), slopes.reshape(count, slopes.shape[1], -1)
     names = {answer: k for k, answer in enumerate(dict.fromkeys(answers))}
     number = np.array([names[answer] for answer in answers])
-    kept = set[tuple[int, int]]()
-    for one in range(count):
-        apart = _profiled(flat[one] - flat, turned[one], turned)
-        apart[number == number[one]] = np.inf
-        for other in np.argsort(apart, kind="stable")[:NEAREST].tolist():
-            if np.isfinite(apart[other]) and apart[other] > SAME**2:
-                kept.add((min(one, other), max(one, other)))
-    return np.array(sorted(kept), dtype=np.int64).reshape(-1, 2)
+    apart = _profiled(middle, slopes)
+    apart[number[:, None] == number] = np.inf
+    nearest = np.argsort(apart, axis=1, kind="stable")[:, :NEAREST]
+    one = np.repeat(np.arange(len(middle)), nearest.shape[1])
+    other, found = nearest.ravel(), np.take_along_axis(apart, nearest, axis=1).ravel()
+    kept = np.isfinite(found) & (found > SAME**2)
+    return np.unique(np.sort(np.column_stack([one, other])[kept], axis=1), axis=0)
 
 
-def _profiled(
-    apart: NDArray[np.float64], own: NDArray[np.float64], others: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Squares of distances at the strengths that bring each nearest, shape (other,)."""
-    slopes = np.concatenate([np.broadcast_to(own, others.shape), -others], axis=1)
-    gram = np.einsum("oak,obk->oab", slopes, slopes) + np.eye(slopes.shape[1])
-    along = np.einsum("oak,ok->oa", slopes, apart)
-    hidden = np.einsum("oa,oa->o", along, np.linalg.solve(gram, along[..., None])[..., 0])
-    return (apart**2).sum(axis=1) - hidden
+def _profiled(middle: NDArray[np.float64], slopes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Squares of distances at the strengths that bring each two nearest, shape (one, other).
+
+    All of it is products of readings and slopes, and these are made once.
+    """
+    count, touches = slopes.shape[:2]
+    flat, turned = middle.reshape(count, -1), slopes.reshape(count * touches, -1)
+    flat = flat - flat.mean(axis=0)
+    of_middle = flat @ flat.T
+    across = (turned @ flat.T).reshape(count, touches, count)
+    of_slopes = (turned @ turned.T).reshape(count, touches, count, touches)
+    own = np.diagonal(of_middle)
+    apart = own[:, None] + own - 2 * of_middle
+    at = np.arange(count)
+    along = across[at, :, at][:, None] - across.transpose(0, 2, 1)
+    along = np.concatenate([along, along.transpose(1, 0, 2)], axis=2)
+    gram = np.empty((count, count, 2 * touches, 2 * touches))
+    gram[..., :touches, :touches] = of_slopes[at, :, at][:, None]
+    gram[..., touches:, touches:] = of_slopes[at, :, at]
+    gram[..., :touches, touches:] = -of_slopes.transpose(0, 2, 1, 3)
+    gram[..., touches:, :touches] = -of_slopes.transpose(0, 2, 3, 1)
+    gram += np.eye(2 * touches)
+    hidden = (along * np.linalg.solve(gram, along[..., None])[..., 0]).sum(axis=-1)
+    return apart - hidden

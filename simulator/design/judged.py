@@ -9,15 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds.bayes import drawn, likeliest, templates
 from ..bounds.common_draws import CommonDraws
-from ..bounds.readings import hypotheses
 from ..measure.experiment import own_presses
 from ..scene.contacts import Interface
 from ..scene.design import Design
 from ..scene.scene import Scene
 from .places import Touches
-from .trained import CastReadings, Material, OnSkin, Trained
+from .trained import Material, OnSkin, Trained
 
 TENTH = 0.1
 
@@ -52,34 +50,19 @@ class Judge:
 
     def __init__(self, scene: Scene, asked: Design, draws: int, seed: int) -> None:
         """Raises InputError for a meter without noise."""
-        self._among, self._presses = hypotheses(scene, asked.target), own_presses(scene)
-        self._against_rest = asked.against_rest
-        self._draws, self._seed = draws, seed
-        self._common = None
-        if asked.target != "pair":
-            self._common = CommonDraws(
-                scene,
-                asked.target,
-                self._presses,
-                seed=seed,
-                draws=draws,
-                against_rest=asked.against_rest,
-            )
+        self._common = CommonDraws(
+            scene,
+            asked.target,
+            own_presses(scene),
+            seed=seed,
+            draws=draws,
+            against_rest=asked.against_rest,
+        )
 
     def merit(self, on: OnSkin, frequency: NDArray[np.float64]) -> float:
         """The share of sweeps of one skin told right at best; frequency in Hz. Raises InputError
         where the meter's noise is too small."""
-        if self._common is None:
-            return self.drawn_anew(on, frequency)
         return float(self._common.judged(on.at(frequency)).accuracy.share)
-
-    def drawn_anew(self, on: OnSkin, frequency: NDArray[np.float64]) -> float:
-        """Of one skin, by draws of its own, for any number of touches; frequency in Hz."""
-        readings = CastReadings(on, frequency, self._against_rest)
-        known = templates(readings, self._among, self._presses)
-        random = np.random.default_rng(self._seed)
-        measured = known.projected(drawn(readings, self._among, self._presses, random, self._draws))
-        return float(likeliest(known, measured).mean())
 
 
 class PlaceJudge:

@@ -25,7 +25,7 @@ from .proxy import RIGHT, Ties, by_both, by_frequency, by_reading
 from .trained import Material, OnSkin, Trained
 
 GRID = 24
-"""Frequencies to pick from, beside the scene's own."""
+"""Frequencies to pick from, beside the scene's own, where no more are asked for."""
 CASTS = 4
 """Drawn skins that picks are made for, all together."""
 TURNS = 4
@@ -52,11 +52,14 @@ class Picked:
         return cls(**{**answer, **numbers})
 
 
-def candidate_frequencies(scene: Scene, band: tuple[float, float]) -> NDArray[np.float64]:
-    """Hz, ascending: the scene's own in the band, and evenly spaced ones over it."""
+def candidate_frequencies(
+    scene: Scene, band: tuple[float, float], most: int = GRID
+) -> NDArray[np.float64]:
+    """Hz, ascending: the scene's own in the band, and evenly spaced ones over it, as many as may be
+    asked for at least. most: of each reading."""
     low, high = band
     own = scene.frequencies[(scene.frequencies >= low) & (scene.frequencies <= high)]
-    even = within(logarithmic(band, GRID), band) if low < high else np.array([low])
+    even = within(logarithmic(band, max(most, GRID)), band) if low < high else np.array([low])
     return np.unique(np.concatenate([own, even]))
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.readout import ErrorModel, observed
+from ..measure.readout import observed
 from ..measure.skins import DrawnSkin, drawn_skin
 from ..models.network.skin import NetworkSkin
 from ..models.network.terminals import read, require_no_spread, with_chain
@@ -22,7 +22,7 @@ from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced, ReducedSkin
 from ..press.batch import PressBatch
 from ..progress import Tell, tell_nothing
-from ..scene.contacts import Interface, taken
+from ..scene.contacts import Interface
 from ..scene.design import Design
 from ..scene.frequency import laplace_variable
 from ..scene.meter import Sweep
@@ -176,37 +176,6 @@ class OnSkin:
         Y = network.admittances(batch)
         Z = network.impedances(network.wiring(self._readings), Y)
         return observed(self._leads.seen_through(Z, frequency))
-
-
-class CastReadings:
-    """As `bounds.readings.Readings`, of one skin that is known at chosen frequencies in Hz."""
-
-    def __init__(self, on: OnSkin, frequency: NDArray[np.float64], against_rest: int) -> None:
-        self.scene: Scene = on.scene
-        self._on, self._frequency = on, frequency
-        readings = len(on.scene.interfaces)
-        self.model = ErrorModel(
-            on.scene.readout,
-            readings,
-            len(frequency),
-            against_rest=against_rest,
-            taken=taken(on.scene.interfaces, frequency),
-        )
-
-    def of_each(self, batch: PressBatch) -> NDArray[np.float64]:
-        """Whitened, shape (press, number)."""
-        return self.model.whitened(self._on.observed(batch, self._frequency))
-
-    def of(
-        self, pixels: Sequence[tuple[int, int]], factors: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Of the same pixels, (row, column) from 0, pressed in many ways, shape (press, number).
-
-        factors: of each, shape (pixel, press).
-        """
-        columns = self.scene.pixels.columns
-        cells = np.array([i * columns + j for i, j in pixels], dtype=np.int64)
-        return self.of_each(PressBatch.even(cells, factors.T - 1))
 
 
 def _nominal(scene: Scene, modes: int) -> DrawnSkin:

@@ -58,6 +58,14 @@ def test_quick_pass(name):
     assert published() == before
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("target", ["column", "position", "pair"])
+def test_quick_pass_of_twins_of_another_goal(target):
+    done = quick_pass("localization/twin_design", "--target", target)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    assert "over TCP" in done.stdout
+
+
 def test_figures_of_a_quick_pass_are_not_published():
     done = quick_pass("speed/assembly", "--into", str(BENCHMARKS))
     assert done.returncode == 2

@@ -8,32 +8,56 @@ import numpy as np
 from numpy.typing import NDArray
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.simulator.bounds.readings import Hypothesis, hypotheses
-from rcskin.simulator.limits.hand import Between, Hand, accuracy_of_hand
+from rcskin.simulator.limits.hand import Between, Hand, accuracy_of_hand, distance_of_hand
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import errors_of, observed
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.frequency import laplace_variable
+from rcskin.simulator.scene.randomisation import CUT, truncated_normal
 from rcskin.simulator.scene.scene import Scene
 
 
 class TwinsHand(Hand):
     """The hand of a twin on the twin's own skin, as it was before it drifted."""
 
-    def __init__(self, twin: Twin, against_rest: int) -> None:
-        """against_rest: sweeps of the skin at rest, averaged, that a touch is told against."""
+    def __init__(self, twin: Twin, against_rest: int, size: float = 0.0) -> None:
+        """against_rest: sweeps of the skin at rest, averaged, that a touch is told against. size:
+        m, of a side of touches anywhere."""
         scene = twin.scene
-        super().__init__(scene, own_presses(scene), size=(0.0, 0.0), against_rest=against_rest)
+        super().__init__(
+            scene,
+            own_presses(scene),
+            size=(size, size),
+            offset=twin.hand.offset,
+            against_rest=against_rest,
+        )
         self._twin, self._errors = twin, errors_of(scene, against_rest)
 
     def pressed(self, meant: Hypothesis, random: np.random.Generator, count: int) -> NDArray:
         """Whitened readings, without noise, of pixels pressed so many times; (press, number)."""
-        twin, frequencies = self._twin, self.scene.frequencies
+        twin = self._twin
         asked = parse_press(_text(meant), self.scene.press.capacitance_factor)
         events = random.integers(2**31, size=count).tolist()
         family = twin.family.scene
-        batch = PressBatch.of(touched_cells(family, twin.pressed(asked, e)) for e in events)
+        return self._seen(
+            PressBatch.of(touched_cells(family, twin.pressed(asked, e)) for e in events)
+        )
+
+    def anywhere(self, random: np.random.Generator, count: int) -> tuple[NDArray, NDArray]:
+        """Where touches were meant, m, shape (press, 2), and readings of where the hand put them;
+        their sides are as they were meant."""
+        room = self._extent - self._sides
+        meant = self._sides / 2 + random.random((count, 2)) * room
+        aside = truncated_normal(random.random((count, 2)), CUT)
+        return meant, self.read((meant + self._offset * self._sides * aside)[:, None], random)
+
+    def _read(self, middles: NDArray, factors: NDArray) -> NDArray:
+        return self._seen(self._laid(middles, factors))
+
+    def _seen(self, batch: PressBatch) -> NDArray:
+        twin, frequencies = self._twin, self.scene.frequencies
         s = laplace_variable(frequencies, twin.drawn.variation.loss)
         Z = twin.family.skin(twin.drawn.variation).sweeps(batch, s)
         seen = twin.drawn.leads.seen_through(Z, frequencies)
@@ -41,14 +65,23 @@ class TwinsHand(Hand):
 
 
 def known_accuracy(
-    scene: Scene, twin: Twin, *, draws: int, samples: int, against_rest: int
+    scene: Scene, twin: Twin, target: str, *, draws: int, samples: int, against_rest: int
 ) -> Between:
-    """Of pixels that are pressed, each as often, on the twin's own skin. Arguments as of
-    `accuracy_of_hand`."""
-    pixels = [each for each in hypotheses(scene, "pixel") if each.pixels]
+    """Of a target of pixels that are pressed, each as often, on the twin's own skin. Arguments as
+    of `accuracy_of_hand`."""
+    pixels = [each for each in hypotheses(scene, target) if each.pixels]
     even = [replace(each, chance=1 / len(pixels)) for each in pixels]
     hand = TwinsHand(twin, against_rest)
     return accuracy_of_hand(hand, even, seed=1 + twin.number, draws=draws, samples=samples)
+
+
+def known_distance(
+    scene: Scene, twin: Twin, *, size: float, draws: int, samples: int, against_rest: int
+) -> float:
+    """Median distance in mm of touches of this side in m, anywhere on the twin's own skin, from the
+    middle of their posterior. Arguments as of `distance_of_hand`."""
+    hand = TwinsHand(twin, against_rest, size)
+    return 1e3 * distance_of_hand(hand, seed=1 + twin.number, draws=draws, samples=samples)[0]
 
 
 def _text(meant: Hypothesis) -> str:

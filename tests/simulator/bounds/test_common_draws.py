@@ -1,12 +1,15 @@
 """Common draws: the accuracy they give, what differences of them err by, and more readings."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.bayes import bayes
+from rcskin.simulator.bounds.bayes import bayes, drawn, likeliest, templates
 from rcskin.simulator.bounds.common_draws import CommonDraws
 from rcskin.simulator.bounds.fields import CELLS_PER_PIXEL, Fields, fields_of
 from rcskin.simulator.bounds.position import chosen_touch, places_on, position_slopes
 from rcskin.simulator.bounds.readings import Readings, hypotheses
+from rcskin.simulator.bounds.tiles import NEGLIGIBLE, in_tiles, likeliest_of_tiles
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal
@@ -85,9 +88,56 @@ def test_readings_left_out_are_not_told(scene, model, judged):
     np.testing.assert_allclose(found.right, judged(1).right, atol=1e-3)
 
 
-def test_two_touches_are_not_judged(scene):
-    with pytest.raises(InputError, match="pair"):
-        CommonDraws(scene, "pair")
+@pytest.fixture(scope="module")
+def pair_scene(scene):
+    """Of few readings, by a meter that errs little enough for many strengths."""
+    clear = {"readout.magnitude_noise": 6e-3, "readout.phase_noise": 6e-3}
+    read_by = [each.model_dump(mode="json") for each in scene.interfaces[:1]]
+    return scene.with_({"interface": read_by, "press.factor_spread": 0.2, **clear})
+
+
+@pytest.fixture(scope="module")
+def pair_model(pair_scene):
+    return trained(pair_scene, 1e-4, pixel_touches(pair_scene, (0.5, 3.0)))
+
+
+def test_two_touches_are_told_as_by_the_best_classifier(pair_scene, pair_model):
+    presses = own_presses(pair_scene)
+    readings = Readings(pair_scene, presses)
+    readings._reduced = read(pair_model, pair_scene.interfaces)
+    exact = bayes(readings, hypotheses(pair_scene, "pair"), presses, seed=2, draws=3000)
+    skin = read(pair_model, pair_scene.interfaces).skin(None)
+    found = CommonDraws(pair_scene, "pair", draws=3000).judged(skin).accuracy
+    assert 0.4 < exact.share < 0.97
+    assert found.share == pytest.approx(exact.share, abs=4 * np.hypot(found.error, exact.error))
+
+
+def test_what_tiles_leave_out_is_negligible(pair_scene, pair_model):
+    presses, random = own_presses(pair_scene), np.random.default_rng(3)
+    readings = Readings(pair_scene, presses)
+    readings._reduced = read(pair_model, pair_scene.interfaces)
+    among = hypotheses(pair_scene, "pair")
+    known = templates(readings, among, presses)
+    measured = known.projected(drawn(readings, among, presses, random, 200))
+    sizes = np.diff([*known.starts, len(known.chance)])
+    orders, tiles = [], []
+    for start, size in zip(known.starts, sizes, strict=True):
+        side = next(n for n in range(int(size**0.5), 0, -1) if size % n == 0)
+        order, begun = in_tiles((side, int(size) // side))
+        assert sorted(order) == list(range(size))
+        orders.append(start + order)
+        tiles.append(start + begun)
+    order, tiles = np.concatenate(orders), np.concatenate(tiles)
+    assert len(tiles) > 2 * len(among)
+    sorted_ = replace(known, readings=known.readings[order], chance=known.chance[order])
+    found = likeliest_of_tiles(sorted_, tiles, measured)
+    bound = 4 * len(tiles) * NEGLIGIBLE
+    np.testing.assert_allclose(found, likeliest(known, measured), atol=bound + 1e-11)
+
+
+def test_other_targets_are_not_judged(scene):
+    with pytest.raises(InputError, match="touches"):
+        CommonDraws(scene, "touches")
 
 
 def test_bounds_on_position_are_those_of_the_full_elements(scene):

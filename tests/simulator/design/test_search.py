@@ -5,13 +5,18 @@ import math
 
 import numpy as np
 import pytest
+from rcskin.simulator.bounds.bayes import drawn, likeliest, templates
+from rcskin.simulator.bounds.readings import hypotheses
 from rcskin.simulator.bounds.sets import equation_6
 from rcskin.simulator.design.bench import Asking, Bench
+from rcskin.simulator.design.curves import NEAREST, SAME, _nearest
 from rcskin.simulator.design.journal import Journal
 from rcskin.simulator.design.judged import Judge, designed, merits
 from rcskin.simulator.design.pool import terminals
 from rcskin.simulator.design.search import best_along, search
 from rcskin.simulator.design.trained import Material
+from rcskin.simulator.measure.experiment import own_presses
+from rcskin.simulator.measure.readout import ErrorModel
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.scene.design import Design
 
@@ -33,6 +38,16 @@ def test_the_best_single_frequency_of_a_line_lies_between_those_of_equation_6(st
     picked = found.picked(Material(50e3, 50e3), [0], [])
     near, far = equation_6(found.scene, 4)[[0, -1]]
     assert min(near, far) < found.frequency[picked.frequencies[0]] < max(near, far)
+
+
+def test_as_many_frequencies_are_read_as_are_asked_for(strip):
+    """Even those of a scene that has few, in a band that is narrow."""
+    found = bench(strip(session=EVEN | BARE), frequencies=60, band=(5e3, 10e3))
+    picked = found.picked(Material(50e3, 50e3), [0], [])
+    assert len(picked.frequencies) == 60
+    few = bench(strip(session=EVEN | BARE), frequencies=20, band=(5e3, 10e3))
+    fewer = few.picked(Material(50e3, 50e3), [0], [])
+    assert picked.share > fewer.share
 
 
 def test_twice_the_sheets_tell_as_much_at_half_the_frequencies(strip):
@@ -89,6 +104,25 @@ def test_the_best_along_a_number_is_found_between_the_points_of_its_grid():
     assert best_along(told, (1.0, 2.0), 5.0) == 2
 
 
+class CastReadings:
+    """As `bounds.readings.Readings`, of one skin that is known, against some sweeps at rest."""
+
+    def __init__(self, on, frequency, against_rest):
+        self.scene, self._on, self._frequency = on.scene, on, frequency
+        readings = len(on.scene.interfaces)
+        self.model = ErrorModel(
+            on.scene.readout, readings, len(frequency), against_rest=against_rest
+        )
+
+    def of_each(self, batch):
+        return self.model.whitened(self._on.observed(batch, self._frequency))
+
+    def of(self, pixels, factors):
+        columns = self.scene.pixels.columns
+        cells = np.array([i * columns + j for i, j in pixels], dtype=np.int64)
+        return self.of_each(PressBatch.even(cells, factors.T - 1))
+
+
 def test_common_draws_judge_a_lossy_cast_behind_leads_as_draws_of_its_own_do(strip):
     scene = strip(session={"lead_resistance": 2e3, "stray_capacitance": 1e-11, "loss_tangent": 0.1})
     trained = bench(scene, band=None)._trained
@@ -97,8 +131,44 @@ def test_common_draws_judge_a_lossy_cast_behind_leads_as_draws_of_its_own_do(str
     on = trained.on(trained.cast(0), own.material, own.readings)
     told = merits(judge, trained, own, 1)[1]
     assert 0.3 < told < 0.99
-    anew = judge.drawn_anew(on, scene.frequencies)
-    assert told == pytest.approx(anew, abs=4 * math.sqrt(0.5 / 4000))
+    readings, presses = CastReadings(on, scene.frequencies, 6), own_presses(scene)
+    among, random = hypotheses(scene, "pixel"), np.random.default_rng(1)
+    known = templates(readings, among, presses)
+    anew = likeliest(known, known.projected(drawn(readings, among, presses, random, 4000))).mean()
+    assert told == pytest.approx(float(anew), abs=4 * math.sqrt(0.5 / 4000))
+
+
+def test_the_nearest_pairs_are_those_at_the_strengths_that_bring_them_nearest():
+    random = np.random.default_rng(4)
+    count, touches = 14, 2
+    middle = 3 * random.standard_normal((count, 2, 3, 2)) + 500
+    slopes = random.standard_normal((count, touches, 2, 3, 2))
+    middle[3], slopes[3] = middle[8], slopes[8]
+    answers = [(k // 2,) for k in range(count)]
+    apart = np.full((count, count), np.inf)
+    for one, other in itertools.permutations(range(count), 2):
+        if answers[one] != answers[other]:
+            turned = np.concatenate([slopes[one], -slopes[other]]).reshape(2 * touches, -1)
+            rows = np.vstack([turned.T, np.eye(2 * touches)])
+            rest = np.concatenate([(middle[one] - middle[other]).ravel(), np.zeros(2 * touches)])
+            apart[one, other] = np.linalg.lstsq(rows, rest, rcond=None)[1][0]
+    expected = {
+        (min(one, int(other)), max(one, int(other)))
+        for one in range(count)
+        for other in np.argsort(apart[one])[:NEAREST]
+        if SAME**2 < apart[one, other] < np.inf
+    }
+    found = _nearest(middle, slopes, answers)
+    assert {tuple(each) for each in found.tolist()} == expected
+    assert (3, 8) not in expected and found.tolist() == sorted(found.tolist())
+
+
+def test_two_touches_are_searched_to_the_end(strip):
+    """By shares that more readings never lessen."""
+    scene = strip({"magnitude_noise": 4e-3, "phase_noise": 4e-3}, columns=3)
+    asked = asking(target="pair", frequencies=2, sheet_resistance=(20e3, 100e3), draws=300)
+    found = search(scene, asked)
+    assert 0.5 < found.before.tenth < found.best.tenth <= 1
 
 
 def test_model_and_exact_solution_agree_far_closer_than_the_meter_errs(strip):

@@ -91,6 +91,19 @@ def crossed():
 
 
 @pytest.fixture(scope="session")
+def own_frequencies():
+    """The same with each interface read at frequencies of its own, and a meter that errs."""
+    changes = {
+        "sweep.frequencies": [1e3, 3e3, 1e4, 3e4, 1e5],
+        "interface.1.frequencies": [1e3, 3e3, 1e4],
+        "interface.2.frequencies": [3e3, 3e4, 1e5],
+        "press.factor_spread": 0.1,
+        "readout": {"magnitude_noise": 1e-3, "phase_noise": 1e-3},
+    }
+    return paged(parse_scene(CROSSED, "crossed").with_(changes), rtol=1e-3)
+
+
+@pytest.fixture(scope="session")
 def paged_kind(tmp_path_factory):
     """A function that gives the page of a skin that is not plain, by its name."""
     skins = runpy.run_path(str(Path(__file__).parents[2] / "skins" / "conftest.py"))

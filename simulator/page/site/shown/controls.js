@@ -1,8 +1,7 @@
 // Sliders, boxes and what stands beside them: they show the state, and change it.
 
 import { withPrefix } from "rcskin/charts";
-import { readAt } from "rcskin/skin";
-import { near } from "rcskin/state";
+import { near, reads } from "rcskin/state";
 
 /** @typedef {import("rcskin/state").State} State */
 
@@ -126,9 +125,7 @@ export class Controls {
         const others = this.state()[name].filter((each) => each !== k);
         const chosen = box.checked ? [...others, k].sort((a, b) => a - b) : others;
         const asked = { ...this.state(), [name]: chosen };
-        const read = asked.drives.some(
-          (drive) => readAt(this.data, drive, asked.frequencies).length,
-        );
+        const read = reads(asked, this.data);
         box.checked ||= !read;
         if (read) this.set({ [name]: chosen }, true);
       });

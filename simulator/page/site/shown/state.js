@@ -1,5 +1,7 @@
 // What is set and pressed, kept in the page's address so that a link shows the same.
 
+import { readAt } from "rcskin/skin";
+
 /** @typedef {import("rcskin/skin").Touch} Touch */
 /**
  * top, bottom: factors on each sheet's resistance, together: both changed at once. capacitance, noise: factors. loss: tangent. factor: of the usual press. strength: of the
@@ -57,7 +59,14 @@ export function read(text, first, data) {
       // An address that was cut or mistyped: the rest of it still counts.
     }
   }
-  return { ...state, bottom: near(state.bottom, state.top, data) };
+  const { drives, frequencies } = reads(state, data) ? state : first;
+  const bottom = near(state.bottom, state.top, data);
+  return structuredClone({ ...state, drives, frequencies, bottom });
+}
+
+/** Whether any interface is read at any frequency. @param {Pick<State, "drives" | "frequencies">} state @param {any} data */
+export function reads({ drives, frequencies }, data) {
+  return drives.some((drive) => readAt(data, drive, frequencies).length > 0);
 }
 
 /** A sheet's factor, no farther from the other's than the model knows. @param {number} factor @param {number} other @param {any} data */

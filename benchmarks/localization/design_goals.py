@@ -1,0 +1,142 @@
+"""What could a skin be designed to tell at best? Pixels, columns, positions and pairs.
+
+`rcskin design` is asked for each goal on a built-in sheet with other pixels, and its own report is
+read: the best accuracy of any classifier of a known skin, or how near half of all answers can come,
+before and after; on the skin as it was meant, and on the worst of three casts. Nothing is trained
+but the simulator's reduced model.
+
+With a folder that is kept, goals that were told are not searched again.
+
+Run: python benchmarks/localization/design_goals.py [--found FOLDER] [--only GOAL] [--quick]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pandas as pd
+from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.localization.twin_parts.scenes import believed
+from rcskin.benchmarks.localization.twin_parts.trials import DOUBLE, ONE, SINGLE, TWO
+from rcskin.simulator.design.report.scale import scale_of
+from rcskin.simulator.scene.design import Design, Target
+from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene import Scene
+
+USUAL, QUICK = ("--casts", "3", "--draws", "1000"), ("--casts", "1", "--draws", "20")
+MORE = "--frequencies", "40", "--band", "5e3:200e3"
+HALVES = {"low": (0.0, 0.495), "high": (0.505, 1.0)}
+HALVED = [
+    {"name": f"{sheet}-{half}", "electrode": sheet, "edge": "left", "span": list(span)}
+    for sheet in ("top", "bottom")
+    for half, span in HALVES.items()
+]
+"""Foils along the halves of one edge, in the place of one along all of it."""
+FOUR_ON_ONE_EDGE = {
+    "contact": HALVED,
+    "interface": [
+        {"name": "left", "high": ["top-low", "top-high"], "low": ["bottom-low", "bottom-high"]}
+    ],
+}
+
+
+@dataclass(frozen=True)
+class Goal:
+    """One of them. asked: options of the search beside its target; changed: keys of the sheet."""
+
+    name: str
+    base: str
+    pixels: int
+    target: Target = "pixel"
+    asked: tuple[str, ...] = ()
+    changed: Mapping[str, object] = field(default_factory=dict)
+
+    @property
+    def scene(self) -> Scene:
+        """That the search begins with."""
+        touches = DOUBLE if self.target == "pair" else SINGLE
+        plain = believed(self.base, self.pixels, touches, anywhere=self.target == "position")
+        return plain.with_(dict(self.changed))
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """Of the search, as a user gives them."""
+        told = () if self.target == "pixel" else ("--target", self.target)
+        return *told, *self.asked
+
+
+GOALS = (
+    Goal("3x3 pixels", TWO, 3),
+    Goal("6x6 pixels", TWO, 6, asked=("--seconds", "0.4", "--sheet-ratio", "1")),
+    Goal("6x6 pixels", TWO, 6, asked=("--seconds", "1", "--readings", "12", "--sheet-ratio", "1")),
+    Goal("8x8 columns from one edge, two wires", ONE, 8, "column"),
+    Goal("8x8 columns from one edge, two wires", ONE, 8, "column", MORE),
+    Goal("8x8 columns from one edge, two wires", ONE, 8, "column", ("--grading", "10")),
+    Goal("8x8 columns from one edge, four wires", ONE, 8, "column", (), FOUR_ON_ONE_EDGE),
+    Goal("positions on 5x5 pixels", TWO, 5, "position"),
+    Goal("pairs on 4x4 pixels", TWO, 4, "pair"),
+)
+FEW = (Goal("2x2 pixels", TWO, 2), Goal("positions on 2x2 pixels", TWO, 2, "position"))
+
+
+def row(goal: Goal, folder: Path, usual: tuple[str, ...]) -> dict[str, object]:
+    """What was found, searched for where it is not there."""
+    told = folder / "_".join([goal.name, *goal.options]).replace(" ", "-").replace("/", "-")
+    if not (told / "design.json").exists():
+        path = told.with_suffix(".toml")
+        path.write_text(scene_text(goal.scene), encoding="utf-8")
+        words = ["design", str(path), *goal.options, *usual, "-o", str(told)]
+        subprocess.run([sys.executable, "-m", "rcskin", *words], check=True)
+    steps = json.loads((told / "design.json").read_text(encoding="utf-8"))["steps"]
+    before, after = steps[0], [each for each in steps[1:] if each["taken"]][-1]
+    scale = scale_of(goal.scene, Design(target=goal.target))
+    sheets = " and ".join(f"{each:.0f}" for each in _sheets(after))
+    return {
+        "goal": goal.name,
+        "asked": f"`{' '.join(goal.options)}`" if goal.options else "",
+        "as it was": f"{scale.text(before['nine_of_ten_casts'])} {scale.unit}",
+        "designed, worst of three casts": f"{scale.text(after['nine_of_ten_casts'])} {scale.unit}",
+        "as it was meant": f"{scale.text(after['as_meant'])} {scale.unit}",
+        "sheets (kohm/sq)": sheets,
+        "readings": _readings(told),
+        "frequencies": len(after["frequencies_Hz"]),
+        "sweep (s)": f"{after['sweep_s']:.2g}",
+    }
+
+
+def _sheets(step: Mapping[str, float]) -> list[float]:
+    return sorted({1e-3 * step["top_ohm_sq"], 1e-3 * step["bottom_ohm_sq"]})
+
+
+def _readings(folder: Path) -> int:
+    return len(load_scene(folder / "design.toml").interfaces)
+
+
+def main(run: Run) -> None:
+    """Search for all, or for those that are asked for, and publish."""
+    goals = [each for each in run.sized(GOALS, FEW) if (run.asked.only or "") in each.name]
+    usual = run.sized(USUAL, QUICK)
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = run.asked.found or Path(scratch)
+        folder.mkdir(parents=True, exist_ok=True)
+        table = pd.DataFrame([row(goal, folder, usual) for goal in goals])
+    publish(run.results, "design_goals", "What skins could be designed to tell at best", table)
+
+
+def options() -> argparse.ArgumentParser:
+    """Of the command line."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--found", type=Path, help="Folder of searches, to be kept.")
+    parser.add_argument("--only", default="", help="Goals whose name holds this.")
+    return parser
+
+
+if __name__ == "__main__":
+    launch(main, options())

@@ -1,0 +1,1 @@
+"""What `twin_design.py` and its siblings are made of."""

@@ -1,0 +1,82 @@
+"""A folder of everything that takes time, so that a run that was stopped goes on."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from rcskin.benchmarks.localization.design_parts.goals import SHOWN, Goal
+from rcskin.benchmarks.localization.twin import BY_CHANGE, CHANGE, SEED, WHOLE
+from rcskin.benchmarks.localization.twin_parts.scenes import built
+from rcskin.simulator.dataset.model import reduced
+from rcskin.simulator.models.reduced.file import load, save
+from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene import Scene
+
+READ = {"gaussian": ("lnZ", "phase")}
+"""Features that localizers take beside WHOLE."""
+Answer = TypeVar("Answer")
+
+
+@dataclass(frozen=True)
+class Kept:
+    """That folder, of one goal."""
+
+    folder: Path
+    goal: Goal
+
+    def designed(self) -> Scene:
+        """As `rcskin design` finds it."""
+        path = self.folder / "asked.toml"
+        if not self.design.exists():
+            path.write_text(scene_text(self.goal.trial.believed), encoding="utf-8")
+            command("design", str(path), *self.goal.asked, "-o", str(self.design.parent))
+        return load_scene(self.design)
+
+    @property
+    def design(self) -> Path:
+        """The scene that was found."""
+        return self.folder / "designed" / "design.toml"
+
+    def model(self, name: str, sweeps: int) -> Path:
+        """A localizer, trained on simulation alone."""
+        data, path = self.folder / "skins.zarr", self.folder / f"{name}.skops"
+        asked = "--sweeps", str(sweeps), "--seed", str(SEED), "--rtol", str(self.goal.rtol)
+        command("dataset", str(self.design), *asked, "-o", str(data))
+        if not path.exists():
+            whole = CHANGE if name in BY_CHANGE else WHOLE
+            shown = "--most", str(min(SHOWN.get(name, sweeps), sweeps)), "--features"
+            shown = *shown, ",".join((*whole, *READ.get(name, ())))
+            told = "--target", self.goal.trial.target, "--estimator", name
+            command("train", str(data), *told, *shown, "-o", str(path))
+        return path
+
+    def once(self, name: str, made: Callable[[], Answer]) -> Answer:
+        """An answer that JSON can hold, made where it is not there yet."""
+        path = self.folder / f"{name}.json"
+        if not path.exists():
+            path.write_text(json.dumps(made()), encoding="utf-8")
+        return json.loads(path.read_text(encoding="utf-8"))
+
+    def as_meant(self) -> float:
+        """The merit of the design as it was meant, as the search told."""
+        told = json.loads((self.design.parent / "design.json").read_text(encoding="utf-8"))
+        return [each for each in told["steps"] if each["taken"]][-1]["as_meant"]
+
+    def family(self, scene: Scene) -> Reduced:
+        """Of the twins, which are more than localizers believe."""
+        path = self.folder / "twins.npz"
+        if not path.exists():
+            save(reduced(built(scene), self.goal.rtol), path)
+        return load(path)
+
+
+def command(*words: str) -> None:
+    """Run a command of rcskin; raises CalledProcessError where it fails."""
+    subprocess.run([sys.executable, "-m", "rcskin", *words], check=True)
