@@ -152,13 +152,13 @@ def complex_solves(sheet, press, frequency):
     space, s = sheet.space, laplace_variable(frequency, sheet.scene.skin.foam.loss)
     mass = space.restricted(sheet.mass(press))
     lift = space.lift.astype(np.clongdouble)
-    charge = product(mass, lift)
+    charge = mass.astype(np.clongdouble) @ lift
     inside, delayed = charge[: space.inner], []
     for each in s:
-        matrix, x = (space.K + each * space._inner(mass)).tocsr(), np.zeros_like(inside)
-        factors = splu(matrix.tocsc())
+        matrix, x = (space.K + each * space._inner(mass)).tocsc(), np.zeros_like(inside)
+        factors, finely = splu(matrix), matrix.astype(np.clongdouble)
         for _ in range(5):
-            change = factors.solve((inside - product(matrix, x)).astype(complex))
+            change = factors.solve((inside - finely @ x).astype(complex))
             x += change
             if (abs(change).max(axis=0) <= ROUNDING * abs(x).max(axis=0)).all():
                 break
@@ -167,15 +167,6 @@ def complex_solves(sheet, press, frequency):
     dynamic = (s * (lift.T @ charge) - s**2 * np.array(delayed)).astype(complex)
     network = Network(space.terminal_field, space.conductance, dynamic)
     return np.stack([network.impedance(drive) for drive in sheet.circuit.drives])
-
-
-def product(matrix, x):
-    """A sparse matrix by columns in their own precision."""
-    rows, found = matrix.tocsr(), np.zeros_like(x)
-    held = np.flatnonzero(np.diff(rows.indptr))
-    terms = rows.data[:, None] * x[rows.indices]
-    found[held] = np.add.reduceat(terms, rows.indptr[held])
-    return found
 
 
 @given(data=st.data())
