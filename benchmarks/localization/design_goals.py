@@ -90,7 +90,7 @@ def row(goal: Goal, folder: Path, usual: tuple[str, ...]) -> dict[str, object]:
     """What was found, searched for where it is not there."""
     told = folder / "_".join([goal.name, *goal.options]).replace(" ", "-").replace("/", "-")
     if not (told / "design.json").exists():
-        path = told.with_suffix(".toml")
+        path = folder / f"{told.name}.toml"
         path.write_text(scene_text(goal.scene), encoding="utf-8")
         words = ["design", str(path), *goal.options, *usual, "-o", str(told)]
         subprocess.run([sys.executable, "-m", "rcskin", *words], check=True)

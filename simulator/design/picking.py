@@ -64,9 +64,10 @@ def candidate_frequencies(
 
 
 def sweep_time(of_each: Sequence[Sequence[float]]) -> float:
-    """s that a meter takes for a sweep of readings at frequencies in Hz, with a switch between."""
+    """s, to a nanosecond, that a meter takes for a sweep of readings at frequencies in Hz, with a
+    switch between."""
     settled = SETTLE * len(of_each) * (len(of_each) > 1)
-    return settled + sum(reading_time(f) for own in of_each for f in own)
+    return round(settled + sum(reading_time(f) for own in of_each for f in own), 9)
 
 
 def budgets(scene: Scene, asked: Design, low: float, pool: int) -> list[tuple[int, int]]:

@@ -46,6 +46,7 @@ def test_a_time_is_shared_by_readings_and_frequencies():
     for readings, count in budgets(SHEET, asked, 1e3, 25):
         assert sweep_time([[1e3] * count] * readings) <= 0.4
         assert count == 50 or sweep_time([[1e3] * (count + 1)] * readings) > 0.4
+    assert (4, 16) in budgets(SHEET, Design(readings=5, seconds=0.4), 1e3, 25)
     many = budgets(SHEET, Design(readings=12, seconds=1.0), 1e3, 25)
     assert many[0] == (8, 20)
     assert all(more[1] < fewer[1] for fewer, more in itertools.pairwise(many))
