@@ -80,8 +80,7 @@ def pytest_runtest_setup(item):
 def commands_made_once():
     """The tree of commands is the same in a whole process; typer makes it anew for each line."""
     with pytest.MonkeyPatch.context() as patch:
-        once = cache(typer.main.get_command)
-        patch.setattr("typer.main.get_command", once)
+        patch.setattr("typer.main.get_command", cache(typer.main.get_command))
         patch.setattr("typer.testing._get_command", once)
         yield
 
