@@ -69,7 +69,7 @@ def summary(found: pd.DataFrame, placed: bool = False) -> list[dict[str, object]
 
 
 def spread(scores: pd.Series, way: str, placed: bool = False) -> dict[str, object]:
-    """Over skins, in % or mm; a skin half of whose touches are not answered is infinitely far off."""
+    """Over skins, in % or mm; infinite where half of the touches of one are not answered."""
     told, digits = (scores, 2) if placed else (100 * scores, 1)
     mean = "inf"
     if np.isfinite(told).all():
