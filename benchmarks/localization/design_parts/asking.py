@@ -69,13 +69,15 @@ def summary(found: pd.DataFrame, placed: bool = False) -> list[dict[str, object]
 
 
 def spread(scores: pd.Series, way: str, placed: bool = False) -> dict[str, object]:
-    """Over skins, in % or mm."""
+    """Over skins, in % or mm; infinite where half of the touches of one are not answered."""
     told, digits = (scores, 2) if placed else (100 * scores, 1)
-    error = told.std(ddof=0) / len(told) ** 0.5
+    mean = "inf"
+    if np.isfinite(told).all():
+        mean = f"{told.mean():.{digits}f} ± {told.std(ddof=0) / len(told) ** 0.5:.{digits}f}"
     return {
         "skins": f"{len(told)} twins, {way}",
         "10 %": f"{told.quantile(0.1):.{digits}f}",
         "median": f"{told.median():.{digits}f}",
         "90 %": f"{told.quantile(0.9):.{digits}f}",
-        "mean": f"{told.mean():.{digits}f} ± {error:.{digits}f}",
+        "mean": mean,
     }

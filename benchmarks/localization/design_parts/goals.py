@@ -136,7 +136,7 @@ GOALS = {
         FEW_WAYS,
         rtol=RTOL_OF_PLACES,
         bound=(500, 40_000),
-        known=(200, 40_000),
+        known=None,
     ),
     "pair": Goal(
         "twin_design_pairs",
