@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 from rcskin.benchmarks.bench import Run, best_time, launch, publish, timed
 from rcskin.benchmarks.speed.skins_scenes import Case, answered, cases
 from rcskin.simulator.charts import COLOURS, LINE_STYLES, chart
@@ -97,6 +98,9 @@ def _drawn(figure: Figure, table: pd.DataFrame) -> None:
         by_time = rows.assign(ms=rows["ms"].astype(float)).sort_values("ms")
         true = by_time["true"].astype(float)
         axes.loglog(by_time["ms"], true, mark, ls=style, color=colour, label=name)
+    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter("")
     axes.set_xlabel("Time from scene to nine frequencies (ms)")
     axes.set_ylabel("Largest relative error of Rs and Cp")
     figure.legend(loc="outside right upper")
