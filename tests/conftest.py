@@ -80,7 +80,8 @@ def pytest_runtest_setup(item):
 def commands_made_once():
     """The tree of commands is the same in a whole process; typer makes it anew for each line."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("typer.main.get_command", cache(typer.main.get_command))
+        once = cache(typer.main.get_command)
+        patch.setattr("typer.main.get_command", once)
         patch.setattr("typer.testing._get_command", once)
         yield
 
@@ -286,10 +287,7 @@ def random():
 
 @pytest.fixture(scope="module")
 def chromium():
-    """A browser to open pages in, where Playwright and Chromium are installed.
-
-    Playwright runs an event loop in this thread: it is let go after each module.
-    """
+    """A browser to open pages in; Playwright's event loop in this thread ends with the module."""
     playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
     path = next(filter(None, map(shutil.which, BROWSERS)), None)
     path = path or pytest.skip("there is no Chromium to open the page in")
