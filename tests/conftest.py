@@ -290,7 +290,8 @@ def chromium():
     """A browser to open pages in; Playwright's event loop in this thread ends with the module."""
     playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
     path = next(filter(None, map(shutil.which, BROWSERS)), None)
-    path = path or pytest.skip("there is no Chromium to open the page in")
+    if path is None:
+        pytest.skip("there is no Chromium to open the page in")
     with playwright.sync_playwright() as started:
         browser = started.chromium.launch(executable_path=path, args=["--no-sandbox"])
         yield browser

@@ -57,3 +57,15 @@ def noisy(make_scene):
         return scene.model_copy(update=changed)
 
     return build
+
+
+@pytest.fixture(scope="session")
+def noisy_strip(noisy):
+    """Four pixels in a row, read at nine frequencies by a meter that errs in every way."""
+    return noisy(
+        accuracy=True,
+        length=0.1,
+        width=0.02,
+        columns=4,
+        frequencies=np.geomspace(1e2, 1e5, 9).tolist(),
+    )

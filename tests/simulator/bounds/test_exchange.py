@@ -10,24 +10,13 @@ from rcskin.simulator.bounds.position import chosen_touch, places_on, position_s
 from rcskin.simulator.limits.criteria import identity_criterion, position_criterion
 
 
-@pytest.fixture(scope="module")
-def strip(noisy):
-    return noisy(
-        accuracy=True,
-        length=0.1,
-        width=0.02,
-        columns=4,
-        frequencies=np.geomspace(1e2, 1e5, 9).tolist(),
-    )
-
-
 @pytest.mark.parametrize("repeats", [False, True])
 @pytest.mark.parametrize("target", ["position", "column"])
-def test_exchange_finds_the_best_of_all_choices(strip, target, repeats):
-    fields, f = Fields(strip, 1e5), strip.frequencies
+def test_exchange_finds_the_best_of_all_choices(noisy_strip, target, repeats):
+    fields, f = Fields(noisy_strip, 1e5), noisy_strip.frequencies
     if target == "position":
-        touch = chosen_touch(strip)
-        places = places_on(strip, touch, fields.cells)
+        touch = chosen_touch(noisy_strip)
+        places = places_on(noisy_strip, touch, fields.cells)
         criterion = position_criterion(position_slopes(fields, places, touch, f))
     else:
         criterion = identity_criterion(fields, target, f)

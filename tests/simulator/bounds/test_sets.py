@@ -7,17 +7,6 @@ from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.sweeps import InputError
 
 
-@pytest.fixture(scope="module")
-def strip(noisy):
-    return noisy(
-        accuracy=True,
-        length=0.1,
-        width=0.02,
-        columns=4,
-        frequencies=np.geomspace(1e2, 1e5, 9).tolist(),
-    )
-
-
 def test_equation_6_gives_the_papers_frequencies():
     for n, paper in ((3, [707, 1592, 6367]), (5, [707, 1105, 1965, 4421, 17685])):
         np.testing.assert_allclose(equation_6(load_scene("strip-1x5"), n), paper, atol=1)
@@ -28,15 +17,15 @@ def test_one_frequency_by_even_spacing_is_the_middle_of_the_band():
     np.testing.assert_allclose(logarithmic((1e2, 1e4), 3), [100, 1000, 10000])
 
 
-def test_an_end_of_a_band_that_is_absent_is_the_scenes(strip):
-    low, high = strip.frequencies[[0, -1]]
+def test_an_end_of_a_band_that_is_absent_is_the_scenes(noisy_strip):
+    low, high = noisy_strip.frequencies[[0, -1]]
     middle = float(low + high) / 2
-    assert chosen_band(f"{middle!r}:", strip) == (middle, high)
-    assert chosen_band(f":{middle!r}", strip) == (low, middle)
-    assert chosen_band(None, strip) == chosen_band(":", strip) == (low, high)
+    assert chosen_band(f"{middle!r}:", noisy_strip) == (middle, high)
+    assert chosen_band(f":{middle!r}", noisy_strip) == (low, middle)
+    assert chosen_band(None, noisy_strip) == chosen_band(":", noisy_strip) == (low, high)
 
 
 @pytest.mark.parametrize("text", ["1e3", "2e3:1e3", "0:1e3", "a:b", "1e3:nan"])
-def test_a_band_that_is_none_is_refused(strip, text):
+def test_a_band_that_is_none_is_refused(noisy_strip, text):
     with pytest.raises(InputError, match="--band must be LOW:HIGH"):
-        chosen_band(text, strip)
+        chosen_band(text, noisy_strip)

@@ -8,19 +8,10 @@ from rcskin.simulator.limits.design import design
 from rcskin.simulator.sweeps import InputError
 
 
-@pytest.fixture(scope="module")
-def strip(noisy):
-    return noisy(
-        accuracy=True,
-        length=0.1,
-        width=0.02,
-        columns=4,
-        frequencies=np.geomspace(1e2, 1e5, 9).tolist(),
+def test_the_best_set_is_no_worse_than_the_others_and_always_the_same(noisy_strip):
+    found, again = (
+        design(noisy_strip, 4, (1e2, 1e5), chosen_touch(noisy_strip), grid=12) for _ in range(2)
     )
-
-
-def test_the_best_set_is_no_worse_than_the_others_and_always_the_same(strip):
-    found, again = (design(strip, 4, (1e2, 1e5), chosen_touch(strip), grid=12) for _ in range(2))
     assert min(found.figures.values()) == found.figures["optimal"]
     assert all(found.ratio(name) >= 1 for name in found.sets)
     np.testing.assert_array_equal(found.best, again.best)
@@ -28,6 +19,6 @@ def test_the_best_set_is_no_worse_than_the_others_and_always_the_same(strip):
 
 
 @pytest.mark.parametrize(("n", "grid"), [(0, 10), (11, 10), (3, 1)])
-def test_numbers_out_of_range_are_refused(strip, n, grid):
+def test_numbers_out_of_range_are_refused(noisy_strip, n, grid):
     with pytest.raises(InputError, match="must be from"):
-        design(strip, n, (1e2, 1e5), chosen_touch(strip), grid=grid)
+        design(noisy_strip, n, (1e2, 1e5), chosen_touch(noisy_strip), grid=grid)
