@@ -27,10 +27,6 @@ PARITY = 0.8
 """Of the difference before, where the latest two orders agree and those before did not gain: in a
 cell far wider than a layer every second order hardly changes the answer."""
 MOST_BY_ORDERS = 5.0
-BY_TWO, MOST_BY_TWO = 100.0, 2.5
-"""k at most, where two orders gained that much though the latest hardly did: differences of a
-smooth field change sign between orders. What falls by no more than a corner's singularity gains 20
-on two orders."""
 Admittances = NDArray[np.complex128]
 
 
@@ -130,7 +126,6 @@ def by_orders(order: int, Z: list[Admittances]) -> NDArray[np.float64]:
     k = np.minimum(1 / np.maximum(1 - left, 1 / MOST_BY_ORDERS), MOST_BY_ORDERS)
     if not first:
         return k * steps[0]
-    k = np.where(_ratio(first[0], latest) > BY_TWO, np.minimum(k, MOST_BY_TWO), k)
     odd = np.minimum(PARITY, 1 / _ratio(first[0], before))
     return np.maximum(k * steps[0], odd * steps[1] / SAFETY)
 
