@@ -56,6 +56,12 @@ class Problem:
         return self.target in (*PIXELS, "position")
 
     @property
+    def blocks(self) -> dict[str, NDArray[np.intp]]:
+        """Indices of the features of each quantity, in the same order of readings."""
+        each = np.arange(self.features).reshape(len(self.quantities), -1)
+        return dict(zip(self.quantities, each, strict=True))
+
+    @property
     def unaware_of_change(self) -> bool:
         """Whether a sweep is told as it stands, whatever the skin at rest read before it."""
         return not set(AGAINST_REST) & set(self.quantities)

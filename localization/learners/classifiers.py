@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-import numpy as np
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import StandardScaler
@@ -72,13 +71,13 @@ def network() -> Pipeline:
 
 def gaussian(problem: Problem) -> Pipeline:
     """An untrained pipeline: a normal density of each class, given the curve at rest if known."""
-    blocks = np.arange(problem.features).reshape(len(problem.quantities), -1)
+    blocks = problem.blocks
     if all(name in AT_REST for name in problem.quantities):
         raise InputError(
             f"`estimator` gaussian needs features of a press, got {','.join(problem.quantities)}"
         )
     curve, absolute = (
-        tuple(int(k) for name in names for k in blocks[problem.quantities.index(name)])
+        tuple(int(k) for name in names for k in blocks[name])
         for names in _partners(problem.quantities)
     )
     return Pipeline([("classify", GaussianClassifier(curve, absolute))])

@@ -18,6 +18,7 @@ from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from .drift import DRIFT, apart
 from .moved import FOLLOWED, Moved
 from .shrinkage import shared
 
@@ -26,9 +27,6 @@ COMPONENTS, OF_CURVE, SQUARED, SPREAD = 16, 12, 3, 4
 directions of a class's own spread."""
 BENDING = 6
 """Components of the curve that tell how strength bends."""
-DRIFT = 0.02
-"""Of how far curves differ: what a skin may drift by between a touch and the rests before it, as by
-0.3 % of sheets that differ by 15 %."""
 ROUNDS = 3
 """Of finding strengths and what they multiply, in turn."""
 RIDGE = 1.0
@@ -126,7 +124,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         if len(curve) != len(change):
             return X
         X = X.copy()
-        X[:, change] += self.drift * _apart(X[:, curve])
+        X[:, change] += self.drift * apart(X[:, curve])
         return X
 
     def decision_function(self, X):
@@ -178,12 +176,6 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         z = (curve - at_rest) @ axes
         known = np.hstack([np.ones((len(X), 1)), z, _products(z[:, : self.squared])])
         return change @ turn, known
-
-
-def _apart(curves: Array) -> Array:
-    """How other skins differ from the mean, one at random for each sweep."""
-    order = np.random.default_rng(0).permutation(len(curves))
-    return curves[order] - curves.mean(axis=0)
 
 
 def _axes(X: Array, count: int, alike: bool = False) -> tuple[Array, Array]:

@@ -22,6 +22,7 @@ from .classifiers import (
     on_one_scale,
     pipeline,
 )
+from .drift import with_drift
 from .regressors import gaussian_process, kernel_ridge, neighbours
 
 Grid = Mapping[str, Sequence[Any]]
@@ -110,7 +111,7 @@ def _regressors() -> list[Estimator]:
 def _network() -> Estimator:
     def build(problem: Problem) -> Pipeline:
         network = regressors.network() if problem.continuous else classifiers.network()
-        return on_one_scale(network, problem)
+        return with_drift(on_one_scale(network, problem), problem)
 
     return Estimator("network", TARGETS, build, most=500_000)
 

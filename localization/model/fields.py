@@ -19,6 +19,7 @@ from ..inversion.classifier import ModelBased
 from ..inversion.position import ModelBasedPosition
 from ..learners.affine import Affine
 from ..learners.components import Components
+from ..learners.drift import Drifting
 from ..learners.ecoc import ECOCClassifier
 from ..learners.gaussians import GaussianClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
@@ -35,6 +36,7 @@ EARLIER = {"pipeline", "target", "quantities", "interfaces", "frequencies", "sce
 """Fields of layout 1, which did not name itself."""
 OWN_STEPS = (
     Components,
+    Drifting,
     ECOCClassifier,
     ModelBased,
     ModelBasedPosition,

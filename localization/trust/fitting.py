@@ -14,6 +14,7 @@ from ...simulator.sweeps import InputError
 from ..cores import count_cores
 from ..inputs.features import told_by_press
 from ..inputs.samples import Samples, told_by_changes
+from ..learners.drift import drifting
 from ..learners.registry import Estimator
 from .answers import threshold_of
 from .fitted import Classifier, Guards, Regressor, known_at_rest, tells_novelty
@@ -105,8 +106,7 @@ def _guards(samples: Samples, splits: Splits, pipeline: Pipeline) -> Guards | No
     """None where the pipeline tells novelties by itself; what it takes for drift is no novelty."""
     if tells_novelty(pipeline):
         return None
-    drifted = getattr(pipeline[-1], "drifted", lambda X: X)
-    own = _guards_of(replace(samples, X=drifted(samples.X)), splits)
+    own = _guards_of(replace(samples, X=drifting(pipeline)(samples.X)), splits)
     return replace(own, changes=_guards_of_changes(samples, splits))
 
 

@@ -1,9 +1,11 @@
 """What a skin drifts by since the rest before is no novelty to who allows for it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rcskin.localization.inputs.samples import Problem, Samples
-from rcskin.localization.learners.registry import chosen, estimators
+from rcskin.localization.learners.registry import chosen
 from rcskin.localization.trust.fitting import learn_classes
 
 QUANTITIES = ("dlnZ", "dphase", "lnZ0", "phase0")
@@ -26,9 +28,17 @@ def samples(seed, drift=0.0):
     return Samples(PROBLEM, X, column.astype(str), session, np.arange(len(session)))
 
 
-@pytest.fixture(scope="module")
-def learned():
-    return learn_classes(samples(1), chosen("gaussian", "column", estimators()))
+def quick_network():
+    """The network with fewer steps."""
+    network = chosen("network", "column")
+    steps = {"classify__stages": ((2e-3, 300), (2e-4, 100))}
+    return replace(network, build=lambda problem: network.build(problem).set_params(**steps))
+
+
+@pytest.fixture(scope="module", params=["gaussian", "network"])
+def learned(request):
+    allowing = {"gaussian": chosen("gaussian", "column"), "network": quick_network()}
+    return learn_classes(samples(1), allowing[request.param])
 
 
 def test_sweeps_of_skins_that_drift_are_answered(learned):

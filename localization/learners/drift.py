@@ -1,0 +1,91 @@
+"""What a skin may drift by between a touch and the rests before it, told by how skins differ.
+
+Simulated skins do not drift while they are pressed, real ones do: foam gets stiffer, sheets conduct
+less, in the few ways in which skins also differ from each other, only far less.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.base import BaseEstimator, TransformerMixin
+from sklearn.pipeline import Pipeline
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from ..inputs.features import ABSOLUTE, AGAINST_REST, AT_REST
+from ..inputs.samples import Problem
+
+DRIFT = 0.02
+"""Of how far skins differ, as by 0.3 % of sheets that differ by 15 %."""
+
+Array = NDArray[np.float64]
+
+
+class Drifting(TransformerMixin, BaseEstimator):
+    """Lets what is learned from be of skins that drift; what is told of is left as it is.
+
+    Parameters
+    ----------
+    curve: indices of the features that show the skin at rest. moved: of the features that move with
+    it, as many for each of `curve` or none, shape (k, len(curve)). drift: as DRIFT.
+    """
+
+    def __init__(self, curve=(), moved=(), drift=DRIFT):
+        self.curve = curve
+        self.moved = moved
+        self.drift = drift
+
+    def fit(self, X, y=None):
+        """X: shape (sweep, feature). Returns self."""
+        validate_data(self, X)
+        return self
+
+    def fit_transform(self, X, y=None):
+        """Sweeps to learn from, `drifted`."""
+        return self.fit(X, y).drifted(X)
+
+    def transform(self, X):
+        """Sweeps to tell of, as they are."""
+        check_is_fitted(self)
+        return validate_data(self, X, reset=False)
+
+    def drifted(self, X) -> Array:
+        """The same sweeps, of skins that have drifted since the rest before; X as in `fit`."""
+        X = np.array(X, dtype=np.float64)
+        if len(self.curve):
+            moves = self.drift * apart(X[:, list(self.curve)])
+            for columns in self.moved:
+                X[:, list(columns)] += moves
+        return X
+
+
+def apart(curves: Array) -> Array:
+    """How other skins differ from the mean, one at random for each sweep, shape as curves."""
+    order = np.random.default_rng(0).permutation(len(curves))
+    return curves[order] - curves.mean(axis=0)
+
+
+def with_drift(pipeline: Pipeline, problem: Problem) -> Pipeline:
+    """The same, learned from skins that drift, if each change has the curve at rest beside it."""
+    blocks = problem.blocks
+    changes = [name for name in AGAINST_REST if name in blocks]
+    partners = [AT_REST[AGAINST_REST.index(name)] for name in changes]
+    if not changes or not set(partners) <= set(blocks):
+        return pipeline
+    read = [ABSOLUTE[AGAINST_REST.index(name)] for name in changes]
+    moved = [changes, read] if set(read) <= set(blocks) else [changes]
+    drifting = Drifting(_indices(blocks, partners), tuple(_indices(blocks, each) for each in moved))
+    return Pipeline([("drift", drifting), *pipeline.steps])
+
+
+def drifting(pipeline: Pipeline) -> Callable[[Array], Array]:
+    """What a pipeline takes for drift: a function of sweeps, which leaves them if it takes none."""
+    steps = (step for _, step in pipeline.steps if hasattr(step, "drifted"))
+    allowing = next(steps, None)
+    return lambda X: X if allowing is None else allowing.drifted(X)
+
+
+def _indices(blocks: Mapping[str, NDArray[np.intp]], names: list[str]) -> tuple[int, ...]:
+    return tuple(int(k) for name in names for k in blocks[name])
