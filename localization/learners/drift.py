@@ -6,15 +6,15 @@ less, in the few ways in which skins also differ from each other, only far less.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.pipeline import Pipeline
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from ..inputs.features import ABSOLUTE, AGAINST_REST, AT_REST
+from ..inputs.features import ABSOLUTE, AGAINST_REST, AT_REST, in_blocks
 from ..inputs.samples import Problem
 
 DRIFT = 0.02
@@ -53,18 +53,22 @@ class Drifting(TransformerMixin, BaseEstimator):
 
     def drifted(self, X) -> Array:
         """The same sweeps, of skins that have drifted since the rest before; X as in `fit`."""
-        X = np.array(X, dtype=np.float64)
-        if len(self.curve):
-            moves = self.drift * apart(X[:, list(self.curve)])
-            for columns in self.moved:
-                X[:, list(columns)] += moves
-        return X
+        return moved_by_drift(np.asarray(X, np.float64), self.curve, self.moved, self.drift)
 
 
-def apart(curves: Array) -> Array:
-    """How other skins differ from the mean, one at random for each sweep, shape as curves."""
-    order = np.random.default_rng(0).permutation(len(curves))
-    return curves[order] - curves.mean(axis=0)
+def moved_by_drift(X: Array, curve: ArrayLike, moved: Iterable[ArrayLike], drift: float) -> Array:
+    """The same sweeps, moved by so much of how another skin at random differs from the mean.
+
+    X: shape (sweep, feature). curve: features that show the skin at rest. moved: features that
+    move with them, as many each time. Only X itself is copied, for it may fill half the memory.
+    """
+    found, curve = X.copy(), np.asarray(curve, dtype=np.intp)
+    order, mean = np.random.default_rng(0).permutation(len(X)), X.mean(axis=0)[curve]
+    for rows in in_blocks(np.arange(len(X))):
+        moves = drift * (X[np.ix_(order[rows], curve)] - mean)
+        for columns in moved:
+            found[np.ix_(rows, np.asarray(columns, dtype=np.intp))] += moves
+    return found
 
 
 def with_drift(pipeline: Pipeline, problem: Problem) -> Pipeline:

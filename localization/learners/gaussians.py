@@ -18,7 +18,7 @@ from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from .drift import DRIFT, apart
+from .drift import DRIFT, moved_by_drift
 from .moved import FOLLOWED, Moved
 from .shrinkage import shared
 
@@ -123,9 +123,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         curve, change = self._columns(X.shape[1])
         if len(curve) != len(change):
             return X
-        X = X.copy()
-        X[:, change] += self.drift * apart(X[:, curve])
-        return X
+        return moved_by_drift(X, curve, [change], self.drift)
 
     def decision_function(self, X):
         """ln of the density of each class with its share, shape (sweep, K); (sweep,) of two."""
