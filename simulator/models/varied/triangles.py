@@ -12,7 +12,8 @@ from ...fem.circuit import Circuit
 from ...fem.galerkin import Galerkin
 from ...mesh.domain import Domain
 from ...mesh.drawing import sharp_touches
-from ...mesh.refining.graded import corner_exponents, graded
+from ...mesh.refining.exponents import corner_exponents
+from ...mesh.refining.graded import graded
 from ...mesh.refining.untangled import finer
 from ...mesh.skin_mesh import domain
 from ...press.press import Press
@@ -21,6 +22,7 @@ from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
 from ..outlook import cells_needed, check_within_reach
 from .coefficients import Coefficients
+from .conducting import crossed, sheets
 from .discretised import Discretised, Solved, indicators
 from .effect import Course, at_corners
 from .elements import triangles
@@ -40,6 +42,12 @@ AIMED = 1.2
 """Of the tolerance: the error that meshes are refined for, told in advance."""
 LEAST_GAIN = 0.5
 """Of the error expected of a mesh: what the next one is refined for, at most."""
+TELLS_OF = 0.2
+"""Times an error squared: what of it may lie where it is told, not where it comes from. Less is not
+asked of the next mesh."""
+SMALLEST = 1e-14
+"""Of the skin's side, the longest edge of a triangle: smaller ones lose their shape in
+rounding."""
 FALLS = 2.0
 """How fast |V|² falls towards a touch, for the depth of the field."""
 
@@ -89,6 +97,7 @@ class Triangles:
             needed = cells_needed(parts.mean(axis=0) / drives, self.order, self.rtol)
             check_within_reach(needed, MOST_TRIANGLES, self.order, "triangles")
             found = self._halved(self._domain, parts, ends)
+            _check_beyond_rounding(found)
         if found.t.shape[1] > MOST_TRIANGLES:
             raise ToleranceError(f"{found.t.shape[1]} triangles are too many")
         if found is not self._domain:
@@ -98,6 +107,8 @@ class Triangles:
             raise ToleranceError(f"what the press is taken for leaves out {left_out:.1e}")
         self._before = self.discretised(found, left_out, self._spaces)
         self._spaces = self._before.coarse, self._before.fine
+        if crossed(self._before.coefficients):
+            self._course.meets(self._exponents(found, self._before), self.order)
         return self._before
 
     def _halved(
@@ -107,13 +118,21 @@ class Triangles:
 
         parts: of each triangle in it, shape (frequency, triangle).
         """
-        foils = [self.circuit.foils(field) for field in range(self.circuit.fields)]
-        exponents = corner_exponents(mesh, foils)
+        assert self._before is not None
+        exponents = self._exponents(mesh, self._before)
         share = parts / parts.sum(axis=1, keepdims=True)
-        likely = (share * at_corners(exponents[mesh.t].min(axis=0), self.order)).sum(axis=1).max()
-        expected = self._course.expected_at(frequency, float(likely))
-        enough = min(AIMED * self.rtol, LEAST_GAIN * float(expected.max()))
-        return graded(mesh, expected[:, None] * share, enough, self.order, exponents)
+        likely = (share * _shown(exponents, mesh, self.order)).sum(axis=1)
+        expected = self._course.expected_at(frequency, float(likely.max()))
+        largest = float(expected.max())
+        enough = min(max(AIMED * self.rtol, TELLS_OF * largest**2), LEAST_GAIN * largest)
+        found, left = graded(mesh, expected[:, None] * share, enough, self.order, exponents)
+        likely = (left * _shown(exponents, found, self.order)).sum(axis=1) / left.sum(axis=1)
+        self._course.foresees(frequency, likely)
+        return found
+
+    def _exponents(self, mesh: Domain, solved: Discretised) -> NDArray[np.float64]:
+        elements, coefficients = solved.coarse.elements, solved.coefficients
+        return corner_exponents(mesh, sheets(self.circuit, mesh, elements, coefficients))
 
     def _first(self, ends: NDArray[np.float64]) -> Domain:
         """The coarsest mesh; after other depths the one that held there, for the same ends of the
@@ -191,6 +210,19 @@ def sharp_factors(press: Press, mesh: Domain, columns: int) -> NDArray[np.float6
             raise InputError(f"press {touch}: there is no skin at that place")
         factors[within] *= touch.factor
     return factors
+
+
+def _shown(exponents: NDArray[np.float64], mesh: Domain, order: int) -> NDArray[np.float64]:
+    """k of each triangle, shape (triangle,). exponents: of the points that were there before."""
+    known = np.append(exponents, np.inf)[np.minimum(mesh.t, len(exponents))]
+    return at_corners(known.min(axis=0), order)
+
+
+def _check_beyond_rounding(mesh: Domain) -> None:
+    """Raises ToleranceError where triangles have become too small for the numbers of a machine."""
+    shortest, longest = float(mesh.lengths.min()), float(np.ptp(mesh.p, axis=1).max())
+    if shortest < SMALLEST * longest:
+        raise ToleranceError(f"at a corner triangles of {shortest:.1e} m would not be small enough")
 
 
 def _fine_at_foils(mesh: Domain, longest: float) -> Domain:
