@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arcs import EDGES, beside_chords
+from ..arcs import EDGES
 from ..domain import Domain, Numbers, Points
 from ..triangles import edge_numbers, edges_of
 from .wedges import around, between
@@ -164,18 +164,18 @@ def _in_turn(sides: list[set[int]]) -> tuple[list[int], int, int]:
 
 def _angles(mesh: Domain) -> NDArray[np.float64]:
     """Of each triangle at its corners, shape (3, triangle)."""
-    at = np.zeros(mesh.t.shape)
-    for corner in range(3):
-        along, across = (
-            mesh.p[:, mesh.t[(corner + turn) % 3]] - mesh.p[:, mesh.t[corner]] for turn in (1, 2)
-        )
-        at[corner] = _between(along, across)
-    outward = np.sign(beside_chords(mesh.p, mesh.t, mesh.curvature))
-    for (i, j), bend, side in zip(EDGES, mesh.curvature, outward, strict=True):
-        chord = np.linalg.norm(mesh.p[:, mesh.t[j]] - mesh.p[:, mesh.t[i]], axis=0)
-        turned = side * np.arcsin(np.abs(bend) * chord / 2)
-        at[i] += turned
-        at[j] += turned
+    corners = mesh.p[:, mesh.t]
+    at = _between(*(np.roll(corners, -turn, axis=1) - corners for turn in (1, 2)))
+    for (i, j), bend in zip(EDGES, mesh.curvature, strict=True):
+        bent = np.flatnonzero(bend)
+        if not bent.size:
+            continue
+        start, chord = corners[:, i, bent], corners[:, j, bent] - corners[:, i, bent]
+        across = corners[:, 3 - i - j, bent] - start
+        left = np.sign(chord[0] * across[1] - chord[1] * across[0])
+        turned = left * np.arcsin(bend[bent] * np.linalg.norm(chord, axis=0) / 2)
+        at[i, bent] -= turned
+        at[j, bent] -= turned
     return at
 
 

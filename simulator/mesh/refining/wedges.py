@@ -12,16 +12,16 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-LEAST, MOST, STEP = 0.01, 5.0, 0.01
+LEAST, MOST, STEP = 0.01, 5.0, 0.02
 """Powers that are told of: beyond, all is as smooth as elements are."""
-ZOOMS, ZOOMED = 3, 41
+ZOOMS, ZOOMED = 4, 21
 Wedges = Sequence[tuple[float, float]]
 """The angle of each and its conductance, anticlockwise."""
 
 
 def around(wedges: Wedges) -> float:
     """The least power at a point with wedges all around, 1 where they are alike."""
-    return min(_first(lambda p: 2 - np.trace(_transfer(wedges, p))), 1.0)
+    return min(_first(lambda p: 2 - np.trace(_transfer(wedges, p)), 1.0), 1.0)
 
 
 def between(wedges: Wedges, begins: bool, stops: bool) -> float:
@@ -41,9 +41,11 @@ def _transfer(wedges: Wedges, powers: NDArray[np.float64]) -> NDArray[np.float64
     return M
 
 
-def _first(values_at: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> float:
+def _first(
+    values_at: Callable[[NDArray[np.float64]], NDArray[np.float64]], most: float = MOST
+) -> float:
     """The first power at which values that begin above 0 are no more, inf without."""
-    low, high, count = LEAST, MOST, round((MOST - LEAST) / STEP) + 1
+    low, high, count = LEAST, most, round((most - LEAST) / STEP) + 1
     for _ in range(ZOOMS + 1):
         powers = np.linspace(low, high, count)
         below = np.flatnonzero(values_at(powers) <= 0)

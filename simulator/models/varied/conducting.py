@@ -6,19 +6,18 @@ import numpy as np
 
 from ...fem.circuit import Circuit
 from ...fem.quadrature import rule_at
+from ...fem.unknowns import TRIANGLES
 from ...mesh.domain import Domain
 from ...mesh.refining.exponents import Sheet
 from ...mesh.refining.wedges import stretched
 from ...scene.contacts import Contact
 from .coefficients import ELECTRODES, Coefficients
-from .elements import Elements
+from .elements import on_triangles
 
 CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
 
-def sheets(
-    circuit: Circuit, mesh: Domain, elements: Elements, coefficients: Coefficients
-) -> list[Sheet]:
+def sheets(circuit: Circuit, mesh: Domain, coefficients: Coefficients) -> list[Sheet]:
     """Of each field. A film is none where it resists less than the sheet within an edge does."""
     found = []
     for field in range(circuit.fields):
@@ -28,7 +27,8 @@ def sheets(
         foils = [c.name for c in contacts if c.name not in films]
         angle = conductance = None
         if _jumps_or_turns(field, coefficients):
-            at = elements.surface_at(rule_at(elements.element, CORNERS, np.zeros(3)), slice(None))
+            corners = rule_at(TRIANGLES[0](), CORNERS, np.zeros(3))
+            at = on_triangles(mesh)(corners, slice(None))
             edges = (
                 (at.along[..., 0], at.across[..., 0]),
                 (at.across[..., 1] - at.along[..., 1], -at.along[..., 1]),

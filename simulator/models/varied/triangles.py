@@ -13,7 +13,7 @@ from ...fem.galerkin import Galerkin
 from ...mesh.domain import Domain
 from ...mesh.drawing import sharp_touches
 from ...mesh.refining.exponents import corner_exponents
-from ...mesh.refining.graded import graded
+from ...mesh.refining.graded import corner_parts, graded
 from ...mesh.refining.untangled import finer
 from ...mesh.skin_mesh import domain
 from ...press.press import Press
@@ -45,6 +45,9 @@ LEAST_GAIN = 0.5
 TELLS_OF = 0.2
 """Times an error squared: what of it may lie where it is told, not where it comes from. Less is not
 asked of the next mesh."""
+SECOND, CORNER_SHARE = 5e-5, 0.25
+"""Tolerances below need a second mesh, whose corners the first one tells. Of others: what a corner
+of a first mesh may take."""
 SMALLEST = 1e-14
 """Of the skin's side, the longest edge of a triangle: smaller ones lose their shape in
 rounding."""
@@ -108,7 +111,7 @@ class Triangles:
         self._before = self.discretised(found, left_out, self._spaces)
         self._spaces = self._before.coarse, self._before.fine
         if crossed(self._before.coefficients):
-            self._course.meets(self._exponents(found, self._before), self.order)
+            self._course.meets(self._exponents(found, self._before.coefficients), self.order)
         return self._before
 
     def _halved(
@@ -119,7 +122,7 @@ class Triangles:
         parts: of each triangle in it, shape (frequency, triangle).
         """
         assert self._before is not None
-        exponents = self._exponents(mesh, self._before)
+        exponents = self._exponents(mesh, self._before.coefficients)
         share = parts / parts.sum(axis=1, keepdims=True)
         likely = (share * _shown(exponents, mesh, self.order)).sum(axis=1)
         expected = self._course.expected_at(frequency, float(likely.max()))
@@ -130,16 +133,25 @@ class Triangles:
         self._course.foresees(frequency, likely)
         return found
 
-    def _exponents(self, mesh: Domain, solved: Discretised) -> NDArray[np.float64]:
-        elements, coefficients = solved.coarse.elements, solved.coefficients
-        return corner_exponents(mesh, sheets(self.circuit, mesh, elements, coefficients))
+    def _exponents(self, mesh: Domain, coefficients: Coefficients) -> NDArray[np.float64]:
+        return corner_exponents(mesh, sheets(self.circuit, mesh, coefficients))
 
     def _first(self, ends: NDArray[np.float64]) -> Domain:
         """The coarsest mesh; after other depths the one that held there, for the same ends of the
         frequencies in Hz."""
         known = self._domain if np.array_equal(ends, self._ends) else None
         self._ends = ends
-        return known or self.coarsest(float(ends[-1]), between=self.pressed is not None)
+        if known or self.pressed:
+            return known or self.coarsest(float(ends[-1]))
+        return self._towards_corners(self.coarsest(float(ends[-1]), between=False))
+
+    def _towards_corners(self, mesh: Domain) -> Domain:
+        """Halved there as often as such corners mostly ask for, where the rest may do as it is."""
+        if self.rtol < SECOND:
+            return mesh
+        exponents = self._exponents(mesh, self._coefficients(mesh))
+        parts = corner_parts(mesh, exponents)
+        return graded(mesh, parts, CORNER_SHARE * self.rtol, self.order, exponents)[0]
 
     def coarsest(self, frequency: float, between: bool = True) -> Domain:
         """The first mesh: finer at foils and no coarser than maps vary. frequency: Hz.
@@ -172,8 +184,7 @@ class Triangles:
     ) -> Discretised:
         """The press on a mesh that conforms to it. left_out: of what is not quite as asked. known:
         what was solved of another press on it, in both orders."""
-        factors = sharp_factors(self.press, mesh, self.scene.pixels.columns)
-        coefficients = Coefficients(self.materials, factors, self.pressed, self.circuit.fields)
+        coefficients = self._coefficients(mesh)
         if known:
             coarse, fine = (each.under(self.circuit, coefficients) for each in known)
         else:
@@ -188,6 +199,10 @@ class Triangles:
             left_out,
             course=self._course,
         )
+
+    def _coefficients(self, mesh: Domain) -> Coefficients:
+        factors = sharp_factors(self.press, mesh, self.scene.pixels.columns)
+        return Coefficients(self.materials, factors, self.pressed, self.circuit.fields)
 
     def _solved(self, mesh: Domain, order: int, coefficients: Coefficients) -> Solved:
         elements = triangles(mesh, order)

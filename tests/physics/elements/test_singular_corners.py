@@ -89,9 +89,8 @@ def test_squares_serve_a_directed_piezoresistive_sheet_to_five_digits(varied, of
 def of_triangles(scene, press):
     """Of each place that is no smooth one, the power told of triangles there."""
     meshes = Triangles(scene, circuit_of(scene), press, 1e-3)
-    solved = meshes.finer(scene.frequencies)
     mesh = meshes.coarsest(float(scene.frequencies[-1]), between=False)
-    own = sheets(meshes.circuit, mesh, solved.coarse.elements, solved.coefficients)
+    own = sheets(meshes.circuit, mesh, meshes.discretised(mesh).coefficients)
     powers = corner_exponents(mesh, own)
     at = np.flatnonzero(np.isfinite(powers))
     return {tuple(np.round(mesh.p[:, k], 9).tolist()): powers[k] for k in at}
