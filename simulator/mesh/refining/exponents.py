@@ -65,10 +65,13 @@ def _powers(mesh: Domain, sheet: Sheet, rim: Numbers, of_triangle: Numbers) -> N
         jumps = _jumps(mesh.t, of_triangle, sheet.conductance)
         for point in _crossed(mesh.t, angle, sheet.conductance, jumps, at):
             found[point] = _power_at(point, mesh.t, angle, sheet.conductance, rim[:, held > 0])
-    least, most = _extremes(_numbered(mesh, sheet.films, rim), rim, points)
-    smooth = np.isclose(found, np.round(found), rtol=0, atol=WHOLE)
-    begins_to_feed = (least < most) & (np.abs(found - 1) < WHOLE)
-    found[smooth & (found > 1 / 2) & ~begins_to_feed] = np.inf
+    finite = np.flatnonzero(np.isfinite(found))
+    power = found[finite]
+    smooth = (np.abs(power - np.round(power)) < WHOLE) & (power > 1 / 2)
+    if sheet.films:
+        least, most = _extremes(_numbered(mesh, sheet.films, rim), rim, points)
+        smooth &= (least[finite] >= most[finite]) | (np.abs(power - 1) >= WHOLE)
+    found[finite[smooth]] = np.inf
     return found
 
 
