@@ -24,7 +24,7 @@ from threadpoolctl import ThreadpoolController
 from ..sweeps import ToleranceError
 from .circuit import Circuit, Drive
 from .driven import Driven, Unshifted, driven_by, potentials, shifted, unshifted_together
-from .lanczos import Pencil, Pencils, respond
+from .lanczos import MOST_STEPS, Pencil, Pencils, Steps, respond
 from .network import Network
 from .system import Films, System
 
@@ -120,6 +120,13 @@ class Galerkin:
         """
         mass = self.restricted(mass)
         return self.spread(potentials(self.driven(drive), mass, self._shifted(s, mass), s))
+
+    def potentials_by(
+        self, steps: Steps, mass: csc_matrix, drive: Drive, s: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """The same at real s >= 0, by the steps of a sweep that reached as far; shape (..., s)."""
+        at_zero = Unshifted(self.driven(drive), self.restricted(mass)).potential
+        return self.spread(at_zero[:, None] + steps.potentials(s))
 
     def spread(self, u: NDArray) -> NDArray:
         """Values of this space, along the first axis, among all of the system; 0 elsewhere."""
@@ -262,6 +269,20 @@ class _Factors:
 
 
 REACH = 10.0
+KEPT_NUMBERS = 2_000_000
+"""Of the vectors of a sweep, at most."""
+
+
+class Kept:
+    """The steps about zero of a sweep's drives, and up to which |s| in rad/s they are close."""
+
+    def __init__(self) -> None:
+        self.steps = dict[Drive, tuple[Steps, float]]()
+
+    def of(self, drive: Drive, s: NDArray[np.float64]) -> Steps | None:
+        """Those of a drive if they are close at all s."""
+        steps, reach = self.steps.get(drive, (None, 0.0))
+        return steps if s.max() <= reach else None
 
 
 def swept(
@@ -270,18 +291,30 @@ def swept(
     drives: Sequence[Drive],
     s: NDArray[np.complex128],
     rtol: float,
+    kept: Kept | None = None,
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
     """Z in ohm of each drive at each s in rad/s, and its relative error. mass: M in F."""
-    Y, change = zip(*(_driven(space, mass, drive, s, rtol) for drive in drives), strict=True)
+    fits = MOST_STEPS * space.inner * len(drives) <= KEPT_NUMBERS
+    own = kept if fits else None
+    Y, change = zip(*(_driven(space, mass, drive, s, rtol, own) for drive in drives), strict=True)
     return (1 / np.stack(Y)).astype(np.complex128), np.stack(change)
 
 
 def _driven(
-    space: Galerkin, mass: csc_matrix, drive: Drive, s: NDArray[np.complex128], rtol: float
+    space: Galerkin,
+    mass: csc_matrix,
+    drive: Drive,
+    s: NDArray[np.complex128],
+    rtol: float,
+    kept: Kept | None,
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
     """Y and its relative error: real solves about zero, then about shifts for what those leave."""
-    Y, error = respond(space.pencil(mass, drive, 0.0), s, rtol)
+    steps = None if kept is None else Steps()
+    Y, error = respond(space.pencil(mass, drive, 0.0), s, rtol, kept=steps)
     left = np.flatnonzero(error > rtol)
+    if kept is not None and steps is not None and steps.basis:
+        reached = np.abs(s) < np.abs(s[left]).min(initial=np.inf)
+        kept.steps[drive] = steps, float(np.abs(s[reached]).max(initial=0.0))
     while left.size:
         shift = REACH * float(s.imag[left[0]])
         Y[left], error[left] = respond(space.pencil(mass, drive, shift), s[left], rtol)

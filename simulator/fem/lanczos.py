@@ -81,9 +81,13 @@ class Pencil:
 
 
 def respond(
-    pencil: Pencil, s: NDArray[np.complex128], rtol: float, most_steps: int = MOST_STEPS
+    pencil: Pencil,
+    s: NDArray[np.complex128],
+    rtol: float,
+    most_steps: int = MOST_STEPS,
+    kept: Steps | None = None,
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
-    """Y(s) in S, and its relative error in Rs and Cp; both of shape (s,).
+    """Y(s) in S, and its relative error in Rs and Cp; both of shape (s,). kept: takes the steps.
 
     The error is what the last steps changed, and rounding. Ends when the change is within rtol
     everywhere, when the space is exhausted, or after most_steps. While the frequency farthest from
@@ -105,6 +109,8 @@ def respond(
     for coefficients in itertools.islice(_coefficients(pencil), most_steps):
         squared[steps], diagonal[steps], _ = coefficients
         steps += 1
+        if kept is not None:
+            kept.add(*coefficients)
         if steps < most_steps and (steps < FEWEST_STEPS or not settled(steps)):
             change = unknown
             continue
@@ -132,7 +138,7 @@ def potentials(
     for coefficients in itertools.islice(_coefficients(pencil), most_steps):
         if found.settled(*coefficients, rtol):
             break
-    return found.potentials if found.basis else np.zeros((len(pencil.start), len(shifts)))
+    return found.potentials if found.steps.basis else np.zeros((len(pencil.start), len(shifts)))
 
 
 @dataclass(frozen=True)
@@ -174,17 +180,42 @@ def potentials_of_all(
         residual = (product - diagonal[:, None] * w - beside * w_before)[left]
         going, w = going[left], w[left]
     nothing = np.zeros((pencils.start.shape[1], len(shifts)))
-    return [each.potentials if each.basis else nothing for each in found]
+    return [each.potentials if each.steps.basis else nothing for each in found]
+
+
+class Steps:
+    """Steps of Lanczos' method for one unshifted pencil, and what they make of its potentials."""
+
+    def __init__(self) -> None:
+        self.basis: list[NDArray[np.float64]] = []
+        self.squared: list[float] = []
+        self._diagonal: list[float] = []
+
+    def add(self, squared: float, diagonal: float, q: NDArray[np.float64]) -> None:
+        """One step more."""
+        self.squared.append(squared)
+        self._diagonal.append(diagonal)
+        self.basis.append(q)
+
+    def potentials(self, shifts: NDArray[np.float64]) -> NDArray[np.float64]:
+        """u(s) - u(0) in V at real s >= 0, shape (unknown, s)."""
+        return np.array(self.basis).T @ self.parts(shifts)
+
+    def parts(self, shifts: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of each step, shape (step, s): -s (1 + s T)^-1 e1 b_0."""
+        beside = np.sqrt(self.squared[1:])
+        T = np.diag(self._diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
+        start = np.eye(len(T), 1) * np.sqrt(self.squared[0])
+        solved = np.linalg.solve(np.eye(len(T)) + shifts[:, None, None] * T, start)[:, :, 0]
+        return np.ascontiguousarray((-shifts[:, None] * solved).T)
 
 
 class _Spanned:
-    """Steps of Lanczos' method for one pencil, and what they make of its potentials at shifts."""
+    """Steps for one pencil until they make its potentials at shifts closely enough."""
 
     def __init__(self, shifts: NDArray[np.float64]) -> None:
         self.shifts = shifts
-        self.basis: list[NDArray[np.float64]] = []
-        self._squared: list[float] = []
-        self._diagonal: list[float] = []
+        self.steps = Steps()
         self._pivot = self._last = np.ones(len(shifts))
 
     def settled(self, squared: float, diagonal: float, q: NDArray[np.float64], rtol: float) -> bool:
@@ -193,29 +224,18 @@ class _Spanned:
         That norm is |s| b_0 at most, by which most steps are known to matter.
         """
         t = self.shifts
-        self._pivot = 1 + t * diagonal - (t**2 * squared / self._pivot if self.basis else 0.0)
+        self._pivot = 1 + t * diagonal - (t**2 * squared / self._pivot if self.steps.basis else 0.0)
         self._last = -t * np.sqrt(squared) * self._last / self._pivot
-        self._squared.append(squared)
-        self._diagonal.append(diagonal)
-        self.basis.append(q)
-        if (np.abs(self._last) > rtol * np.abs(t) * np.sqrt(self._squared[0])).any():
+        self.steps.add(squared, diagonal, q)
+        if (np.abs(self._last) > rtol * np.abs(t) * np.sqrt(self.steps.squared[0])).any():
             return False
-        parts = self._parts
+        parts = self.steps.parts(t)
         return bool((np.abs(parts[-1]) <= rtol * np.linalg.norm(parts, axis=0)).all())
 
     @property
     def potentials(self) -> NDArray[np.float64]:
         """u(s) - u(0) in V at the shifts, shape (unknown, s)."""
-        return np.array(self.basis).T @ self._parts
-
-    @property
-    def _parts(self) -> NDArray[np.float64]:
-        """Of each step, shape (step, s): -s (1 + s T)^-1 e1 b_0."""
-        beside = np.sqrt(self._squared[1:])
-        T = np.diag(self._diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
-        start = np.eye(len(T), 1) * np.sqrt(self._squared[0])
-        solved = np.linalg.solve(np.eye(len(T)) + self.shifts[:, None, None] * T, start)[:, :, 0]
-        return np.ascontiguousarray((-self.shifts[:, None] * solved).T)
+        return self.steps.potentials(self.shifts)
 
 
 def _coefficients(pencil: Pencil) -> Iterator[tuple[float, float, NDArray[np.float64]]]:

@@ -13,6 +13,9 @@ from scipy.sparse import csc_matrix
 from .dropped import DROPPED
 from .warming import Warming
 
+TABLE = 32
+"""Times the keys: how many may be in a table, which then takes less time than to sort the keys."""
+
 
 @dataclass(frozen=True)
 class Pattern:
@@ -64,9 +67,19 @@ def pattern_of_pairs(
 def compressed_readable(
     rows: NDArray[np.int64], columns: NDArray[np.int64], size: int
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int64]]:
-    """What `compressed` does, by numpy's search for distinct keys."""
+    """What `compressed` does: a table of all keys finds those of a small matrix, numpy's
+    search the distinct ones of others."""
     kept = (rows >= 0) & (columns >= 0)
-    distinct, position = np.unique(columns[kept] * size + rows[kept], return_inverse=True)
+    keys = columns[kept] * size + rows[kept]
+    if size**2 <= TABLE * keys.size:
+        there = np.zeros(size**2, dtype=bool)
+        there[keys] = True
+        distinct = np.flatnonzero(there)
+        number = np.empty(size**2, dtype=np.int32)
+        number[distinct] = np.arange(len(distinct), dtype=np.int32)
+        position = number[keys]
+    else:
+        distinct, position = np.unique(keys, return_inverse=True)
     slots = np.full(rows.shape, DROPPED, dtype=np.int64)
     slots[kept] = position
     counts = np.bincount(distinct // size, minlength=size)

@@ -106,6 +106,8 @@ def mapped(
     slopes = np.array([[-1.0, 1, 0], [-1, 0, 1]])
     for (i, j), bend in zip(EDGES, curvature, strict=True):
         bent = np.flatnonzero(bend)
+        if not bent.size:
+            continue
         chord = p[:, t[j, bent]] - p[:, t[i, bent]]
         q = (np.linalg.norm(chord, axis=0) * bend[bent] / 2)[:, None]
         aside = 2 * q * _left_of(chord)[:, :, None]

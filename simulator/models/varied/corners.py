@@ -3,9 +3,7 @@
 There what elements lack falls slowly, whatever their order, unless cells shrink towards the
 corner. Where conductance jumps, under a gauge that is touched, and where a sheet that conducts
 along a direction meets a foil at the skin's corner, that power follows from the quadrants there:
-stretched so that it conducts alike along all directions, each is a sector of one conductance.
-In it u = r^p (a cos p t + b sin p t); u and the current across are the same on both sides of a
-jump. Source: R. B. Kellogg, Appl. Anal. 4 (1975) 101.
+stretched so that it conducts alike along all directions, each is a wedge of one conductance.
 """
 
 from __future__ import annotations
@@ -16,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ...mesh.refining.wedges import around, between
 from ...mesh.rings import RATIO
 from ...press.capacitance import Patch, patch
 from ...press.press import Press
@@ -27,7 +26,6 @@ from ..resolution import all_lines
 from .coefficients import ELECTRODES
 from .materials import Materials, gauged, gauges
 
-POWERS = np.linspace(0.02, 1.0, 197)
 STRENGTH = 1e-2
 """Over (1 - p)²: of Rs and Cp, at most what a corner takes of elements of low order."""
 SHARE = 0.03
@@ -79,16 +77,15 @@ def power_at(
         cosine = -xy / math.sqrt(xx * yy)
         angles = np.arccos([cosine, -cosine] * 2)
         if within.all():
-            M = _transfer(angles, conductances)
-            powers.append(_first_change(M[0, 0] + M[1, 1] - 2))
+            powers.append(around(list(zip(angles, conductances, strict=True))))
             continue
         first = next(k for k in range(4) if within[k] and not within[k - 1])
         run = (first + np.arange(within.sum())) % 4
         ends = (at + away * TOWARDS[k] for k in (first, (run[-1] + 1) % 4))
         begins, stops = (_held(contacts, sheet, end, scene) for end in ends)
         if len(run) > 1:
-            M = _transfer(angles[run], conductances[run])
-            powers.append(_first_change(M[0 if stops else 1, 1 if begins else 0]))
+            wedges = list(zip(angles[run], conductances[run], strict=True))
+            powers.append(min(between(wedges, begins, stops), 1.0))
         elif begins != stops:
             powers.append(np.pi / 2 / angles[first])
     return max(powers, key=lambda power: abs(power - 1))
@@ -111,22 +108,6 @@ def _factors(patches: Sequence[Patch], x: NDArray[np.float64]) -> NDArray[np.flo
         inside = (each.x[0] < x[0]) & (x[0] < each.x[1]) & (each.y[0] < x[1]) & (x[1] < each.y[1])
         found[inside] *= each.factor
     return found
-
-
-def _transfer(angles: NDArray[np.float64], conductances: NDArray[np.float64]) -> NDArray:
-    """From potential and current over p at the first edge to those at the last, for all POWERS,
-    shape (2, 2, power)."""
-    M = np.eye(2)[:, :, None] * np.ones(len(POWERS))
-    for angle, S in zip(angles, conductances, strict=True):
-        cos, sin = np.cos(POWERS * angle), np.sin(POWERS * angle)
-        M = np.einsum("ijp,jkp->ikp", np.array([[cos, sin / S], [-S * sin, cos]]), M)
-    return M
-
-
-def _first_change(values: NDArray[np.float64]) -> float:
-    """The first power at which the sign changes, 1 without."""
-    changed = np.flatnonzero(values * values[0] <= 0)
-    return float(POWERS[changed[0]]) if changed.size else 1.0
 
 
 def _held(

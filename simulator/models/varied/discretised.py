@@ -17,7 +17,7 @@ from ...fem.estimate import (
     frequencies_around,
     relative_difference,
 )
-from ...fem.galerkin import Galerkin, one_blas_thread, swept
+from ...fem.galerkin import Galerkin, Kept, one_blas_thread, swept
 from ...fem.quadrature import interpolated
 from ...fem.unknowns import on_cells
 from ...mesh.refining.graded import fewest
@@ -37,6 +37,7 @@ class Solved:
     space: Galerkin
     system: PressedSystem
     elements: Elements
+    kept: Kept = dataclasses.field(default_factory=Kept)
 
     def under(self, circuit: Circuit, coefficients: Coefficients) -> Solved:
         """Of another press on the same mesh: but for gauges only the capacitance is another."""
@@ -45,7 +46,7 @@ class Solved:
             space = Galerkin(system, circuit, self.elements.order)
             return Solved(space, system, self.elements)
         mass = foam(circuit, self.elements, coefficients, self.system.unknowns)
-        return replace(self, system=replace(self.system, mass=mass))
+        return replace(self, system=replace(self.system, mass=mass), kept=Kept())
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,7 @@ class Discretised:
         s, drives = laplace_variable(frequency, self.loss), self.circuit.drives
         with one_blas_thread():
             return [
-                swept(each.space, each.system.mass, drives, s, rtol)
+                swept(each.space, each.system.mass, drives, s, rtol, each.kept)
                 for each in (self.coarse, self.fine, *self.lower)
             ]
 
@@ -124,6 +125,18 @@ class Discretised:
             v = solved.space.potentials(solved.system.mass, self.circuit.drives[drive], s)
         return on_cells(solved.system.unknowns, solved.elements.trial, v)
 
+    def coefficients_at(
+        self, solved: Solved, drive: int, s: NDArray[np.float64]
+    ) -> list[NDArray[np.float64]]:
+        """The same at real s >= 0 as closely as the sweep was solved, if it was; else exactly."""
+        own, mass = self.circuit.drives[drive], solved.system.mass
+        steps = solved.kept.of(own, s)
+        if steps is None:
+            return [self.coefficients_of(solved, drive, each) for each in s.tolist()]
+        with one_blas_thread():
+            V = solved.space.potentials_by(steps, mass, own, s)
+        return [on_cells(solved.system.unknowns, solved.elements.trial, v) for v in V.T]
+
 
 KEPT = 0.7
 """Of the whole error: what lies in the cells that are marked."""
@@ -137,11 +150,12 @@ def indicators(discretised: Discretised, frequency: NDArray[np.float64]) -> NDAr
     the energy in the foam on Cp, and so does what is missed of the foam.
     """
     parts = np.zeros((len(frequency), discretised.fine.elements.cells))
-    for part, s in zip(parts, (2 * np.pi * frequency).tolist(), strict=True):
-        for drive in range(len(discretised.circuit.drives)):
-            w, added_w = _potentials(discretised, drive, s)
-            added = sum(_energies(discretised, s, added_w))
-            heat, stored = _energies(discretised, s, w)
+    s = 2 * np.pi * frequency
+    for drive in range(len(discretised.circuit.drives)):
+        at_each = _potentials(discretised, drive, s)
+        for part, each, (w, added_w) in zip(parts, s.tolist(), at_each, strict=True):
+            added = sum(_energies(discretised, each, added_w))
+            heat, stored = _energies(discretised, each, w)
             part += added / heat.sum() + (added + discretised.missed * stored) / stored.sum()
     return parts
 
@@ -151,13 +165,19 @@ def most(parts: NDArray[np.float64]) -> NDArray[np.int64]:
     return fewest(parts, KEPT * float(parts.sum()))
 
 
-def _potentials(discretised: Discretised, drive: int, s: float) -> list[NDArray[np.float64]]:
-    """Of the finer order, and what it adds, by its coefficients, shape (field, function, cell)."""
-    v, w = (
-        discretised.coefficients_of(each, drive, s)
+def _potentials(
+    discretised: Discretised, drive: int, s: NDArray[np.float64]
+) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Of the finer order, and what it adds, by its coefficients, shape (field, function, cell).
+
+    At each s.
+    """
+    coarse, fine = (
+        discretised.coefficients_at(each, drive, s)
         for each in (discretised.coarse, discretised.fine)
     )
-    return [w, w - raising(discretised.coarse.elements.order) @ v]
+    raised = raising(discretised.coarse.elements.order)
+    return [(w, w - raised @ v) for v, w in zip(coarse, fine, strict=True)]
 
 
 def _energies(

@@ -117,7 +117,7 @@ def triangles(domain: Domain, order: int) -> Elements:
         order=order,
         trial=triangle_trial(mesh, order),
         rule=rule,
-        surface_at=_on_triangles(domain),
+        surface_at=on_triangles(domain),
         beside=beside,
         facets=lambda contact: numbers_of(mesh, domain.foils[contact.name]),
         groups=_straight_and_bent(domain),
@@ -141,7 +141,7 @@ def raising(order: int) -> NDArray[np.float64]:
     return rule_at(TRIANGLES[order - 1](), finer.doflocs.T, np.zeros(len(finer.doflocs))).values.T
 
 
-def _on_triangles(domain: Domain) -> Callable[[Rule, NDArray[np.int64] | slice], Surface]:
+def on_triangles(domain: Domain) -> Callable[[Rule, NDArray[np.int64] | slice], Surface]:
     """Where points of a rule lie in some of the triangles."""
     curvature = domain.curvature
 

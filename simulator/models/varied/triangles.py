@@ -12,7 +12,8 @@ from ...fem.circuit import Circuit
 from ...fem.galerkin import Galerkin
 from ...mesh.domain import Domain
 from ...mesh.drawing import sharp_touches
-from ...mesh.refining.graded import corner_exponents, graded
+from ...mesh.refining.exponents import corner_exponents
+from ...mesh.refining.graded import corner_parts, graded
 from ...mesh.refining.untangled import finer
 from ...mesh.skin_mesh import domain
 from ...press.press import Press
@@ -21,6 +22,7 @@ from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
 from ..outlook import cells_needed, check_within_reach
 from .coefficients import Coefficients
+from .conducting import crossed, sheets
 from .discretised import Discretised, Solved, indicators
 from .effect import Course, at_corners
 from .elements import triangles
@@ -40,6 +42,15 @@ AIMED = 1.2
 """Of the tolerance: the error that meshes are refined for, told in advance."""
 LEAST_GAIN = 0.5
 """Of the error expected of a mesh: what the next one is refined for, at most."""
+TELLS_OF = 0.2
+"""Times an error squared: what of it may lie where it is told, not where it comes from. Less is not
+asked of the next mesh."""
+SECOND, CORNER_SHARE = 5e-5, 0.25
+"""Tolerances below need a second mesh, whose corners the first one tells. Of others: what a corner
+of a first mesh may take."""
+SMALLEST = 1e-14
+"""Of the skin's side, the longest edge of a triangle: smaller ones lose their shape in
+rounding."""
 FALLS = 2.0
 """How fast |V|² falls towards a touch, for the depth of the field."""
 
@@ -89,6 +100,7 @@ class Triangles:
             needed = cells_needed(parts.mean(axis=0) / drives, self.order, self.rtol)
             check_within_reach(needed, MOST_TRIANGLES, self.order, "triangles")
             found = self._halved(self._domain, parts, ends)
+            _check_beyond_rounding(found)
         if found.t.shape[1] > MOST_TRIANGLES:
             raise ToleranceError(f"{found.t.shape[1]} triangles are too many")
         if found is not self._domain:
@@ -98,6 +110,8 @@ class Triangles:
             raise ToleranceError(f"what the press is taken for leaves out {left_out:.1e}")
         self._before = self.discretised(found, left_out, self._spaces)
         self._spaces = self._before.coarse, self._before.fine
+        if crossed(self._before.coefficients):
+            self._course.meets(self._exponents(found, self._before.coefficients), self.order)
         return self._before
 
     def _halved(
@@ -107,20 +121,37 @@ class Triangles:
 
         parts: of each triangle in it, shape (frequency, triangle).
         """
-        foils = [self.circuit.foils(field) for field in range(self.circuit.fields)]
-        exponents = corner_exponents(mesh, foils)
+        assert self._before is not None
+        exponents = self._exponents(mesh, self._before.coefficients)
         share = parts / parts.sum(axis=1, keepdims=True)
-        likely = (share * at_corners(exponents[mesh.t].min(axis=0), self.order)).sum(axis=1).max()
-        expected = self._course.expected_at(frequency, float(likely))
-        enough = min(AIMED * self.rtol, LEAST_GAIN * float(expected.max()))
-        return graded(mesh, expected[:, None] * share, enough, self.order, exponents)
+        likely = (share * _shown(exponents, mesh, self.order)).sum(axis=1)
+        expected = self._course.expected_at(frequency, float(likely.max()))
+        largest = float(expected.max())
+        enough = min(max(AIMED * self.rtol, TELLS_OF * largest**2), LEAST_GAIN * largest)
+        found, left = graded(mesh, expected[:, None] * share, enough, self.order, exponents)
+        likely = (left * _shown(exponents, found, self.order)).sum(axis=1) / left.sum(axis=1)
+        self._course.foresees(frequency, likely)
+        return found
+
+    def _exponents(self, mesh: Domain, coefficients: Coefficients) -> NDArray[np.float64]:
+        return corner_exponents(mesh, sheets(self.circuit, mesh, coefficients))
 
     def _first(self, ends: NDArray[np.float64]) -> Domain:
         """The coarsest mesh; after other depths the one that held there, for the same ends of the
         frequencies in Hz."""
         known = self._domain if np.array_equal(ends, self._ends) else None
         self._ends = ends
-        return known or self.coarsest(float(ends[-1]), between=self.pressed is not None)
+        if known or self.pressed:
+            return known or self.coarsest(float(ends[-1]))
+        return self._towards_corners(self.coarsest(float(ends[-1]), between=False))
+
+    def _towards_corners(self, mesh: Domain) -> Domain:
+        """Halved there as often as such corners mostly ask for, where the rest may do as it is."""
+        if self.rtol < SECOND:
+            return mesh
+        exponents = self._exponents(mesh, self._coefficients(mesh))
+        parts = corner_parts(mesh, exponents)
+        return graded(mesh, parts, CORNER_SHARE * self.rtol, self.order, exponents)[0]
 
     def coarsest(self, frequency: float, between: bool = True) -> Domain:
         """The first mesh: finer at foils and no coarser than maps vary. frequency: Hz.
@@ -153,8 +184,7 @@ class Triangles:
     ) -> Discretised:
         """The press on a mesh that conforms to it. left_out: of what is not quite as asked. known:
         what was solved of another press on it, in both orders."""
-        factors = sharp_factors(self.press, mesh, self.scene.pixels.columns)
-        coefficients = Coefficients(self.materials, factors, self.pressed, self.circuit.fields)
+        coefficients = self._coefficients(mesh)
         if known:
             coarse, fine = (each.under(self.circuit, coefficients) for each in known)
         else:
@@ -169,6 +199,10 @@ class Triangles:
             left_out,
             course=self._course,
         )
+
+    def _coefficients(self, mesh: Domain) -> Coefficients:
+        factors = sharp_factors(self.press, mesh, self.scene.pixels.columns)
+        return Coefficients(self.materials, factors, self.pressed, self.circuit.fields)
 
     def _solved(self, mesh: Domain, order: int, coefficients: Coefficients) -> Solved:
         elements = triangles(mesh, order)
@@ -191,6 +225,19 @@ def sharp_factors(press: Press, mesh: Domain, columns: int) -> NDArray[np.float6
             raise InputError(f"press {touch}: there is no skin at that place")
         factors[within] *= touch.factor
     return factors
+
+
+def _shown(exponents: NDArray[np.float64], mesh: Domain, order: int) -> NDArray[np.float64]:
+    """k of each triangle, shape (triangle,). exponents: of the points that were there before."""
+    known = np.append(exponents, np.inf)[np.minimum(mesh.t, len(exponents))]
+    return at_corners(known.min(axis=0), order)
+
+
+def _check_beyond_rounding(mesh: Domain) -> None:
+    """Raises ToleranceError where triangles have become too small for the numbers of a machine."""
+    shortest, longest = float(mesh.lengths.min()), float(np.ptp(mesh.p, axis=1).max())
+    if shortest < SMALLEST * longest:
+        raise ToleranceError(f"at a corner triangles of {shortest:.1e} m would not be small enough")
 
 
 def _fine_at_foils(mesh: Domain, longest: float) -> Domain:

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 from rcskin.simulator.mesh.quadrilaterals import Resolution, pixel_mesh
+from rcskin.simulator.mesh.refining.exponents import WHOLE, corner_exponents
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied.conducting import sheets
 from rcskin.simulator.models.varied.corners import power_at, ringed_corners
 from rcskin.simulator.models.varied.materials import Materials
 from rcskin.simulator.models.varied.meshes import circuit_of
@@ -82,3 +84,84 @@ def test_squares_serve_a_directed_piezoresistive_sheet_to_five_digits(varied, of
         assert "triangles" not in answer.model and len(answer.rejected) <= 1
         assert (true - known.error <= told).all()
         assert told.max() <= rtol
+
+
+def of_triangles(scene, press):
+    """Of each place that is no smooth one, the power told of triangles there."""
+    meshes = Triangles(scene, circuit_of(scene), press, 1e-3)
+    mesh = meshes.coarsest(float(scene.frequencies[-1]), between=False)
+    own = sheets(meshes.circuit, mesh, meshes.discretised(mesh).coefficients)
+    powers = corner_exponents(mesh, own)
+    at = np.flatnonzero(np.isfinite(powers))
+    return {tuple(np.round(mesh.p[:, k], 9).tolist()): powers[k] for k in at}
+
+
+SPANNED = {"top-left": {"span": (0.0, 0.5)}, "bottom-left": {"span": (0.0, 0.5)}}
+"""Foils that end where a pixel does."""
+
+
+@pytest.mark.parametrize("keys", [{}, {"anisotropy": {"ratio": 3.0, "angle": 0.5}}])
+@pytest.mark.parametrize("press", ["none", "2,2:5", "2,1:5", "3,1:5", "2,2:5+3,3:5", "1,1:5"])
+def test_triangles_and_squares_tell_the_same_powers(varied, keys, press):
+    """Of all corners, of gauges alike above and below, told by two codes; squares tell up to 1."""
+    both = {"piezoresistance": 3.0} | keys
+    own = {f"{side}.{key}": value for side in ("top", "bottom") for key, value in both.items()}
+    scene = varied(own, SPANNED, rows=4, columns=4, **SHEETS)
+    found, press = parse_press(press, 2.0), parse_press(press, 2.0)
+    told = of_triangles(scene, press)
+    for x in np.linspace(0, SIDE, 5):
+        for y in np.linspace(0, SIDE, 5):
+            if (x, y) == (0.0, SIDE / 2):
+                continue
+            power = power_at(Materials(scene), scene.contacts, found, (x, y))
+            known = told.pop((round(x, 9), round(y, 9)), 1.0)
+            assert min(known, 1.0) == pytest.approx(min(power, 1.0), abs=WHOLE)
+    assert list(told) == [(0.0, SIDE / 2)]
+
+
+@pytest.mark.parametrize(("press", "held"), [("2,1:8", 1), ("3,1:8", -1), ("none", 0)])
+def test_the_end_of_a_foil_at_the_edge_of_a_pressed_gauge(varied, press, held):
+    """tan²(p pi / 2) is the ratio of what the foil holds to what it does not."""
+    scene = varied(
+        {"top.piezoresistance": 3.0, "bottom.piezoresistance": 3.0},
+        SPANNED,
+        rows=4,
+        columns=4,
+        **SHEETS,
+    )
+    ratio = (1 / (1 + 3.0 * 7 / 8)) ** held
+    power = 2 / np.pi * np.arctan(np.sqrt(ratio))
+    told = of_triangles(scene, parse_press(press, 2.0))
+    assert told[0.0, SIDE / 2] == pytest.approx(power)
+
+
+def test_a_film_that_resists_more_than_the_sheet_beside_has_weaker_ends(varied):
+    """Where it begins the current jumps, and the potential goes like r log r."""
+    for resistance, power in ((0.0, 0.5), (1.0, 0.5), (1e4, 1.0)):
+        foils = {name: keys | {"resistance": resistance} for name, keys in SPANNED.items()}
+        scene = varied({"foam.map": {"kind": "gradient", "x": 0.5, "y": 0.0}}, foils, **SHEETS)
+        told = of_triangles(scene, Press())
+        assert told == {(0.0, SIDE / 2): pytest.approx(power)}
+
+
+@pytest.mark.parametrize(("press", "meshes"), [("2,1:8", 3), ("3,1:2", 3)])
+@pytest.mark.parametrize("rtol", [1e-3, 1e-4])
+def test_towards_ends_of_foils_on_pressed_gauges_few_meshes_do(varied, off, press, meshes, rtol):
+    """Graded as their powers ask; as for an even sheet it took up to seven."""
+    both = {"top.piezoresistance": 8.0, "bottom.piezoresistance": 8.0}
+    scene = varied(both, SPANNED, rows=4, columns=4, frequencies=np.array([1e3, 1e5]), **SHEETS)
+    f, touched = scene.frequencies, parse_press(press, 2.0)
+
+    def answers(asked):
+        finer = Triangles(scene, circuit_of(scene), touched, asked)
+        found = [finer.finer(f).rung(f, asked)]
+        while found[-1].error.max() > asked:
+            found.append(finer.finer(f).rung(f, asked))
+        return found
+
+    (*_, known), found = answers(rtol / 10), answers(rtol)
+    assert len(found) <= meshes
+    for each in found:
+        true = off(each.Z, known.Z)
+        assert (true - known.error <= each.error).all()
+        assert each.error.max() <= 10 * true.max()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rcskin.simulator.fem import pattern
 from rcskin.simulator.fem.dropped import DROPPED
 from rcskin.simulator.fem.kernels import block, compressed
 from rcskin.simulator.fem.pattern import (
@@ -27,6 +28,18 @@ def test_every_pair_has_the_slot_that_numpy_finds(pairs):
     for ours, plain in zip(compressed(*pairs), compressed_readable(*pairs), strict=True):
         np.testing.assert_array_equal(ours, plain)
         assert ours.dtype == plain.dtype
+
+
+@given(pairs=pairs())
+def test_a_table_of_keys_finds_what_sorting_them_does(pairs):
+    found = []
+    for most in (0, 10**6):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(pattern, "TABLE", most)
+            found.append(compressed_readable(*pairs))
+    for sorted_, looked_up in zip(*found, strict=True):
+        np.testing.assert_array_equal(looked_up, sorted_)
+        assert looked_up.dtype == sorted_.dtype
 
 
 @pytest.mark.kernel

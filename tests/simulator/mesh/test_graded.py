@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.simulator.mesh.refining.graded import corner_exponents, fewest, graded
+from rcskin.simulator.mesh.refining.exponents import Sheet, corner_exponents
+from rcskin.simulator.mesh.refining.graded import fewest, graded
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.files import load_scene
@@ -18,9 +19,9 @@ def mesh(tools):
     return domain(load_scene(tools.SCENES / "l-shape.toml"), Press(), 0.05, between=False)
 
 
-def singular(mesh, *names):
+def singular(mesh, *names, films=()):
     """Places that are no smooth ones, with their exponents."""
-    found = corner_exponents(mesh, [names])
+    found = corner_exponents(mesh, [Sheet(names, films)])
     return {
         tuple(np.round(mesh.p[:, k], 6).tolist()): found[k]
         for k in np.flatnonzero(np.isfinite(found))
@@ -42,7 +43,7 @@ def test_where_a_foil_ends_within_an_edge_the_field_is_singular(make_scene):
     scene = make_scene({"top-left": {"span": (0.0, 0.7)}, "bottom-bottom": {}})
     mesh = domain(scene, Press(), 0.05)
     assert singular(mesh, "top-left") == {(0.0, 0.056): pytest.approx(0.5)}
-    found = corner_exponents(mesh, [["top-left"], ["bottom-bottom"]])
+    found = corner_exponents(mesh, [Sheet(["top-left"]), Sheet(["bottom-bottom"])])
     assert np.isfinite(found).sum() == 1
 
 
@@ -55,10 +56,10 @@ def test_circles_have_no_corners(tools):
 
 
 def test_towards_a_corner_triangles_are_halved_as_its_exponent_asks(mesh, tools):
-    exponents = corner_exponents(mesh, [["top-end"]])
+    exponents = corner_exponents(mesh, [Sheet(["top-end"])])
     there, parts = parts_at(mesh, CORNER)
     levels = 3
-    found = graded(mesh, parts, 1.01 * 4 ** (-2 / 3 * levels), ORDER, exponents)
+    found, _ = graded(mesh, parts, 1.01 * 4 ** (-2 / 3 * levels), ORDER, exponents)
     at_corner, _ = parts_at(found, CORNER)
     halved = np.log2(mesh.areas[there].max() / found.areas[at_corner].max()) / 2
     assert levels <= halved < levels + 1
@@ -73,27 +74,27 @@ def test_towards_a_corner_triangles_are_halved_as_its_exponent_asks(mesh, tools)
 def test_a_smooth_part_is_halved_once_where_once_is_enough(mesh):
     _, parts = parts_at(mesh, CORNER)
     smooth = np.full(mesh.p.shape[1], np.inf)
-    found = graded(mesh, parts, 1.01 * 4.0**-ORDER, ORDER, smooth)
+    found, _ = graded(mesh, parts, 1.01 * 4.0**-ORDER, ORDER, smooth)
     at_corner, _ = parts_at(found, CORNER)
     before, _ = parts_at(mesh, CORNER)
     assert found.areas[at_corner].min() == pytest.approx(mesh.areas[before].min() / 4)
 
 
 def test_every_error_is_seen_to(mesh):
-    exponents = corner_exponents(mesh, [["top-end"]])
+    exponents = corner_exponents(mesh, [Sheet(["top-end"])])
     _, corner = parts_at(mesh, CORNER)
     far, other = parts_at(mesh, (0.0, 0.0))
-    found = graded(mesh, np.concatenate([corner, other]), 0.1, ORDER, exponents)
+    found, _ = graded(mesh, np.concatenate([corner, other]), 0.1, ORDER, exponents)
     there, _ = parts_at(found, (0.0, 0.0))
     assert found.areas[there].max() < mesh.areas[far].max()
-    within = graded(mesh, np.concatenate([corner, 0.05 * other]), 0.1, ORDER, exponents)
-    alone = graded(mesh, corner, 0.1, ORDER, exponents)
+    within, _ = graded(mesh, np.concatenate([corner, 0.05 * other]), 0.1, ORDER, exponents)
+    alone, _ = graded(mesh, corner, 0.1, ORDER, exponents)
     assert np.array_equal(within.t, alone.t) and alone.t.shape[1] < found.t.shape[1]
 
 
 def test_what_is_enough_stays_as_it_is(mesh):
     _, parts = parts_at(mesh, CORNER)
-    assert graded(mesh, parts, 1.0, ORDER, np.empty(0)) is mesh
+    assert graded(mesh, parts, 1.0, ORDER, np.empty(0))[0] is mesh
 
 
 def test_the_fewest_triangles_hold_what_is_asked():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.fem.estimate import WINDOW, frequencies_around, relative_difference
 from rcskin.simulator.models.varied.effect import (
+    FORESEEN,
     LEAST,
     SAFETY,
     UNSEEN,
@@ -28,11 +29,28 @@ def off_by(error):
 def test_meshes_tell_how_much_of_the_error_the_next_order_shows():
     course, k = Course(), 2.5
     pairs = [(off_by(error), off_by(error * (1 - 1 / k))) for error in (1e-2, 3e-3, 2.9e-3)]
-    assert course.effect(FREQUENCY, *pairs[0]) == UNSEEN
+    assert course.effect(FREQUENCY, *pairs[0]).tolist() == [UNSEEN] * 3
     assert course.effect(FREQUENCY, *pairs[1]) == pytest.approx(k, rel=1e-6)
     left, kept = FREQUENCY[1:], np.isin(AROUND, frequencies_around(FREQUENCY[1:]))
     later = [each[:, kept] for each in pairs[2]]
     assert course.effect(left, *later) == pytest.approx(k, rel=1e-6)
+
+
+def test_what_corners_tell_of_a_mesh_in_advance_is_believed_where_it_is_less():
+    """What the meshes before it told may be of corners that it has done with."""
+    course = Course()
+    course.effect(FREQUENCY, off_by(1e-2), off_by(6e-3))
+    course.foresees(FREQUENCY[[0, -1]], np.array([1.0, 3.0]))
+    found = course.effect(FREQUENCY, off_by(1e-3), off_by(6e-4))
+    assert found == pytest.approx([FORESEEN, 2.5, 2.5])
+
+
+def test_where_a_corner_is_weaker_than_elsewhere_more_is_believed_to_be_left():
+    course, power = Course(), np.array([0.1, np.inf])
+    course.meets(power, 3)
+    k = at_corners(power[0], 3)
+    assert course.effect(FREQUENCY, off_by(1e-2), off_by(9e-3)) == pytest.approx([k] * 3)
+    assert course.effect(FREQUENCY, off_by(5e-3), off_by(4.5e-3)) == pytest.approx([k] * 3)
 
 
 def test_the_error_of_a_first_mesh_is_told_anew_by_what_corners_will_show():
@@ -55,14 +73,14 @@ def test_at_corners_the_next_order_shows_as_little_as_their_exponent_tells():
 def test_what_does_not_change_tells_nothing():
     course = Course()
     for _ in range(3):
-        assert course.effect(FREQUENCY, off_by(1e-3), off_by(1e-5)) == UNSEEN
+        assert course.effect(FREQUENCY, off_by(1e-3), off_by(1e-5)).tolist() == [UNSEEN] * 3
 
 
 def test_smooth_errors_are_not_taken_for_less_than_the_least():
     course = Course()
     for error in (1e-2, 1e-3):
         found = course.effect(FREQUENCY, off_by(error), Z)
-    assert found == LEAST
+    assert found.tolist() == [LEAST] * 3
 
 
 @pytest.mark.parametrize("power", [1.5, 2.0, 4.0, 8.0])

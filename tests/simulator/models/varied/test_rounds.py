@@ -5,6 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.models.varied import triangles as of_triangles
+from rcskin.simulator.models.varied.discretised import indicators
 from rcskin.simulator.models.varied.elements import raising, triangles
 from rcskin.simulator.models.varied.meshes import circuit_of
 from rcskin.simulator.models.varied.triangles import Triangles
@@ -42,10 +44,23 @@ def test_around_a_corner_two_meshes_are_enough(l_shape, rtol):
     assert (relative_difference(rung.Z, close.Z) <= rung.error).all()
 
 
+@pytest.mark.parametrize("rtol", [1e-3, 1e-4])
+def test_halved_towards_a_corner_beforehand_one_mesh_is_enough(l_shape, rtol):
+    ((cells, rung),) = finer(l_shape, parse_press("2,1", 2.0), rtol)
+    assert cells < FEW_CELLS / 2
+    *_, (_, close) = finer(l_shape, parse_press("2,1", 2.0), rtol / 100)
+    true = relative_difference(rung.Z, close.Z)
+    assert (true <= rung.error).all() and rung.error.max() <= 10 * true.max()
+
+
 @pytest.mark.parametrize("asked", [0.99, 0.8, 0.4])
 @pytest.mark.parametrize("order", [2, 3])
-def test_a_mesh_that_just_does_not_serve_is_followed_by_a_finer_one(l_shape, order, asked):
-    """Also where the error is expected to be told as less by the second mesh."""
+def test_a_mesh_that_just_does_not_serve_is_followed_by_a_finer_one(
+    l_shape, order, asked, monkeypatch
+):
+    """Also where the error is expected to be told as less by the second mesh. All tolerances begin
+    on the same mesh here."""
+    monkeypatch.setattr(of_triangles, "SECOND", np.inf)
     loose = {2: 1.0, 3: 1e-3}[order]
     first = Triangles(l_shape, circuit_of(l_shape), Press(), loose).finer(l_shape.frequencies)
     rtol = asked * float(first.rung(l_shape.frequencies, loose).error.max())
@@ -60,6 +75,21 @@ def test_a_mesh_that_just_does_not_serve_is_followed_by_a_finer_one(l_shape, ord
     else:
         raise AssertionError(f"meshes of {cells} triangles do not serve")
     assert len(set(cells)) == len(cells) > 1
+
+
+def test_parts_of_an_error_by_the_vectors_of_a_sweep_are_those_of_solves_of_their_own(l_shape):
+    ends, rtol = l_shape.frequencies[[0, -1]], 1e-4
+    mesh = Triangles(l_shape, circuit_of(l_shape), parse_press("2,1", 2.0), rtol).finer(ends)
+    own = indicators(mesh, ends)
+    assert not any(each.kept.steps for each in (mesh.coarse, mesh.fine))
+    mesh.rung(l_shape.frequencies, rtol)
+    drive = mesh.circuit.drives[0]
+    assert all(each.kept.of(drive, 2 * np.pi * ends) for each in (mesh.coarse, mesh.fine))
+    by_sweep = indicators(mesh, ends)
+    assert (by_sweep != own).any()
+    assert (np.abs(by_sweep - own).sum(axis=1) <= 1e-2 * own.sum(axis=1)).all()
+    beyond = np.array([4 * l_shape.frequencies[-1]])
+    assert mesh.coarse.kept.of(drive, 2 * np.pi * beyond) is None
 
 
 def test_pixels_that_are_not_pressed_cost_nothing(l_shape):

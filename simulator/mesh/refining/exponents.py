@@ -1,0 +1,188 @@
+"""Powers of the distance that fields go by at the corners of a mesh.
+
+At a corner the field goes like r^a: a = pi / omega within an angle omega, half of that where a foil
+ends, and as `wedges` tells where the conductance jumps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arcs import EDGES
+from ..domain import Domain, Numbers, Points
+from ..triangles import edge_numbers, edges_of
+from .wedges import around, between
+
+WHOLE = 0.02
+"""Exponents nearer to a whole number are of smooth fields."""
+JUMP = 1e-6
+"""Of a conductance: what is rounding."""
+LOW, HIGH = (0, 1, 0), (1, 2, 2)
+"""Which corner of a triangle is the lower and which the higher end of each edge of `edges_of`."""
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What one field is in.
+
+    foils: the names of those that hold it, and films of those that feed it through a resistance.
+    angle: of each triangle at each of its corners; conductance: there; both as if the sheet were
+    stretched so that it conducts alike along all directions, shape (3, triangle). Without, it
+    does, and the conductance jumps nowhere.
+    """
+
+    foils: Sequence[str]
+    films: Sequence[str] = ()
+    angle: NDArray[np.float64] | None = None
+    conductance: NDArray[np.float64] | None = None
+
+
+def corner_exponents(mesh: Domain, sheets: Sequence[Sheet]) -> NDArray[np.float64]:
+    """The power of the distance that fields go by from each point, inf where they are smooth.
+
+    Of several sheets the least. Shape (point,).
+    """
+    edges, of_triangle = edges_of(mesh.t)
+    rim = edges[:, np.bincount(of_triangle.ravel()) == 1]
+    powers = [_powers(mesh, sheet, rim, of_triangle) for sheet in sheets]
+    return np.min(powers, axis=0)
+
+
+def _powers(mesh: Domain, sheet: Sheet, rim: Numbers, of_triangle: Numbers) -> NDArray[np.float64]:
+    """Of one sheet, shape (point,). rim: its edges, shape (2, edge)."""
+    points, at = mesh.p.shape[1], np.unique(rim)
+    angle = _angles(mesh) if sheet.angle is None else sheet.angle
+    whole = np.bincount(mesh.t.ravel(), angle.ravel(), points)
+    held = _numbered(mesh, sheet.foils, rim)
+    least, most = _extremes(held, rim, points)
+    found = np.full(points, np.inf)
+    found[at] = np.where((least[at] == 0) & (most[at] > 0), 0.5, 1.0) * np.pi / whole[at]
+    if sheet.conductance is not None:
+        jumps = _jumps(mesh.t, of_triangle, sheet.conductance)
+        for point in _crossed(mesh.t, angle, sheet.conductance, jumps, at):
+            found[point] = _power_at(point, mesh.t, angle, sheet.conductance, rim[:, held > 0])
+    finite = np.flatnonzero(np.isfinite(found))
+    power = found[finite]
+    smooth = (np.abs(power - np.round(power)) < WHOLE) & (power > 1 / 2)
+    if sheet.films:
+        least, most = _extremes(_numbered(mesh, sheet.films, rim), rim, points)
+        smooth &= (least[finite] >= most[finite]) | (np.abs(power - 1) >= WHOLE)
+    found[finite[smooth]] = np.inf
+    return found
+
+
+def _numbered(mesh: Domain, foils: Sequence[str], rim: Numbers) -> Numbers:
+    """From 1 the foil on each edge of the rim, 0 where there is none."""
+    found = np.zeros(rim.shape[1], dtype=np.int64)
+    for number, name in enumerate(foils, 1):
+        own = edge_numbers(mesh.foils[name], rim)
+        found[own[own >= 0]] = number
+    return found
+
+
+def _extremes(numbers: Numbers, rim: Numbers, points: int) -> tuple[Numbers, Numbers]:
+    """The least and the largest number of the edges of the rim at each point."""
+    least, most = np.full(points, numbers.max() + 1), np.zeros(points, dtype=np.int64)
+    for ends in rim:
+        np.minimum.at(least, ends, numbers)
+        np.maximum.at(most, ends, numbers)
+    return least, most
+
+
+def _jumps(t: Numbers, of_triangle: Numbers, conductance: NDArray[np.float64]) -> Numbers:
+    """How many edges at each point the conductance jumps across, shape (point,)."""
+    edge = of_triangle.ravel()
+    order = np.argsort(edge, kind="stable")
+    twice = np.flatnonzero(np.diff(edge[order]) == 0)
+    one, other = (np.divmod(order[each], t.shape[1]) for each in (twice, twice + 1))
+    found = np.zeros(t.max() + 1, dtype=np.int64)
+    for end in (np.array(LOW), np.array(HIGH)):
+        a, b = (conductance[end[side], triangle] for side, triangle in (one, other))
+        point = t[end[one[0]], one[1]]
+        np.add.at(found, point[np.abs(a - b) > JUMP * np.maximum(a, b)], 1)
+    return found
+
+
+def _crossed(
+    t: Numbers,
+    angle: NDArray[np.float64],
+    conductance: NDArray[np.float64],
+    jumps: Numbers,
+    rim: Numbers,
+) -> list[int]:
+    """The points at which the conductance jumps, but those where it jumps across a smooth line."""
+    on_rim = np.zeros(len(jumps), dtype=bool)
+    on_rim[rim] = True
+    low, high = np.full(len(jumps), np.inf), np.zeros(len(jumps))
+    np.minimum.at(low, t, conductance)
+    np.maximum.at(high, t, conductance)
+    upper = conductance > ((low + high) / 2)[t]
+    above, whole = (
+        np.bincount(t.ravel(), each.ravel(), len(jumps)) for each in (angle * upper, angle)
+    )
+    line = np.maximum(np.abs(above / np.pi - 1), np.abs(whole / np.pi - 2)) < WHOLE / 2
+    return np.flatnonzero((jumps > 0) & (on_rim | (jumps != 2) | ~line)).tolist()
+
+
+def _power_at(
+    point: int,
+    t: Numbers,
+    angle: NDArray[np.float64],
+    conductance: NDArray[np.float64],
+    held: Numbers,
+) -> float:
+    """By the wedges at a point, in turn. held: the edges of foils."""
+    corner, triangle = np.nonzero(t == point)
+    sides = [set(t[:, k].tolist()) - {point} for k in triangle.tolist()]
+    turn, first, last = _in_turn(sides)
+    wedges = [
+        (float(angle[corner[k], triangle[k]]), float(conductance[corner[k], triangle[k]]))
+        for k in turn
+    ]
+    if first == last:
+        return around(wedges)
+    foils = set(map(tuple, held.T.tolist()))
+    begins, stops = ((min(point, end), max(point, end)) in foils for end in (first, last))
+    return between(wedges, begins, stops)
+
+
+def _in_turn(sides: list[set[int]]) -> tuple[list[int], int, int]:
+    """The triangles around a point one after the other, and the points where they begin and end.
+
+    sides: the other two points of each. Where rims touch in a point, those between two of them.
+    """
+    ends = [end for side in sides for end in side if sum(end in each for each in sides) == 1]
+    first = last = min(ends) if ends else min(sides[0])
+    turn, left = list[int](), list(range(len(sides)))
+    while beside := [k for k in left if last in sides[k]]:
+        turn.append(beside[0])
+        left.remove(beside[0])
+        (last,) = sides[beside[0]] - {last}
+    return turn, first, last
+
+
+def _angles(mesh: Domain) -> NDArray[np.float64]:
+    """Of each triangle at its corners, shape (3, triangle)."""
+    corners = mesh.p[:, mesh.t]
+    at = _between(*(np.roll(corners, -turn, axis=1) - corners for turn in (1, 2)))
+    for (i, j), bend in zip(EDGES, mesh.curvature, strict=True):
+        bent = np.flatnonzero(bend)
+        if not bent.size:
+            continue
+        start, chord = corners[:, i, bent], corners[:, j, bent] - corners[:, i, bent]
+        across = corners[:, 3 - i - j, bent] - start
+        left = np.sign(chord[0] * across[1] - chord[1] * across[0])
+        turned = left * np.arcsin(bend[bent] * np.linalg.norm(chord, axis=0) / 2)
+        at[i, bent] -= turned
+        at[j, bent] -= turned
+    return at
+
+
+def _between(u: Points, v: Points) -> NDArray[np.float64]:
+    shared = (u * v).sum(axis=0)
+    area = np.sqrt(np.maximum((u**2).sum(axis=0) * (v**2).sum(axis=0) - shared**2, 0.0))
+    return np.arctan2(area, shared)
