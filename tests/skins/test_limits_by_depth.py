@@ -41,11 +41,11 @@ def pressed_at(scene, touch, solver, x, y, rise):
     return solver.solve(parse_press(text, np.nan)).Z
 
 
-@pytest.mark.parametrize("size", [0.012, None])
-def test_slopes_and_bounds_are_those_of_differences_of_the_full_model(foam, size):
+@pytest.mark.parametrize(("size", "cells"), [(0.012, 13), (None, 4)])
+def test_slopes_and_bounds_are_those_of_differences_of_the_full_model(foam, size, cells):
     scene = foam.with_({"sweep": {"frequencies": [2e4, 6e4, 2e5]}})
     touch, solver, frequency = chosen_touch(scene, size), Solver(scene, 1e-5), scene.frequencies
-    fields = Fields(scene, float(frequency[-1]))
+    fields = Fields(scene, float(frequency[-1]), cells)
     deep = Deep(scene, fields.grid, (touch.width, touch.height))
     x, y, rise, step = 0.0683, 0.0552, touch.rise, 1.5e-3
     found = fields.respond(*deep.laid((x, y), touch), frequency)
