@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from ..measure.readout import ErrorModel
 from ..mesh.held import held
 from ..models.parameters import session_spreads
+from ..press.batch import PressBatch
 from ..progress import Track, silent
-from ..scene.planar import SAME_LINE, covered
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .fields import Answer, AnyFields, TouchSize
@@ -30,54 +30,12 @@ from .information import (
     session_errors,
     summed,
 )
-
-Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Cells:
-    """Lines of a grid across x and y, m."""
-
-    x: Array
-    y: Array
-
-    @classmethod
-    def of(cls, length: float, width: float, grid: tuple[int, int]) -> Cells:
-        """A uniform grid of so many rows and columns over a skin."""
-        return cls(np.linspace(0, length, grid[1] + 1), np.linspace(0, width, grid[0] + 1))
-
-    def raised(self, place: tuple[float, float], touch: TouchSize) -> dict[str, Array]:
-        """How c over that at rest changes with x and y [1/m] and with the rise; (row, column)."""
-        along, by_x = covered_about(self.x, place[0], touch.width)
-        across, by_y = covered_about(self.y, place[1], touch.height)
-        return {
-            "x": touch.rise * np.multiply.outer(across, by_x),
-            "y": touch.rise * np.multiply.outer(by_y, along),
-            "strength": np.multiply.outer(across, along),
-        }
-
-
-def covered_about(lines: Array, middle: float, size: float) -> tuple[Array, Array]:
-    """Fraction of each interval that a span covers, and its derivative by the span's middle, 1/m.
-
-    An end of the span at an end of the skin, or beyond it, does not move.
-    """
-    start, stop = middle - size / 2, middle + size / 2
-    return covered(start, stop, lines), _at(lines, stop) - _at(lines, start)
-
-
-def _at(lines: Array, end: float) -> Array:
-    rounding, slope = SAME_LINE * lines[-1], np.zeros(len(lines) - 1)
-    if rounding < end < lines[-1] - rounding:
-        cell = int(np.searchsorted(lines, end, side="right")) - 1
-        slope[cell] = 1 / (lines[cell + 1] - lines[cell])
-    return slope
-
+from .touches.cells import Cells, Place
+from .touches.deep import Deep, touches_on
+from .touches.errors import LaidErrors, laid_errors, some
 
 WANTED = ("x", "y", "strength")
 WHOLE = 1 - 1e-6
-
-Place = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -209,22 +167,22 @@ def position_slopes(
     against_rest: int = 0,
     unknown_skin: bool = False,
     track: Track = silent,
+    laying: Cells | Deep | None = None,
 ) -> Slopes:
     """Derivatives at every place, of all interfaces at all frequencies, in Hz, ascending.
 
     against_rest: how many sweeps of the skin at rest the sweep is compared with, 0 for none.
-    unknown_skin: whether the skin is among what is unknown. Raises InputError for a meter without
-    noise.
+    unknown_skin: whether the skin is among what is unknown. laying: how touches are laid on cells,
+    by default as `touches_on` says. Raises InputError for a meter without noise, and as that lays.
     """
     scene = fields.scene
     model = error_model(scene, len(frequency), against_rest)
     errors, prior = session_errors(model)
     skin = SkinUnknowns(fields, frequency, model) if unknown_skin else None
-    grid = Cells.of(scene.skin.length, scene.skin.width, fields.grid)
+    laying = laying or touches_on(scene, fields.grid, touch)
     found = []
     for place in track(places, "places"):
-        changes = grid.raised(place, touch)
-        factors = 1 + touch.rise * changes["strength"]
+        factors, changes = laying.laid(place, touch)
         of_foam = skin.maps(factors) if skin else {}
         answer = fields.respond(factors, changes, frequency, of_foam)
         own = in_noise(answer.Z, [answer.by[name] for name in WANTED], model)
@@ -232,6 +190,30 @@ def position_slopes(
     prior = np.concatenate([np.zeros(len(WANTED)), prior, *([skin.prior] if skin else [])])
     room = scene.skin.length - touch.width, scene.skin.width - touch.height
     return Slopes(np.array(places), np.stack(found), prior, frequency, room)
+
+
+def errors_of_places(
+    fields: AnyFields, places: Sequence[Place], touch: TouchSize
+) -> LaidErrors | None:
+    """What laying touches on cells changes, of a sample of places; None where they are pressed by
+    factors, which end at their edges. Raises as `laid_errors`."""
+    scene = fields.scene
+    deep = touches_on(scene, fields.grid, touch)
+    if not isinstance(deep, Deep):
+        return None
+    sample = [places[k] for k in some(len(places))]
+    own = np.stack([deep.laid(place, touch).factors.ravel() for place in sample]) - 1
+
+    def impedances(batch: PressBatch) -> NDArray[np.complex128]:
+        found = []
+        for cells, rises in batch.each():
+            factors = np.ones(fields.grid)
+            factors.flat[cells] += rises
+            found.append(fields.respond(factors, {}, scene.frequencies).Z)
+        return np.stack(found)
+
+    each = [deep.applied(place, touch.rise, beyond=0.0) for place in sample]
+    return laid_errors(scene, deep.lattice, each, PressBatch.on_grid(own), impedances)
 
 
 class SkinUnknowns:

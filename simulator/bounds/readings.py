@@ -13,16 +13,18 @@ from numpy.typing import NDArray
 from ..measure.readout import errors_of, observed
 from ..mesh.held import held
 from ..models.network.terminals import reduced_for
+from ..models.plain import evenly_pressed
 from ..models.reduced.cases import Case, pixel_touches
-from ..models.reduced.indented.draws import require_whole_pixels
 from ..models.reduced.model import Reduced
 from ..press.batch import PressBatch
 from ..progress import Track, silent
 from ..scene.frequency import laplace_variable
-from ..scene.planar import covered
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
+from .touches.about_pixels import AboutPixels, DeepOnes, about_pixels
+from .touches.deep import by_depth
+from .touches.errors import LaidErrors, laid_errors, some
 
 TARGETS = ("column", "row", "pixel", "pair", "touches")
 
@@ -100,14 +102,14 @@ class Readings:
         pixel, in place of the whole pixel. Raises InputError for a meter without noise."""
         if size is not None and scene.pixels.groups is not None:
             raise InputError(f"{scene.name}: touches of a size need pixels without `groups`")
-        if size is not None:
-            require_whole_pixels(scene, "a touch of a size")
         self.scene, self._size = scene, size
         self.model = errors_of(scene, against_rest)
         self._factors = (
             min(LEAST_FACTOR, float(presses.low)),
             max(LARGEST_FACTOR, float(presses.high)),
         )
+        if size is not None and by_depth(scene):
+            self._factors = 1.0, max(min(LARGEST_FACTOR, scene.most_factor), float(presses.high))
 
     def train(self, track: Track = silent) -> None:
         """Train the reduced model, if it is not yet, and show that this goes on."""
@@ -124,35 +126,44 @@ class Readings:
 
     def of_each(self, batch: PressBatch) -> NDArray[np.float64]:
         """Readings of many presses, shape (press, number)."""
-        frequency = self.scene.frequencies
-        s = laplace_variable(frequency, self.scene.skin.foam.loss)
         if self._size is not None:
             batch = self._laid(batch)
+        return self.model.whitened(observed(self._seen(batch)))
+
+    def laid_errors(self, presses: AnyDistribution) -> LaidErrors | None:
+        """What laying touches by depth on cells changes, of a sample of pixels and strengths; None
+        where nothing is laid, or presses end at their edges."""
+        if self._size is None or not isinstance(self._touches, DeepOnes):
+            return None
+        pixels = held(self.scene).numbers
+        pixels = pixels[some(len(pixels))]
+        rises = np.linspace(presses.low, presses.high, len(pixels)) - 1
+        own = [(np.array([k]), np.array([rise])) for k, rise in zip(pixels, rises, strict=True)]
+        each = [self._touches.applied(*touch) for touch in own]
+        lattice, laid = self._touches.lattice, self._laid(PressBatch.of(own))
+        return laid_errors(self.scene, lattice, each, laid, self._seen)
+
+    def _seen(self, batch: PressBatch) -> NDArray[np.complex128]:
+        """Z in ohm of presses of the model's cells, shape (press, interface, frequency)."""
+        frequency = self.scene.frequencies
+        s = laplace_variable(frequency, self.scene.skin.foam.loss)
         Z = self._reduced.skin(None).sweeps(batch, s)
-        return self.model.whitened(observed(self.scene.leads.seen_through(Z, frequency)))
+        return self.scene.leads.seen_through(Z, frequency)
 
     def _laid(self, batch: PressBatch) -> PressBatch:
-        """Touches about the middles of pixels as cells; overlapping ones multiply."""
-        factors = np.ones((batch.count, self._covers.shape[1]))
-        press = np.repeat(np.arange(batch.count), np.diff(batch.starts))
-        np.multiply.at(factors, press, 1 + batch.rises[:, None] * self._covers[batch.cells])
-        return PressBatch.on_grid(factors - 1)
+        """Touches about the middles of pixels as cells."""
+        return self._touches.laid(batch)
 
     @cached_property
     def _divided(self) -> Scene:
-        """The scene with cells for pixels."""
-        return self.scene.divided(CELLS)
+        """The scene with cells for pixels, which rise evenly."""
+        return evenly_pressed(self.scene.divided(CELLS), "a limit")
 
     @cached_property
-    def _covers(self) -> NDArray[np.float64]:
-        """What part of each cell the touch of each pixel covers, shape (pixel, cell)."""
-        skin, pixels = self.scene.skin, self.scene.pixels
+    def _touches(self) -> AboutPixels:
         assert self._size is not None
-        along, across = (
-            _parts(side, count, self._size)
-            for side, count in ((skin.length, pixels.columns), (skin.width, pixels.rows))
-        )
-        return np.kron(across, along).astype(np.float64)
+        grid = self.scene.divided(CELLS).pixels.shape
+        return about_pixels(self.scene, grid, self._size, self._factors[1] - 1)
 
     @cached_property
     def _reduced(self) -> Reduced:
@@ -165,10 +176,3 @@ class Readings:
             return Case(None, *self._laid(PressBatch.of([(case.cells, case.rises)])).one(0))
 
         return reduced_for(self._divided, RTOL, laid)
-
-
-def _parts(side: float, pixels: int, size: float) -> NDArray[np.float64]:
-    """Of each cell along a side, what a span about the middle of each pixel covers."""
-    middles = (np.arange(pixels) + 0.5) * side / pixels
-    lines = np.linspace(0, side, CELLS * pixels + 1)
-    return covered(middles - size / 2, middles + size / 2, lines)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..fem.estimate import relative_difference
 from ..measure.streams import CELLS, stream
+from ..models.mechanics.lattice.triangles import SAFETY
 from ..models.parameters import nominal
 from ..models.reduced.indented.draws import spreading
 from ..models.solver import Solver
@@ -20,9 +21,6 @@ from .model import Family
 from .presses import Presses, drawn_presses
 
 SAMPLE = 16
-SAFETY = 4.0
-"""What other presses by depth may be off by, over the largest of a sample: deep ones in a corner
-beside foils were seen at 2.9 times that."""
 
 
 def error_of_cells(scene: Scene, family: Family, seed: int, rtol: float) -> float:

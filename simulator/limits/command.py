@@ -10,6 +10,7 @@ import typer
 from ..asked.options import AgainstRest, Charts, Interfaces, SceneName, TouchFactor, TouchSide
 
 if TYPE_CHECKING:
+    from ..bounds.touches.errors import LaidErrors
     from ..progress import Track
     from ..scene.scene import Scene
     from .identity import Identity, Sampling
@@ -71,7 +72,14 @@ def limits(
     from ..progress import on_terminal
     from ..sweeps import made_folder
     from .identity import Sampling, identity
-    from .survey import Question, survey, with_factor, with_interfaces, with_sheets
+    from .survey import (
+        Question,
+        errors_of_survey,
+        survey,
+        with_factor,
+        with_interfaces,
+        with_sheets,
+    )
 
     plain = foldable(asked_scene(scene), "a limit")
     check_numbers(draws=draws, against_rest=against_rest, seed=seed, n=n)
@@ -91,8 +99,9 @@ def limits(
             folder = made_folder(output or FOLDER)
             variants = survey(loaded, question, resistances, n, track)
             told_apart = identity(loaded, sampling, track)
-            _write(loaded, question, variants, told_apart, folder, ending)
-            _print(loaded, question, variants, told_apart, folder)
+            laid = errors_of_survey(loaded, question)
+            _write(loaded, question, variants, told_apart, laid, folder, ending)
+            _print(loaded, question, variants, told_apart, laid, folder)
 
 
 def _listed(text: str | None) -> list[float]:
@@ -131,6 +140,7 @@ def _write(
     question: Question,
     variants: list[Variant],
     told_apart: Identity,
+    laid: LaidErrors | None,
     folder: Path,
     ending: str,
 ) -> None:
@@ -154,6 +164,7 @@ def _write(
     content = {
         "scene": scene.name,
         "position_asked": question.told,
+        **({} if laid is None else {"position_laid": laid.summary()}),
         "median_error_of": ERROR,
         "position": [summary(variant) for variant in variants],
         "accuracy": told_apart.summary(),
@@ -177,6 +188,7 @@ def _print(
     question: Question,
     variants: list[Variant],
     told_apart: Identity,
+    laid: LaidErrors | None,
     folder: Path,
 ) -> None:
     from rich.console import Console
@@ -198,6 +210,8 @@ def _print(
         table.add_row(variant.comparison, variant.name, *cells)
     console = Console()
     console.print(f"of a touch: {question.told}", soft_wrap=True, highlight=False)
+    if laid is not None:
+        console.print(f"  {laid.told}", soft_wrap=True, highlight=False)
     console.print(table)
     left = len(variants) - MOST_ROWS
     more = [f"  {left} more rows in {folder / 'limits.json'}"] if left > 0 else []

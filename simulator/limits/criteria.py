@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds.fields import Answer, AnyFields
+from ..bounds.fields import Answer, AnyFields, TouchSize
 from ..bounds.information import (
     error_model,
     in_noise,
@@ -24,8 +24,11 @@ from ..bounds.information import (
     summed,
     variances,
 )
-from ..bounds.position import Slopes
+from ..bounds.position import Slopes, chosen_touch
 from ..bounds.readings import Hypothesis, hypotheses
+from ..bounds.touches.about_pixels import middles
+from ..bounds.touches.cells import Laid
+from ..bounds.touches.deep import by_depth, touches_on
 from ..measure.readout import ErrorModel, observed
 from ..progress import Track, silent
 from ..scene.scene import Scene
@@ -92,21 +95,26 @@ def identity_criterion(
     frequency: NDArray[np.float64],
     against_rest: int = 0,
     track: Track = silent,
+    touch: TouchSize | None = None,
 ) -> Criterion:
     """Of the nearest two pixels whose columns, or which themselves, are to be told apart.
 
-    Its figure is the inverse of their distance. Raises InputError where none can be.
+    Its figure is the inverse of their distance. touch: about the middle of a pixel, by default the
+    whole pixel as the scene presses it. Raises InputError where none can be, and for touches of
+    another size on pixels that are groups.
     """
     scene = fields.scene
     model = error_model(scene, len(frequency), against_rest)
     among = hypotheses(scene, target)
-    answers = [_pressed(fields, each, frequency) for each in track(among, "pixels")]
+    touch = touch or chosen_touch(scene)
+    pixels = _pixels_pressed(fields, touch)
+    answers = [_pressed(fields, pixels, each, frequency) for each in track(among, "pixels")]
     pairs = [
         (one, other)
         for one, other in itertools.combinations(range(len(among)), 2)
         if among[one].answer != among[other].answer
     ]
-    slopes, prior = _pair_slopes(scene, pairs, answers, model)
+    slopes, prior = _pair_slopes(scene, touch.rise, pairs, answers, model)
     information = summed(slopes)
     whole = variances(information.sum(axis=1) + np.diag(prior), 1)[:, 0]
     told = whole < TOLD_APART**-2
@@ -120,18 +128,39 @@ def identity_criterion(
     return Criterion(frequency, information[told], np.diag(prior), 1, merit, left_out)
 
 
-def _pressed(fields: AnyFields, hypothesis: Hypothesis, frequency: NDArray[np.float64]) -> Answer:
-    """One pixel pressed as the scene does, and the derivative by its strength."""
-    scene = fields.scene
-    maps = list(pixel_maps(scene, fields.cells).values())
-    columns, rise = scene.pixels.columns, scene.pressed_factor - 1
-    pixels = [maps[i * columns + j] for i, j in hypothesis.pixels]
-    pressed = sum(pixels, np.zeros(fields.grid))
-    return fields.respond(1 + rise * pressed, {"strength": pressed}, frequency)
+def _pixels_pressed(fields: AnyFields, touch: TouchSize) -> list[Laid]:
+    """What a touch about each pixel's middle does, where all of the pixel is one or its groups."""
+    scene, whole = fields.scene, chosen_touch(fields.scene)
+    of_its_size = (touch.width, touch.height) == (whole.width, whole.height)
+    if scene.pixels.groups is not None and not of_its_size:
+        raise InputError(f"{scene.name}: touches of a size need pixels without `groups`")
+    if scene.pixels.groups is None and (by_depth(scene) or not of_its_size):
+        laying = touches_on(scene, fields.grid, touch)
+        return [laying.laid(middle, touch) for middle in middles(scene)]
+    maps = pixel_maps(scene, fields.cells).values()
+    return [Laid(1 + touch.rise * each, {"strength": each}) for each in maps]
+
+
+def _pressed(
+    fields: AnyFields,
+    pixels: Sequence[Laid],
+    hypothesis: Hypothesis,
+    frequency: NDArray[np.float64],
+) -> Answer:
+    """One pixel pressed, and the derivative by its strength."""
+    columns, none = fields.scene.pixels.columns, np.zeros(fields.grid)
+    own = [pixels[i * columns + j] for i, j in hypothesis.pixels]
+    factors = 1 + sum((each.factors - 1 for each in own), none)
+    by_strength = sum((each.changes["strength"] for each in own), none)
+    return fields.respond(factors, {"strength": by_strength}, frequency)
 
 
 def _pair_slopes(
-    scene: Scene, pairs: Sequence[tuple[int, int]], answers: Sequence[Answer], model: ErrorModel
+    scene: Scene,
+    rise: float,
+    pairs: Sequence[tuple[int, int]],
+    answers: Sequence[Answer],
+    model: ErrorModel,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """From one pixel to the other, by both strengths and by the session's errors, over noise."""
     shape = 2, model.interfaces, model.frequencies
@@ -139,7 +168,7 @@ def _pair_slopes(
     levels = [np.moveaxis(observed(each.Z).reshape(shape), 0, -1) / deviation for each in answers]
     by_strength = [in_noise(each.Z, [each.by["strength"]], model)[..., 0] for each in answers]
     errors, known = session_errors(model)
-    spread = scene.press.factor_spread * abs(scene.pressed_factor - 1)
+    spread = scene.press.factor_spread * abs(rise)
     strengths = 2 if spread else 0
     slopes = np.zeros((len(pairs), *levels[0].shape, 1 + strengths + errors.shape[-1]))
     for number, (one, other) in enumerate(pairs):

@@ -117,7 +117,7 @@ def _criterion(
     cells = 1 if of_groups else CELLS_PER_PIXEL
     fields = fields_of(scene, float(candidates[-1]), touch, cells)
     if name != "position":
-        return identity_criterion(fields, name, candidates, against_rest, track)
+        return identity_criterion(fields, name, candidates, against_rest, track, touch)
     places = places_on(scene, touch, fields.cells, PLACES)
     slopes = position_slopes(
         fields, places, touch, candidates, against_rest=against_rest, track=track

@@ -16,6 +16,7 @@ from scipy.special import ndtr
 
 from ..bounds.bayes import Accuracy, bayes
 from ..bounds.readings import Hypothesis, Readings, hypotheses
+from ..bounds.touches.errors import LaidErrors
 from ..measure.experiment import own_presses, quantiles, together
 from ..progress import Track, silent
 from ..scene.randomisation import AnyDistribution
@@ -112,7 +113,7 @@ class Identity:
     """Bayes' accuracy and the pairwise bound on it by target; distances between pixels' sweeps.
 
     apart: in the meter's errors, strengths unknown, shape (pixel, pixel); names: of the pixels.
-    asked: what is known and what is not, in words.
+    asked: what is known and what is not, in words. laid: of touches by depth.
     """
 
     accuracy: dict[str, Accuracy]
@@ -120,10 +121,12 @@ class Identity:
     apart: NDArray[np.float64]
     names: list[str]
     asked: str
+    laid: LaidErrors | None = None
 
     def summary(self) -> dict[str, Any]:
         """As it is written to a file."""
-        return {"asked": self.asked} | {
+        laid = {} if self.laid is None else self.laid.summary()
+        return {"asked": self.asked, **laid} | {
             target: {
                 "best_possible": float(f"{found.share:.6g}"),
                 "standard_error": float(f"{found.error:.2g}"),
@@ -134,7 +137,8 @@ class Identity:
 
     def lines(self) -> list[str]:
         """As it is printed."""
-        return [f"of a press: {self.asked}"] + [
+        laid = [] if self.laid is None else [f"  {self.laid.told}"]
+        return [f"of a press: {self.asked}", *laid] + [
             f"  {target}s right: at most {100 * found.share:.1f} ± {100 * found.error:.1f} % "
             f"by any classifier (pairwise bound {100 * self.bound[target]:.1f} %)"
             for target, found in self.accuracy.items()
@@ -153,6 +157,7 @@ def identity(scene: Scene, sampling: Sampling, track: Track = silent) -> Identit
         distances(readings, pixels, presses),
         [",".join(map(str, each.answer)) for each in pixels],
         _asked(scene, sampling.size),
+        readings.laid_errors(presses),
     )
 
 

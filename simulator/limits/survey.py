@@ -10,8 +10,16 @@ from numpy.typing import NDArray
 
 from ..bounds.exchange import best_choice
 from ..bounds.fields import fields_of
-from ..bounds.position import Bounds, Slopes, TouchSize, places_on, position_slopes
+from ..bounds.position import (
+    Bounds,
+    Slopes,
+    TouchSize,
+    errors_of_places,
+    places_on,
+    position_slopes,
+)
 from ..bounds.sets import OPTIMAL, compared, logarithmic, own_band, within
+from ..bounds.touches.errors import LaidErrors
 from ..progress import Track, silent
 from ..scene.reading import frequencies_at, through
 from ..scene.scene import Scene
@@ -41,7 +49,7 @@ class Variant:
 class Question:
     """A touch, how many sweeps at rest a sweep is compared with, whether the skin is unknown.
 
-    by_depth: whether the scene presses by depth, of which places are told without what spreads.
+    by_depth: whether the scene presses by depth, which is felt beside a touch.
     """
 
     touch: TouchSize
@@ -55,10 +63,10 @@ class Question:
         size = f"{1e3 * self.touch.width:.3g} x {1e3 * self.touch.height:.3g} mm"
         skin = "" if self.unknown_skin else "the skin and "
         unknown = " and the skin, but for dataset.session" if self.unknown_skin else ""
-        alone = "; of a press by depth, as if it ended at its edges" if self.by_depth else ""
+        deep = "; pressed by depth: the strength is that under the touch" if self.by_depth else ""
         return (
             f"known are {skin}the touch's sides, {size}; unknown are x, y and strength, anywhere "
-            f"and any{unknown}{alone}"
+            f"and any{unknown}{deep}"
         )
 
 
@@ -91,6 +99,15 @@ def survey(
         told, bounds = f"{1e-3 * resistance:g} kohm/sq", of_sheets.bounds(taken=scene.taken)
         variants.append(Variant(SHEETS, told, bounds, own))
     return variants
+
+
+def errors_of_survey(scene: Scene, question: Question) -> LaidErrors | None:
+    """What laying touches by depth on cells changes of what the scene's own variant is told by."""
+    if not question.by_depth:
+        return None
+    fields = fields_of(scene, float(scene.frequencies[-1]), question.touch)
+    places = places_on(scene, question.touch, fields.cells)
+    return errors_of_places(fields, places, question.touch)
 
 
 def with_sheets(scene: Scene, sheet_resistance: float) -> Scene:

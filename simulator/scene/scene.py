@@ -208,13 +208,18 @@ class Scene(Table):
 
         Raises InputError where the foam cannot be pressed so far.
         """
-        most = float(self._mechanics.factor(np.array(self._mechanics.elastic.greatest_strain)))
+        most = self.most_factor
         if not 1 <= factor <= most:
             raise InputError(
                 f"{self.name}: c under an applicator must be from 1 to {most:.4g} times that at "
                 f"rest, got {factor:g}"
             )
         return float(self.pressed_depths(np.array(factor)))
+
+    @property
+    def most_factor(self) -> float:
+        """c under an applicator where the foam's cells are closed, over that at rest."""
+        return float(self._mechanics.factor(np.array(self._mechanics.elastic.greatest_strain)))
 
     @property
     def _mechanics(self) -> Mechanics:

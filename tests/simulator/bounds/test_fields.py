@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import Fields
-from rcskin.simulator.bounds.position import Cells, TouchSize, covered_about
+from rcskin.simulator.bounds.fields import Fields, TouchSize
+from rcskin.simulator.bounds.touches.cells import Cells, covered_about
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.parameters import scene_with
 from rcskin.simulator.models.solver import Solver

@@ -45,13 +45,28 @@ def raised(lattice: Lattice, applied: Applied) -> TouchedCells:
     rise = np.zeros(lattice.grid)
     for own in _groups(lattice, applied):
         here = window(lattice, own)
-        rise[here] += _rises(lattice, deflected(lattice, own, here), here)
+        rise[here] += rises_within(lattice, own, here)
     cells = np.flatnonzero(rise > FAINT)
     return TouchedCells(cells, rise.ravel()[cells])
 
 
-def deflected(lattice: Lattice, applied: Applied, here: Window) -> NDArray[np.float64]:
-    """At the nodes of a window, m, shape (row, column).
+def rises_within(lattice: Lattice, applied: Applied, here: Window) -> NDArray[np.float64]:
+    """Of c in the mean of the skin in each cell of a window, shape (row, column)."""
+    return in_cells(lattice, rises_at_nodes(lattice, applied, here), here)
+
+
+def rises_at_nodes(
+    lattice: Lattice, applied: Applied, here: Window, still: float = STILL
+) -> NDArray[np.float64]:
+    """Of c at the nodes of a window, shape (row, column). still: as STILL."""
+    w = deflected(lattice, applied, here, still)
+    return lattice.mechanics.factor(w / lattice.thickness) - 1
+
+
+def deflected(
+    lattice: Lattice, applied: Applied, here: Window, still: float = STILL
+) -> NDArray[np.float64]:
+    """At the nodes of a window, m, shape (row, column). still: as STILL.
 
     Raises ToleranceError where they do not come to rest.
     """
@@ -64,7 +79,7 @@ def deflected(lattice: Lattice, applied: Applied, here: Window) -> NDArray[np.fl
     slowest = min(SLOWEST * lattice.falls_within(deepest), max(np.ptp(x), np.ptp(y)))
     relaxed = 2 / (1 + np.pi * min(lattice.steps) / slowest)
     law = lattice.law, lattice.per_metre
-    swept = settled(w, least, right, up, load, *law, relaxed, STILL * deepest, MOST_SWEEPS)
+    swept = settled(w, least, right, up, load, *law, relaxed, still * deepest, MOST_SWEEPS)
     if swept > MOST_SWEEPS:
         raise ToleranceError(f"a press by {deepest:g} m: the foam beside it does not come to rest")
     return w
@@ -85,10 +100,9 @@ def _first(
     return found
 
 
-def _rises(lattice: Lattice, w: NDArray[np.float64], here: Window) -> NDArray[np.float64]:
-    """Of c in the mean of the skin in each cell of a window, shape (row, column)."""
+def in_cells(lattice: Lattice, rise: NDArray[np.float64], here: Window) -> NDArray[np.float64]:
+    """The mean over the skin in each cell of a window, of what nodes have, shape (row, column)."""
     part = lattice.part[lattice.nodes(here)]
-    rise = lattice.mechanics.factor(w / lattice.thickness) - 1
     area, total = _summed(lattice, part), _summed(lattice, part * rise)
     return np.divide(total, area, out=np.zeros_like(total), where=area > 0)
 
@@ -101,12 +115,12 @@ def _summed(lattice: Lattice, values: NDArray[np.float64]) -> NDArray[np.float64
 
 def _groups(lattice: Lattice, applied: Applied) -> list[Applied]:
     """The applicators, those together of which one is felt where another is."""
-    if len(applied.depth) > 1 and _apart(lattice, applied):
+    if len(applied.depth) > 1 and apart(lattice, applied):
         return [Applied(*(each[[k]] for each in applied)) for k in range(len(applied.depth))]
     return [applied] if len(applied.depth) else []
 
 
-def _apart(lattice: Lattice, applied: Applied) -> bool:
+def apart(lattice: Lattice, applied: Applied) -> bool:
     """Whether no two of the applicators are felt at one place."""
     far = [lattice.reach(depth) for depth in applied.depth]
     low = applied.boxes[:, ::2] - np.array(far)[:, None]

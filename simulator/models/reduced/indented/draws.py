@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ....mesh.held import held
 from ....scene.scene import Scene
 from ....sweeps import InputError
 from ...varied.materials import gauged
@@ -45,18 +47,25 @@ def require_whole_pixels(scene: Scene, what: str) -> None:
 
 def apart(draw: Draw, scene: Scene) -> Draw:
     """The same draws, no deeper than applicators are known, and no pull; of touches on pixels that
-    meet only the first is left."""
+    meet only the first is left, and of those without skin none."""
+    on_skin = held(scene).part > 0
     columns, deep = scene.pixels.columns, {"depth": deepest(scene), "force": None}
     pressing = scene.press.model_copy(update=deep)
     most = scene.model_copy(update={"press": pressing}).pressed_factor - 1
 
     def drawn(random: np.random.Generator) -> Case:
         case = draw(random)
+        case = _only(case, on_skin[case.cells])
         row, column = np.divmod(case.cells, columns)
         away = [
             not any(max(abs(row[k] - row[m]), abs(column[k] - column[m])) <= 1 for m in range(k))
             for k in range(len(case.cells))
         ]
-        return replace(case, cells=case.cells[away], rises=np.clip(case.rises[away], 0.0, most))
+        left = _only(case, np.array(away, dtype=bool))
+        return replace(left, rises=np.clip(left.rises, 0.0, most))
 
     return drawn
+
+
+def _only(case: Case, kept: NDArray[np.bool_]) -> Case:
+    return replace(case, cells=case.cells[kept], rises=case.rises[kept])

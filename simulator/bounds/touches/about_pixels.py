@@ -1,0 +1,191 @@
+"""Touches of a size about the middles of pixels, as strong as is asked, on the cells of a grid.
+
+By depth what a touch does to a cell is a smooth function of its depth: it runs through those of
+Chebyshev's depths, twice as many of which tell how far it is off.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebvander
+from numpy.typing import NDArray
+
+from ...mesh.held import held
+from ...models.mechanics.lattice.presses import Applied, Window, apart, raised
+from ...models.mechanics.lattice.skin import Lattice
+from ...press.batch import PressBatch
+from ...scene.planar import covered
+from ...scene.scene import Scene
+from ...sweeps import ToleranceError
+from .cells import Array, Place
+from .deep import Deep, around, by_depth
+
+FIRST, MOST = 4, 64
+"""Steps of Chebyshev's depths."""
+RTOL = 1e-4
+"""Of the largest rise of a cell: what is left of it between those depths."""
+NO_APPLICATOR = Applied(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
+Index = NDArray[np.int64]
+
+
+class AboutPixels(Protocol):
+    """Squares about the middles of a scene's pixels."""
+
+    def laid(self, batch: PressBatch, /) -> PressBatch:
+        """Touches of pixels by rises, as those of cells."""
+        ...
+
+
+def about_pixels(scene: Scene, grid: tuple[int, int], size: float, strongest: float) -> AboutPixels:
+    """Of a side in m, on so many rows and columns of cells; no rise is more than `strongest`."""
+    if by_depth(scene):
+        return DeepOnes(scene, grid, size, strongest)
+    return SharpOnes(scene, grid, size)
+
+
+def middles(scene: Scene) -> list[Place]:
+    """Of the skin of each pixel, m."""
+    if not scene.skin.rectangular:
+        return [(float(x), float(y)) for x, y in held(scene).middle.T]
+    skin, (rows, columns) = scene.skin, scene.pixels.shape
+    x, y = (
+        (np.arange(count) + 0.5) * side / count
+        for side, count in ((skin.length, columns), (skin.width, rows))
+    )
+    return [(u, v) for v in y.tolist() for u in x.tolist()]
+
+
+class SharpOnes:
+    """Touches that end at their edges; overlapping ones multiply."""
+
+    def __init__(self, scene: Scene, grid: tuple[int, int], size: float) -> None:
+        self._scene, self._grid, self._size = scene, grid, size
+
+    def laid(self, batch: PressBatch) -> PressBatch:
+        """As of `AboutPixels`."""
+        factors = np.ones((batch.count, self._covers.shape[1]))
+        np.multiply.at(
+            factors, _presses(batch), 1 + batch.rises[:, None] * self._covers[batch.cells]
+        )
+        return PressBatch.on_grid(factors - 1)
+
+    @cached_property
+    def _covers(self) -> Array:
+        """What part of each cell the touch of each pixel covers, shape (pixel, cell)."""
+        skin, (rows, columns) = self._scene.skin, self._grid
+        x, y = np.linspace(0, skin.length, columns + 1), np.linspace(0, skin.width, rows + 1)
+        half = self._size / 2
+        each = (
+            np.multiply.outer(covered(v - half, v + half, y), covered(u - half, u + half, x))
+            for u, v in middles(self._scene)
+        )
+        return np.stack([own.ravel() for own in each])
+
+
+class _Depths(NamedTuple):
+    """What touches of a pixel do in a window of cells, of depths up to `deepest` in m.
+
+    series: of Chebyshev's polynomials, shape (polynomial, row, column).
+    """
+
+    here: Window
+    deepest: float
+    series: Array
+
+    @classmethod
+    def through(cls, here: Window, deepest: float, rises: Array) -> _Depths:
+        """Of rises at `_chebyshev`'s depths, shape (depth, row, column)."""
+        steps = len(rises) - 1
+        at_depths = chebvander(_chebyshev(steps, 2.0) - 1, steps)
+        flat = np.linalg.solve(at_depths, rises.reshape(len(rises), -1))
+        return cls(here, deepest, flat.reshape(rises.shape).astype(np.float64))
+
+    def at(self, depth: Array) -> Array:
+        """Rises, shape (depth, row, column)."""
+        each = chebvander(2 * depth / self.deepest - 1, len(self.series) - 1)
+        return np.tensordot(each, self.series, 1)
+
+
+class DeepOnes:
+    """Touches by depth. Where touches are felt at one place, each such press is solved for."""
+
+    def __init__(self, scene: Scene, grid: tuple[int, int], size: float, strongest: float) -> None:
+        self._scene, self._deep = scene, Deep(scene, grid, (size, size))
+        self._strongest, self._middles = strongest, middles(scene)
+        self._known: dict[int, _Depths] = {}
+
+    def laid(self, batch: PressBatch) -> PressBatch:
+        """As of `AboutPixels`. Raises InputError where the foam cannot be pressed so far, and
+        ToleranceError where rises are not told by few depths."""
+        press, depth = _presses(batch), self._scene.pressed_depths(1 + batch.rises)
+        rises = np.zeros((batch.count, *self._deep.lattice.grid))
+        for pixel in np.unique(batch.cells).tolist():
+            own, known = np.flatnonzero(batch.cells == pixel), self._of(pixel)
+            rises[:, *known.here][press[own]] += known.at(depth[own])
+        rises = rises.reshape(batch.count, -1)
+        for number in np.flatnonzero(np.diff(batch.starts) > 1).tolist():
+            applied = self.applied(*batch.one(number))
+            if len(applied.depth) > 1 and not apart(self._deep.lattice, applied):
+                found = raised(self._deep.lattice, applied)
+                rises[number] = 0.0
+                rises[number, found.cells] = found.rises
+        return PressBatch.on_grid(rises)
+
+    @property
+    def lattice(self) -> Lattice:
+        """What they are solved on."""
+        return self._deep.lattice
+
+    def applied(self, pixels: Index, rises: Array) -> Applied:
+        """Touches of pixels as applicators."""
+        each = [
+            self._deep.applied(self._middles[pixel], rise, beyond=0.0)
+            for pixel, rise in zip(pixels.tolist(), rises.tolist(), strict=True)
+            if rise > 0
+        ]
+        return Applied(*(np.concatenate(own) for own in zip(NO_APPLICATOR, *each, strict=True)))
+
+    def _of(self, pixel: int) -> _Depths:
+        if pixel not in self._known:
+            self._known[pixel] = self._through(self._middles[pixel])
+        return self._known[pixel]
+
+    def _through(self, place: Place) -> _Depths:
+        """Of twice as many depths as tell those between them to RTOL."""
+        here, deepest = self._window(place), self._scene.pressed_depth(1 + self._strongest)
+        steps, rises = FIRST, self._at(place, here, _chebyshev(FIRST, deepest))
+        while steps <= MOST:
+            between = _chebyshev(2 * steps, deepest)[1::2]
+            known, found = _Depths.through(here, deepest, rises), self._at(place, here, between)
+            off = np.abs(known.at(between) - found).max()
+            rises = np.insert(rises, np.arange(1, steps + 1), found, axis=0)
+            if off <= RTOL * max(np.abs(rises).max(), RTOL):
+                return _Depths.through(here, deepest, rises)
+            steps *= 2
+        raise ToleranceError(
+            f"{self._scene.name}: what touches by depth do does not follow from that of {MOST} "
+            f"depths up to {deepest:.4g} m: {off:.1e}"
+        )
+
+    def _window(self, place: Place) -> Window:
+        """The cells that touches of any of the depths are felt in."""
+        rises = np.linspace(0.0, self._strongest, FIRST + 1)[1:].tolist()
+        return around([self._deep.window(place, rise) for rise in rises])
+
+    def _at(self, place: Place, here: Window, depth: Array) -> Array:
+        """Rises of the cells of a window at depths in m, shape (depth, row, column)."""
+        rise = (self._scene.pressed_factors(depth) - 1).tolist()
+        return np.stack([self._deep.rises(place, own, here) for own in rise])
+
+
+def _presses(batch: PressBatch) -> Index:
+    """To which press each touch belongs."""
+    return np.repeat(np.arange(batch.count), np.diff(batch.starts))
+
+
+def _chebyshev(steps: int, deepest: float) -> Array:
+    """Depths from `deepest` to 0, m; those of half as many steps are every second one."""
+    return deepest * (1 + np.cos(np.pi * np.arange(steps + 1) / steps)) / 2

@@ -1,0 +1,68 @@
+"""Touches that end at their edges, laid on cells by the area that they cover."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.planar import SAME_LINE, covered
+from ..fields import TouchSize
+
+Array = NDArray[np.float64]
+Place = tuple[float, float]
+
+
+class Laid(NamedTuple):
+    """c over that at rest, and how that changes with x and y [1/m] and with the rise under the
+    touch, by name; each of shape (row, column)."""
+
+    factors: Array
+    changes: dict[str, Array]
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Lines of a grid across x and y, m."""
+
+    x: Array
+    y: Array
+
+    @classmethod
+    def of(cls, length: float, width: float, grid: tuple[int, int]) -> Cells:
+        """A uniform grid of so many rows and columns over a skin."""
+        return cls(np.linspace(0, length, grid[1] + 1), np.linspace(0, width, grid[0] + 1))
+
+    def raised(self, place: Place, touch: TouchSize) -> dict[str, Array]:
+        """How c over that at rest changes with x and y [1/m] and with the rise; (row, column)."""
+        along, by_x = covered_about(self.x, place[0], touch.width)
+        across, by_y = covered_about(self.y, place[1], touch.height)
+        return {
+            "x": touch.rise * np.multiply.outer(across, by_x),
+            "y": touch.rise * np.multiply.outer(by_y, along),
+            "strength": np.multiply.outer(across, along),
+        }
+
+    def laid(self, place: Place, touch: TouchSize) -> Laid:
+        """A touch about a place, m."""
+        changes = self.raised(place, touch)
+        return Laid(1 + touch.rise * changes["strength"], changes)
+
+
+def covered_about(lines: Array, middle: float, size: float) -> tuple[Array, Array]:
+    """Fraction of each interval that a span covers, and its derivative by the span's middle, 1/m.
+
+    An end of the span at an end of the skin, or beyond it, does not move.
+    """
+    start, stop = middle - size / 2, middle + size / 2
+    return covered(start, stop, lines), _at(lines, stop) - _at(lines, start)
+
+
+def _at(lines: Array, end: float) -> Array:
+    rounding, slope = SAME_LINE * lines[-1], np.zeros(len(lines) - 1)
+    if rounding < end < lines[-1] - rounding:
+        cell = int(np.searchsorted(lines, end, side="right")) - 1
+        slope[cell] = 1 / (lines[cell + 1] - lines[cell])
+    return slope

@@ -1,0 +1,152 @@
+"""Touches pressed by depth into foam whose skins have a tension, on the cells of a grid.
+
+A cell rises by the mean of the factor over its skin, of the deflection on an even lattice; see
+`models.mechanics.lattice`. The strength of a touch is the rise under it.
+
+With its place a touch changes c within cells, and by as much up as down: what it changes at a node
+goes to the cells about it as if potentials ran straight from middle to middle. By the mean of each
+cell alone, slopes by place would be off by a tenth and more where a touch is a few cells wide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from ...models.mechanics.lattice.presses import (
+    Applied,
+    Window,
+    in_cells,
+    rises_at_nodes,
+    rises_within,
+    window,
+)
+from ...models.mechanics.lattice.skin import Lattice, lattice_of
+from ...models.mechanics.pressed import check_plane
+from ...models.reduced.indented.draws import spreads
+from ...scene.scene import Scene
+from ..fields import TouchSize
+from .cells import Array, Cells, Laid, Place
+from .shared import shared_by_cells
+
+STRIDE = 1
+"""Steps of the lattice by which a touch is moved each way to see how c changes with its place: then
+all three lie alike among the nodes."""
+STILL = 1e-7
+"""Of the depth: what the last sweep may move a node by, where presses are subtracted."""
+PART = 0.01
+"""Of the rise under a touch, the same for its strength."""
+SAME = 1e-6
+"""Of a step: places that are told apart. Applicators reach so much farther, lest rounding decide
+whether one holds the nodes on its edge: its corners would come and go."""
+
+
+class Deep:
+    """Rectangles of one size on a scene, anywhere."""
+
+    def __init__(
+        self, scene: Scene, grid: tuple[int, int], sides: tuple[float, float], stride: int = STRIDE
+    ) -> None:
+        """sides: of a touch along x and y, m. stride: see STRIDE. Raises InputError where the skin
+        is no plane."""
+        check_plane(scene.skin)
+        self._scene, self._sides, self._stride = scene, sides, stride
+        self.lattice: Lattice = lattice_of(scene, grid, min(sides))
+        self._known: dict[tuple[object, ...], Array] = {}
+
+    def laid(self, place: Place, touch: TouchSize) -> Laid:
+        """A touch about a place, m. Raises InputError where the foam cannot be pressed so far, and
+        ToleranceError where it does not come to rest."""
+        (x, y), rise = place, touch.rise
+        step_x, step_y = np.multiply(self._stride, self.lattice.steps).tolist()
+        corners = [(x + i * step_x, y + j * step_y) for i in (-1, 1) for j in (-1, 1)]
+        here = around([self.window(corner, rise) for corner in corners])
+
+        def found() -> Array:
+            ends = rise * (1 - PART), min(rise * (1 + PART), self._scene.most_factor - 1)
+            own = self._at_nodes(place, rise, here)
+            each = [in_cells(self.lattice, own, here)]
+            for by_x, by_y in ((step_x, 0.0), (0.0, step_y)):
+                ahead, behind = (
+                    self._at_nodes((x + side * by_x, y + side * by_y), rise, here)
+                    for side in (1, -1)
+                )
+                slope = (ahead - behind) / (2 * (by_x + by_y))
+                each.append(shared_by_cells(self.lattice, slope, here))
+            weak, strong = (self._at_nodes(place, end, here) for end in ends)
+            slope = (strong - weak) / (ends[1] - ends[0])
+            return np.stack([*each, in_cells(self.lattice, slope, here)])
+
+        rises, by_x, by_y, by_strength = self._everywhere(
+            self._alike("laid", self.applied(place, rise), here, found), here
+        )
+        return Laid(1 + rises, {"x": by_x, "y": by_y, "strength": by_strength})
+
+    def applied(self, place: Place, rise: float, beyond: float = SAME) -> Applied:
+        """The applicator, under which c rises by so much. beyond: how much farther it reaches, in
+        steps. Raises InputError as `laid`."""
+        (x, y), steps = place, np.array(self.lattice.steps)
+        wide, high = np.divide(self._sides, 2) + beyond * steps
+        box = [[x - wide, x + wide, y - high, y + high]]
+        return Applied(np.array(box), np.zeros(1), np.array([self._scene.pressed_depth(1 + rise)]))
+
+    def window(self, place: Place, rise: float) -> Window:
+        """The cells that a touch is felt in."""
+        return window(self.lattice, self.applied(place, rise))
+
+    def rises(self, place: Place, rise: float, here: Window) -> Array:
+        """Of c in the cells of a window by a touch, shape (row, column)."""
+        applied = self.applied(place, rise)
+        if not rise:
+            return np.zeros([part.stop - part.start for part in here])
+        return self._alike(
+            "rises", applied, here, lambda: rises_within(self.lattice, applied, here)
+        )
+
+    def _at_nodes(self, place: Place, rise: float, here: Window) -> Array:
+        return rises_at_nodes(self.lattice, self.applied(place, rise), here, STILL)
+
+    def _alike(
+        self, what: str, applied: Applied, here: Window, found: Callable[[], Array]
+    ) -> Array:
+        """What is found of a touch in a window; on a rectangle it is that of any touch that lies in
+        its window as this one does."""
+        if not self._scene.skin.rectangular:
+            return found()
+        rows, columns = here
+        step = np.repeat(self.lattice.steps, 2)
+        first = np.repeat([columns.start, rows.start], 2) * np.repeat(self.lattice.within, 2)
+        lies = np.rint((applied.boxes[0] / step - first) / SAME).astype(np.int64).tolist()
+        sizes = rows.stop - rows.start, columns.stop - columns.start
+        key = what, *lies, *sizes, float(applied.depth[0])
+        if key not in self._known:
+            self._known[key] = found()
+        return self._known[key]
+
+    def _everywhere(self, found: Array, here: Window) -> Array:
+        """From the cells of a window to all, shape (..., row, column)."""
+        every = np.zeros((*found.shape[:-2], *self.lattice.grid))
+        every[..., *here] = found
+        return every
+
+
+def around(windows: Sequence[Window]) -> Window:
+    """The window that holds all of these."""
+    rows, columns = (
+        slice(min(part.start for part in own), max(part.stop for part in own))
+        for own in zip(*windows, strict=True)
+    )
+    return rows, columns
+
+
+def by_depth(scene: Scene) -> bool:
+    """Whether touches press by a depth that is felt beside them."""
+    return not scene.press.plain and spreads(scene)
+
+
+def touches_on(scene: Scene, grid: tuple[int, int], touch: TouchSize) -> Cells | Deep:
+    """How touches of a size are laid on a grid of so many rows and columns over a scene."""
+    if by_depth(scene):
+        return Deep(scene, grid, (touch.width, touch.height))
+    return Cells.of(scene.skin.length, scene.skin.width, grid)

@@ -1,0 +1,48 @@
+"""What nodes of a lattice have, shared by the cells about each."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.mechanics.lattice.presses import Window, in_cells
+from ...models.mechanics.lattice.skin import Lattice
+
+Array = NDArray[np.float64]
+
+
+def shared_by_cells(lattice: Lattice, values: Array, here: Window) -> Array:
+    """As `in_cells`, in a window, with the value of a node where cells are straight functions.
+
+    A function that is straight from one cell's middle to the next gives with the cells' numbers
+    what it gives with those of the nodes. A node beside which a cell holds no skin counts in its
+    own cell alone.
+    """
+    (along, across), (rows, columns) = lattice.within, here
+    by_x = _weights(columns.stop - columns.start, along)
+    by_y = _weights(rows.stop - rows.start, across)
+    part = lattice.part[lattice.nodes(here)]
+    skin = in_cells(lattice, np.ones_like(part), here)
+    amid = np.isclose(by_y @ skin @ by_x.T, 1.0)
+    area = _own(len(skin), across).T @ part @ _own(skin.shape[1], along)
+    total = by_y.T @ (part * np.where(amid, values, 0.0)) @ by_x
+    shared = np.divide(total, area, out=np.zeros_like(total), where=area > 0)
+    return shared + in_cells(lattice, np.where(amid, 0.0, values), here)
+
+
+def _own(cells: int, within: int) -> Array:
+    """Which cell each node lies in, shape (node, cell)."""
+    return np.repeat(np.eye(cells), within, axis=0)
+
+
+def _weights(cells: int, within: int) -> Array:
+    """Of the cells' middles at each node, straight beyond the first and the last as well, shape
+    (node, cell)."""
+    if cells == 1:
+        return np.ones((within, 1))
+    at = (np.arange(cells * within) + 0.5) / within - 0.5
+    first = np.clip(np.floor(at).astype(np.int64), 0, cells - 2)
+    found = np.zeros((len(at), cells))
+    node = np.arange(len(at))
+    found[node, first], found[node, first + 1] = first + 1 - at, at - first
+    return found

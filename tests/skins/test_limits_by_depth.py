@@ -1,0 +1,194 @@
+"""Limits of touches that press by depth: the foam beside them gives way, too."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rcskin import __main__ as rcskin
+from rcskin.simulator.bounds.fields import Fields, TouchSize
+from rcskin.simulator.bounds.information import error_model, in_noise, session_errors
+from rcskin.simulator.bounds.position import chosen_touch, errors_of_places, position_slopes
+from rcskin.simulator.bounds.readings import Readings
+from rcskin.simulator.bounds.touches.about_pixels import DeepOnes
+from rcskin.simulator.bounds.touches.cells import Cells
+from rcskin.simulator.bounds.touches.deep import Deep
+from rcskin.simulator.bounds.touches.shared import shared_by_cells
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.limits import bayes_accuracy
+from rcskin.simulator.measure.experiment import own_presses
+from rcskin.simulator.models.mechanics.lattice.presses import raised
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.batch import PressBatch
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.files import load_scene, scene_text
+from typer.testing import CliRunner
+
+SIDE = 0.12
+DEPTH = 2e-3
+NOISE = {"readout.magnitude_noise": 3e-3, "readout.phase_noise": 3e-3}
+FEW = {"sweep": {"frequencies": [1e3, 2e4, 2e5]}}
+
+
+@pytest.fixture(scope="module")
+def foam():
+    return load_scene("foam").with_({"pixels": 3, **FEW, **NOISE})
+
+
+def pressed_at(scene, touch, solver, x, y, rise):
+    depth = scene.pressed_depth(1 + rise)
+    text = f"rect({x!r},{y!r},{touch.width!r},{touch.height!r}):{depth!r}m"
+    return solver.solve(parse_press(text, np.nan)).Z
+
+
+@pytest.mark.parametrize(("size", "cells"), [(0.012, 13), (None, 4)])
+def test_slopes_and_bounds_are_those_of_differences_of_the_full_model(foam, size, cells):
+    scene = foam.with_({"sweep": {"frequencies": [2e4, 6e4, 2e5]}})
+    touch, solver, frequency = chosen_touch(scene, size), Solver(scene, 1e-5), scene.frequencies
+    fields = Fields(scene, float(frequency[-1]), cells)
+    deep = Deep(scene, fields.grid, (touch.width, touch.height))
+    x, y, rise, step = 0.0683, 0.0552, touch.rise, 1.5e-3
+    found = fields.respond(*deep.laid((x, y), touch), frequency)
+
+    def impedance(dx, dy, more):
+        return pressed_at(scene, touch, solver, x + dx, y + dy, rise * (1 + more))
+
+    expected = {
+        "x": (impedance(step, 0, 0) - impedance(-step, 0, 0)) / (2 * step),
+        "y": (impedance(0, step, 0) - impedance(0, -step, 0)) / (2 * step),
+        "strength": (impedance(0, 0, 0.02) - impedance(0, 0, -0.02)) / (0.04 * rise),
+    }
+    largest = max(np.abs(expected[name]).max() for name in ("x", "y"))
+    for name, slope in expected.items():
+        scale = largest if name != "strength" else np.abs(slope).max()
+        assert np.abs(found.by[name] - slope).max() < 0.05 * scale
+    told = position_slopes(fields, [(x, y)], touch, frequency)
+    model = error_model(scene, len(frequency))
+    own = in_noise(impedance(0, 0, 0), list(expected.values()), model)
+    by = np.concatenate([own, session_errors(model)[0]], axis=-1)[None]
+    truth = replace(told, by=by).bounds()
+    for name in ("x", "strength"):
+        value = getattr(truth, name)
+        np.testing.assert_allclose(getattr(told.bounds(), name), value, rtol=0.1)
+
+
+def test_a_foam_whose_skins_hardly_pull_is_pressed_as_by_factors(foam):
+    loose = foam.with_(
+        {"skin.foam.mechanics.tension": 2e-3, "skin.length": 0.03, "skin.width": 0.03}
+    )
+    touch = TouchSize(0.01, 0.01, 0.02)
+    sides = loose.skin.length, loose.skin.width
+    deep = Deep(loose, (12, 12), (touch.width, touch.height))
+    for place in ((0.0158, 0.0147), (0.0112, 0.016)):
+        found, sharp = deep.laid(place, touch), Cells.of(*sides, (12, 12)).laid(place, touch)
+        np.testing.assert_allclose(found.factors, sharp.factors, atol=0.1 * touch.rise)
+        total = sharp.changes["strength"].sum()
+        assert found.changes["strength"].sum() == pytest.approx(total, rel=0.08)
+        at = np.arange(12) + 0.5
+        moved = [(each.changes["x"] * at).sum() for each in (found, sharp)]
+        assert moved[0] == pytest.approx(moved[1], rel=0.08)
+
+
+def test_a_touch_of_a_pixels_size_has_the_limits_of_the_pixel(foam):
+    presses = own_presses(foam)
+    whole, laid = (Readings(foam, presses, size=size) for size in (None, SIDE / 3))
+    told = laid.laid_errors(presses)
+    assert whole.laid_errors(presses) is None and 0 < told.deflection < told.cells
+    batch = PressBatch.even(np.arange(9)[:, None], np.full((9, 1), foam.pressed_factor - 1))
+    own, other = whole._seen(batch), laid._seen(laid._laid(batch))
+    assert 0 < relative_difference(other, own).max() <= told.cells
+
+
+def test_errors_told_of_places_cover_those_of_others(foam):
+    touch, fields = chosen_touch(foam, 0.012), Fields(foam, float(foam.frequencies[-1]))
+    inside = np.linspace(0.006, SIDE - 0.006, 5).tolist()
+    told = errors_of_places(fields, [(x, y) for x in inside for y in inside], touch)
+    deep, solver = Deep(foam, fields.grid, (touch.width, touch.height)), Solver(foam, 1e-5)
+    for place in ((0.0071, 0.0082), (0.033, 0.0071), (0.1083, 0.0577)):
+        Z = fields.respond(deep.laid(place, touch).factors, {}, foam.frequencies).Z
+        exact = pressed_at(foam, touch, solver, *place, touch.rise)
+        assert relative_difference(Z, exact).max() <= told.cells
+    plain = foam.with_({"press": {"capacitance_factor": 2.0}})
+    assert errors_of_places(Fields(plain, 1e5), [(0.06, 0.06)], chosen_touch(plain)) is None
+
+
+def test_touches_of_any_depth_run_through_those_of_a_few(foam):
+    deep = DeepOnes(foam, (9, 9), 0.015, 2.0)
+    for touches in ([(0, 0.37)], [(4, 1.91)], [(0, 1.1), (1, 0.6)], [(0, 1.1), (8, 0.6)]):
+        cells, rises = (np.array(each) for each in zip(*touches, strict=True))
+        found = deep.laid(PressBatch.of([(cells, rises)])).one(0)
+        solved = raised(deep.lattice, deep.applied(cells, rises))
+        each = np.zeros((2, 81))
+        for own, laid in zip(each, (found, solved), strict=True):
+            own[laid.cells] = laid.rises
+        np.testing.assert_allclose(*each, atol=3e-4 * rises.max())
+
+
+def test_what_nodes_share_acts_on_straight_functions_as_the_nodes_do(foam):
+    lattice = Deep(foam, (12, 12), (0.02, 0.02)).lattice
+    here = slice(0, 12), slice(2, 9)
+    rows, columns = lattice.nodes(here)
+    values = np.random.default_rng(1).standard_normal(
+        (len(lattice.y[rows]), len(lattice.x[columns]))
+    )
+    shared = shared_by_cells(lattice, values, here)
+    nodes = np.prod(lattice.within)
+    cell = SIDE / 12
+    x, y = (np.arange(2, 9) + 0.5) * cell, (np.arange(12) + 0.5) * cell
+    for a, b in ((0, 0), (1, 0), (0, 1)):
+        by_cells = nodes * (shared * (1 + a * x + b * y[:, None])).sum()
+        by_nodes = (values * (1 + a * lattice.x[columns] + b * lattice.y[rows][:, None])).sum()
+        assert by_cells == pytest.approx(by_nodes, rel=1e-9)
+
+
+def test_pixels_without_skin_do_not_end_the_training(kinds):
+    mechanics = foam_of(load_scene("foam"))
+    scene = kinds["l with a hole"].with_({**mechanics, "pixels": 3, **FEW, **NOISE})
+    assert 0 < bayes_accuracy(scene, "pixel", draws=50)[0] <= 1
+
+
+def foam_of(scene):
+    own = scene.model_dump(mode="json", by_alias=True, exclude_none=True)
+    return {"skin.foam": own["skin"]["foam"], "press": {"depth": DEPTH}}
+
+
+def run(*arguments):
+    return CliRunner().invoke(rcskin.app, [str(each) for each in arguments])
+
+
+def test_limits_of_a_size_by_depth_are_told_with_their_errors(foam, tmp_path):
+    path = tmp_path / "foam.toml"
+    path.write_text(scene_text(foam.with_({"pixels": 2})), encoding="utf-8")
+    done = run("limits", path, "--size", 20, "--draws", 50, "-n", 2, "-o", tmp_path / "found")
+    assert done.exit_code == 0, done.output
+    assert done.output.count("touches by depth are laid on cells") == 2
+    assert "strength is that under the touch" in done.output
+    told = json.loads((tmp_path / "found" / "limits.json").read_text())
+    for errors in (told["position_laid"], told["accuracy"]):
+        assert 0 < errors["deflection_error"] <= errors["cells_error"] < 0.05
+
+
+def test_size_and_factor_reach_the_frequencies_for_pixels(foam, tmp_path):
+    path, told = tmp_path / "foam.toml", set()
+    path.write_text(scene_text(foam.with_({"pixels": 2})), encoding="utf-8")
+    asked = ("frequencies", path, "-n", 2, "--grid", 5, "--criterion", "column")
+    for more in ((), ("--size", 20), ("--factor", 1.5)):
+        done = run(*asked, *more)
+        assert done.exit_code == 0, done.output
+        told.add(done.stderr.splitlines()[0])
+    assert len(told) == 3
+
+
+def test_touches_that_lie_alike_are_solved_once(foam):
+    touch = chosen_touch(foam, 0.012)
+    fields = Fields(foam, float(foam.frequencies[-1]))
+    places = [(0.045, 0.055), (0.055, 0.055)]
+    fresh = [Deep(foam, fields.grid, (touch.width, touch.height)) for _ in places]
+    one = Deep(foam, fields.grid, (touch.width, touch.height))
+    for place, alone in zip(places, fresh, strict=True):
+        found, expected = one.laid(place, touch), alone.laid(place, touch)
+        np.testing.assert_allclose(found.factors, expected.factors, rtol=1e-6)
+        for name, change in expected.changes.items():
+            scale = np.abs(change).max()
+            np.testing.assert_allclose(found.changes[name], change, atol=1e-6 * scale)
+    assert len(one._known) == 1
