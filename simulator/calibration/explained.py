@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fem.galerkin import one_blas_thread
+from ..fem.factors import one_blas_thread
 from ..models.parameters import own_values
 from ..progress import Tell, tell_nothing
 from ..scene.scene import Scene

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from ..fem.galerkin import one_blas_thread
+from ..fem.factors import one_blas_thread
 from ..progress import Tell, tell_nothing
 from ..scene.meter import Readout
 from ..sweeps import InputError

@@ -13,7 +13,7 @@ from ..bounds.fields.pressed import PressedSkin
 from ..bounds.information import in_noise, session_errors
 from ..bounds.position import WANTED, Slopes, chosen_touch, places_on
 from ..bounds.touches.cells import Cells, Place
-from ..fem.galerkin import one_blas_thread
+from ..fem.factors import one_blas_thread
 from ..measure.readout import errors_of
 from ..models.reduced.cases import Case
 from ..scene.frequency import laplace_variable

@@ -24,7 +24,7 @@ from skfem.assembly import Basis, FacetBasis
 from skfem.assembly.basis import AbstractBasis
 
 from ..mesh.rings import Cells
-from .dropped import DROPPED
+from .pattern import DROPPED
 from .warming import Warming
 
 EXTRA_ORDER = 40

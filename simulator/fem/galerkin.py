@@ -11,20 +11,17 @@ stiff film on a small deviation, and no small difference of large numbers.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import AbstractContextManager
-from functools import cache, cached_property
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import SuperLU, splu
-from threadpoolctl import ThreadpoolController
+from scipy.sparse.linalg import SuperLU
 
-from ..sweeps import ToleranceError
 from .circuit import Circuit, Drive
 from .driven import Driven, Unshifted, driven_by, potentials, shifted, unshifted_together
-from .lanczos import MOST_STEPS, Pencil, Pencils, Steps, respond
+from .factors import Factors, factorised, without_zeros
+from .lanczos import MOST_STEPS, KeptSteps, Pencil, Pencils, Steps, respond
 from .network import Network
 from .system import Films, System
 
@@ -171,15 +168,15 @@ class Galerkin:
 
     def _shifted(self, s: complex, mass: csc_matrix) -> SuperLU:
         """Factors of the inner block of K + s M. mass: of this space."""
-        return _factorised(self._block.matrix(self.K.data + s * self._inner(mass).data))
+        return factorised(self._block.matrix(self.K.data + s * self._inner(mass).data))
 
     @cached_property
     def _factor(self) -> SuperLU:
-        return _factorised(without_zeros(self.K) if self._system.fields_apart else self.K)
+        return factorised(without_zeros(self.K) if self._system.fields_apart else self.K)
 
     @cached_property
-    def _factors(self) -> _Factors:
-        return _Factors(self._factor)
+    def _factors(self) -> Factors:
+        return Factors(self._factor)
 
     def _terminal_lift(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """G, shape (inner + terminals, terminals), and G'KG in S, shape (terminals, terminals).
@@ -215,74 +212,9 @@ class Galerkin:
         return np.vstack([inner, np.eye(terminals)]), conductance
 
 
-def _factorised(matrix: csc_matrix) -> SuperLU:
-    """LU without pivoting: stable, because real and imaginary part are positive semidefinite.
-
-    Raises ToleranceError where the factors outgrow what SuperLU can address.
-    """
-    try:
-        return splu(
-            matrix,
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True, "Equil": False},
-        )
-    except MemoryError as error:
-        raise ToleranceError(f"{len(matrix.indptr) - 1} unknowns: too many to factorise") from error
-
-
-def without_zeros(matrix: csc_matrix) -> csc_matrix:
-    """The same in a pattern of its own: that of a system holds what K has not, between fields."""
-    own = matrix.copy()
-    own.eliminate_zeros()
-    return own
-
-
-FEWEST_SIDES, FEWEST_ENTRIES = 3, 100_000
-"""Right-hand sides, and entries of the factors, from which on one pass pays."""
-
-
-class _Factors:
-    """What SuperLU has factorised; its own `solve` is the readable twin."""
-
-    def __init__(self, lu: SuperLU) -> None:
-        self._lu = lu
-
-    @cached_property
-    def _both(self) -> list[tuple[NDArray, NDArray, NDArray]]:
-        """L and U by columns, as the kernel takes them."""
-        both: tuple[Any, Any] = self._lu.L, self._lu.U
-        ordered = (each.sorted_indices() for each in both)
-        return [(each.indptr, each.indices, each.data) for each in ordered]
-
-    def solve(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """A^-1 y. y: shape (unknown, ...)."""
-        if y.ndim == 1 or y.shape[1] < FEWEST_SIDES or self._lu.nnz < FEWEST_ENTRIES:
-            return self._lu.solve(y)
-        from .kernels import substitute
-
-        x = np.empty(y.shape)
-        x[self._lu.perm_r] = y
-        lower, upper = self._both
-        substitute(lower, upper, x)
-        return x[self._lu.perm_c]
-
-
 REACH = 10.0
 KEPT_NUMBERS = 2_000_000
 """Of the vectors of a sweep, at most."""
-
-
-class Kept:
-    """The steps about zero of a sweep's drives, and up to which |s| in rad/s they are close."""
-
-    def __init__(self) -> None:
-        self.steps = dict[Drive, tuple[Steps, float]]()
-
-    def of(self, drive: Drive, s: NDArray[np.float64]) -> Steps | None:
-        """Those of a drive if they are close at all s."""
-        steps, reach = self.steps.get(drive, (None, 0.0))
-        return steps if s.max() <= reach else None
 
 
 def swept(
@@ -291,7 +223,7 @@ def swept(
     drives: Sequence[Drive],
     s: NDArray[np.complex128],
     rtol: float,
-    kept: Kept | None = None,
+    kept: KeptSteps | None = None,
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
     """Z in ohm of each drive at each s in rad/s, and its relative error. mass: M in F."""
     fits = MOST_STEPS * space.inner * len(drives) <= KEPT_NUMBERS
@@ -306,7 +238,7 @@ def _driven(
     drive: Drive,
     s: NDArray[np.complex128],
     rtol: float,
-    kept: Kept | None,
+    kept: KeptSteps | None,
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
     """Y and its relative error: real solves about zero, then about shifts for what those leave."""
     steps = None if kept is None else Steps()
@@ -320,13 +252,3 @@ def _driven(
         Y[left], error[left] = respond(space.pencil(mass, drive, shift), s[left], rtol)
         left = left[1:][error[left[1:]] > rtol]
     return Y, error
-
-
-def one_blas_thread() -> AbstractContextManager:
-    """Blocks of sparse factors are too small to share: a second thread would only wait and spin."""
-    return _blas().limit(limits=1, user_api="blas")
-
-
-@cache
-def _blas() -> ThreadpoolController:
-    return ThreadpoolController()

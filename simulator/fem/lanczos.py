@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .circuit import Drive
 from .estimate import LOST_SUSCEPTANCE, lost_digits
 from .warming import Warming
 
@@ -208,6 +209,18 @@ class Steps:
         start = np.eye(len(T), 1) * np.sqrt(self.squared[0])
         solved = np.linalg.solve(np.eye(len(T)) + shifts[:, None, None] * T, start)[:, :, 0]
         return np.ascontiguousarray((-shifts[:, None] * solved).T)
+
+
+class KeptSteps:
+    """The steps about zero of a sweep's drives, and up to which |s| in rad/s they are close."""
+
+    def __init__(self) -> None:
+        self.steps = dict[Drive, tuple[Steps, float]]()
+
+    def of(self, drive: Drive, s: NDArray[np.float64]) -> Steps | None:
+        """Those of a drive if they are close at all s."""
+        steps, reach = self.steps.get(drive, (None, 0.0))
+        return steps if s.max() <= reach else None
 
 
 class _Spanned:

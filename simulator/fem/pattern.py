@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from .dropped import DROPPED
 from .warming import Warming
 
+DROPPED = -1
+"""What stands for a pair or an unknown that is left out."""
 TABLE = 32
 """Times the keys: how many may be in a table, which then takes less time than to sort the keys."""
 

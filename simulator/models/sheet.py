@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from ..fem.circuit import Circuit
-from ..fem.galerkin import Galerkin, one_blas_thread, swept
+from ..fem.factors import one_blas_thread
+from ..fem.galerkin import Galerkin, swept
 from ..fem.network import Network
 from ..fem.system import build_system
 from ..mesh.quadrilaterals import Resolution, tile_lines

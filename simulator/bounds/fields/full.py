@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from ...fem.circuit import Drive
-from ...fem.galerkin import Galerkin, one_blas_thread
+from ...fem.factors import one_blas_thread
+from ...fem.galerkin import Galerkin
 from ...fem.lanczos import Pencil, potentials, respond
 from ...models.parameters import by_sheets, of_parts
 from ...models.reduced.family import Weights, weights_under

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.circuit import two_fields
-from ...fem.galerkin import one_blas_thread
+from ...fem.factors import one_blas_thread
 from ...models.network.terminals import read, with_chain
 from ...models.parameters import by_sheets
 from ...models.reduced.cases import Case

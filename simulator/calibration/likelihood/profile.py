@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from ...fem.galerkin import one_blas_thread
+from ...fem.factors import one_blas_thread
 from ..fit import INSIDE, Fit
 from .law import Interval, Law
 

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.galerkin import one_blas_thread
+from ...fem.factors import one_blas_thread
 from ...press.at_random import random_presses
 from ...press.batch import PressBatch, TouchedCells
 from ...press.capacitance import touched_cells

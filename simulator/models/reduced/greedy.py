@@ -18,7 +18,8 @@ from scipy.linalg import block_diag
 from scipy.sparse import csc_matrix
 
 from ...fem.estimate import relative_difference
-from ...fem.galerkin import Galerkin, one_blas_thread, without_zeros
+from ...fem.factors import one_blas_thread, without_zeros
+from ...fem.galerkin import Galerkin
 from ...fem.lanczos import potentials_of_all
 from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ...fem.circuit import Circuit
 from ...fem.driven import driven_by
-from ...fem.galerkin import one_blas_thread
+from ...fem.factors import one_blas_thread
 from ...fem.system import System
 from ...press.batch import PressBatch
 from ...press.capacitance import touched_cells

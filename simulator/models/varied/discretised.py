@@ -17,7 +17,9 @@ from ...fem.estimate import (
     frequencies_around,
     relative_difference,
 )
-from ...fem.galerkin import Galerkin, Kept, one_blas_thread, swept
+from ...fem.factors import one_blas_thread
+from ...fem.galerkin import Galerkin, swept
+from ...fem.lanczos import KeptSteps
 from ...fem.quadrature import interpolated
 from ...fem.unknowns import on_cells
 from ...mesh.refining.graded import fewest
@@ -37,7 +39,7 @@ class Solved:
     space: Galerkin
     system: PressedSystem
     elements: Elements
-    kept: Kept = dataclasses.field(default_factory=Kept)
+    kept: KeptSteps = dataclasses.field(default_factory=KeptSteps)
 
     def under(self, circuit: Circuit, coefficients: Coefficients) -> Solved:
         """Of another press on the same mesh: but for gauges only the capacitance is another."""
@@ -46,7 +48,7 @@ class Solved:
             space = Galerkin(system, circuit, self.elements.order)
             return Solved(space, system, self.elements)
         mass = foam(circuit, self.elements, coefficients, self.system.unknowns)
-        return replace(self, system=replace(self.system, mass=mass), kept=Kept())
+        return replace(self, system=replace(self.system, mass=mass), kept=KeptSteps())
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,77 @@
+"""Sparse factors: of what SuperLU factorised, many right-hand sides in one pass."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+from functools import cache, cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import SuperLU, splu
+from threadpoolctl import ThreadpoolController
+
+from ..sweeps import ToleranceError
+
+FEWEST_SIDES, FEWEST_ENTRIES = 3, 100_000
+"""Right-hand sides, and entries of the factors, from which on one pass pays."""
+
+
+def factorised(matrix: csc_matrix) -> SuperLU:
+    """LU without pivoting: stable, because real and imaginary part are positive semidefinite.
+
+    Raises ToleranceError where the factors outgrow what SuperLU can address.
+    """
+    try:
+        return splu(
+            matrix,
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True, "Equil": False},
+        )
+    except MemoryError as error:
+        raise ToleranceError(f"{len(matrix.indptr) - 1} unknowns: too many to factorise") from error
+
+
+def without_zeros(matrix: csc_matrix) -> csc_matrix:
+    """The same in a pattern of its own: that of a system holds what K has not, between fields."""
+    own = matrix.copy()
+    own.eliminate_zeros()
+    return own
+
+
+class Factors:
+    """What SuperLU has factorised; its own `solve` is the readable twin."""
+
+    def __init__(self, lu: SuperLU) -> None:
+        self._lu = lu
+
+    @cached_property
+    def _both(self) -> list[tuple[NDArray, NDArray, NDArray]]:
+        """L and U by columns, as the kernel takes them."""
+        both: tuple[Any, Any] = self._lu.L, self._lu.U
+        ordered = (each.sorted_indices() for each in both)
+        return [(each.indptr, each.indices, each.data) for each in ordered]
+
+    def solve(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """A^-1 y. y: shape (unknown, ...)."""
+        if y.ndim == 1 or y.shape[1] < FEWEST_SIDES or self._lu.nnz < FEWEST_ENTRIES:
+            return self._lu.solve(y)
+        from .kernels import substitute
+
+        x = np.empty(y.shape)
+        x[self._lu.perm_r] = y
+        lower, upper = self._both
+        substitute(lower, upper, x)
+        return x[self._lu.perm_c]
+
+
+def one_blas_thread() -> AbstractContextManager:
+    """Blocks of sparse factors are too small to share: a second thread would only wait and spin."""
+    return _blas().limit(limits=1, user_api="blas")
+
+
+@cache
+def _blas() -> ThreadpoolController:
+    return ThreadpoolController()
