@@ -15,6 +15,7 @@ from ..mesh.held import held
 from ..models.network.terminals import reduced_for
 from ..models.plain import evenly_pressed
 from ..models.reduced.cases import Case, pixel_touches
+from ..models.reduced.indented.draws import felt_beside
 from ..models.reduced.model import Reduced
 from ..press.batch import PressBatch
 from ..progress import Track, silent
@@ -23,7 +24,6 @@ from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .touches.about_pixels import AboutPixels, DeepOnes, about_pixels
-from .touches.deep import by_depth
 from .touches.errors import LaidErrors, laid_errors, some
 
 TARGETS = ("column", "row", "pixel", "pair", "touches")
@@ -108,7 +108,7 @@ class Readings:
             min(LEAST_FACTOR, float(presses.low)),
             max(LARGEST_FACTOR, float(presses.high)),
         )
-        if size is not None and by_depth(scene):
+        if size is not None and felt_beside(scene):
             self._factors = 1.0, max(min(LARGEST_FACTOR, scene.most_factor), float(presses.high))
 
     def train(self, track: Track = silent) -> None:

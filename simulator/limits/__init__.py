@@ -132,7 +132,7 @@ def position_bound(
     side, by default every cell. Infinite where a coordinate is told no closer than its room.
     Raises InputError for a size or factor out of range or a meter without noise.
     """
-    from ..bounds.fields import fields_of
+    from ..bounds.fields import CELLS_PER_PIXEL, fields_of
     from ..bounds.position import chosen_touch, places_on, position_slopes
     from ..progress import silent
 
@@ -140,7 +140,7 @@ def position_bound(
     fields = fields_of(scene, float(scene.frequencies[-1]), touch)
     slopes = position_slopes(
         fields,
-        places_on(scene, touch, fields.cells, most),
+        places_on(scene, touch, CELLS_PER_PIXEL, most),
         touch,
         scene.frequencies,
         against_rest=against_rest,

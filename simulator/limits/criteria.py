@@ -28,8 +28,9 @@ from ..bounds.position import Slopes, chosen_touch
 from ..bounds.readings import Hypothesis, hypotheses
 from ..bounds.touches.about_pixels import middles
 from ..bounds.touches.cells import Laid
-from ..bounds.touches.deep import by_depth, touches_on
+from ..bounds.touches.deep import touches_on
 from ..measure.readout import ErrorModel, observed
+from ..models.reduced.indented.draws import felt_beside
 from ..progress import Track, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -134,7 +135,7 @@ def _pixels_pressed(fields: AnyFields, touch: TouchSize) -> list[Laid]:
     of_its_size = (touch.width, touch.height) == (whole.width, whole.height)
     if scene.pixels.groups is not None and not of_its_size:
         raise InputError(f"{scene.name}: touches of a size need pixels without `groups`")
-    if scene.pixels.groups is None and (by_depth(scene) or not of_its_size):
+    if scene.pixels.groups is None and (felt_beside(scene) or not of_its_size):
         laying = touches_on(scene, fields.grid, touch)
         return [laying.laid(middle, touch) for middle in middles(scene)]
     maps = pixel_maps(scene, fields.cells).values()

@@ -114,11 +114,11 @@ def _criterion(
     track: Track,
 ) -> Criterion:
     of_groups = name != "position" and scene.pixels.groups is not None
-    cells = 1 if of_groups else CELLS_PER_PIXEL
+    cells = 1 if of_groups else None
     fields = fields_of(scene, float(candidates[-1]), touch, cells)
     if name != "position":
         return identity_criterion(fields, name, candidates, against_rest, track, touch)
-    places = places_on(scene, touch, fields.cells, PLACES)
+    places = places_on(scene, touch, CELLS_PER_PIXEL, PLACES)
     slopes = position_slopes(
         fields, places, touch, candidates, against_rest=against_rest, track=track
     )

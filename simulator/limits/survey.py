@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.exchange import best_choice
-from ..bounds.fields import fields_of
+from ..bounds.fields import CELLS_PER_PIXEL, fields_of
 from ..bounds.position import (
     Bounds,
     Slopes,
@@ -106,7 +106,7 @@ def errors_of_survey(scene: Scene, question: Question) -> LaidErrors | None:
     if not question.by_depth:
         return None
     fields = fields_of(scene, float(scene.frequencies[-1]), question.touch)
-    places = places_on(scene, question.touch, fields.cells)
+    places = places_on(scene, question.touch, CELLS_PER_PIXEL)
     return errors_of_places(fields, places, question.touch)
 
 
@@ -147,7 +147,7 @@ def _slopes(
     fields = fields_of(scene, float(frequency[-1]), question.touch)
     return position_slopes(
         fields,
-        places_on(scene, question.touch, fields.cells),
+        places_on(scene, question.touch, CELLS_PER_PIXEL),
         question.touch,
         frequency,
         against_rest=question.against_rest,

@@ -33,7 +33,7 @@ def page(
     from ..asked.telling import note, written
     from ..asked.tolerance import checked_rtol
     from ..models.plain import evenly_pressed
-    from ..models.reduced.indented.draws import spreads
+    from ..models.reduced.indented.draws import felt_beside
     from ..progress import told_on_terminal
     from ..sweeps import checked_output, whole_file
     from .document import document
@@ -44,7 +44,7 @@ def page(
     asked = asked_scene(scene)
     skin = evenly_pressed(asked, "a page")
     tell_if_noise_free(scene, skin)
-    if not asked.press.plain and spreads(asked):
+    if felt_beside(asked):
         factor = f"{skin.press.capacitance_factor:.4g} x C"
         beside = "what the foam's tension spreads beside them is left out"
         note(f"{scene}: the page presses pixels evenly, by {factor}; {beside}")

@@ -38,7 +38,7 @@ class PressBatch(NamedTuple):
         """Presses of equally many cells: both of shape (press, cell), or what broadcasts to it."""
         cells, rises = np.broadcast_arrays(cells, rises)
         count, each = cells.shape
-        return cls(cells.ravel(), rises.ravel(), np.arange(count + 1) * each)
+        return cls(cells.flatten(), rises.flatten(), np.arange(count + 1) * each)
 
     @classmethod
     def on_grid(cls, rises: NDArray[np.float64]) -> PressBatch:

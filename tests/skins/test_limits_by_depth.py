@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
-from rcskin.simulator.bounds.fields import Fields, TouchSize
+from rcskin.simulator.bounds.fields import Fields, TouchSize, fields_of
 from rcskin.simulator.bounds.information import error_model, in_noise, session_errors
 from rcskin.simulator.bounds.position import chosen_touch, errors_of_places, position_slopes
 from rcskin.simulator.bounds.readings import Readings
@@ -22,6 +22,7 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.sweeps import InputError
 from typer.testing import CliRunner
 
 SIDE = 0.12
@@ -41,11 +42,11 @@ def pressed_at(scene, touch, solver, x, y, rise):
     return solver.solve(parse_press(text, np.nan)).Z
 
 
-@pytest.mark.parametrize(("size", "cells"), [(0.012, 13), (None, 4)])
-def test_slopes_and_bounds_are_those_of_differences_of_the_full_model(foam, size, cells):
+@pytest.mark.parametrize("size", [0.012, None])
+def test_slopes_and_bounds_are_those_of_differences_of_the_full_model(foam, size):
     scene = foam.with_({"sweep": {"frequencies": [2e4, 6e4, 2e5]}})
     touch, solver, frequency = chosen_touch(scene, size), Solver(scene, 1e-5), scene.frequencies
-    fields = Fields(scene, float(frequency[-1]), cells)
+    fields = fields_of(scene, float(frequency[-1]), touch)
     deep = Deep(scene, fields.grid, (touch.width, touch.height))
     x, y, rise, step = 0.0683, 0.0552, touch.rise, 1.5e-3
     found = fields.respond(*deep.laid((x, y), touch), frequency)
@@ -70,6 +71,18 @@ def test_slopes_and_bounds_are_those_of_differences_of_the_full_model(foam, size
     for name in ("x", "strength"):
         value = getattr(truth, name)
         np.testing.assert_allclose(getattr(told.bounds(), name), value, rtol=0.1)
+
+
+def test_touches_are_six_cells_wide_or_refused(foam):
+    widths = {
+        size: fields_of(foam, 1e5, chosen_touch(foam, size)).cells * size / (SIDE / 3)
+        for size in (0.1, SIDE / 3, 0.02, 0.012, 0.007)
+    }
+    assert min(widths.values()) >= 6 - 1e-9 and widths[SIDE / 3] == pytest.approx(6)
+    with pytest.raises(InputError, match="at least 0.167 of a pixel wide, got 0.1"):
+        fields_of(foam, 1e5, chosen_touch(foam, 0.004))
+    plain = foam.with_({"press": {"capacitance_factor": 2.0}})
+    assert fields_of(plain, 1e5, chosen_touch(plain, 0.004)).cells == 4
 
 
 def test_a_foam_whose_skins_hardly_pull_is_pressed_as_by_factors(foam):

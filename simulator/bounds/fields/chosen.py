@@ -2,23 +2,51 @@
 
 from __future__ import annotations
 
+import math
+
 from ...models.network.terminals import many
+from ...models.reduced.indented.draws import felt_beside
 from ...scene.scene import Scene
-from ...sweeps import ToleranceError
+from ...sweeps import InputError, ToleranceError
 from .full import CELLS_PER_PIXEL, Fields
 from .reduced import ReducedFields, TouchSize
 
 AnyFields = Fields | ReducedFields
 
 
+UNDER_DEEP, MOST_CELLS = 6, 36
+"""Along a touch by depth, and at most along each side of a pixel."""
+ROUNDING = 1e-6
+"""Of a cell."""
+
+
 def fields_of(
-    scene: Scene, highest: float, touch: TouchSize, cells: int = CELLS_PER_PIXEL
+    scene: Scene, highest: float, touch: TouchSize, cells: int | None = None
 ) -> AnyFields:
     """A reduced model of all terminals where interfaces are `many`, as training then costs less
-    than it saves; else elements. highest: Hz. cells: along each side of a pixel."""
+    than it saves; else elements. highest: Hz. cells: along each side of a pixel, by default as
+    `cells_under` says, and raises as it does."""
+    cells = cells or cells_under(scene, touch)
     if scene.plain and many(scene):
         try:
             return ReducedFields(scene, highest, touch, cells)
         except ToleranceError:
             pass
     return Fields(scene, highest, cells)
+
+
+def cells_under(scene: Scene, touch: TouchSize) -> int:
+    """Cells along each side of a pixel: where a touch by depth is felt beside it, so many that it
+    is UNDER_DEEP wide, for with fewer its slopes by place would err. Raises
+    InputError where that would be more than MOST_CELLS."""
+    if not felt_beside(scene):
+        return CELLS_PER_PIXEL
+    (rows, columns), skin = scene.pixels.shape, scene.skin
+    across = max(skin.length / columns / touch.width, skin.width / rows / touch.height)
+    cells = max(CELLS_PER_PIXEL, math.ceil(UNDER_DEEP * across - ROUNDING))
+    if cells > MOST_CELLS:
+        raise InputError(
+            f"{scene.name}: a touch by depth must be at least {UNDER_DEEP / MOST_CELLS:.3g} of "
+            f"a pixel wide, got {1 / across:.3g}; more `pixels` are smaller"
+        )
+    return cells

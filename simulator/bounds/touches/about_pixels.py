@@ -16,12 +16,13 @@ from numpy.typing import NDArray
 from ...mesh.held import held
 from ...models.mechanics.lattice.presses import Applied, Window, apart, raised
 from ...models.mechanics.lattice.skin import Lattice
+from ...models.reduced.indented.draws import felt_beside
 from ...press.batch import PressBatch
 from ...scene.planar import covered
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from .cells import Array, Place
-from .deep import Deep, around, by_depth
+from .deep import Deep, around
 
 FIRST, MOST = 4, 64
 """Steps of Chebyshev's depths."""
@@ -41,7 +42,7 @@ class AboutPixels(Protocol):
 
 def about_pixels(scene: Scene, grid: tuple[int, int], size: float, strongest: float) -> AboutPixels:
     """Of a side in m, on so many rows and columns of cells; no rise is more than `strongest`."""
-    if by_depth(scene):
+    if felt_beside(scene):
         return DeepOnes(scene, grid, size, strongest)
     return SharpOnes(scene, grid, size)
 

@@ -24,7 +24,7 @@ from ...models.mechanics.lattice.presses import (
 )
 from ...models.mechanics.lattice.skin import Lattice, lattice_of
 from ...models.mechanics.pressed import check_plane
-from ...models.reduced.indented.draws import spreads
+from ...models.reduced.indented.draws import felt_beside
 from ...scene.scene import Scene
 from ..fields import TouchSize
 from .cells import Array, Cells, Laid, Place
@@ -140,13 +140,8 @@ def around(windows: Sequence[Window]) -> Window:
     return rows, columns
 
 
-def by_depth(scene: Scene) -> bool:
-    """Whether touches press by a depth that is felt beside them."""
-    return not scene.press.plain and spreads(scene)
-
-
 def touches_on(scene: Scene, grid: tuple[int, int], touch: TouchSize) -> Cells | Deep:
     """How touches of a size are laid on a grid of so many rows and columns over a scene."""
-    if by_depth(scene):
+    if felt_beside(scene):
         return Deep(scene, grid, (touch.width, touch.height))
     return Cells.of(scene.skin.length, scene.skin.width, grid)

@@ -39,6 +39,14 @@ def test_equally_many_cells_are_told_once():
     same(batch, [([3, 1], [0.5, 1.0]), ([3, 1], [2.0, 0.1])])
 
 
+def test_a_batch_has_arrays_of_its_own():
+    cells, rises = np.array([[3, 4], [0, 1]]), np.ones((2, 2))
+    batch = PressBatch.even(cells, rises)
+    batch.cells[:], batch.rises[:] = 9, 9.0
+    np.testing.assert_array_equal(cells, [[3, 4], [0, 1]])
+    np.testing.assert_array_equal(rises, 1.0)
+
+
 def test_rest_is_a_press_of_no_cells():
     same(PressBatch.of([NOTHING, NOTHING]), [NOTHING, NOTHING])
     assert PressBatch.of([]).count == 0

@@ -20,7 +20,7 @@ def spreading(scene: Scene) -> bool:
 
     Raises InputError where this changes a sheet's resistance, too.
     """
-    if scene.press.plain or not spreads(scene):
+    if not felt_beside(scene):
         return False
     if gauged(scene.skin):
         raise InputError(
@@ -28,6 +28,11 @@ def spreading(scene: Scene) -> bool:
             "press; give `press.capacitance_factor`, or sweep without --model reduced"
         )
     return True
+
+
+def felt_beside(scene: Scene) -> bool:
+    """Whether the scene presses by depth or force, and that is felt beside an applicator."""
+    return not scene.press.plain and spreads(scene)
 
 
 def spreads(scene: Scene) -> bool:
