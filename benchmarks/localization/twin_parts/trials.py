@@ -138,6 +138,15 @@ TRIALS = (
         touches=5,
     ),
     Trial(
+        "pixel of 6x6, two interfaces",
+        believed(TWO, 6, SINGLE),
+        "pixel",
+        every_pixel(2),
+        ("network",),
+        0.90,
+        training=240_000,
+    ),
+    Trial(
         "both of two touches on 4x4, two interfaces",
         believed(TWO, 4, DOUBLE),
         "pair",
@@ -165,7 +174,7 @@ def few_trials() -> tuple[Trial, ...]:
     Without networks, which take their time of however few sweeps, and without the inverted
     simulator, which tells places in the benchmark of limits.
     """
-    calibrated, two, place = TRIALS[3:]
+    calibrated, _, two, place = TRIALS[3:]
     few = (
         replace(calibrated, believed=believed(ONE, 3, SINGLE), order=every_pixel(1)),
         replace(two, believed=believed(ONE, 2, DOUBLE), estimators=two.estimators[1:]),
