@@ -82,7 +82,9 @@ def test_touches_are_six_cells_wide_or_refused(foam):
     with pytest.raises(InputError, match="at least 0.167 of a pixel wide, got 0.1"):
         fields_of(foam, 1e5, chosen_touch(foam, 0.004))
     plain = foam.with_({"press": {"capacitance_factor": 2.0}})
-    assert fields_of(plain, 1e5, chosen_touch(plain, 0.004)).cells == 4
+    gauge = foam.with_({"skin.top.piezoresistance": 2.0, "pixels": 1})
+    for other in (plain, gauge):
+        assert fields_of(other, 1e5, chosen_touch(other, 0.004)).cells == 4
 
 
 def test_a_foam_whose_skins_hardly_pull_is_pressed_as_by_factors(foam):

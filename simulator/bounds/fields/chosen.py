@@ -6,6 +6,7 @@ import math
 
 from ...models.network.terminals import many
 from ...models.reduced.indented.draws import felt_beside
+from ...models.varied.materials import gauged
 from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
 from .full import CELLS_PER_PIXEL, Fields
@@ -36,10 +37,13 @@ def fields_of(
 
 
 def cells_under(scene: Scene, touch: TouchSize) -> int:
-    """Cells along each side of a pixel: where a touch by depth is felt beside it, so many that it
-    is UNDER_DEEP wide, for with fewer its slopes by place would err. Raises
-    InputError where that would be more than MOST_CELLS."""
-    if not felt_beside(scene):
+    """Cells along each side of a pixel.
+
+    Where a touch by depth is felt beside it, so many that it is UNDER_DEEP wide: with fewer its
+    slopes by place would err. Not on sheets with piezoresistance, of which each cell is a term of
+    K. Raises InputError where that would be more than MOST_CELLS.
+    """
+    if not felt_beside(scene) or gauged(scene.skin):
         return CELLS_PER_PIXEL
     (rows, columns), skin = scene.pixels.shape, scene.skin
     across = max(skin.length / columns / touch.width, skin.width / rows / touch.height)
