@@ -1,10 +1,11 @@
-"""Every benchmark that the pages quote, one after the other, and whether the pages are up to date.
+"""Every benchmark that the pages quote, and whether the pages are up to date.
 
-A benchmark that ended well is noted with its times in `results/all.csv`, and is not run again on
-the same commit: what was stopped goes on. A quick pass runs every script on its smallest sizes,
-keeps none of their figures, and notes its times in `results/quick.csv` at the root, which is no
-part of the repository. Ends with code 1 where a benchmark fails or a page quotes another table than
-the one that was written.
+Those that measure times run first and alone, the others two at a time. A benchmark that ended well
+is noted with its times in `results/all.csv`, and is not run again on the same commit: what was
+stopped goes on, long ones from what they keep in `results/COMMIT` at the root. A quick pass runs
+every script on its smallest sizes, keeps none of their figures, and notes its times in
+`results/quick.csv` there. That folder is no part of the repository. Ends with code 1 where a
+benchmark fails or a page quotes another table than the one that was written.
 
 Run: python benchmarks/all.py [--quick] [--only FOLDER/NAME] [--again]
 """
@@ -13,11 +14,11 @@ from __future__ import annotations
 
 import argparse
 import os
-import resource
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,19 +26,25 @@ import pandas as pd
 from rcskin.benchmarks.bench import HERE, RESULTS, commit, publish
 from rcskin.benchmarks.quoted import differing
 
+UNPUBLISHED = HERE.parent / "results"
 NOTED = RESULTS / "all.csv"
-NOTED_QUICKLY = HERE.parent / "results" / "quick.csv"
+NOTED_QUICKLY = UNPUBLISHED / "quick.csv"
 TITLE = "Every benchmark: how long it took"
-LINES, LINES_IN_TURN = "campaign.jsonl", "in_turn.jsonl"
-"""Of campaigns, which go on where they were stopped; beside the pages."""
+AT_A_TIME = 2
 
 
 class Benchmark(NamedTuple):
-    """A script and its options; quick: those of its quick pass."""
+    """A script and its options.
+
+    quick: those of its quick pass. kept: the option, and the name, of what it keeps to go on from.
+    timed: whether it measures times, or occupies all cores by itself, and so runs alone.
+    """
 
     name: str
     options: tuple[str, ...] = ()
     quick: tuple[str, ...] = ()
+    kept: tuple[str, str] | None = None
+    timed: bool = False
 
     @property
     def script(self) -> Path:
@@ -45,49 +52,60 @@ class Benchmark(NamedTuple):
         return HERE / f"{self.name}.py"
 
 
+def _timed(name: str) -> Benchmark:
+    return Benchmark(name, timed=True)
+
+
+def _campaign(name: str, *options: str) -> Benchmark:
+    asked = *options, "--workers", "2"
+    return Benchmark("accuracy/campaign", asked, kept=("-o", f"{name}.jsonl"), timed=True)
+
+
+def _designed(target: str, *options: str) -> Benchmark:
+    quick, kept = ("--target", target), "-".join(["designed", target, *options])
+    return Benchmark("localization/twin_design", (*quick, *options), quick, ("--found", kept))
+
+
 IN_ORDER = (
-    Benchmark("speed/assembly"),
-    Benchmark("speed/work_precision"),
-    Benchmark("speed/answers"),
-    Benchmark("speed/reduction"),
-    Benchmark("speed/skins"),
-    Benchmark("speed/skins_reduced"),
-    Benchmark("speed/skins_commands"),
-    Benchmark("accuracy/stability"),
-    Benchmark("accuracy/campaign", ("-o", LINES, "--workers", "2", "--timeout", "60")),
-    Benchmark(
-        "accuracy/campaign",
-        ("-o", LINES_IN_TURN, "--in-turn", "--workers", "2", "--timeout", "25"),
-    ),
-    Benchmark("accuracy/verification"),
+    _timed("speed/assembly"),
+    _timed("speed/work_precision"),
+    _timed("speed/answers"),
+    _timed("speed/reduction"),
+    _timed("speed/skins"),
+    _timed("speed/skins_reduced"),
+    _timed("speed/skins_commands"),
+    _timed("scale/dataset"),
+    _timed("scale/cluster"),
+    _timed("scale/training"),
+    _timed("localization/localizers"),
+    _timed("live/live_interfaces"),
+    _timed("live/live_page"),
+    _timed("live/killed"),
+    _timed("pictures/page"),
+    _campaign("campaign", "--timeout", "60"),
+    _campaign("in_turn", "--in-turn", "--timeout", "25"),
+    Benchmark("localization/twin"),
+    _designed("position"),
+    Benchmark("localization/design_goals", kept=("--found", "goals")),
+    _designed("pair"),
+    Benchmark("localization/twin_limits"),
+    _designed("pixel"),
+    _designed("pixel", "--second"),
+    _designed("column"),
+    Benchmark("localization/twin_design_others", kept=("--found", "others")),
     Benchmark("accuracy/calibration_coverage"),
     Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--twins", "200")),
     Benchmark("accuracy/uneven_calibration"),
-    Benchmark("scale/dataset"),
-    Benchmark("scale/cluster"),
-    Benchmark("scale/training"),
-    Benchmark("localization/class_zero"),
-    Benchmark("localization/localizers"),
-    Benchmark("localization/twin"),
-    Benchmark("localization/twin_limits"),
-    Benchmark("localization/twin_design"),
-    Benchmark("localization/twin_design", ("--second",)),
-    Benchmark("localization/twin_design", ("--target", "column"), ("--target", "column")),
-    Benchmark("localization/twin_design", ("--target", "position"), ("--target", "position")),
-    Benchmark("localization/twin_design", ("--target", "pair"), ("--target", "pair")),
-    Benchmark("localization/twin_design_others"),
-    Benchmark("localization/design_goals"),
     Benchmark("localization/design"),
+    Benchmark("localization/several_touches"),
     Benchmark("localization/training_spread"),
     Benchmark("localization/adaptation"),
     Benchmark("localization/filtering"),
-    Benchmark("localization/several_touches"),
     Benchmark("localization/choosing"),
-    Benchmark("live/live_interfaces"),
-    Benchmark("live/live_page"),
-    Benchmark("live/killed"),
+    Benchmark("localization/class_zero"),
+    Benchmark("accuracy/verification"),
+    Benchmark("accuracy/stability"),
     Benchmark("pictures/gallery"),
-    Benchmark("pictures/page"),
     Benchmark("pictures/wiring"),
 )
 
@@ -102,18 +120,46 @@ class Times(NamedTuple):
 
 def timed(command: Sequence[str], folder: Path = HERE.parent) -> Times:
     """Run a command in a folder, on one thread for each process."""
-    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
-    surroundings = {**os.environ, "OMP_NUM_THREADS": "1"}
-    code = subprocess.run(command, cwd=folder, env=surroundings).returncode
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return Times(time.perf_counter() - start, used, code)
+    start = time.perf_counter()
+    process = subprocess.Popen(command, cwd=folder, env={**os.environ, "OMP_NUM_THREADS": "1"})
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    clock = time.perf_counter() - start
+    return Times(clock, used.ru_utime + used.ru_stime, process.returncode)
 
 
 def command_of(benchmark: Benchmark, quick: bool) -> list[str]:
     """Its command line."""
-    own = ("--quick", *benchmark.quick) if quick else benchmark.options
-    return [sys.executable, str(benchmark.script), *own]
+    words = [sys.executable, str(benchmark.script)]
+    if quick:
+        return [*words, "--quick", *benchmark.quick]
+    if benchmark.kept is None:
+        return [*words, *benchmark.options]
+    option, name = benchmark.kept
+    folder = UNPUBLISHED / commit().replace(" ", "-")
+    folder.mkdir(parents=True, exist_ok=True)
+    return [*words, *benchmark.options, option, str(folder / name)]
+
+
+def run(benchmarks: Sequence[Benchmark], quick: bool) -> Iterator[tuple[Benchmark, Times]]:
+    """Benchmarks and their times, as they end: those that measure times one after the other."""
+    for many, timing in (1, True), (AT_A_TIME, False):
+        runners = ThreadPoolExecutor(many)
+        asked = {
+            runners.submit(timed, command_of(each, quick)): each
+            for each in benchmarks
+            if each.timed is timing
+        }
+        try:
+            for ended in as_completed(asked):
+                yield asked[ended], ended.result()
+        finally:
+            runners.shutdown(cancel_futures=True)
+
+
+def name_of(benchmark: Benchmark, quick: bool) -> str:
+    """By which it is told and noted; quick passes of the same options are one."""
+    return " ".join([benchmark.name, *(benchmark.quick if quick else benchmark.options)])
 
 
 def noted(path: Path) -> pd.DataFrame:
@@ -143,15 +189,17 @@ def main() -> int:
     path = NOTED_QUICKLY if asked.quick else NOTED
     path.parent.mkdir(exist_ok=True)
     done = noted(path)
-    known, failed = set(() if asked.again else done["benchmark"]), []
-    for benchmark in IN_ORDER:
-        name = " ".join([benchmark.name, *(benchmark.quick if asked.quick else benchmark.options)])
-        if name in known or asked.only not in (None, benchmark.name):
-            continue
-        print(f"== {name}", flush=True)
-        times = timed(command_of(benchmark, asked.quick))
+    known = set(() if asked.again else done["benchmark"])
+    named = {name_of(each, asked.quick): each for each in IN_ORDER}
+    left = [
+        each
+        for name, each in named.items()
+        if name not in known and asked.only in (None, each.name)
+    ]
+    failed = []
+    for benchmark, times in run(left, asked.quick):
+        name = name_of(benchmark, asked.quick)
         print(f"== {name}: {times.clock:.0f} s, code {times.code}", flush=True)
-        known.add(name)
         if times.code:
             failed.append(name)
         else:

@@ -2,6 +2,8 @@
 
 import subprocess
 import sys
+from pathlib import Path
+from threading import Barrier
 
 import pytest
 from rcskin.benchmarks import all as every
@@ -64,7 +66,7 @@ def run(monkeypatch, tmp_path, codes, *options):
         return every.Times(1.0, 2.0, codes.get(name, 0))
 
     noted = {"NOTED": tmp_path / "all.csv", "NOTED_QUICKLY": tmp_path / "quick" / "quick.csv"}
-    for name, value in {"timed": timed, **noted}.items():
+    for name, value in {"timed": timed, "UNPUBLISHED": tmp_path / "kept", **noted}.items():
         monkeypatch.setattr(every, name, value)
     monkeypatch.setattr(every, "commit", lambda: "abc")
     monkeypatch.setattr(sys, "argv", ["all.py", *options])
@@ -87,11 +89,42 @@ def test_what_ended_well_is_not_run_again(monkeypatch, tmp_path, capsys):
 def test_a_quick_pass_goes_on_and_keeps_nothing_among_the_results(monkeypatch, tmp_path):
     """Each script is run as often as its quick passes differ."""
     different = dict.fromkeys((each.name, each.quick) for each in every.IN_ORDER)
-    scripts = [name for name, _ in different]
+    scripts = sorted(name for name, _ in different)
     assert scripts.count("localization/twin_design") == 4
-    assert run(monkeypatch, tmp_path, {"speed/skins": 1}, "--quick") == (1, scripts)
+    code, ran = run(monkeypatch, tmp_path, {"speed/skins": 1}, "--quick")
+    assert (code, sorted(ran)) == (1, scripts)
     assert run(monkeypatch, tmp_path, {}, "--quick") == (0, ["speed/skins"])
     assert [path.name for path in tmp_path.iterdir()] == ["quick"]
+
+
+def test_what_measures_times_runs_alone_and_before_the_rest(monkeypatch):
+    """Begins and ends of four scripts, as they come."""
+    told, together = [], Barrier(2)
+
+    def timed(command):
+        name = Path(command[1]).stem
+        told.append(name)
+        if not name.startswith("timed"):
+            together.wait(timeout=30)
+        told.append(f"{name} ended")
+        return every.Times(1.0, 2.0, 0)
+
+    monkeypatch.setattr(every, "timed", timed)
+    asked = [every.Benchmark(name, timed=name.startswith("timed")) for name in ("a", "b", "timed")]
+    ended = [benchmark.name for benchmark, _ in every.run([*asked, asked[-1]], False)]
+    assert told[:4] == ["timed", "timed ended"] * 2
+    assert set(told[4:6]) == {"a", "b"} and ended[:2] == ["timed"] * 2
+
+
+def test_what_a_long_one_keeps_is_of_one_commit(monkeypatch, tmp_path):
+    monkeypatch.setattr(every, "UNPUBLISHED", tmp_path)
+    benchmark = every.Benchmark("a/b", ("--all",), kept=("--found", "searches"))
+    for commit, folder in ("abc", "abc"), ("abc and changes", "abc-and-changes"):
+        monkeypatch.setattr(every, "commit", lambda told=commit: told)
+        options = every.command_of(benchmark, quick=False)[2:]
+        assert options == ["--all", "--found", str(tmp_path / folder / "searches")]
+        assert (tmp_path / folder).is_dir()
+    assert every.command_of(benchmark, quick=True)[2:] == ["--quick"]
 
 
 def test_times_of_quick_passes_are_no_part_of_the_repository():
