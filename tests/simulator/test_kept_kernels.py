@@ -33,19 +33,21 @@ def installed(tmp_path_factory):
     return root
 
 
+def surroundings(installed, **settings):
+    """Of a process that takes the package from there, with nothing set for kernels but settings."""
+    own = ("NUMBA", "XDG", "PYTHONPATH")
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(own)}
+    return {**kept, "PYTHONPATH": str(installed), **settings}
+
+
 @pytest.fixture(scope="module")
 def swept(installed):
     """A function that runs `rcskin sweep` there: the bytes. settings: of the surroundings."""
 
     def bytes_of(output, **settings):
-        surroundings = {
-            name: value
-            for name, value in os.environ.items()
-            if not name.startswith(("NUMBA", "XDG", "PYTHONPATH"))
-        }
         done = subprocess.run(
             [sys.executable, "-W", "error", "-m", "rcskin", *SWEEP, "-o", str(output)],
-            env={**surroundings, "PYTHONPATH": str(installed), **settings},
+            env=surroundings(installed, **settings),
             capture_output=True,
             text=True,
             timeout=300,
@@ -77,6 +79,26 @@ def test_a_cache_of_ones_own_is_kept_and_a_spoilt_one_is_made_again(swept, tmp_p
         ".nbc",
     }
     assert set(before) <= set(kept(home))
+
+
+def test_no_kernel_needs_a_folder_to_be_kept_in(installed, tmp_path):
+    """Every module of which compiles some, where nothing can be written at all."""
+    (tmp_path / "file").touch()
+    nowhere = {name: str(tmp_path / "file" / "home") for name in ("HOME", "NUMBA_CACHE_DIR")}
+    modules = [
+        ".".join(path.relative_to(installed).with_suffix("").parts)
+        for path in (installed / "rcskin").rglob("*.py")
+        if "numba" in (text := path.read_text(encoding="utf-8")) or "@compiled(" in text
+    ]
+    assert len(modules) >= 6
+    done = subprocess.run(
+        [sys.executable, "-c", f"import {', '.join(modules)}"],
+        env=surroundings(installed, **nowhere),
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.slow

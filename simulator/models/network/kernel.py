@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...fem.compiled import compiled
 from ...press.batch import PressBatch
 from ..reduced.dense import Rest, written_out
 
@@ -60,7 +60,7 @@ def at_rest(rest: Rest, s: NDArray[np.complex128]) -> AtRest:
     return AtRest(P, Y, seen, own)
 
 
-@njit(cache=True)
+@compiled()
 def admittances(
     rest: Rest,
     known: AtRest,
@@ -98,7 +98,7 @@ def admittances_readable(
     return np.reshape(found, (batch.count, len(s), N, N))
 
 
-@njit(cache=True)
+@compiled()
 def _by_touches(
     rest: Rest, known: AtRest, cells: NDArray, W: NDArray, s: NDArray, Y: NDArray
 ) -> None:  # pragma: no cover
@@ -119,7 +119,7 @@ def _by_touches(
         _add_touches(A, E, W, rank, s[k], Y[k])
 
 
-@njit(cache=True)
+@compiled()
 def _between(
     rest: Rest, P: NDArray[np.complex128], one: int, other: int, A: NDArray, here: int, there: int
 ) -> None:  # pragma: no cover
@@ -130,7 +130,7 @@ def _between(
     A[there : there + rank, here : here + rank] = A[here : here + rank, there : there + rank].T
 
 
-@njit(cache=True)
+@compiled()
 def _add_touches(
     A: NDArray, E: NDArray, W: NDArray, rank: int, s: complex, Y: NDArray
 ) -> None:  # pragma: no cover
@@ -150,7 +150,7 @@ def _add_touches(
             Y[i, j] += s * total
 
 
-@njit(cache=True)
+@compiled()
 def _in_basis(
     rest: Rest, cells: NDArray, W: NDArray, s: NDArray, Y: NDArray
 ) -> None:  # pragma: no cover
@@ -175,7 +175,7 @@ def _in_basis(
                 Y[k, i, j] = s[k] * M[i, j] - s[k] * s[k] * delayed
 
 
-@njit(cache=True)
+@compiled()
 def _solve(A: NDArray, B: NDArray) -> None:  # pragma: no cover
     """B = A^-1 B without pivoting, as real parts of A's eigenvalues are above zero."""
     size = len(A)
@@ -194,7 +194,7 @@ def _solve(A: NDArray, B: NDArray) -> None:  # pragma: no cover
             B[k, column] /= A[k, k]
 
 
-@njit(cache=True)
+@compiled()
 def impedances(Y: NDArray, wiring: Wiring) -> NDArray:  # pragma: no cover
     """Z in ohm of every reading, shape (press, reading, s); Y: of `admittances`.
 
