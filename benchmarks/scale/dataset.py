@@ -2,6 +2,9 @@
 
 Run: python benchmarks/scale/dataset.py [--quick] [SWEEPS]
 
+Two data sets made at once, by a process each, tell how much a second core of this machine can gain
+at most: they share nothing but memory and disk.
+
 Memory is the sum over all processes of what each has for itself and its share of common pages,
 sampled twice a second. Bytecode is kept, as an installation keeps it, and made before anything is
 timed.
@@ -17,6 +20,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from hashlib import sha256
 from pathlib import Path
@@ -84,6 +88,14 @@ def keep_bytecode(folder: Path) -> None:
         measured(FEW_SWEEPS, options, folder / "first.zarr")
 
 
+def at_once(sweeps: int, runs: int, folder: Path) -> tuple[dict[str, float], list[Path]]:
+    """So many runs of one process beside each other: of all of them, and where each wrote."""
+    outputs = [folder / f"beside-{k}.zarr" for k in range(runs)]
+    with processes(1) as options, ThreadPoolExecutor(runs) as runners:
+        told = list(runners.map(lambda output: measured(sweeps, options, output), outputs))
+    return {key: max(each[key] for each in told) for key in told[0]}, outputs
+
+
 def digest(folder: Path) -> str:
     """Of all paths and bytes below a folder."""
     found = sha256()
@@ -93,31 +105,41 @@ def digest(folder: Path) -> str:
     return found.hexdigest()
 
 
-def rows(sweeps: int, counts: tuple[int, ...], folder: Path) -> Iterator[dict[str, str]]:
-    """A row of the table for each kind and number of workers."""
-    first = None
+def runs(
+    sweeps: int, counts: tuple[int, ...], folder: Path
+) -> Iterator[tuple[str, int, dict[str, float], list[Path]]]:
+    """By what, by how many workers, what was measured, and where the data sets are."""
+    output = folder / "out.zarr"
     kinds: dict[str, Callable] = {"processes": processes, "Dask cluster": cluster}
     for kind, made in kinds.items():
         for workers in counts:
-            output = folder / "out.zarr"
             with made(workers) as options:
-                run = measured(sweeps, options, output)
-            found = digest(output)
-            first = first or found
-            if found != first:
-                raise RuntimeError(f"{kind}: {workers} workers gave other bytes")
-            size = sum(path.stat().st_size for path in output.rglob("*") if path.is_file())
+                yield kind, workers, measured(sweeps, options, output), [output]
+        if kind == "processes":
+            yield "two runs at once", 1, *at_once(sweeps, 2, folder)
+
+
+def rows(sweeps: int, counts: tuple[int, ...], folder: Path) -> Iterator[dict[str, str]]:
+    """A row of the table for each kind and number of workers."""
+    found: set[str] = set()
+    for kind, workers, run, outputs in runs(sweeps, counts, folder):
+        found |= {digest(output) for output in outputs}
+        if len(found) > 1:
+            raise RuntimeError(f"{kind}: {workers} workers gave other bytes")
+        made, files = sweeps * len(outputs), [p for output in outputs for p in output.rglob("*")]
+        size = sum(path.stat().st_size for path in files if path.is_file())
+        for output in outputs:
             shutil.rmtree(output)
-            yield {
-                "made by": kind,
-                "workers": str(workers),
-                "sweeps": f"{sweeps:,}",
-                "all of it (s)": f"{run['all']:.1f}",
-                "of this until the model is trained (s)": f"{run['start']:.1f}",
-                "sweeps a second after that": f"{sweeps / (run['all'] - run['start']):,.0f}",
-                "peak memory (MB)": f"{run['peak']:.0f}",
-                "on disk (MB)": f"{size / MEGABYTE:.0f}",
-            }
+        yield {
+            "made by": kind,
+            "workers": str(workers),
+            "sweeps": f"{made:,}",
+            "all of it (s)": f"{run['all']:.1f}",
+            "of this until the model is trained (s)": f"{run['start']:.1f}",
+            "sweeps a second after that": f"{made / (run['all'] - run['start']):,.0f}",
+            "peak memory (MB)": f"{run['peak']:.0f}",
+            "on disk (MB)": f"{size / MEGABYTE:.0f}",
+        }
 
 
 def main(run: Run) -> None:

@@ -3,6 +3,9 @@
 They are kept beside the source, or in NUMBA_CACHE_DIR, or in the user's own cache folder where the
 package cannot be written. No kept file, and no folder, is needed: what cannot be read is compiled
 anew.
+
+Kernels are loops over numbers: an array assigned to a part of another, or arithmetic of whole
+arrays, takes numba seconds to compile where the loop takes a tenth of that.
 """
 
 from __future__ import annotations

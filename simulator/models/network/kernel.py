@@ -107,27 +107,34 @@ def _by_touches(
     A, E = np.empty((size, size), np.complex128), np.empty((size, N), np.complex128)
     for k in range(len(s)):
         for i in range(len(cells)):
-            here = i * rank
-            E[here : here + rank] = known.seen[cells[i], k]
-            for j in range(len(cells)):
-                there = j * rank
-                if i == j:
-                    A[here : here + rank, there : there + rank] = known.own[cells[i], k]
-                elif i < j:
-                    _between(rest, known.damped[k], cells[i], cells[j], A, here, there)
-        Y[k] = known.admittance[k]
+            here, seen, own = i * rank, known.seen[cells[i], k], known.own[cells[i], k]
+            for row in range(rank):
+                for terminal in range(N):
+                    E[here + row, terminal] = seen[row, terminal]
+                for column in range(rank):
+                    A[here + row, here + column] = own[row, column]
+            for j in range(i + 1, len(cells)):
+                _between(rest, known.damped[k], cells[i], cells[j], A, here, j * rank)
+        for i in range(N):
+            for j in range(N):
+                Y[k, i, j] = known.admittance[k, i, j]
         _add_touches(A, E, W, rank, s[k], Y[k])
 
 
-@compiled()
+@compiled(fastmath={"reassoc", "contract"})
 def _between(
-    rest: Rest, P: NDArray[np.complex128], one: int, other: int, A: NDArray, here: int, there: int
+    rest: Rest, P: NDArray, one: int, other: int, A: NDArray, here: int, there: int
 ) -> None:  # pragma: no cover
     """Q between the factors of two cells."""
-    N, rank = len(rest.rows), rest.factors.shape[1]
-    U, V = rest.factors[one, :, N:], np.ascontiguousarray(rest.factors[other, :, N:].T)
-    A[here : here + rank, there : there + rank] = (U * P.real) @ V + 1j * ((U * P.imag) @ V)
-    A[there : there + rank, here : here + rank] = A[here : here + rank, there : there + rank].T
+    N, U, V = len(rest.rows), rest.factors[one], rest.factors[other]
+    for i in range(len(U)):
+        for j in range(len(V)):
+            real, imag = 0.0, 0.0
+            for k in range(len(P)):
+                both = U[i, N + k] * V[j, N + k]
+                real += both * P[k].real
+                imag += both * P[k].imag
+            A[here + i, there + j] = A[there + j, here + i] = complex(real, imag)
 
 
 @compiled()
@@ -136,8 +143,10 @@ def _add_touches(
 ) -> None:  # pragma: no cover
     """Y += s E'W (1 + s Q W)^-1 E; A: Q, overwritten."""
     size, N = E.shape
-    solution = E.copy()
+    solution = np.empty((size, N), np.complex128)
     for row in range(size):
+        for terminal in range(N):
+            solution[row, terminal] = E[row, terminal]
         for column in range(size):
             A[row, column] *= s * W[column // rank]
         A[row, row] += 1.0
@@ -155,17 +164,15 @@ def _in_basis(
     rest: Rest, cells: NDArray, W: NDArray, s: NDArray, Y: NDArray
 ) -> None:  # pragma: no cover
     N, n = len(rest.rows), len(rest.diagonal)
-    M = np.zeros((N + n, N + n))
-    M[:N], M[N:, :N] = rest.rows, rest.rows[:, N:].T
-    for k in range(n):
-        M[N + k, N + k] = rest.diagonal[k]
-    for k in range(len(cells)):
-        M += W[k] * (rest.factors[cells[k]].T @ rest.factors[cells[k]])
+    M, A = _pressed(rest, cells, W), np.empty((n, n), np.complex128)
+    solution = np.empty((n, N), np.complex128)
     for k in range(len(s)):
-        A = s[k] * M[N:, N:]
-        for i in range(n):
-            A[i, i] += 1.0
-        solution = M[N:, :N].astype(np.complex128)
+        for row in range(n):
+            for column in range(n):
+                A[row, column] = s[k] * M[N + row, N + column]
+            A[row, row] += 1.0
+            for terminal in range(N):
+                solution[row, terminal] = M[N + row, terminal]
         _solve(A, solution)
         for i in range(N):
             for j in range(N):
@@ -173,6 +180,26 @@ def _in_basis(
                 for row in range(n):
                     delayed += M[N + row, i] * solution[row, j]
                 Y[k, i, j] = s[k] * M[i, j] - s[k] * s[k] * delayed
+
+
+@compiled(fastmath={"reassoc", "contract"})
+def _pressed(rest: Rest, cells: NDArray, W: NDArray) -> NDArray:  # pragma: no cover
+    """M of the press, terminals first, as `written_out` has it."""
+    N, size = rest.rows.shape
+    M = np.zeros((size, size))
+    for row in range(N):
+        for column in range(size):
+            M[row, column] = M[column, row] = rest.rows[row, column]
+    for k in range(N, size):
+        M[k, k] = rest.diagonal[k - N]
+    for touch in range(len(cells)):
+        U = rest.factors[cells[touch]]
+        for factor in range(len(U)):
+            for row in range(size):
+                share = W[touch] * U[factor, row]
+                for column in range(size):
+                    M[row, column] += share * U[factor, column]
+    return M
 
 
 @compiled()

@@ -37,13 +37,18 @@ def swept(
     """
     cells, rises, starts = batch
     Y = np.empty((len(starts) - 1, len(s)), np.complex128)
-    farthest = s[np.argmax(np.abs(s))]
-    parts = np.stack((np.real(s), np.imag(s), np.real(s * s), np.imag(s * s)))
+    farthest, parts = s[0], np.empty((4, len(s)))
+    for k in range(len(s)):
+        square = s[k] * s[k]
+        parts[0, k], parts[1, k] = s[k].real, s[k].imag
+        parts[2, k], parts[3, k] = square.real, square.imag
+        if abs(s[k]) > abs(farthest):
+            farthest = s[k]
     room, fractions = np.empty((ROOM, rest.rows.shape[1])), np.empty((2, len(s)))
     diagonal, squared = np.empty(MOST_STEPS), np.empty(MOST_STEPS)
     for press in range(len(starts) - 1):
-        own = slice(starts[press], starts[press + 1])
-        touched = cells[own], rises[own]
+        first, end = starts[press], starts[press + 1]
+        touched = cells[first:end], rises[first:end]
         steps, capacitance = _steps(rest, feed, touched, farthest, rtol, room, diagonal, squared)
         delayed = 0.0
         if steps:
@@ -98,17 +103,21 @@ def _steps(
     `continued_fraction` takes them. Returns how many steps, and the capacitance at once in F.
     """
     terminals, m = rest.rows.shape
-    room[:] = 0.0
+    for vector in range(ROOM):
+        for k in range(m):
+            room[vector, k] = 0.0
     potential, charge, common, w = room[0], room[1], room[2], room[3]
     residual, product, solution = room[4], room[5], room[6]
-    potential[:terminals], own = feed.driven, 1.0
-    floating = len(feed.tied) + len(feed.common) > 0
+    own, driven, floating = 1.0, terminals > 0, len(feed.tied) + len(feed.common) > 0
+    for k in range(terminals):
+        potential[k] = feed.driven[k]
     if len(feed.common):
-        common[:terminals] = feed.common[0]
-        _charge(rest, touched, common, charge, True)
+        for k in range(terminals):
+            common[k] = feed.common[0, k]
+        _charge(rest, touched, common, charge, driven)
         own = _dot(feed.common[0], charge[:terminals])
         _neutralise(feed, charge, own, potential)
-    _charge(rest, touched, potential, residual, True)
+    _charge(rest, touched, potential, residual, driven)
     capacitance = _dot(potential, residual)
     now = feed.conductance + s * capacitance
     convergent = 0.0j, 1.0 + 0.0j, 0.0j, 0.0j
@@ -201,8 +210,8 @@ def _neutralise(feed: Feed, charge: NDArray, own: float, v: NDArray) -> None:  #
 def _solve(feed: Feed, y: NDArray, solution: NDArray) -> None:  # pragma: no cover
     """K^-1 y: 1 in the basis, and floating terminals by the conductance between them."""
     terminals = len(feed.driven)
-    solution[:] = y
-    solution[:terminals] = 0.0
+    for k in range(len(y)):
+        solution[k] = y[k] if k >= terminals else 0.0
     for row in range(len(feed.tied)):
         potential = 0.0
         for column in range(len(feed.tied)):

@@ -68,9 +68,15 @@ def settled(
 @compiled()
 def _held(right: NDArray, up: NDArray) -> NDArray:  # pragma: no cover
     """Conductance of each node to all its neighbours, over the tension."""
-    held = right + up
-    held[:, 1:] += right[:, :-1]
-    held[1:] += up[:-1]
+    rows, columns = right.shape
+    held = np.empty((rows, columns))
+    for i in range(rows):
+        for j in range(columns):
+            held[i, j] = right[i, j] + up[i, j]
+            if j > 0:
+                held[i, j] += right[i, j - 1]
+            if i > 0:
+                held[i, j] += up[i - 1, j]
     return held
 
 
@@ -102,7 +108,9 @@ def laid(
     wide, high = np.ones((rows, columns)), np.ones((rows, columns))
     _shorten(least, by, boxes[:, :2], boxes[:, 2:], radius, x, y, right, wide)
     _shorten(least.T, by.T, boxes[:, 2:], boxes[:, :2], radius, y, x, up.T, high.T)
-    load *= wide * high
+    for i in range(rows):
+        for j in range(columns):
+            load[i, j] *= wide[i, j] * high[i, j]
     return least
 
 
