@@ -101,7 +101,8 @@ def test_a_localizer_that_inverts_the_simulator_is_trained_asked_and_adapted(
     command("localize", folder / "better.skops", data, "-o", folder / "told.csv")
 
 
-def test_a_gap_is_told_of_what_both_sides_read(scene, folder):
+def test_a_gap_is_told_of_what_both_sides_read(scene, folder, monkeypatch):
+    monkeypatch.setattr("rcskin.localization.gap.report.pages.charts_of", lambda *given: [])
     presses = [each for k in range(4) for each in ("none", "1,1", "1,2", "2,1", "2,2")]
     asked = [part for press in presses for part in ("--press", press)]
     command("sweep", scene, *asked, "--rtol", "1e-3", "-o", folder / "sim.nc")

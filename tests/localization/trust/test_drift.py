@@ -31,7 +31,7 @@ def samples(seed, drift=0.0):
 def quick_network():
     """The network with fewer steps."""
     network = chosen("network", "column")
-    steps = {"classify__stages": ((2e-3, 300), (2e-4, 100))}
+    steps = {"classify__stages": ((2e-3, 150), (2e-4, 50))}
     return replace(network, build=lambda problem: network.build(problem).set_params(**steps))
 
 

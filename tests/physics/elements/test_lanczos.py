@@ -169,6 +169,7 @@ def complex_solves(sheet, press, frequency):
     return np.stack([network.impedance(drive) for drive in sheet.circuit.drives])
 
 
+@settings(max_examples=8)
 @given(data=st.data())
 def test_against_complex_solves(random, frequency_at, data):
     """From where the skin is one capacitor to where the field reaches a hundredth of it."""

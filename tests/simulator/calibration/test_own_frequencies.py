@@ -102,7 +102,8 @@ def test_a_twin_is_told_within_its_intervals_and_by_more_readings_better(own, sh
 def test_noise_is_told_by_repeats_of_what_was_read(own, shared, simulated):
     bare = own.with_({"readout": {}})
     truth = restricted(simulated(shared, TRUTH, ["none"] * 12), own.taken)
-    found = calibrate(bare, read_out(truth, Readout(**METER), np.random.default_rng(5)))
+    read = read_out(truth, Readout(**METER), np.random.default_rng(5))
+    found = calibrate(bare, read, Options(fit=("capacitance",), fix=("others",)))
     assert found.noise.freedom == 11 * own.taken.sum()
     assert found.noise.readout.magnitude_noise == pytest.approx(2e-3, rel=0.2)
 

@@ -17,6 +17,8 @@ from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.files import read_scene, scene_text
 from rcskin.simulator.sweeps import InputError, write
 
+pytestmark = pytest.mark.usefixtures("models_made_once")
+
 MEAN = ("sheet_resistance", "sheet_mismatch", "capacitance")
 SIZES = (0.08, -0.06, 0.04)
 FOAM = dict(zip(FOAM_WAVES, SIZES, strict=True))
@@ -38,8 +40,10 @@ def twin_of(scene, waves):
 
 @pytest.fixture(scope="module")
 def strip(line):
-    """The line at few frequencies."""
-    return line.with_({"sweep.frequencies": [1e3, 5e3, 2.5e4, 1e5]})
+    """The line at few frequencies, read by a better meter."""
+    noise = {f"readout.{part}_noise": 1e-3 for part in ("magnitude", "phase")}
+    exact = {f"readout.{part}_accuracy": 0.0 for part in ("magnitude", "phase")}
+    return line.with_({"sweep.frequencies": [1e3, 5e3, 2.5e4, 1e5]} | noise | exact)
 
 
 @pytest.fixture(scope="module")
@@ -118,16 +122,13 @@ def test_waves_of_sheets_and_of_foam_are_told_apart(scene, twin, model):
 
 def test_one_field_tells_the_sum_of_waves_and_nothing_across_a_line(strip, simulated):
     truth = {"top_x": 0.1, "bottom_x": -0.02}
-    noise = {f"readout.{part}_noise": 1e-3 for part in ("magnitude", "phase")}
-    exact = {f"readout.{part}_accuracy": 0.0 for part in ("magnitude", "phase")}
-    scene = strip.with_(noise | exact)
-    twin = simulated(with_sheet_waves(scene, truth), {}, PRESSED).drop_attrs()
-    read = read_out(twin, scene.readout, np.random.default_rng(0))
+    twin = simulated(with_sheet_waves(strip, truth), {}, PRESSED).drop_attrs()
+    read = read_out(twin, strip.readout, np.random.default_rng(0))
     names = ("sheet_resistance", "capacitance", *SHEET_WAVES)
     options = Options(fit=names, fix=("others",), strengths=False, uneven_sheets=True)
-    found = calibrate(scene, read, options)
+    found = calibrate(strip, read, options)
     of = {each.name: each for each in found.quantities}
-    R = scene.skin.sheet_resistances
+    R = strip.skin.sheet_resistances
     both = (R[0] * truth["top_x"] + R[1] * truth["bottom_x"]) / sum(R)
     assert of["both sheets, x"].told_by == "data"
     assert of["both sheets, x"].low < both < of["both sheets, x"].high

@@ -84,7 +84,7 @@ def test_frequencies_that_are_all_of_them_are_as_none_told(run, written, shared,
     assert outs[0] == outs[1]
 
 
-def test_limits_are_written_of_them(run, written, shared, tmp_path):
+def test_limits_are_written_of_them(run, written, shared, tmp_path, undrawn):
     path = written(shared.with_(OWN))
     asked = ("--draws", "50", "-n", "2", "--unknown-skin", "--accuracy", "0.9")
     code, out, err = run("limits", path, "-o", tmp_path / "out", *asked)

@@ -184,7 +184,7 @@ def own_skin(own):
 
 @pytest.mark.parametrize("against_rest", [0, 3])
 def test_two_bounds_agree_and_less_is_told_by_less(shared, own, own_skin, against_rest):
-    known = {"draws": 500, "against_rest": against_rest}
+    known = {"draws": 300, "against_rest": against_rest}
     part, whole = (bayes_accuracy(scene, "pixel", **known) for scene in (own, shared))
     assert part[0] < whole[0]
     other = CommonDraws(own, "pixel", **known).judged(own_skin).accuracy
