@@ -10,19 +10,11 @@ import typer
 from ..asked.options import AgainstRest, Charts, Interfaces, SceneName, TouchFactor, TouchSide
 
 if TYPE_CHECKING:
-    from ..bounds.touches.errors import LaidErrors
     from ..progress import Track
     from ..scene.scene import Scene
-    from .identity import Identity, Sampling
-    from .survey import Question, Variant
+    from .identity import Sampling
 
 FOLDER = Path("limits")
-MOST_ROWS = 14
-"""Of the table on the terminal; all are in limits.json."""
-ERROR = (
-    "error: half of all lie nearer in the plane; a coordinate that is not told, or told worse than "
-    "by chance, errs as chance does over the room there is"
-)
 
 
 def limits(
@@ -71,6 +63,7 @@ def limits(
     from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
     from ..sweeps import made_folder
+    from .findings import Findings
     from .identity import Sampling, identity
     from .survey import (
         Question,
@@ -100,8 +93,9 @@ def limits(
             variants = survey(loaded, question, resistances, n, track)
             told_apart = identity(loaded, sampling, track)
             laid = errors_of_survey(loaded, question)
-            _write(loaded, question, variants, told_apart, laid, folder, ending)
-            _print(loaded, question, variants, told_apart, laid, folder)
+            found = Findings(loaded, question, variants, told_apart, laid)
+            found.write(folder, ending)
+            found.show(folder)
 
 
 def _listed(text: str | None) -> list[float]:
@@ -133,89 +127,3 @@ def _print_counts(scene: Scene, accuracy: float, sampling: Sampling, track: Trac
             for each in found
         )
         typer.echo(f"{target}: {told} for {100 * accuracy:g} % ({tried})")
-
-
-def _write(
-    scene: Scene,
-    question: Question,
-    variants: list[Variant],
-    told_apart: Identity,
-    laid: LaidErrors | None,
-    folder: Path,
-    ending: str,
-) -> None:
-    from ..scene.reading import frequencies_of_each
-    from .figure import draw_distances, draw_maps
-    from .report import summary, write_distances, write_places, write_summary
-
-    title = _title(scene, question)
-    for comparison in dict.fromkeys(variant.comparison for variant in variants):
-        chosen = [variant for variant in variants if variant.comparison == comparison]
-        draw_maps(scene, chosen, title, folder / f"{comparison}{ending}")
-    draw_distances(
-        told_apart.apart,
-        told_apart.names,
-        f"{scene.name}: distance between pixels' sweeps, at the nearest of their factors; "
-        f"{told_apart.asked}",
-        folder / f"pixels{ending}",
-    )
-    write_places(variants, folder / "limits.csv")
-    write_distances(told_apart.apart, told_apart.names, folder / "pixels.csv")
-    content = {
-        "scene": scene.name,
-        "position_asked": question.told,
-        **({} if laid is None else {"position_laid": laid.summary()}),
-        "median_error_of": ERROR,
-        "position": [summary(variant) for variant in variants],
-        "accuracy": told_apart.summary(),
-    }
-    if each := frequencies_of_each(scene):
-        content["frequencies_of_each_Hz"] = each
-    write_summary(content, folder / "limits.json")
-
-
-def _title(scene: Scene, question: Question) -> str:
-    touch = question.touch
-    rest = f", against {question.against_rest} sweeps at rest" if question.against_rest else ""
-    return (
-        f"{scene.name}: least standard deviation from one sweep{rest}, at {1 + touch.rise:g} times "
-        f"the capacitance; {question.told}"
-    )
-
-
-def _print(
-    scene: Scene,
-    question: Question,
-    variants: list[Variant],
-    told_apart: Identity,
-    laid: LaidErrors | None,
-    folder: Path,
-) -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    from ..measure.symmetry import repeated_told
-    from .report import summary
-
-    columns = {
-        "x (mm)": "median_deviation_x_mm",
-        "y (mm)": "median_deviation_y_mm",
-        "strength": "median_deviation_strength",
-        "error (mm)": "median_error_mm",
-    }
-    table = Table("", "median deviation of", *columns, box=None)
-    for variant in variants[:MOST_ROWS]:
-        numbers = summary(variant)
-        cells = [str(numbers[key]) for key in columns.values()]
-        table.add_row(variant.comparison, variant.name, *cells)
-    console = Console()
-    console.print(f"of a touch: {question.told}", soft_wrap=True, highlight=False)
-    if laid is not None:
-        console.print(f"  {laid.told}", soft_wrap=True, highlight=False)
-    console.print(table)
-    left = len(variants) - MOST_ROWS
-    more = [f"  {left} more rows in {folder / 'limits.json'}"] if left > 0 else []
-    repeated = [f"  {line}" for line in repeated_told(scene)]
-    told = *more, f"  {ERROR}", *repeated, *told_apart.lines(), f"maps and tables in {folder}"
-    for line in told:
-        console.print(line, soft_wrap=True, highlight=False)

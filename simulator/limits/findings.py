@@ -1,0 +1,101 @@
+"""What a survey of limits has found, as files and on the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from rich.console import Console
+from rich.table import Table
+
+from ..bounds.touches.errors import LaidErrors
+from ..measure.symmetry import repeated_told
+from ..scene.reading import frequencies_of_each
+from ..scene.scene import Scene
+from .figure import draw_distances, draw_maps
+from .identity import Identity
+from .report import summary, write_distances, write_places, write_summary
+from .survey import Question, Variant
+
+MOST_ROWS = 14
+"""Of the table on the terminal; all are in limits.json."""
+ERROR = (
+    "error: half of all lie nearer in the plane; a coordinate that is not told, or told worse than "
+    "by chance, errs as chance does over the room there is"
+)
+COLUMNS = {
+    "x (mm)": "median_deviation_x_mm",
+    "y (mm)": "median_deviation_y_mm",
+    "strength": "median_deviation_strength",
+    "error (mm)": "median_error_mm",
+}
+
+
+class Findings(NamedTuple):
+    """Bounds of a scene.
+
+    laid: what laying touches on cells changes, None where they are pressed by factors.
+    """
+
+    scene: Scene
+    question: Question
+    variants: Sequence[Variant]
+    told_apart: Identity
+    laid: LaidErrors | None
+
+    def write(self, folder: Path, ending: str) -> None:
+        """Maps, with this ending, tables, and a summary."""
+        self._draw(folder, ending)
+        write_places(self.variants, folder / "limits.csv")
+        write_distances(self.told_apart.apart, self.told_apart.names, folder / "pixels.csv")
+        content = {
+            "scene": self.scene.name,
+            "position_asked": self.question.told,
+            **({} if self.laid is None else {"position_laid": self.laid.summary()}),
+            "median_error_of": ERROR,
+            "position": [summary(variant) for variant in self.variants],
+            "accuracy": self.told_apart.summary(),
+        }
+        if each := frequencies_of_each(self.scene):
+            content["frequencies_of_each_Hz"] = each
+        write_summary(content, folder / "limits.json")
+
+    def show(self, folder: Path) -> None:
+        """Print the first rows, and where all are."""
+        table = Table("", "median deviation of", *COLUMNS, box=None)
+        for variant in self.variants[:MOST_ROWS]:
+            numbers = summary(variant)
+            cells = [str(numbers[key]) for key in COLUMNS.values()]
+            table.add_row(variant.comparison, variant.name, *cells)
+        console = Console()
+        console.print(f"of a touch: {self.question.told}", soft_wrap=True, highlight=False)
+        if self.laid is not None:
+            console.print(f"  {self.laid.told}", soft_wrap=True, highlight=False)
+        console.print(table)
+        left = len(self.variants) - MOST_ROWS
+        more = [f"  {left} more rows in {folder / 'limits.json'}"] if left > 0 else []
+        repeated = [f"  {line}" for line in repeated_told(self.scene)]
+        told = *more, f"  {ERROR}", *repeated, *self.told_apart.lines()
+        for line in (*told, f"maps and tables in {folder}"):
+            console.print(line, soft_wrap=True, highlight=False)
+
+    def _draw(self, folder: Path, ending: str) -> None:
+        for comparison in dict.fromkeys(variant.comparison for variant in self.variants):
+            chosen = [each for each in self.variants if each.comparison == comparison]
+            draw_maps(self.scene, chosen, self._title(), folder / f"{comparison}{ending}")
+        draw_distances(
+            self.told_apart.apart,
+            self.told_apart.names,
+            f"{self.scene.name}: distance between pixels' sweeps, at the nearest of their factors; "
+            f"{self.told_apart.asked}",
+            folder / f"pixels{ending}",
+        )
+
+    def _title(self) -> str:
+        question = self.question
+        rest = f", against {question.against_rest} sweeps at rest" if question.against_rest else ""
+        return (
+            f"{self.scene.name}: least standard deviation from one sweep{rest}, at "
+            f"{1 + question.touch.rise:g} times the capacitance; {question.told}"
+        )
