@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import deepcopy
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -260,7 +261,7 @@ class Scene(Table):
         table = self.model_dump(mode="json", by_alias=True, exclude_none=True)
         for name, value in changes.items():
             for key in (name,) if isinstance(value, Mapping) else BOTH.get(name, (name,)):
-                put(table, key, value)
+                put(table, key, deepcopy(value))
         try:
             return Scene.model_validate(table)
         except ValidationError as error:

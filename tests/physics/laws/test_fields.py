@@ -1,5 +1,6 @@
 """Fields of a press: what they add up to, and sensitivities against presses that are solved."""
 
+import meshio
 import numpy as np
 import pytest
 from rcskin.simulator.models.fields import fields
@@ -186,3 +187,36 @@ def test_factors_of_a_pressed_polygon(varied):
     assert set(np.unique(found.factor)) == {1.0, 4.0}
     assert mean[found.factor == 4].sum() == pytest.approx(area, rel=1e-9)
     np.testing.assert_allclose(found.capacitance, 5e-9 * found.factor, rtol=1e-12)
+
+
+def leaning(path, turn, length=0.1, width=0.04, n=6):
+    """A mesh of a strip that leans by `turn` about its left edge, in the group `part=1`."""
+    u, v = (each.ravel() for each in np.meshgrid(np.linspace(0, length, n), [0, width / 2, width]))
+    points = np.stack([u * np.cos(turn), v, u * np.sin(turn)], axis=1)
+    own = np.array([[0, 1, n], [1, n + 1, n]])
+    starts = [row * n + column for row in range(2) for column in range(n - 1)]
+    triangles = np.concatenate([own + start for start in starts])
+    foil = np.array([[0, n], [n, 2 * n]])
+    cells = [("triangle", triangles), ("line", foil)]
+    part = [np.zeros(len(triangles), dtype=int), np.ones(len(foil), dtype=int)]
+    meshio.write(path, meshio.Mesh(points, cells, cell_data={"part": part}))
+    return str(path)
+
+
+def test_a_leaning_strip_has_the_fields_of_a_lying_one(varied, tmp_path):
+    """Seen from above: its currents are as much shorter along x as it is."""
+    turn, edges = 0.7, {"top-part=1": {}, "bottom-part=1": {}}
+    found = []
+    for name, angle in (("lying", 0.0), ("leaning", turn)):
+        skin = {"mesh": leaning(tmp_path / f"{name}.vtu", angle)}
+        size = {"length": 0.1 * np.cos(angle), "width": 0.04}
+        scene = varied(skin, edges, **size, frequencies=[1e3, 3e4])
+        found.append(fields(scene, Press(), scene.frequencies, "meter", 1e-3))
+    lying, other = found
+    np.testing.assert_allclose(other.Z, lying.Z, rtol=1e-9)
+    np.testing.assert_allclose(other.potential, lying.potential, atol=1e-9)
+    np.testing.assert_allclose(other.position[2], np.tan(turn) * other.x[0], atol=1e-12)
+    np.testing.assert_allclose(other.position[:2], other.x, atol=1e-12)
+    most = np.abs(lying.current).max()
+    shorter = lying.current * np.array([np.cos(turn), 1.0])[:, None]
+    np.testing.assert_allclose(other.current, shorter, atol=1e-9 * most)

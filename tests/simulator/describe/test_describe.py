@@ -16,6 +16,7 @@ L_SHAPE = {
     "contact.1.edge": "outline.5",
     "contact.2.edge": "outline.5",
 }
+HOLE = {"circle": [0.03, 0.03, 0.01]}
 DISC = {
     "skin.outline": {"circle": [0.06, 0.06, 0.06]},
     "contact.1.edge": "outline",
@@ -48,6 +49,36 @@ def test_the_papers_sheet_in_words(run):
         "skin.foam.phase_exponent = 1.0",
     ):
         assert told in out
+
+
+@pytest.mark.parametrize(
+    ("about", "changes", "told"),
+    [
+        ("skin", {"skin.stretch": {"x": 1.2}}, "stretched to 1.2 times its length and 0.913"),
+        ("skin", {"skin.shape": {"kind": "sphere", "radius": 0.1}}, "on a sphere of radius 100 mm"),
+        ("skin", L_SHAPE | {"skin.outline.holes": [HOLE]}, "cm², 1 hole"),
+        ("top sheet", {"skin.top.piezoresistance": 2.0}, "resists 2 times the foam's strain more"),
+        ("top sheet", {"skin.top.map": {"kind": "gradient", "x": 0.2}}, "by place: a gradient map"),
+        (
+            "top sheet",
+            {"skin.top.anisotropy": {"ratio": 3.0, "angle": 0.5}},
+            "conducts 3 times as well along 28.6 degrees",
+        ),
+        ("foam", {"skin.foam.phase_exponent": 0.9}, "of constant phase with exponent 0.9"),
+        ("foam", {"skin.foam.loss_tangent": 0.01}, "tan d 0.01"),
+        ("press", {"press": {"capacitance_factor": 3.0, "factor_spread": 0.1}}, "varies by 10 %"),
+    ],
+)
+def test_what_is_not_plain_is_said(about, changes, told):
+    assert told in said(skin(changes))[about]
+
+
+def test_a_map_of_the_foam_changes_the_capacitance_by_its_mean():
+    plain = said(skin({}))["capacitance"]
+    rising = skin({"skin.foam.map": {"kind": "gradient", "x": 0.4}})
+    assert said(rising)["capacitance"] == plain and "a gradient map" in said(rising)["foam"]
+    denser = skin({"skin.foam.map": {"kind": "grid", "values": [[2.0, 2.0]]}})
+    assert said(denser)["capacitance"] != plain
 
 
 def test_area_and_capacitance_are_those_within_the_outline():

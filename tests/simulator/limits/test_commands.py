@@ -41,6 +41,13 @@ def test_maps_tables_and_a_summary_are_written(run, tmp_path, scene_file):
     assert imread(folder / "frequencies.png")[..., :3].std() > 0.05
 
 
+def test_a_terminal_shows_sets_of_frequencies_beside_each_other(run, scene_file, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    code, out, err = run("frequencies", scene_file(), "-n", "2", "--grid", "8")
+    assert (code, err) == (0, "")
+    assert "frequencies (Hz)" in out and "over the best" in out
+
+
 def test_the_most_pixels_for_an_accuracy_are_printed(run):
     code, out, err = run("limits", "strip-1x3", "--accuracy", "0.99", "--draws", "100")
     assert (code, err) == (0, "")

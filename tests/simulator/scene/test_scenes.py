@@ -1,5 +1,7 @@
 """The built-in scenes against the numbers of the paper they stand for."""
 
+from copy import deepcopy
+
 import numpy as np
 import pytest
 from rcskin.simulator.fem.circuit import two_fields
@@ -65,3 +67,11 @@ def test_the_pairs_of_foils_on_two_edges_do_not_touch():
     scene = load_scene("sheet-5x5-two-interfaces")
     assert len(set(joined(scene.contacts, scene.skin))) == 4
     assert [drive.high for drive in two_fields(scene).drives] == [(0,), (2,)]
+
+
+def test_what_a_scene_is_changed_by_stays_as_it_was():
+    """Tables that are given, and what later keys change within them."""
+    changes = {"skin.top.map": {"kind": "gradient", "x": 0.2}, "skin.top.map.y": 0.1}
+    given = deepcopy(changes)
+    changed = load_scene("strip-1x3").with_(changes)
+    assert changed.skin.top.map.y == 0.1 and changes == given
