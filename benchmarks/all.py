@@ -37,14 +37,14 @@ class Benchmark(NamedTuple):
     """A script and its options.
 
     quick: those of its quick pass. kept: the option, and the name, of what it keeps to go on from.
-    timed: whether it measures times, or occupies all cores by itself, and so runs alone.
+    alone: it measures times, or occupies all cores by itself, so that nothing runs beside it.
     """
 
     name: str
     options: tuple[str, ...] = ()
     quick: tuple[str, ...] = ()
     kept: tuple[str, str] | None = None
-    timed: bool = False
+    alone: bool = False
 
     @property
     def script(self) -> Path:
@@ -52,13 +52,13 @@ class Benchmark(NamedTuple):
         return HERE / f"{self.name}.py"
 
 
-def _timed(name: str) -> Benchmark:
-    return Benchmark(name, timed=True)
+def _alone(name: str) -> Benchmark:
+    return Benchmark(name, alone=True)
 
 
 def _campaign(name: str, *options: str) -> Benchmark:
     asked = *options, "--workers", "2"
-    return Benchmark("accuracy/campaign", asked, kept=("-o", f"{name}.jsonl"), timed=True)
+    return Benchmark("accuracy/campaign", asked, kept=("-o", f"{name}.jsonl"), alone=True)
 
 
 def _designed(target: str, *options: str) -> Benchmark:
@@ -67,19 +67,19 @@ def _designed(target: str, *options: str) -> Benchmark:
 
 
 IN_ORDER = (
-    _timed("speed/assembly"),
-    _timed("speed/work_precision"),
-    _timed("speed/answers"),
-    _timed("speed/reduction"),
-    _timed("speed/skins"),
-    _timed("speed/skins_reduced"),
-    _timed("speed/skins_commands"),
-    _timed("scale/dataset"),
-    _timed("scale/cluster"),
-    _timed("live/live_interfaces"),
-    _timed("live/live_page"),
-    _timed("live/killed"),
-    _timed("pictures/page"),
+    _alone("speed/assembly"),
+    _alone("speed/work_precision"),
+    _alone("speed/answers"),
+    _alone("speed/reduction"),
+    _alone("speed/skins"),
+    _alone("speed/skins_reduced"),
+    _alone("speed/skins_commands"),
+    _alone("scale/dataset"),
+    _alone("scale/cluster"),
+    _alone("live/live_interfaces"),
+    _alone("live/live_page"),
+    _alone("live/killed"),
+    _alone("pictures/page"),
     _campaign("campaign", "--timeout", "60"),
     _campaign("in_turn", "--in-turn", "--timeout", "25"),
     Benchmark("localization/twin"),
@@ -142,13 +142,13 @@ def command_of(benchmark: Benchmark, quick: bool) -> list[str]:
 
 
 def run(benchmarks: Sequence[Benchmark], quick: bool) -> Iterator[tuple[Benchmark, Times]]:
-    """Benchmarks and their times, as they end: those that measure times one after the other."""
-    for many, timing in (1, True), (AT_A_TIME, False):
+    """Benchmarks and their times, as they end: first those that run alone."""
+    for many, alone in (1, True), (AT_A_TIME, False):
         runners = ThreadPoolExecutor(many)
         asked = {
             runners.submit(timed, command_of(each, quick)): each
             for each in benchmarks
-            if each.timed is timing
+            if each.alone is alone
         }
         try:
             for ended in as_completed(asked):

@@ -104,16 +104,16 @@ def test_what_measures_times_runs_alone_and_before_the_rest(monkeypatch):
     def timed(command):
         name = Path(command[1]).stem
         told.append(name)
-        if not name.startswith("timed"):
+        if name != "alone":
             together.wait(timeout=30)
         told.append(f"{name} ended")
         return every.Times(1.0, 2.0, 0)
 
     monkeypatch.setattr(every, "timed", timed)
-    asked = [every.Benchmark(name, timed=name.startswith("timed")) for name in ("a", "b", "timed")]
+    asked = [every.Benchmark(name, alone=name == "alone") for name in ("a", "b", "alone")]
     ended = [benchmark.name for benchmark, _ in every.run([*asked, asked[-1]], False)]
-    assert told[:4] == ["timed", "timed ended"] * 2
-    assert set(told[4:6]) == {"a", "b"} and ended[:2] == ["timed"] * 2
+    assert told[:4] == ["alone", "alone ended"] * 2
+    assert set(told[4:6]) == {"a", "b"} and ended[:2] == ["alone"] * 2
 
 
 def test_what_a_long_one_keeps_is_of_one_commit(monkeypatch, tmp_path):
