@@ -18,7 +18,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import NamedTuple
 
@@ -142,19 +142,21 @@ def command_of(benchmark: Benchmark, quick: bool) -> list[str]:
 
 
 def run(benchmarks: Sequence[Benchmark], quick: bool) -> Iterator[tuple[Benchmark, Times]]:
-    """Benchmarks and their times, as they end: first those that run alone."""
+    """Benchmarks and their times, as they end: first those that run alone.
+
+    None is started before there is room for it, so that Ctrl-C ends those that run and no other
+    begins.
+    """
     for many, alone in (1, True), (AT_A_TIME, False):
-        runners = ThreadPoolExecutor(many)
-        asked = {
-            runners.submit(timed, command_of(each, quick)): each
-            for each in benchmarks
-            if each.alone is alone
-        }
-        try:
-            for ended in as_completed(asked):
-                yield asked[ended], ended.result()
-        finally:
-            runners.shutdown(cancel_futures=True)
+        left = [each for each in benchmarks if each.alone is alone]
+        busy: dict[Future[Times], Benchmark] = {}
+        with ThreadPoolExecutor(many) as runners:
+            while left or busy:
+                while left and len(busy) < many:
+                    started = left.pop(0)
+                    busy[runners.submit(timed, command_of(started, quick))] = started
+                for ended in wait(busy, return_when=FIRST_COMPLETED).done:
+                    yield busy.pop(ended), ended.result()
 
 
 def name_of(benchmark: Benchmark, quick: bool) -> str:
