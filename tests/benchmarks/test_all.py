@@ -130,3 +130,17 @@ def test_what_a_long_one_keeps_is_of_one_commit(monkeypatch, tmp_path):
 def test_times_of_quick_passes_are_no_part_of_the_repository():
     ignored = ["git", "-C", str(HERE.parent), "check-ignore", "-q", str(every.NOTED_QUICKLY)]
     assert subprocess.run(ignored).returncode == 0
+
+
+def test_after_ctrl_c_no_other_begins(monkeypatch):
+    begun = []
+
+    def timed(command):
+        begun.append(Path(command[1]).stem)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(every, "timed", timed)
+    asked = [every.Benchmark(name, alone=True) for name in ("first", "second")]
+    with pytest.raises(KeyboardInterrupt):
+        list(every.run(asked, quick=False))
+    assert begun == ["first"]
