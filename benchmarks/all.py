@@ -80,6 +80,7 @@ IN_ORDER = (
     _alone("live/live_page"),
     _alone("live/killed"),
     _alone("pictures/page"),
+    _alone("commands"),
     _campaign("campaign", "--timeout", "60"),
     _campaign("in_turn", "--in-turn", "--timeout", "25"),
     Benchmark("localization/twin"),
@@ -106,6 +107,7 @@ IN_ORDER = (
     Benchmark("accuracy/verification"),
     Benchmark("accuracy/stability"),
     Benchmark("pictures/gallery"),
+    Benchmark("pictures/commands"),
     Benchmark("pictures/wiring"),
 )
 

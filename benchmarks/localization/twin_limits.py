@@ -66,7 +66,7 @@ def main(run: Run) -> None:
     """Compute, and publish."""
     trials = run.sized(TRIALS, few_trials())
     placed = [trial for trial in trials if trial.placed]
-    labelled = [trial for trial in trials if not trial.placed]
+    labelled = {trial.name: trial for trial in trials if not trial.placed}.values()
     if run.asked.only != "places":
         sizes = run.sized((SAMPLES, DRAWS), (FEW_SAMPLES, FEW_DRAWS))
         rows = [row for trial in labelled for row in limits(trial, *sizes)]
