@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from ..press.press import Press
 from ..scene.scene import Scene
-from .skin_mesh import domain
 
 
 class Held(NamedTuple):
@@ -42,6 +41,8 @@ def _held(scene: Scene) -> Held:
         row, column = np.divmod(np.arange(count), scene.pixels.columns)
         x, y = (column + 0.5) / scene.pixels.columns, (row + 0.5) / scene.pixels.rows
         return Held(np.ones(count), np.stack([x * length, y * width]))
+    from .skin_mesh import domain
+
     mesh = domain(scene, Press(), max(scene.skin.sides))
     flat = replace(mesh, p=mesh.p[:2])
     pixel, here = flat.pixel[flat.pixel >= 0], flat.pixel >= 0

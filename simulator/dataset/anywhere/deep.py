@@ -6,17 +6,20 @@ A cell rises by the mean of the factor over its skin, of the deflection of the w
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.mechanics.lattice.presses import Applied, raised
-from ...models.mechanics.lattice.skin import Lattice, lattice_of
-from ...models.mechanics.lattice.triangles import traced
 from ...models.reduced.indented.draws import spreading
 from ...press.batch import PressBatch
 from ...scene.scene import Scene
 from ..strengths import told
 from .laying import Placed, laid_on_cells
+
+if TYPE_CHECKING:
+    from ...models.mechanics.lattice.presses import Applied
+    from ...models.mechanics.lattice.skin import Lattice
 
 
 def raised_on_cells(
@@ -25,6 +28,8 @@ def raised_on_cells(
     """As `laid_on_cells`, by the deflection where a tension spreads how a scene is pressed."""
     if not spreading(scene):
         return laid_on_cells(scene, touches, placed, grid)
+    from ...models.mechanics.lattice.presses import raised
+
     lattice = lattice_under(scene, grid)
     each = (applied(scene, placed, k, count) for k, count in enumerate(touches.tolist()))
     return PressBatch.of(raised(lattice, own) for own in each)
@@ -37,6 +42,8 @@ def strengths_anywhere(scene: Scene, placed: Placed) -> tuple[NDArray[np.float64
 
 def lattice_under(scene: Scene, grid: tuple[int, int]) -> Lattice:
     """As fine as the smallest touch of a scene's data set needs."""
+    from ...models.mechanics.lattice.skin import lattice_of
+
     drawn, pixels = scene.dataset.press, scene.pixels
     length, width = scene.skin.sides
     smallest = min(length / pixels.columns, width / pixels.rows)
@@ -49,6 +56,8 @@ def raised_by_triangles(
     scene: Scene, touches: NDArray[np.int64], placed: Placed, grid: tuple[int, int]
 ) -> PressBatch:
     """As `raised_on_cells`, by the membrane on triangles."""
+    from ...models.mechanics.lattice.triangles import traced
+
     lattice = lattice_under(scene, grid)
     each = (applied(scene, placed, k, count) for k, count in enumerate(touches.tolist()))
     return PressBatch.of(traced(scene, lattice, own) for own in each)
@@ -56,6 +65,8 @@ def raised_by_triangles(
 
 def applied(scene: Scene, placed: Placed, press: int, touches: int) -> Applied:
     """The first so many touches of a press as applicators."""
+    from ...models.mechanics.lattice.presses import Applied
+
     own = press, slice(touches)
     x, y, wide, high = placed.x[own], placed.y[own], placed.width[own] / 2, placed.height[own] / 2
     boxes = np.stack([x - wide, x + wide, y - high, y + high], axis=-1)
