@@ -153,6 +153,46 @@ def test_a_kernel_without_a_folder_is_compiled_each_time(doubled, tmp_path):
     assert not kept(tmp_path)
 
 
+AT_ONCE = """
+import sys, time
+from pathlib import Path
+from rcskin.simulator.fem.compiled import compiled
+
+@compiled()
+def scaled(x, factor):
+    total = x
+    for _ in range(3):
+        total = total * factor + x
+    return total
+
+ready, count = Path(sys.argv[1]), int(sys.argv[2])
+(ready / str(sys.argv[3])).touch()
+while len(list(ready.iterdir())) < count:
+    time.sleep(0.002)
+assert scaled(2, 2) == 30
+print(sum(scaled.stats.cache_misses.values()))
+"""
+
+
+def test_processes_compile_a_kernel_in_turn(tmp_path):
+    """Of two that need it at once one compiles it, and the other finds it."""
+    script, ready = tmp_path / "script" / "scaled.py", tmp_path / "ready"
+    for folder in (script.parent, ready):
+        folder.mkdir()
+    script.write_text(AT_ONCE)
+    calls = [
+        subprocess.Popen(
+            [sys.executable, str(script), str(ready), "2", name],
+            env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "kept")},
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for name in "ab"
+    ]
+    assert sorted(call.communicate(timeout=300)[0] for call in calls) == ["0\n", "1\n"]
+    assert [call.returncode for call in calls] == [0, 0]
+
+
 @pytest.mark.parametrize("order", ["C", "F"])
 def test_any_order_of_axes_is_the_same_kernel(order):
     random = np.random.default_rng(0)
