@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from skfem import (
-    BilinearForm,
     Element,
     ElementQuad1,
     ElementQuad2,
@@ -28,6 +28,9 @@ from .pattern import DROPPED
 from .warming import Warming
 
 EXTRA_ORDER = 40
+
+ROUNDING = 1e-14
+"""Of the largest integral: what is smaller is 0. Factors of sparse matrices are the smaller."""
 
 SHAPES_KEPT = 128
 """Of cells that are no parallelograms, 0.1 MB each at order 8; a mesh has four for each order."""
@@ -85,27 +88,50 @@ class ReferenceMatrices:
 
 @cache
 def reference_matrices(order: int) -> ReferenceMatrices:
-    """Of the quadrilateral of that order, integrated exactly by scikit-fem."""
+    """Of the quadrilateral of that order, integrated exactly by scikit-fem's quadrature."""
     mesh, element = MeshQuad(), quadrilateral(order)
-    basis = Basis(mesh, element, intorder=2 * order)
+    inside = _at_points(Basis(mesh, element, intorder=2 * order))
     edges = [
         FacetBasis(mesh, element, facets=np.asarray(mesh.t2f)[edge], intorder=2 * order)
         for edge in range(4)
     ]
-    mass = BilinearForm(lambda u, v, _: u * v)
-    xx = BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0])
-    yy = BilinearForm(lambda u, v, _: u.grad[1] * v.grad[1])
-    xy = BilinearForm(lambda u, v, _: u.grad[0] * v.grad[1] + u.grad[1] * v.grad[0])
-    local = basis.element_dofs[:, 0]
-
-    def dense(form: BilinearForm, on: AbstractBasis) -> NDArray[np.float64]:
-        return form.assemble(on).toarray()[np.ix_(local, local)]
-
     return ReferenceMatrices(
-        mass=dense(mass, basis),
-        stiffness=np.stack([dense(form, basis) for form in (xx, yy, xy)]),
-        edge_mass=np.stack([dense(mass, edge) for edge in edges]),
+        mass=inside.products(inside.values, inside.values),
+        stiffness=np.stack(
+            [
+                inside.products(inside.slopes[0], inside.slopes[0]),
+                inside.products(inside.slopes[1], inside.slopes[1]),
+                2 * inside.products(inside.slopes[0], inside.slopes[1]),
+            ]
+        ),
+        edge_mass=np.stack(
+            [on.products(on.values, on.values) for on in map(_at_points, edges)],
+        ),
     )
+
+
+class AtPoints(NamedTuple):
+    """Functions of one element at points of a quadrature.
+
+    values: shape (local, point). slopes: along x and y, shape (2, local, point). weights: (point,).
+    """
+
+    values: NDArray[np.float64]
+    slopes: NDArray[np.float64]
+    weights: NDArray[np.float64]
+
+    def products(self, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Integrals of (u_i v_j + u_j v_i) / 2, shape (local, local); 0 where rounding is left."""
+        one_way = (u * self.weights) @ v.T
+        found = (one_way + one_way.T) / 2
+        return np.where(np.abs(found) > ROUNDING * np.abs(found).max(), found, 0.0)
+
+
+def _at_points(basis: AbstractBasis) -> AtPoints:
+    fields = [field for (field,) in basis.basis]
+    values = np.stack([np.asarray(field.value)[0] for field in fields])
+    slopes = np.stack([np.asarray(field.grad)[:, 0] for field in fields], axis=1)
+    return AtPoints(values, slopes, basis.dx[0])
 
 
 @dataclass(frozen=True)
@@ -172,12 +198,6 @@ def _shape_matrices(
     along, across, twist = np.array(shape).reshape(3, 2)
     corners = np.stack([np.zeros(2), along, along + across + twist, across], axis=1)
     basis = Basis(MeshQuad(corners), quadrilateral(order), intorder=2 * order + EXTRA_ORDER)
-    local = basis.element_dofs[:, 0]
-    mass, laplacian = (
-        form.assemble(basis).toarray()[np.ix_(local, local)]
-        for form in (
-            BilinearForm(lambda u, v, _: u * v),
-            BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1]),
-        )
-    )
-    return mass, laplacian
+    inside = _at_points(basis)
+    x, y = (inside.products(slope, slope) for slope in inside.slopes)
+    return inside.products(inside.values, inside.values), x + y
