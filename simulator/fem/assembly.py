@@ -129,7 +129,7 @@ class AtPoints(NamedTuple):
 
 def _at_points(basis: AbstractBasis) -> AtPoints:
     fields = [field for (field,) in basis.basis]
-    values = np.stack([np.asarray(field.value)[0] for field in fields])
+    values = np.stack([np.asarray(field)[0] for field in fields])
     slopes = np.stack([np.asarray(field.grad)[:, 0] for field in fields], axis=1)
     return AtPoints(values, slopes, basis.dx[0])
 
