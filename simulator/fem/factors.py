@@ -14,8 +14,8 @@ from threadpoolctl import ThreadpoolController
 
 from ..sweeps import ToleranceError
 
-FEWEST_SIDES, FEWEST_ENTRIES = 3, 100_000
-"""Right-hand sides, and entries of the factors, from which on one pass pays."""
+FEWEST_SIDES = 3
+"""Right-hand sides from which on one pass pays."""
 
 
 def factorised(matrix: csc_matrix) -> SuperLU:
@@ -56,7 +56,7 @@ class Factors:
 
     def solve(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
         """A^-1 y. y: shape (unknown, ...)."""
-        if y.ndim == 1 or y.shape[1] < FEWEST_SIDES or self._lu.nnz < FEWEST_ENTRIES:
+        if y.ndim == 1 or y.shape[1] < FEWEST_SIDES:
             return self._lu.solve(y)
         from .kernels import substitute
 

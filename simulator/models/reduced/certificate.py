@@ -7,7 +7,7 @@ least factor on its conductance another.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,28 +24,31 @@ from .family import Weights
 def certificate(
     space: Galerkin,
     system: System,
-    mass: csc_matrix,
-    solved: Iterable[tuple[NDArray[np.float64], NDArray[np.complex128]]],
+    masses: Sequence[csc_matrix],
+    potential: NDArray[np.float64],
+    Y: NDArray[np.complex128],
     s: NDArray[np.complex128],
     least: float,
 ) -> NDArray[np.float64]:
-    """Bound on the relative errors of Rs and Cp, shape (2, interface, s); of the reduction alone.
+    """Bounds on the relative errors of Rs and Cp, shape (2, press, interface, s); of the reduction.
 
-    system: K of the skin. mass: M of the press in the space, F. solved: of each interface,
-    potentials of 1 V in the full space as `side_by_side`, shape (unknown, 2 s), and Y in S. s:
-    rad/s. least: as `least_conductance`.
+    system: K of the skin. masses: M of each press in the space, F. potential: of 1 V in the full
+    space, real parts beside imaginary ones, V, shape (unknown, 2 * press * interface * s). Y: S,
+    shape (press, interface, s). s: rad/s. least: as `least_conductance`.
     """
-    bounds = []
-    for potential, Y in solved:
-        current = space.currents(potential, system.sheets, system.films)
-        charge = (mass @ potential)[: space.inner]
-        bounds.append(certified(Y, residual_power(space, current, charge, s) / least))
-    return np.stack(bounds, axis=1)
+    current = space.currents(potential, system.sheets, system.films)
+    charge = _charges(masses, potential)[: space.inner]
+    power = residual_power(space, current, charge, np.tile(s, Y.size // len(s)))
+    return certified(Y, power.reshape(Y.shape) / least)
 
 
-def side_by_side(u: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """Real parts of columns, then imaginary ones: real matrices need not be made complex."""
-    return np.hstack([u.real, u.imag])
+def _charges(masses: Sequence[csc_matrix], potential: NDArray[np.float64]) -> NDArray[np.float64]:
+    """M of each press times its own potentials, in C."""
+    own = potential.reshape(len(potential), 2, len(masses), -1)
+    each = [mass @ own[:, :, k].reshape(len(own), -1) for k, mass in enumerate(masses)]
+    return np.stack([found.reshape(len(own), 2, -1) for found in each], axis=2).reshape(
+        potential.shape
+    )
 
 
 def residual_power(
@@ -54,8 +57,10 @@ def residual_power(
     charge: NDArray[np.float64],
     s: NDArray[np.complex128],
 ) -> NDArray[np.float64]:
-    """r*K^-1 r in W of r = K u + s M u, shape (s,). current, charge: K u and M u inside, as
-    `side_by_side`, shape (inner, 2 s)."""
+    """r*K^-1 r in W of r = K u + s M u, shape (s,).
+
+    current, charge: K u and M u inside, real parts beside imaginary ones, shape (inner, 2 s).
+    """
     real, imag = np.split(charge, 2, axis=1)
     turned = np.hstack([s.real * real - s.imag * imag, s.real * imag + s.imag * real])
     residual = current + turned

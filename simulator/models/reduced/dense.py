@@ -57,6 +57,19 @@ def widened(values: NDArray[np.float64], width: int) -> NDArray[np.float64]:
     return wide
 
 
+def with_terms(
+    conductance: NDArray[np.float64],
+    terms: NDArray[np.float64],
+    which: NDArray[np.intp],
+    weights: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """K in S of the scene's own skin, 1 in its basis, and so much of some terms, (term, m, m)."""
+    terminals, m = len(conductance), terms.shape[-1]
+    K = np.eye(m)
+    K[:terminals, :terminals] = conductance
+    return K + np.tensordot(weights, terms[which], axes=1) if which.size else K
+
+
 def own_coordinates(
     K: NDArray[np.float64], M: NDArray[np.float64], terminal_field: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -37,19 +37,20 @@ def swept(
     """
     cells, rises, starts = batch
     Y = np.empty((len(starts) - 1, len(s)), np.complex128)
-    farthest, parts = s[0], np.empty((4, len(s)))
+    farthest, parts = farthest_of(s), np.empty((4, len(s)))
     for k in range(len(s)):
         square = s[k] * s[k]
         parts[0, k], parts[1, k] = s[k].real, s[k].imag
         parts[2, k], parts[3, k] = square.real, square.imag
-        if abs(s[k]) > abs(farthest):
-            farthest = s[k]
     room, fractions = np.empty((ROOM, rest.rows.shape[1])), np.empty((2, len(s)))
     diagonal, squared = np.empty(MOST_STEPS), np.empty(MOST_STEPS)
+    basis = np.empty((0, rest.rows.shape[1]))
     for press in range(len(starts) - 1):
         first, end = starts[press], starts[press + 1]
         touched = cells[first:end], rises[first:end]
-        steps, capacitance = _steps(rest, feed, touched, farthest, rtol, room, diagonal, squared)
+        steps, capacitance = lanczos_steps(
+            rest, feed, touched, farthest, rtol, room, diagonal, squared, basis
+        )
         delayed = 0.0
         if steps:
             delayed = squared[0]
@@ -87,7 +88,17 @@ def swept_readable(
 
 
 @compiled()
-def _steps(
+def farthest_of(s: NDArray) -> complex:  # pragma: no cover
+    """The s of largest modulus, at which Lanczos' method takes longest."""
+    farthest = s[0]
+    for k in range(len(s)):
+        if abs(s[k]) > abs(farthest):
+            farthest = s[k]
+    return farthest
+
+
+@compiled()
+def lanczos_steps(
     rest: Rest,
     feed: Feed,
     touched: tuple[NDArray, NDArray],
@@ -96,11 +107,14 @@ def _steps(
     room: NDArray,
     diagonal: NDArray,
     squared: NDArray,
+    basis: NDArray,
 ) -> tuple[int, float]:  # pragma: no cover
     """Lanczos' steps until two in a row change neither Rs nor Cp at s by rtol.
 
-    touched: cells and their rises. room: for vectors, shape (ROOM, m). diagonal, squared: filled as
-    `continued_fraction` takes them. Returns how many steps, and the capacitance at once in F.
+    touched: cells and their rises. room: for vectors, shape (ROOM, m); the first one is then what
+    is driven at s = 0, in V. diagonal, squared: filled as `continued_fraction` takes them. basis:
+    filled with the vector of each step, shape (MOST_STEPS, m); none are kept where it is empty.
+    Returns how many steps, and the capacitance at once in F.
     """
     terminals, m = rest.rows.shape
     for vector in range(ROOM):
@@ -135,6 +149,9 @@ def _steps(
             solution[k] *= share
         _charge(rest, touched, solution, product, floating)
         squared[steps], diagonal[steps] = square, _dot(solution, product)
+        if len(basis):
+            for k in range(m):
+                basis[steps, k] = solution[k]
         a = diagonal[steps]
         for k in range(m):
             w_before, w[k] = w[k], residual[k] * share

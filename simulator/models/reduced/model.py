@@ -9,7 +9,7 @@ a sum of terms they weigh: each sheet's resistance, its slow variation, each con
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -30,8 +30,8 @@ from ...sweeps import ToleranceError
 from ..parameters import Variation, foam_parts, nominal
 from ..varied.materials import gauged
 from .cases import Case, touched
-from .certificate import certificate, least_conductance, side_by_side
-from .dense import Rest, aligned, feed_of, own_coordinates, solved
+from .certificate import certificate, least_conductance
+from .dense import Rest, aligned, feed_of, own_coordinates, solved, with_terms
 from .family import Family, Mesh, changes, weights_under
 from .resolving import family_on, finer_families
 
@@ -201,11 +201,28 @@ class ReducedSkin:
     ) -> NDArray[np.float64]:
         """Bound on what the reduction leaves out of Rs and Cp of one press, relatively, of shape
         (2, interface, s); s in rad/s, by default of the scene's frequencies."""
-        s, family, W = self.s if s is None else s, self.reduced.family, self.reduced.coordinates
-        mass, skin = family.mass_inside(self.map_of(cells, rises)), self.under(cells, rises)
+        s, own = self.s if s is None else s, self.under(cells, rises)
         with one_blas_thread():
-            solved = ((W @ side_by_side(u), Y) for u, Y in skin.solved(cells, rises, s))
-            return certificate(family.space, skin.system, mass, solved, s, skin.least_conductance)
+            return own.certificates([(cells, rises)], [self.map_of(cells, rises)], s)[:, 0]
+
+    def certificates(
+        self,
+        presses: Sequence[tuple[NDArray[np.int64], NDArray[np.float64]]],
+        foams: Sequence[NDArray[np.float64]],
+        s: NDArray[np.complex128],
+    ) -> NDArray[np.float64]:
+        """The same of presses under which sheets are as here, shape (2, press, interface, s).
+
+        foams: c of each pressed skin as the family's `mass` takes it.
+        """
+        from .spanned import spanned_by_all
+
+        family, W = self.reduced.family, self.reduced.coordinates
+        u, Y = spanned_by_all(self.feeds, [self.touched(*press) for press in presses], s)
+        u = self.turn @ u[: len(self.turn)]
+        masses = [family.mass_inside(foam) for foam in foams]
+        told = masses, W @ np.hstack([u.real, u.imag]), Y, s, self.least_conductance
+        return certificate(family.space, self.system, *told)
 
     def by_mesh(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> float:
         """Estimated error of Rs and Cp of one press by the mesh, relatively; 0 of plain scenes."""
@@ -283,8 +300,5 @@ class ReducedSkin:
     def stiffness(self) -> NDArray[np.float64]:
         """K in the model's coordinates, S, shape (N + n, N + n)."""
         reduced = self.reduced
-        terminals = len(reduced.conductance)
-        K = np.eye(terminals + reduced.size)
-        K[:terminals, :terminals] = reduced.conductance
-        changed, change = changes(self.weights, reduced.scene, reduced.circuit, reduced.modes)
-        return K + np.tensordot(change, reduced.stiffness[changed], axes=1) if changed.size else K
+        change = changes(self.weights, reduced.scene, reduced.circuit, reduced.modes)
+        return with_terms(reduced.conductance, reduced.stiffness, *change)

@@ -10,6 +10,7 @@ from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.kernel import swept, swept_readable
+from rcskin.simulator.models.reduced.spanned import spanned, spanned_readable
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import Press
@@ -100,6 +101,19 @@ def test_the_kernel_and_its_readable_twin_agree(families):
             given = own.rest, feed, batch(cases), own.s
             fused, readable = swept(*given, 1e-13), swept_readable(*given, 1e-13)
             np.testing.assert_allclose(fused, readable, rtol=1e-11)
+
+
+@pytest.mark.kernel
+def test_potentials_of_a_certificate_and_their_readable_twin_agree(families):
+    """They differ by what either leaves of the potentials, Y by the square of that."""
+    for reduced in families.values():
+        own = reduced.skin(None)
+        for feed in own.feeds:
+            for cells, rises in batch(drawn(reduced.scene, 4)).each():
+                given = feed, own.rest, (cells, rises), own.s
+                (u, Y), (twin, own_Y) = spanned(*given, 1e-12), spanned_readable(*given, 1e-14)
+                np.testing.assert_allclose(Y, own_Y, rtol=1e-10)
+                np.testing.assert_allclose(u, twin, atol=1e-5 * np.abs(twin).max())
 
 
 @pytest.mark.parametrize("touches", [0, 1, 6], ids="{} touched".format)

@@ -1,0 +1,100 @@
+"""Potentials of presses by a reduced model, in the steps of the sweep, from which residuals follow.
+
+A certificate holds for any potentials; these are close to what the whole basis makes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.compiled import compiled
+from ...fem.lanczos import MOST_STEPS, potentials
+from .dense import Feed, Rest, aligned, dense_pencil, widened, written_out
+from .kernel import ROOM, farthest_of, lanczos_steps
+
+RTOL = 1e-12
+"""What Lanczos' method may leave of Rs and Cp; of the potentials it leaves the square root."""
+Touched = tuple[NDArray[np.int64], NDArray[np.float64]]
+Potentials = tuple[NDArray[np.complex128], NDArray[np.complex128]]
+
+
+def spanned_by_all(
+    feeds: Sequence[Feed],
+    presses: Iterable[tuple[Rest, NDArray[np.int64], NDArray[np.float64]]],
+    s: NDArray[np.complex128],
+) -> Potentials:
+    """What `spanned` finds of each press and drive: potentials beside each other, shape (m, press *
+    drive * s), and Y of shape (press, drive, s)."""
+    found = []
+    for rest, cells, weights in presses:
+        own = aligned(rest._replace(factors=rest.factors[cells]))
+        touched = np.arange(len(cells)), weights
+        found += [spanned(feed, own, touched, s, RTOL) for feed in feeds]
+    u, Y = zip(*found, strict=True)
+    return np.hstack(u), np.stack(Y).reshape(-1, len(feeds), len(s))
+
+
+@compiled()
+def spanned(
+    feed: Feed, rest: Rest, touched: Touched, s: NDArray, rtol: float
+) -> Potentials:  # pragma: no cover
+    """Potentials of one press at 1 V, shape (m, s), and Y in S, shape (s,).
+
+    touched, s, rtol: cells and their rises, and the others as of `swept`.
+    """
+    m = rest.rows.shape[1]
+    room, basis = np.zeros((ROOM, m)), np.empty((MOST_STEPS, m))
+    diagonal, squared = np.empty(MOST_STEPS), np.empty(MOST_STEPS)
+    steps, capacitance = lanczos_steps(
+        rest, feed, touched, farthest_of(s), rtol, room, diagonal, squared, basis
+    )
+    u, Y = np.empty((m, len(s)), np.complex128), np.empty(len(s), np.complex128)
+    share = np.empty(steps, np.complex128)
+    for k in range(len(s)):
+        _shares(s[k], diagonal, squared, share)
+        Y[k] = feed.conductance + s[k] * capacitance
+        if steps:
+            Y[k] += s[k] * np.sqrt(squared[0]) * share[0]
+        for row in range(m):
+            potential = complex(room[0, row], 0.0)
+            for step in range(steps):
+                potential += basis[step, row] * share[step]
+            u[row, k] = potential
+    return u, Y
+
+
+@compiled()
+def _shares(
+    s: complex, diagonal: NDArray, squared: NDArray, share: NDArray
+) -> None:  # pragma: no cover
+    """-s (1 + s T)^-1 e1 b_0 into `share`, by elimination. diagonal, squared: as of Lanczos."""
+    steps = len(share)
+    pivot = np.empty(steps, np.complex128)
+    for step in range(steps):
+        pivot[step] = 1.0 + s * diagonal[step]
+        if step == 0:
+            share[0] = -s * np.sqrt(squared[0])
+        else:
+            factor = s * np.sqrt(squared[step]) / pivot[step - 1]
+            pivot[step] -= factor * s * np.sqrt(squared[step])
+            share[step] = -factor * share[step - 1]
+    for step in range(steps - 1, -1, -1):
+        if step + 1 < steps:
+            share[step] -= s * np.sqrt(squared[step + 1]) * share[step + 1]
+        share[step] /= pivot[step]
+
+
+def spanned_readable(
+    feed: Feed, rest: Rest, touched: Touched, s: NDArray[np.complex128], rtol: float
+) -> Potentials:
+    """What `spanned` does, with matrices written out."""
+    mass = written_out(rest, *touched)
+    at_zero = widened(feed.driven, len(mass))
+    for sheet in widened(feed.common, len(mass)):
+        at_zero -= sheet * (sheet @ mass @ at_zero) / (sheet @ mass @ sheet)
+    pencil = dense_pencil(mass, feed)
+    v = potentials(pencil, s, np.sqrt(rtol)).astype(np.complex128)  # type: ignore[arg-type]
+    return at_zero[:, None] + v, pencil.admittance + s * (pencil.capacitance + pencil.start @ v)
