@@ -8,8 +8,7 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from threadpoolctl import threadpool_limits
-
+from ..fem.factors import one_blas_thread
 from ..sweeps import whole_file
 from . import store
 from .layout import joined, values
@@ -63,7 +62,7 @@ def make_block(workshop: Workshop, block: int) -> int:
     On one thread: several would round differently, and other blocks have the other cores.
     """
     plan, family = _loaded(workshop)
-    with threadpool_limits(1, user_api="blas"):
+    with one_blas_thread():
         drawn = drawn_sessions(plan, family, plan.sessions_of(block))
     here = plan.sweeps_of(block)
     arrays = joined([values(session) for session in drawn], here.stop - here.start)

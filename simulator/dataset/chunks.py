@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 LEFT_OVER = "*.partial"
+SEPARATOR = "."
+"""In a chunk's name: all chunks of an array are in one folder, as folders take time to make."""
 CODECS = {
     "numbers": {"cname": "lz4", "clevel": 5, "shuffle": "bitshuffle"},
     "whole numbers": {"cname": "zstd", "clevel": 1, "shuffle": "bitshuffle"},
@@ -29,13 +31,13 @@ def put(folder: Path, number: int, values: NDArray, size: int) -> None:
     folder: of the array. values: of the array's type, or texts. size: of a chunk along the first
     dimension; a last chunk that holds less is filled up with zeros or empty texts.
     """
-    place = "/".join([str(folder), "c", str(number), *["0"] * (values.ndim - 1)])
+    place = f"{folder}/{SEPARATOR.join(['c', str(number), *['0'] * (values.ndim - 1)])}"
     unfinished = f"{place}.{os.getpid()}.partial"
     encoded = _encoded(_filled_up(values, size))
     try:
         _write(unfinished, encoded)
     except FileNotFoundError:
-        os.makedirs(os.path.dirname(place), exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
         _write(unfinished, encoded)
     os.replace(unfinished, place)
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..sweeps.schema import DIMENSIONS, TAKEN
-from .chunks import LEFT_OVER, compression, put
+from .chunks import LEFT_OVER, SEPARATOR, compression, put
 from .layout import SESSION, SWEEP, Variable, sizes, variables
 from .plan import Plan
 
@@ -121,6 +121,7 @@ def _create(
         dtype=str if text else variable.dtype,
         dimension_names=variable.dimensions,
         attributes=dict(variable.attributes),
+        chunk_key_encoding={"name": "default", "separator": SEPARATOR},
         compressors=BloscCodec(**compression(variable.dtype), typesize=size),
         fill_value="" if text else np.dtype(variable.dtype).type(0),
         config={"write_empty_chunks": True},

@@ -27,7 +27,7 @@ NOTHING = {
 
 def test_any_number_of_processes_gives_the_same_bytes(make, toy):
     alone, together = make("alone"), make("together", processes=2)
-    assert len(list((alone / "Rs" / "c").iterdir())) == 10
+    assert len(list((alone / "Rs").glob("c.*"))) == 10
     assert toy.bytes_of(alone) == toy.bytes_of(together)
     assert [path.name for path in sorted(alone.parent.iterdir())] == ["alone.zarr", "together.zarr"]
 
