@@ -157,7 +157,7 @@ def cells_of_pixels(scene: Scene, grid: tuple[int, int]) -> NDArray[np.int64]:
 
 def single_label(touches: NDArray[np.int64], index: NDArray[np.int64]) -> NDArray[np.int64]:
     """Row or column of a single touch, 0 at rest, -1 where it is no single pixel."""
-    return np.select([touches == 0, touches == 1], [0, index], -1)
+    return np.where(touches == 1, index, np.where(touches == 0, 0, -1))
 
 
 def presses_anywhere(

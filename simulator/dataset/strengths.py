@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cache
-from itertools import islice
+from itertools import repeat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,11 +41,18 @@ def texts(
     there = np.arange(row.shape[1]) < touches[:, None]
     rows, columns, strengths = (each[there].tolist() for each in (row, column, strength))
     numbers = repr(strengths)[1:-1].split(", ")  # all at once takes half the time
-    told = (f"{_place(i, j)}{f}{unit}" for i, j, f in zip(rows, columns, numbers, strict=False))
-    return [
-        next(told) if count == 1 else "+".join(islice(told, count)) or UNPRESSED
-        for count in touches.tolist()
-    ]
+    told = map("".join, zip(map(_place, rows, columns), numbers, repeat(unit), strict=False))
+    return joined(touches, told)
+
+
+def joined(touches: NDArray[np.int64], told: Iterable[str]) -> list[str]:
+    """Texts of presses of so many touches, each of which is told in turn."""
+    each, first = np.array([*told], dtype=object), np.cumsum(touches) - touches
+    text = np.where(touches > 0, "", UNPRESSED).astype(object)
+    for number in range(touches.max(initial=0)):
+        here = touches > number
+        text[here] += ("+" if number else "") + each[first[here] + number]
+    return text.tolist()
 
 
 @cache

@@ -132,8 +132,8 @@ class Galerkin:
         return whole
 
     def currents(self, u: NDArray, sheets: csc_matrix, films: Films) -> NDArray:
-        """K u in A, of inner unknowns. u: V, shape (inner + terminals, k)."""
-        in_sheets = (without_zeros(self.restricted(sheets)) @ u)[: self.inner]
+        """K u in A of inner unknowns. u: V, shape (inner + terminals, k). sheets: of this space."""
+        in_sheets = (sheets @ u)[: self.inner]
         if not films.any:
             return in_sheets
         U = u[self.inner :]

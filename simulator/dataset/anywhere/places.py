@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from itertools import islice
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ...mesh.held import held
 from ...models.reduced.indented.draws import spreading
-from ...press.press import Press
 from ...scene.scene import Scene
 from ...scene.skin import covers
+from ..strengths import joined
 from .laying import Placed
 
 LENGTH_DECIMALS = 6
@@ -53,16 +51,13 @@ def texts(
     there = np.arange(placed.x.shape[1]) < touches[:, None]
     told_of = placed._replace(factor=strength)
     rows = zip(*(each[there].tolist() for each in told_of), strict=True)
-    told = iter(
-        [
-            f"disc({x!r},{y!r},{width / 2!r}):{by!r}{unit}"
-            if disc
-            else f"rect({x!r},{y!r},{width!r},{height!r}):{by!r}{unit}"
-            for disc, x, y, width, height, by in rows
-        ]
+    told = (
+        f"disc({x!r},{y!r},{width / 2!r}):{by!r}{unit}"
+        if disc
+        else f"rect({x!r},{y!r},{width!r},{height!r}):{by!r}{unit}"
+        for disc, x, y, width, height, by in rows
     )
-    none = str(Press())
-    return ["+".join(islice(told, count)) or none for count in touches.tolist()]
+    return joined(touches, told)
 
 
 def _first_on_skin(

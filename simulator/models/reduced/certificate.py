@@ -16,27 +16,25 @@ from scipy.sparse import csc_matrix
 from ...fem.circuit import Circuit
 from ...fem.estimate import certified
 from ...fem.galerkin import Galerkin
-from ...fem.system import System
 from ...sweeps import InputError
 from .family import Weights
 
 
 def certificate(
     space: Galerkin,
-    system: System,
     masses: Sequence[csc_matrix],
     potential: NDArray[np.float64],
+    current: NDArray[np.float64],
     Y: NDArray[np.complex128],
     s: NDArray[np.complex128],
     least: float,
 ) -> NDArray[np.float64]:
     """Bounds on the relative errors of Rs and Cp, shape (2, press, interface, s); of the reduction.
 
-    system: K of the skin. masses: M of each press in the space, F. potential: of 1 V in the full
-    space, real parts beside imaginary ones, V, shape (unknown, 2 * press * interface * s). Y: S,
-    shape (press, interface, s). s: rad/s. least: as `least_conductance`.
+    masses: M of each press in the space, F. potential: of 1 V in the full space, real parts beside
+    imaginary ones, V, shape (unknown, 2 * press * interface * s). current: K of the skin times that
+    inside, A. Y: S, shape (press, interface, s). s: rad/s. least: as `least_conductance`.
     """
-    current = space.currents(potential, system.sheets, system.films)
     charge = _charges(masses, potential)[: space.inner]
     power = residual_power(space, current, charge, np.tile(s, Y.size // len(s)))
     return certified(Y, power.reshape(Y.shape) / least)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -18,6 +19,7 @@ from scipy.sparse import csc_matrix, csr_matrix
 
 from ...fem.circuit import Circuit
 from ...fem.estimate import Swept, checked
+from ...fem.factors import without_zeros
 from ...fem.galerkin import Galerkin, swept
 from ...fem.system import Films, System
 from ...mesh.domain import Domain
@@ -130,8 +132,19 @@ class Family(ABC):
         return replace(
             self.system,
             sheets=self.system.pattern.matrix(sheets @ self._sheet_values),
-            films=self.with_films(self.system.films, films - 1, self.film_terms),
+            films=self._films(films),
         )
+
+    def currents(self, weights: Weights, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """K u in A of one skin, of the space's inner unknowns. u: V, shape (unknown, k)."""
+        if weights is None:
+            sheets = self.space.restricted(self.system.sheets)
+            return self.space.currents(u, sheets, self.system.films)
+        of_sheets, of_films = np.split(weights, [len(self.sheet_terms)])
+        pattern, values = self._sheets_inside
+        sheets = copy(pattern)
+        sheets.data = of_sheets @ values
+        return self.space.currents(u, sheets, self._films(of_films))
 
     def foam_of(self, case: Case) -> NDArray[np.float64]:
         """c of a case's foam as `mass` takes it."""
@@ -155,6 +168,16 @@ class Family(ABC):
             current = current + weight * term.current
             conductance = conductance + weight * term.conductance
         return Films(self.system.pattern.matrix(stiffness), current, conductance)
+
+    def _films(self, weights: NDArray[np.float64]) -> Films:
+        return self.with_films(self.system.films, weights - 1, self.film_terms)
+
+    @cached_property
+    def _sheets_inside(self) -> tuple[csc_matrix, NDArray[np.float64]]:
+        """Of the space: a matrix of all that K of any skin's sheets holds, and the terms there."""
+        values = self._sheet_values[:, self.space.entries]
+        there = values.any(axis=0)
+        return without_zeros(self.space.matrix(there.astype(float))), values[:, there]
 
     @cached_property
     def _masses_inside(self) -> csr_matrix:

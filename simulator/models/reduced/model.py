@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from ...fem.circuit import Circuit
 from ...fem.driven import driven_by
 from ...fem.factors import one_blas_thread
-from ...fem.system import System
 from ...press.batch import PressBatch
 from ...press.capacitance import touched_cells
 from ...press.press import Press
@@ -220,9 +219,11 @@ class ReducedSkin:
         family, W = self.reduced.family, self.reduced.coordinates
         u, Y = spanned_by_all(self.feeds, [self.touched(*press) for press in presses], s)
         u = self.turn @ u[: len(self.turn)]
+        potential = W @ np.hstack([u.real, u.imag])
+        current = family.currents(self.weights, potential)
         masses = [family.mass_inside(foam) for foam in foams]
-        told = masses, W @ np.hstack([u.real, u.imag]), Y, s, self.least_conductance
-        return certificate(family.space, self.system, *told)
+        told = potential, current, Y, s, self.least_conductance
+        return certificate(family.space, masses, *told)
 
     def by_mesh(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> float:
         """Estimated error of Rs and Cp of one press by the mesh, relatively; 0 of plain scenes."""
@@ -232,12 +233,6 @@ class ReducedSkin:
         asked = self.under(cells, rises).weights, self.loss, self.map_of(cells, rises)
         with one_blas_thread():
             return reduced.family.solved(*asked, reduced.rtol)[1]
-
-    @property
-    def system(self) -> System:
-        """K of the skin in the full space."""
-        family = self.reduced.family
-        return family.system if self.weights is None else family.varied(self.weights)
 
     @property
     def least_conductance(self) -> float:
