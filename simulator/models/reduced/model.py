@@ -139,17 +139,25 @@ class ReducedSkin:
         M = rows.T @ rows
         self.conductance, self.turn = own_coordinates(K, M, reduced.terminal_field)
         terminals, M = len(self.conductance), self.turn.T @ M @ self.turn
-        self.rest = Rest(
-            np.ascontiguousarray(M[:terminals]),
-            np.ascontiguousarray(M.diagonal()[terminals:]),
-            np.ascontiguousarray(reduced.factors @ self.turn),
-        )
-        self._aligned = aligned(self.rest)
+        self._own = M[:terminals].copy(), M.diagonal()[terminals:].copy()
         self.drives = [
             driven_by(drive, reduced.terminal_field, self.conductance, np.eye(terminals))
             for drive in reduced.circuit.drives
         ]
         self.feeds = [feed_of(driven) for driven in self.drives]
+
+    @cached_property
+    def rest(self) -> Rest:
+        """M at rest, and what every cell adds."""
+        return self.pressed_by(self.reduced.factors @ self.turn)
+
+    @cached_property
+    def _aligned(self) -> Rest:
+        return aligned(self.rest)
+
+    def pressed_by(self, factors: NDArray[np.float64]) -> Rest:
+        """M at rest, and what touches with these factors add, (touch, rank, N + n)."""
+        return Rest(*self._own, np.ascontiguousarray(factors))
 
     def sweeps(
         self, batch: PressBatch, s: NDArray[np.complex128] | None = None
@@ -282,7 +290,8 @@ class ReducedSkin:
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> tuple[Rest, NDArray[np.int64], NDArray[np.float64]]:
         """What one press adds to M: which of which factors, and how much of each."""
-        return self.rest, cells, rises * self.rest_factors[cells]
+        rest = self.pressed_by(self.reduced.factors[cells] @ self.turn)
+        return rest, np.arange(len(cells)), rises * self.rest_factors[cells]
 
     def charges(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]

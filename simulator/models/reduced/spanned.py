@@ -30,8 +30,7 @@ def spanned_by_all(
     drive * s), and Y of shape (press, drive, s)."""
     found = []
     for rest, cells, weights in presses:
-        own = aligned(rest._replace(factors=rest.factors[cells]))
-        touched = np.arange(len(cells)), weights
+        own, touched = aligned(rest), (cells, weights)
         found += [spanned(feed, own, touched, s, RTOL) for feed in feeds]
     u, Y = zip(*found, strict=True)
     return np.hstack(u), np.stack(Y).reshape(-1, len(feeds), len(s))

@@ -102,8 +102,7 @@ class IndentedSkin(ReducedSkin):
             factors = F[None]
         else:
             factors = self._factors(cells, rises)
-        rest = Rest(self.rest.rows, self.rest.diagonal, np.ascontiguousarray(factors))
-        return rest, np.arange(len(factors)), np.ones(len(factors))
+        return self.pressed_by(factors), np.arange(len(factors)), np.ones(len(factors))
 
     def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
         """As the family takes it."""
@@ -163,7 +162,7 @@ class IndentedSkin(ReducedSkin):
         for some in _parts(np.flatnonzero(~coupled), batch.starts):
             own = PressBatch.of(each[press] for press in some)
             factors = self._factors(own.cells, own.rises)
-            rest = Rest(self.rest.rows, self.rest.diagonal, factors)
+            rest = self.pressed_by(factors)
             touches = PressBatch(np.arange(len(factors)), np.ones(len(factors)), own.starts)
             found[some] = impedances(rest, self.feeds, touches, s, rtol)
         return found
