@@ -9,6 +9,8 @@ import sys
 from functools import cache
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy: other cores have other tests
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # no worker, no process compiles modules anew
+sys.dont_write_bytecode = False
 
 import joblib
 import pytest
