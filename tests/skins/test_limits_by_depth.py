@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
-from rcskin.simulator.bounds import readings
 from rcskin.simulator.bounds.fields import Fields, TouchSize, fields_of
 from rcskin.simulator.bounds.information import error_model, in_noise, session_errors
 from rcskin.simulator.bounds.position import chosen_touch, errors_of_places, position_slopes
@@ -42,12 +41,6 @@ def foam():
 def compared(monkeypatch):
     """A function: errors are told of so many touches."""
     return lambda count: monkeypatch.setattr(errors, "SAMPLE", count)
-
-
-@pytest.fixture
-def coarse(monkeypatch):
-    """What the meter reads is told to a percent, by models that are soon trained."""
-    monkeypatch.setattr(readings, "RTOL", 1e-2)
 
 
 def pressed_at(scene, touch, solver, x, y, rise):
@@ -204,7 +197,7 @@ def test_limits_of_a_size_by_depth_are_told_with_their_errors(
         assert 0 < off["deflection_error"] <= off["cells_error"] < 0.05
 
 
-def test_size_and_factor_reach_the_frequencies_for_pixels(foam, tmp_path):
+def test_size_and_factor_reach_the_frequencies_for_pixels(foam, tmp_path, coarse):
     path, told = tmp_path / "foam.toml", set()
     path.write_text(scene_text(foam.with_({"pixels": 2})), encoding="utf-8")
     asked = ("frequencies", path, "-n", 2, "--grid", 5, "--criterion", "column")
