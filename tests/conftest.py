@@ -4,6 +4,7 @@ import itertools
 import math
 import shutil
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -220,7 +221,20 @@ def chromium():
 
 
 @pytest.fixture
+def unpainted(monkeypatch):
+    """Charts are drawn as ever and their files written, but empty: pixels take most of the time."""
+    touch = lambda figure, path, **_: Path(path).touch()  # noqa: E731
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", touch)
+
+
+@pytest.fixture
 def undrawn(monkeypatch):
     """Tables and summaries without their charts, which take half of the time."""
     for name in ("draw_maps", "draw_distances"):
         monkeypatch.setattr(f"rcskin.simulator.limits.findings.{name}", lambda *given: None)
+
+
+@pytest.fixture
+def coarse(monkeypatch):
+    """Limits are of readings told to a percent, by models that are soon trained."""
+    monkeypatch.setattr("rcskin.simulator.bounds.readings.RTOL", 1e-2)

@@ -9,12 +9,14 @@ import sys
 from functools import cache
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy: other cores have other tests
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # no worker, no process compiles modules anew
 
 import joblib
 import pytest
 import typer
 from hypothesis import Phase, settings
 
+sys.dont_write_bytecode = False
 settings.register_profile(
     "reproducible",
     phases=[Phase.explicit, Phase.generate],  # making a failing skin smaller takes minutes

@@ -35,7 +35,7 @@ def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("two")
 
 
-@pytest.fixture(scope="module", params=["two", "five"])
+@pytest.fixture(scope="module", params=[pytest.param("two", marks=pytest.mark.slow), "five"])
 def scene(request, folder):
     """The path of a 2x2 sheet with two interfaces, or five readings, at few frequencies."""
     frequencies = np.geomspace(1e3, 1e5, 4).tolist()
@@ -123,6 +123,7 @@ def test_what_is_recorded_is_localized_by_what_is_simulated(recorded, model, fol
     assert np.mean(right) >= 8 / 9
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_what_is_recorded_is_evaluated(recorded, model, folder):
     assert "%" in told("evaluate", model, recorded, "-o", folder / "evaluated")
 

@@ -196,7 +196,7 @@ def test_a_calibration_finds_the_sheets_of_a_twin_pressed_by_depth(scene):
     np.testing.assert_allclose(rises, factor - 1, rtol=0.02)
 
 
-def test_limits_and_studies_press_by_depth(scene):
+def test_limits_and_studies_press_by_depth(scene, coarse):
     planned = scene.with_({"experiment": {"repetitions": 5}})
     assert 0.6 < bayes_accuracy(planned, "pixel", draws=100, seed=1).share <= 1.0
     assert chosen_touch(planned).rise == scene.pressed_factor - 1

@@ -47,6 +47,13 @@ def until(ours, wanted, seconds=20):
     return shown
 
 
+def set_otherwise(instrument):
+    """Settings of a meter's user that the command changes, as they are before it."""
+    settings = instrument.settings
+    settings.header, settings.items, settings.each_range[3] = True, (1, 1), PerRange("FAST", 7)
+    return copy.deepcopy(settings)
+
+
 def test_in_a_pipe_each_answer_is_a_line(start, ports):
     process = start("--sweeps", 4)
     first = process.stdout.readline()
@@ -64,6 +71,7 @@ def test_in_a_pipe_each_answer_is_a_line(start, ports):
 
 
 def test_ctrl_c_ends_it_and_leaves_meter_and_log_in_order(start, instrument, tmp_path):
+    before = set_otherwise(instrument)
     instrument.pace = 1.0
     process = start("--log", tmp_path / "run.nc")
     process.stdout.readline()
@@ -71,7 +79,7 @@ def test_ctrl_c_ends_it_and_leaves_meter_and_log_in_order(start, instrument, tmp
     _, err = process.communicate(timeout=SOON)
     assert process.returncode == 130
     assert "Traceback" not in err
-    assert instrument.settings.trigger == "INTERNAL"
+    assert instrument.settings == before and before.trigger == "INTERNAL"
     assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
     kept = read(tmp_path / "run.nc").sizes["sweep"]
     assert kept >= 4
@@ -202,16 +210,13 @@ def test_sweeps_are_those_of_the_skin(live, cushion, tmp_path):
     assert np.allclose(read(log)["X"].values, truth, rtol=1e-5)
 
 
-@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
-def test_it_leaves_the_meter_as_found_and_the_log_whole(start, instrument, tmp_path, end):
-    settings = instrument.settings
-    settings.header, settings.items, settings.each_range[3] = True, (1, 1), PerRange("FAST", 7)
-    before, log = copy.deepcopy(settings), tmp_path / "run.nc"
+def test_told_to_end_it_leaves_the_meter_as_found_and_the_log_whole(start, instrument, tmp_path):
+    before, log = set_otherwise(instrument), tmp_path / "run.nc"
     process = start("--log", log)
     process.stdout.readline()
     assert instrument.settings != before
-    process.send_signal(end)
+    process.send_signal(signal.SIGTERM)
     process.communicate(timeout=30)
-    assert process.returncode == 128 + end
+    assert process.returncode == 128 + signal.SIGTERM
     assert instrument.settings == before
     assert read(log).sizes["sweep"] >= 4

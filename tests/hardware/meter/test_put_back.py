@@ -150,22 +150,37 @@ def test_small_commands_leave_it_as_found(command, ports, instrument, as_found, 
     assert instrument.settings == as_found
 
 
-@pytest.mark.parametrize("end", [None, signal.SIGINT, signal.SIGTERM], ids=str)
-def test_a_recording_leaves_it_as_found_however_it_ends(
-    start_rig, ports, instrument, as_found, tmp_path, end
+@pytest.fixture
+def recording(ports, tmp_path):
+    """A function of a number of sweeps: words of the command that records them in `run.nc`."""
+
+    def recording(sweeps):
+        order = tmp_path / "order.txt"
+        order.write_text("none\n" * sweeps)
+        where = ["--resource", ports.resource, "--order", order, "-o", tmp_path / "run.nc"]
+        return ["record", "pillow", *where, "--unattended", "--speed", "FAST", "--level", "V"]
+
+    return recording
+
+
+def test_a_recording_leaves_it_as_found(command, recording, instrument, as_found, tmp_path):
+    assert command(*recording(3)).exit_code == 0
+    assert instrument.settings == as_found
+    assert (tmp_path / "run.nc").exists()
+
+
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM], ids=str)
+def test_a_recording_that_is_ended_leaves_it_as_found(
+    start_rig, recording, instrument, as_found, tmp_path, end
 ):
     instrument.pace = 0.05
-    order, output = tmp_path / "order.txt", tmp_path / "run.nc"
-    order.write_text("none\n" * (3 if end is None else 5000))
-    where = ["--resource", ports.resource, "--order", order, "-o", output, "--unattended"]
-    process = start_rig("record", "pillow", *where, "--speed", "FAST", "--level", "V")
-    if end is not None:
-        while not (tmp_path / "run.nc.sweeps" / "000001.json").exists():
-            assert process.poll() is None, process.stderr.read()
-            time.sleep(0.01)
-        process.send_signal(end)
+    process = start_rig(*recording(5000))
+    while not (tmp_path / "run.nc.sweeps" / "000001.json").exists():
+        assert process.poll() is None, process.stderr.read()
+        time.sleep(0.01)
+    process.send_signal(end)
     _, err = process.communicate(timeout=30)
     assert "Traceback" not in err
-    assert (process.returncode == 0) == (end is None)
+    assert process.returncode != 0
     assert instrument.settings == as_found
-    assert output.exists() == (end is None)
+    assert not (tmp_path / "run.nc").exists()

@@ -24,6 +24,7 @@ def files(make_sweeps, tmp_path_factory):
     return folder
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_a_model_is_trained_evaluated_and_asked(run, files, tmp_path):
     model = tmp_path / "m.skops"
     code, out, err = run("train", files / "known.nc", "--features", "dlnZ,dphase", "-o", model)

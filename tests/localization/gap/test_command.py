@@ -47,6 +47,7 @@ def files(tmp_path_factory):
     return paths
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_a_sheet_resistance_is_named_and_calibration_brings_accuracy_up(gap, files, tmp_path):
     code, out, err = gap(*files, "-o", tmp_path / "gap", "--draws", 2)
     assert (code, err) == (0, "")
@@ -74,6 +75,7 @@ def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
     assert "simulated anew" in out and "free of noise" in out and "after calibration" in out
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_the_users_own_model_is_asked_as_it_is_and_adapted(gap, files, tmp_path):
     model = tmp_path / "m.skops"
     simulated, twin = map(read, files)

@@ -79,7 +79,9 @@ def test_one_sheet_fed_at_both_ends_is_a_resistor_at_low_frequency(make_scene, r
     assert 0 > Z.imag > -1e-6 * R
 
 
-@pytest.mark.parametrize("extra", ["top-right", "bottom-right"])
+@pytest.mark.parametrize(
+    "extra", ["top-right", pytest.param("bottom-right", marks=pytest.mark.slow)]
+)
 def test_a_whole_floating_foil_at_the_open_end_changes_nothing(make_scene, frequency_at, extra):
     """Nothing varies along it, so it has no current to carry."""
     bare = make_scene(columns=3)

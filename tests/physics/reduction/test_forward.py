@@ -22,10 +22,19 @@ FREQUENCIES = tuple(np.geomspace(1e3, 2e5, 5))
 RTOL = 1e-4
 
 
-@pytest.fixture(scope="module", params=[FILMS, CROSSED], ids=["one field", "two fields"])
-def forward(request, make_scene):
-    scene = make_scene(request.param, rows=2, columns=3, frequencies=FREQUENCIES)
-    return Forward(scene, rtol=RTOL)
+@pytest.fixture(scope="module")
+def made(make_scene):
+    """Forward models by what feeds them."""
+    scenes = {
+        name: make_scene(contacts, rows=2, columns=3, frequencies=FREQUENCIES)
+        for name, contacts in (("one field", FILMS), ("two fields", CROSSED))
+    }
+    return {name: Forward(scene, rtol=RTOL) for name, scene in scenes.items()}
+
+
+@pytest.fixture(scope="module", params=["one field", "two fields"])
+def forward(request, made):
+    return made[request.param]
 
 
 def test_values_are_those_of_the_full_solver(forward, moved):
@@ -72,10 +81,10 @@ TWO_INTERFACES = "sheet-5x5-two-interfaces"
 
 
 @pytest.fixture(scope="module", params=["plain", "floating", "uneven"])
-def reader(request, make_scene):
+def reader(request, make_scene, made):
     """Of one field, of floating terminals at two interfaces, and with slow waves of sheets."""
     if request.param == "plain":
-        return Forward(make_scene(FILMS, rows=2, columns=3, frequencies=FREQUENCIES), rtol=RTOL)
+        return made["one field"]
     floating = load_scene(TWO_INTERFACES).with_({"pixels": 3})
     scene = floating if request.param == "floating" else make_scene(CROSSED)
     scene = scene.model_copy(update={"sweep": Sweep(frequencies=FREQUENCIES)})

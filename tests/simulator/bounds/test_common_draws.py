@@ -96,26 +96,21 @@ def pair_scene(scene):
     return scene.with_({"interface": read_by, "press.factor_spread": 0.2, **clear})
 
 
-@pytest.fixture(scope="module")
-def pair_model(pair_scene):
-    return trained(pair_scene, 1e-4, pixel_touches(pair_scene, (0.5, 3.0)))
-
-
-def test_two_touches_are_told_as_by_the_best_classifier(pair_scene, pair_model):
+def test_two_touches_are_told_as_by_the_best_classifier(pair_scene, model):
     presses = own_presses(pair_scene)
     readings = Readings(pair_scene, presses)
-    readings._reduced = read(pair_model, pair_scene.interfaces)
+    readings._reduced = read(model, pair_scene.interfaces)
     exact = bayes(readings, hypotheses(pair_scene, "pair"), presses, seed=2, draws=3000)
-    skin = read(pair_model, pair_scene.interfaces).skin(None)
+    skin = read(model, pair_scene.interfaces).skin(None)
     found = CommonDraws(pair_scene, "pair", draws=3000).judged(skin).accuracy
     assert 0.4 < exact.share < 0.97
     assert found.share == pytest.approx(exact.share, abs=4 * np.hypot(found.error, exact.error))
 
 
-def test_what_tiles_leave_out_is_negligible(pair_scene, pair_model):
+def test_what_tiles_leave_out_is_negligible(pair_scene, model):
     presses, random = own_presses(pair_scene), np.random.default_rng(3)
     readings = Readings(pair_scene, presses)
-    readings._reduced = read(pair_model, pair_scene.interfaces)
+    readings._reduced = read(model, pair_scene.interfaces)
     among = hypotheses(pair_scene, "pair")
     known = templates(readings, among, presses)
     measured = known.projected(drawn(readings, among, presses, random, 200))

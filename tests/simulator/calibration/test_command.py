@@ -28,6 +28,7 @@ def files(tmp_path, line, read):
     return tmp_path / "skin.toml", tmp_path / "run.nc", tmp_path / "found"
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_a_scene_is_calibrated(run, files, line):
     scene, measured, folder = files
     code, out, err = run("calibrate", scene, measured, "-o", folder)
@@ -39,6 +40,7 @@ def test_a_scene_is_calibrated(run, files, line):
     assert sorted(path.name for path in folder.parent.iterdir()) == ["found", "run.nc", "skin.toml"]
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_a_matrix_too_wide_for_the_terminal_is_left_to_its_file(run, files, monkeypatch):
     scene, measured, folder = files
     assert "correlation    " in run("calibrate", scene, measured, "-o", folder)[1]
@@ -47,6 +49,7 @@ def test_a_matrix_too_wide_for_the_terminal_is_left_to_its_file(run, files, monk
     assert "correlations of 8 parameters: see correlation.csv" in out and "correlation  " not in out
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_an_ideal_capacitance_that_fits_is_not_called_the_wrong_curve(run, tmp_path):
     measured = tmp_path / "exact.nc"
     assert run("sweep", "strip-1x5", "-o", measured)[0] == 0
@@ -119,6 +122,7 @@ def test_sweeps_of_another_skin_are_refused(run, files):
     assert not folder.exists()
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_sweeps_of_another_skin_are_taken_where_one_insists(run, files, line):
     scene, measured, folder = files
     scene.write_text(scene_text(line.with_({"skin.length": 0.11, "name": "longer"})))
@@ -129,6 +133,7 @@ def test_sweeps_of_another_skin_are_taken_where_one_insists(run, files, line):
     assert (code, err) == (0, "")
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_a_skin_of_other_materials_is_the_same_skin_and_other_files_of_the_folder_stay(
     run, files, line
 ):

@@ -117,6 +117,7 @@ def test_an_interface_that_the_band_leaves_nothing_of_is_left_out(own, shared, r
         measured(own, sweeps, (1e7, np.inf))
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_the_command_takes_them(own, shared, read, run, tmp_path):
     write(restricted(read(shared, TRUTH, PRESSES), own.taken), tmp_path / "own.nc")
     (tmp_path / "own.toml").write_text(scene_text(own), encoding="utf-8")

@@ -23,7 +23,6 @@ MEAN = ("sheet_resistance", "sheet_mismatch", "capacitance")
 SIZES = (0.08, -0.06, 0.04)
 FOAM = dict(zip(FOAM_WAVES, SIZES, strict=True))
 SHEETS = dict(zip(SHEET_WAVES, (*SIZES, *SIZES[::-1]), strict=True))
-PRESSED = ("none", "1,1", "1,2", "1,3")
 FLAT = dict.fromkeys(SHEET_WAVES, 0.0)
 
 
@@ -120,10 +119,9 @@ def test_waves_of_sheets_and_of_foam_are_told_apart(scene, twin, model):
     assert sum(held(found, SHEETS | FOAM)) >= 7
 
 
-def test_one_field_tells_the_sum_of_waves_and_nothing_across_a_line(strip, simulated):
+def test_one_field_tells_the_sum_of_waves_and_nothing_across_a_line(strip):
     truth = {"top_x": 0.1, "bottom_x": -0.02}
-    twin = simulated(with_sheet_waves(strip, truth), {}, PRESSED).drop_attrs()
-    read = read_out(twin, strip.readout, np.random.default_rng(0))
+    read = read_out(twin_of(strip, truth), strip.readout, np.random.default_rng(0))
     names = ("sheet_resistance", "capacitance", *SHEET_WAVES)
     options = Options(fit=names, fix=("others",), strengths=False, uneven_sheets=True)
     found = calibrate(strip, read, options)
@@ -150,9 +148,11 @@ def test_waves_are_refused_where_they_cannot_be_told(scene, twin):
         calibrate(scene, twin, asked(*SHEET_WAVES), model=Forward(scene, rtol=1e-2))
 
 
-def test_the_calibrated_file_has_the_waves_as_maps(run, tmp_path, strip, simulated):
-    made = with_sheet_waves(strip, {"top_x": 0.2})
-    write(simulated(made, {}, PRESSED).drop_attrs(), tmp_path / "run.nc")
+@pytest.mark.usefixtures("unpainted")
+def test_the_calibrated_file_has_the_waves_as_maps(run, tmp_path, strip):
+    waves = {"top_x": 0.2}
+    made = with_sheet_waves(strip, waves)
+    write(twin_of(strip, waves), tmp_path / "run.nc")
     (tmp_path / "line.toml").write_text(scene_text(strip))
     options = [part for name in ("top_x", "sheet_resistance") for part in ("--fit", name)]
     fixed = ("--fix", "others", "--fixed-strength", "--uneven-sheets")

@@ -126,6 +126,7 @@ def test_a_page_without_plotly_is_told_in_one_line(run, file, tmp_path, monkeypa
     assert not (tmp_path / "page.html").exists()
 
 
+@pytest.mark.usefixtures("unpainted")
 @pytest.mark.parametrize("ending", ["zarr", "csv"])
 def test_every_file_of_sweeps_is_drawn(run, make_sweeps, tmp_path, ending):
     path = tmp_path / f"run.{ending}"
@@ -156,6 +157,7 @@ def own_frequencies(make_sweeps, tmp_path):
     return tmp_path / "own.nc"
 
 
+@pytest.mark.usefixtures("unpainted")
 @pytest.mark.parametrize("output", ["out.png", "out.html"])
 def test_interfaces_with_frequencies_of_their_own_are_drawn_at_these(
     run, own_frequencies, tmp_path, output

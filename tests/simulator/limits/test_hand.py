@@ -74,7 +74,8 @@ def test_readings_of_a_touch_on_cells_are_those_of_the_solver(strip):
 def test_the_distance_shrinks_with_noise_and_is_the_rooms_own_where_nothing_is_told(noisy):
     def median(size):
         scene = noisy(readout={"magnitude_noise": size, "phase_noise": size}, **STRIP)
-        return hand_distance(scene, Normal(mean=2.0, deviation=0.1), size=0.02, samples=4000)
+        spread = Normal(mean=2.0, deviation=0.1)
+        return hand_distance(scene, spread, size=0.02, draws=200, samples=4000)
 
     (told, error), (lost, _) = median(0.01), median(1e3)
     assert error < told < 0.5 * lost

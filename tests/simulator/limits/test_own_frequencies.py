@@ -74,7 +74,8 @@ def test_a_survey_holds_the_scenes_own_beside_sets_that_all_share(shared):
     assert next(each for each in part if each.name == "left").frequency.tolist() == [1e3, 1e4]
 
 
-def test_frequencies_that_are_all_of_them_are_as_none_told(run, written, shared, tmp_path, undrawn):
+@pytest.mark.usefixtures("undrawn", "coarse")
+def test_frequencies_that_are_all_of_them_are_as_none_told(run, written, shared, tmp_path):
     every = {f"interface.{k}.frequencies": FREQUENCIES for k in (1, 2)}
     outs = []
     for name, scene in (("every", shared.with_(every)), ("none", shared)):
@@ -84,7 +85,8 @@ def test_frequencies_that_are_all_of_them_are_as_none_told(run, written, shared,
     assert outs[0] == outs[1]
 
 
-def test_limits_are_written_of_them(run, written, shared, tmp_path, undrawn):
+@pytest.mark.usefixtures("undrawn", "coarse")
+def test_limits_are_written_of_them(run, written, shared, tmp_path):
     path = written(shared.with_(OWN))
     asked = ("--draws", "50", "-n", "2", "--unknown-skin", "--accuracy", "0.9")
     code, out, err = run("limits", path, "-o", tmp_path / "out", *asked)

@@ -83,7 +83,10 @@ def test_sweeps_are_those_of_python(which, request, in_node):
     agrees(request.getfixturevalue(which), in_node)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "kind",
+    [pytest.param(kind, marks=[pytest.mark.slow] if kind == "hexagon" else []) for kind in KINDS],
+)
 def test_sweeps_of_any_skin_are_those_of_python(kind, paged_kind, in_node):
     agrees(paged_kind(kind), in_node)
 

@@ -12,6 +12,7 @@ from rcskin.__main__ import app
 from rcskin.localization.inputs.targets import labels
 from rcskin.localization.model.file import load
 from rcskin.simulator import sweeps
+from rcskin.simulator.charts import STYLE
 from rcskin.simulator.paper import figures
 from rcskin.simulator.paper.rehearsal import EXPERIMENTS, SHEETS
 from rcskin.simulator.paper.reproduce import draw
@@ -22,7 +23,7 @@ from typer.testing import CliRunner
 CHARTS = ("figure-2c", *EXPERIMENTS, "frequencies", "noise", "contacts")
 
 
-FEWER_DRAWS = 2
+FEWER_DRAWS = 1
 """Of the meter's noise, where what is said of their mean holds already."""
 
 
@@ -37,10 +38,11 @@ def reproduced(folder, *options):
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
-    """The folder of a run with fewer draws."""
+    """The folder of a run with fewer draws and coarser pictures."""
     folder = tmp_path_factory.mktemp("first") / "results"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("rcskin.simulator.paper.studies.DRAWS", FEWER_DRAWS)
+        patch.setitem(STYLE, "savefig.dpi", 50)
         done = CliRunner().invoke(app, ["reproduce", "-o", str(folder)])
     assert (done.exit_code, done.stderr) == (0, "")
     assert "of the paper's" in done.stdout

@@ -60,6 +60,7 @@ def test_one_axis_makes_curves_and_netcdf_with_units(run, tmp_path):
     assert (tmp_path / "curves.pdf").read_bytes().startswith(b"%PDF")
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_a_grid_is_logarithmic_unless_asked_otherwise(run, tmp_path):
     asked = ("study", "strip-1x3", "--vary", "skin.length=0.1:0.4:3", *FAST)
     code, out, _ = run(*asked, "-o", tmp_path / "out.csv")
@@ -84,6 +85,7 @@ def test_one_value_of_a_key_makes_curves_and_no_map(run, tmp_path):
     assert abs(first - second).max() == 0
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_a_screenful_is_printed_and_every_point_is_written(run, tmp_path):
     many = ",".join(f"{0.01 * k:g}" for k in range(1, 31))
     code, out, _ = run(
@@ -103,6 +105,7 @@ def test_a_screenful_is_printed_and_every_point_is_written(run, tmp_path):
     assert len(pd.read_csv(tmp_path / "out.csv")) == 30
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_the_same_command_writes_the_same_bytes(run, tmp_path):
     command = ("study", "strip-1x3", "--vary", "press.factor_spread=0.05:0.3:2", *FAST)
     for name in ("one", "two"):

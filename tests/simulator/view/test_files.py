@@ -28,7 +28,10 @@ def frames_of_gif(path):
 
 
 @pytest.mark.pictures
-@pytest.mark.parametrize(("animate", "what"), [(None, "potential"), ("phase", "current")])
+@pytest.mark.parametrize(
+    ("animate", "what"),
+    [(None, "potential"), pytest.param("phase", "current", marks=pytest.mark.slow)],
+)
 def test_a_gif_has_a_frame_for_each_moment(fields, stage, tmp_path, small_movies, animate, what):
     path = tmp_path / "movie.gif"
     write_output(path, stage(fields([1e4, 1e5, 1e6])), what, animate)

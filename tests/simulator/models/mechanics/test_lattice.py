@@ -46,7 +46,10 @@ def disc(x, y, radius, depth):
     return one(x - radius, x + radius, y - radius, y + radius, depth, radius)
 
 
-@pytest.mark.parametrize("end", [0.03, 0.03013, 0.03019, 0.03037])
+@pytest.mark.parametrize(
+    "end",
+    [0.03, 0.03019, *(pytest.param(end, marks=pytest.mark.slow) for end in (0.03013, 0.03037))],
+)
 def test_beside_a_straight_edge_it_falls_off_as_hyperbolic_functions_do(lattice_on, end):
     """Wherever the edge lies between nodes; the far edge of the skin is free."""
     lattice = lattice_on(stress_strain="linear")
