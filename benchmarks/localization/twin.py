@@ -32,8 +32,9 @@ from rcskin.benchmarks.localization.twin_parts.scenes import built
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, few_trials, quantile
 from rcskin.localization.inputs.reading import read_some
+from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.registered import model_based
-from rcskin.localization.learners.registry import Registry, estimators
+from rcskin.localization.learners.registry import Estimator, Registry, estimators
 from rcskin.localization.model.model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.calibration.choice import Options
@@ -134,7 +135,7 @@ def scores(ready: Prepared, number: int) -> list[dict[str, Any]]:
             equip(model)
             rows.append(_row(trial, number, name, model, sweeps))
         if trial.touches:
-            rows += _after_calibration(trial, ready.believed, number, sweeps)
+            rows += _after_calibration(trial, models, ready.believed, number, sweeps)
     return rows
 
 
@@ -160,7 +161,7 @@ def _row(
 
 
 def _after_calibration(
-    trial: Trial, believed: Reduced, number: int, sweeps: xr.Dataset
+    trial: Trial, models: dict[str, Model], believed: Reduced, number: int, sweeps: xr.Dataset
 ) -> list[dict[str, Any]]:
     """The touches that calibrate are not asked about again."""
     touched = np.flatnonzero(sweeps["press"].values != "none")
@@ -169,11 +170,25 @@ def _after_calibration(
     found = calibrate(trial.believed, sweeps.isel(sweep=np.union1d(rest, known)), Options())
     around = _narrowed(trial.believed, found.values)
     examples = _examples(around, believed)
-    models = localized(trial, examples, localizers())
+    registry = localizers()
+    taught = tuple(name for name in models if registry[name].taught)
+    again = localized(replace(trial, estimators=taught), examples, registry)
+    for name in models.keys() - again.keys():
+        again[name] = _moved(models[name], examples, registry[name])
     asked = sweeps.isel(sweep=np.setdiff1d(np.arange(sweeps.sizes["sweep"]), known))
-    return [
-        _row(trial, number, name, model, asked, trial.touches) for name, model in models.items()
-    ]
+    return [_row(trial, number, name, again[name], asked, trial.touches) for name in models]
+
+
+def _moved(model: Model, examples: xr.Dataset, made: Estimator) -> Model:
+    """A model that no sweep teaches, about the skin of the examples.
+
+    Its sharpness stays, on which no answer depends that is scored here: to judge it anew takes
+    tables of a dozen skins.
+    """
+    samples = samples_of(examples, model.target, model.problem.quantities)
+    pipeline = made.build(samples.problem).fit(samples.X, samples.y)
+    learned = replace(model.learned, pipeline=pipeline)
+    return replace(model, learned=learned, problem=samples.problem)
 
 
 def _examples(around: Scene, believed: Reduced) -> xr.Dataset:
