@@ -1,6 +1,7 @@
 """Every benchmark that the pages quote, and whether the pages are up to date.
 
-Those that measure times run first and alone, the others two at a time. A benchmark that ended well
+Those that measure times run first and alone, the others two at a time, the longest first, so that
+two run to the end; not two that keep what they make in one folder. A benchmark that ended well
 is noted with its times in `results/all.csv`, and is not run again on the same commit: what was
 stopped goes on, long ones from what they keep in `results/COMMIT` at the root. A quick pass runs
 every script on its smallest sizes, keeps none of their figures, and notes its times in
@@ -17,7 +18,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import NamedTuple
@@ -85,29 +86,29 @@ IN_ORDER = (
     _campaign("in_turn", "--in-turn", "--timeout", "25"),
     Benchmark("localization/twin"),
     _designed("position"),
-    Benchmark("localization/design_goals", kept=("--found", "goals")),
     _designed("pair"),
-    Benchmark("localization/twin_limits"),
+    Benchmark("localization/design_goals", kept=("--found", "goals")),
     _designed("pixel"),
     _designed("pixel", "--second"),
-    _designed("column"),
-    Benchmark("localization/twin_design_others", kept=("--found", "others")),
-    Benchmark("accuracy/calibration_coverage"),
+    Benchmark("localization/twin_limits"),
     Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--twins", "200")),
-    Benchmark("accuracy/uneven_calibration"),
-    Benchmark("localization/localizers"),
-    Benchmark("scale/training"),
+    _designed("column"),
     Benchmark("localization/design"),
-    Benchmark("localization/several_touches"),
     Benchmark("localization/training_spread"),
     Benchmark("localization/adaptation"),
+    Benchmark("localization/localizers"),
     Benchmark("localization/filtering"),
-    Benchmark("localization/choosing"),
-    Benchmark("localization/class_zero"),
     Benchmark("accuracy/verification"),
+    Benchmark("localization/twin_design_others", kept=("--found", "designed-pixel")),
+    Benchmark("scale/training"),
     Benchmark("accuracy/stability"),
+    Benchmark("localization/several_touches"),
+    Benchmark("accuracy/uneven_calibration"),
+    Benchmark("accuracy/calibration_coverage"),
     Benchmark("pictures/gallery"),
+    Benchmark("localization/choosing"),
     Benchmark("pictures/commands"),
+    Benchmark("localization/class_zero"),
     Benchmark("pictures/wiring"),
 )
 
@@ -154,11 +155,17 @@ def run(benchmarks: Sequence[Benchmark], quick: bool) -> Iterator[tuple[Benchmar
         busy: dict[Future[Times], Benchmark] = {}
         with ThreadPoolExecutor(many) as runners:
             while left or busy:
-                while left and len(busy) < many:
-                    started = left.pop(0)
+                while len(busy) < many and (started := next_of(left, busy.values())):
+                    left.remove(started)
                     busy[runners.submit(timed, command_of(started, quick))] = started
                 for ended in wait(busy, return_when=FIRST_COMPLETED).done:
                     yield busy.pop(ended), ended.result()
+
+
+def next_of(left: Sequence[Benchmark], busy: Iterable[Benchmark]) -> Benchmark | None:
+    """The first that keeps nothing where a busy one does: what one made there serves the other."""
+    taken = [each.kept for each in busy if each.kept is not None]
+    return next((each for each in left if each.kept not in taken), None)
 
 
 def name_of(benchmark: Benchmark, quick: bool) -> str:

@@ -2,8 +2,8 @@
 
 Every twin is drawn: sheets, foam, leads, contacts away from nominal and uneven, presses offset and
 of unequal strength, drift, and for one interface a floating pair of foils at the far edge. It is
-read through the virtual meter on TCP by the same driver and recorder as a skin would be. None of
-this is a measurement of a skin.
+read through the virtual meter on TCP by the same driver and recorder as a skin would be, once for
+all trials of one name. None of this is a measurement of a skin.
 
 Run: python benchmarks/localization/twin.py [--quick] [--skins N] [--only TRIAL]
      [--localizers NAME,...]
@@ -12,6 +12,7 @@ Run: python benchmarks/localization/twin.py [--quick] [--skins N] [--only TRIAL]
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 import tempfile
 from collections.abc import Iterator
@@ -31,8 +32,9 @@ from rcskin.benchmarks.localization.twin_parts.scenes import built
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, few_trials, quantile
 from rcskin.localization.inputs.reading import read_some
+from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.registered import model_based
-from rcskin.localization.learners.registry import Registry, estimators
+from rcskin.localization.learners.registry import Estimator, Registry, estimators
 from rcskin.localization.model.model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.calibration.choice import Options
@@ -63,12 +65,13 @@ CALIBRATED_TO, CALIBRATED_TRAINING = 0.03, 4000
 
 @dataclass(frozen=True)
 class Prepared:
-    """A trial with the twins' family of skins, that which the localizers believe in, and these."""
+    """Trials of one name with the twins' family of skins, that which the localizers believe in, and
+    the localizers of each."""
 
-    trial: Trial
+    trials: tuple[Trial, ...]
     family: Reduced
     believed: Reduced
-    models: dict[str, Model]
+    models: tuple[dict[str, Model], ...]
 
 
 def localizers() -> Registry:
@@ -76,12 +79,18 @@ def localizers() -> Registry:
     return estimators(model_based(templates))
 
 
-def prepared(trial: Trial, registry: Registry) -> Prepared:
+def prepared(trials: tuple[Trial, ...], registry: Registry) -> Prepared:
     """Everything that is the same for all skins."""
-    family, believed = reduced(built(trial.believed), RTOL), reduced(trial.believed, RTOL)
+    scene = trials[0].believed
+    family, believed = reduced(built(scene), RTOL), reduced(scene, RTOL)
+    models = tuple(_trained(trial, believed, registry) for trial in trials)
+    return Prepared(trials, family, believed, models)
+
+
+def _trained(trial: Trial, believed: Reduced, registry: Registry) -> dict[str, Model]:
     asked = trial.training if "network" in trial.estimators else min(trial.training, PLENTY)
     with on_disk(trial.believed, believed, asked) as sweeps:
-        return Prepared(trial, family, believed, localized(trial, sweeps, registry))
+        return localized(trial, sweeps, registry)
 
 
 def simulated(scene: Scene, believed: Reduced, count: int) -> xr.Dataset:
@@ -116,16 +125,17 @@ def localized(trial: Trial, sweeps: xr.Dataset, registry: Registry) -> dict[str,
 
 def scores(ready: Prepared, number: int) -> list[dict[str, Any]]:
     """Of one twin: a row for each localizer, and again after calibration where it is asked."""
-    trial = ready.trial
-    for model in ready.models.values():
-        equip(model)
-    twin = Twin(built(trial.believed), ready.family, SEED, number, trial.hand)
-    presses = trial.recording(np.random.default_rng([SEED, number]))
-    sweeps = recorded(twin, presses, [each.name for each in trial.believed.interfaces])
-    sweeps.attrs["scene"] = scene_text(trial.believed)
-    rows = [_row(trial, number, name, model, sweeps) for name, model in ready.models.items()]
-    if trial.touches:
-        rows += _after_calibration(ready, number, sweeps)
+    first, rows = ready.trials[0], []
+    twin = Twin(built(first.believed), ready.family, SEED, number, first.hand)
+    presses = first.recording(np.random.default_rng([SEED, number]))
+    sweeps = recorded(twin, presses, [each.name for each in first.believed.interfaces])
+    sweeps.attrs["scene"] = scene_text(first.believed)
+    for trial, models in zip(ready.trials, ready.models, strict=True):
+        for name, model in models.items():
+            equip(model)
+            rows.append(_row(trial, number, name, model, sweeps))
+        if trial.touches:
+            rows += _after_calibration(trial, models, ready.believed, number, sweeps)
     return rows
 
 
@@ -150,20 +160,35 @@ def _row(
     }
 
 
-def _after_calibration(ready: Prepared, number: int, sweeps: xr.Dataset) -> list[dict[str, Any]]:
+def _after_calibration(
+    trial: Trial, models: dict[str, Model], believed: Reduced, number: int, sweeps: xr.Dataset
+) -> list[dict[str, Any]]:
     """The touches that calibrate are not asked about again."""
-    trial = ready.trial
     touched = np.flatnonzero(sweeps["press"].values != "none")
     known = touched[:: touched.size // trial.touches][: trial.touches]
     rest = np.flatnonzero(sweeps["press"].values == "none")
     found = calibrate(trial.believed, sweeps.isel(sweep=np.union1d(rest, known)), Options())
     around = _narrowed(trial.believed, found.values)
-    examples = _examples(around, ready.believed)
-    models = localized(trial, examples, localizers())
+    examples = _examples(around, believed)
+    registry = localizers()
+    taught = tuple(name for name in models if registry[name].taught)
+    again = localized(replace(trial, estimators=taught), examples, registry)
+    for name in models.keys() - again.keys():
+        again[name] = _moved(models[name], examples, registry[name])
     asked = sweeps.isel(sweep=np.setdiff1d(np.arange(sweeps.sizes["sweep"]), known))
-    return [
-        _row(trial, number, name, model, asked, trial.touches) for name, model in models.items()
-    ]
+    return [_row(trial, number, name, again[name], asked, trial.touches) for name in models]
+
+
+def _moved(model: Model, examples: xr.Dataset, made: Estimator) -> Model:
+    """A model that no sweep teaches, about the skin of the examples.
+
+    Its sharpness stays, on which no answer depends that is scored here: to judge it anew takes
+    tables of a dozen skins.
+    """
+    samples = samples_of(examples, model.target, model.problem.quantities)
+    pipeline = made.build(samples.problem).fit(samples.X, samples.y)
+    learned = replace(model.learned, pipeline=pipeline)
+    return replace(model, learned=learned, problem=samples.problem)
 
 
 def _examples(around: Scene, believed: Reduced) -> xr.Dataset:
@@ -215,9 +240,9 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows).round(3).astype(object).fillna("-")
 
 
-def experiment(trial: Trial, skins: int, processes: int) -> pd.DataFrame:
-    """A row for each answer of each localizer on each skin."""
-    ready = prepared(trial, localizers())
+def experiment(trials: tuple[Trial, ...], skins: int, processes: int) -> pd.DataFrame:
+    """A row for each answer of each localizer on each skin, in trials of one name."""
+    ready = prepared(trials, localizers())
     work = (delayed(scores)(ready, number) for number in range(skins))
     answers = Parallel(n_jobs=processes, return_as="generator")(work)
     return pd.DataFrame([row for found in answers for row in found])
@@ -227,9 +252,11 @@ def main(run: Run) -> None:
     """Ask every trial and tell of it as soon as it is answered."""
     asked, skins = run.asked, run.asked.skins or run.sized(SKINS, 1)
     answers = run.results / "twin_skins.csv"
-    for trial in (limited(each, asked.localizers) for each in run.sized(TRIALS, few_trials())):
-        if trial.estimators and (not asked.only or asked.only in trial.name):
-            told(with_others(experiment(trial, skins, asked.processes), answers), run.results)
+    trials = [limited(each, asked.localizers) for each in run.sized(TRIALS, few_trials())]
+    trials = [t for t in trials if t.estimators and (not asked.only or asked.only in t.name)]
+    for _, alike in itertools.groupby(trials, key=lambda trial: trial.name):
+        table = experiment(tuple(alike), skins, asked.processes)
+        told(with_others(table, answers), run.results)
 
 
 def options() -> argparse.ArgumentParser:

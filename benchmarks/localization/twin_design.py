@@ -49,12 +49,14 @@ def asked_of(kept: Kept) -> Trial:
 def answers_of(
     kept: Kept, trial: Trial, family: Reduced, models: dict[str, Path], number: int
 ) -> list[dict]:
-    """Rows of one twin, of every localizer."""
+    """Rows of one twin, of every localizer; all of them that are yet to be asked read it once."""
+    names = {name: f"twin-{number}-{name}" for name in models}
+    asked = {name: path for name, path in models.items() if not kept.has(names[name])}
+    found = scores(trial, family, asked, number, kept.goal.ways) if asked else []
     rows = []
-    for name, path in models.items():
-        one, ways = {name: path}, kept.goal.ways
-        about = (trial, family, one, number, ways)
-        rows += kept.once(f"twin-{number}-{name}", lambda about=about: scores(*about))
+    for name, kept_as in names.items():
+        own = [row for row in found if row["localizer"] == name]
+        rows += kept.once(kept_as, lambda own=own: own)
     return rows
 
 

@@ -36,8 +36,8 @@ def model_based(builder: Builder) -> list[Estimator]:
 
     adapted = _pipeline_by(builder, ADAPTED)
     return [
-        Estimator(NAME, TARGETS, _pipeline_by(builder, NAME)),
-        Estimator(ADAPTED, TARGETS, adapted, sessions=SKINS, equip=equip),
+        Estimator(NAME, TARGETS, _pipeline_by(builder, NAME), taught=False),
+        Estimator(ADAPTED, TARGETS, adapted, sessions=SKINS, taught=False, equip=equip),
     ]
 
 

@@ -36,8 +36,9 @@ class Estimator:
     targets: what it can tell. build: an untrained pipeline for a problem; a regressor's last step
     may take `return_std` in `predict`. grid: values of the pipeline's parameters that tuning tries,
     or a function of the problem that tells them. most: sweeps it is trained on; more are thinned
-    out evenly. sessions: of which it is shown no more, None for all. equip: gives a pipeline that
-    was read from disk what could not be kept there.
+    out evenly. sessions: of which it is shown no more, None for all. taught: whether what it tells
+    depends on the sweeps that it is fitted to. equip: gives a pipeline that was read from disk what
+    could not be kept there.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Estimator:
     grid: Grid | Callable[[Problem], Grid] = field(default_factory=dict)
     most: int = 20_000
     sessions: int | None = None
+    taught: bool = True
     equip: Callable[[Pipeline], None] = lambda pipeline: None
 
     def grid_for(self, problem: Problem) -> Grid:

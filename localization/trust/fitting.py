@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -56,7 +57,8 @@ def learn_classes(
     next(fits)
     pipeline = train(samples)
     unseen = held_out_of(splits)
-    held_out = held_out_decisions(train, samples, fits, unseen, pipeline.classes_)
+    again = _again(train, estimator, pipeline)
+    held_out = held_out_decisions(again, samples, fits, unseen, pipeline.classes_)
     index = np.searchsorted(pipeline.classes_, samples.y[unseen])
     sharpness = sharpness_of(held_out, index)
     probability = probabilities(held_out, sharpness)
@@ -81,7 +83,7 @@ def learn_positions(
     fits = iter(track([ALL, *splits], f"training {estimator.name}"))
     next(fits)
     pipeline = train(samples)
-    told, deviation = held_out_positions(train, samples, fits)
+    told, deviation = held_out_positions(_again(train, estimator, pipeline), samples, fits)
     told, residual = told[unseen], (told - samples.y)[unseen]
     factor, spread = np.ones(told.shape[1]), None
     if deviation is None:
@@ -92,6 +94,13 @@ def learn_positions(
         factor = np.sqrt(np.square(z).mean(axis=0))
     median = float(np.median(np.linalg.norm(residual[:, :2], axis=1)))
     return Regressor(pipeline, _guards(samples, splits, pipeline), factor, spread, median)
+
+
+def _again(
+    train: Callable[[Samples], Pipeline], estimator: Estimator, whole: Pipeline
+) -> Callable[[Samples], Pipeline]:
+    """Trains on a part of the sweeps; what no sweep teaches is the pipeline of all of them."""
+    return train if estimator.taught else lambda part: whole
 
 
 def _spread(told: NDArray[np.float64], residual: NDArray[np.float64]) -> Pipeline:

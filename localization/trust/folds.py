@@ -19,6 +19,8 @@ LEAST_SESSIONS = 2
 """From so many on, sessions are held out as a whole."""
 PLENTY = 50_000
 """More sweeps than these are held out once, not fold by fold."""
+JUDGED = 20_000
+"""Sweeps of that one fold that are asked about at most: they tell a share to 0.4 % or better."""
 Split = tuple["NDArray[np.intp]", "NDArray[np.intp]"]
 Splits = list[Split]
 
@@ -85,9 +87,16 @@ def splits_of(
 
 
 def judging(strata: NDArray | None, sessions: NDArray[np.int64]) -> Splits:
-    """As `splits_of`, but only the first where one fold has sweeps in plenty to judge by."""
+    """As `splits_of`, but only the first where one fold has sweeps in plenty to judge by.
+
+    Of more than JUDGED that it holds out, as many are asked about, evenly.
+    """
     splits = splits_of(strata, sessions)
-    return splits[:1] if sessions.size > PLENTY else splits
+    if sessions.size <= PLENTY:
+        return splits
+    train, test = splits[0]
+    asked = np.linspace(0, test.size - 1, min(JUDGED, test.size)).round().astype(np.intp)
+    return [(train, test[asked])]
 
 
 def held_out_of(splits: Splits) -> NDArray[np.intp]:

@@ -116,6 +116,23 @@ def test_what_measures_times_runs_alone_and_before_the_rest(monkeypatch):
     assert set(told[4:6]) == {"a", "b"} and ended[:2] == ["alone"] * 2
 
 
+def test_two_that_keep_in_one_folder_do_not_run_at_once():
+    pixel, others, free = (
+        every.Benchmark(name, kept=kept)
+        for name, kept in (("a", ("--found", "x")), ("b", ("--found", "x")), ("c", None))
+    )
+    assert every.next_of([others, free], [pixel]) == free
+    assert every.next_of([others], [pixel]) is None
+    assert every.next_of([others, free], []) == others
+    assert every.next_of([free], [free]) == free
+
+
+def test_others_of_a_design_go_on_from_what_its_twins_were_asked_with():
+    kept = {(each.name, *each.options): each.kept for each in every.IN_ORDER}
+    asked = ("localization/twin_design", "--target", "pixel")
+    assert kept[("localization/twin_design_others",)] == kept[asked] is not None
+
+
 def test_what_a_long_one_keeps_is_of_one_commit(monkeypatch, tmp_path):
     monkeypatch.setattr(every, "UNPUBLISHED", tmp_path)
     benchmark = every.Benchmark("a/b", ("--all",), kept=("--found", "searches"))

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from rcskin.benchmarks.localization.design_parts.goals import STILL, TCP, WAYS
-from rcskin.benchmarks.localization.twin import SEED, equip, localizers
+from rcskin.benchmarks.localization.twin import SEED, localizers
 from rcskin.benchmarks.localization.twin_parts.reading import read_at_once
 from rcskin.benchmarks.localization.twin_parts.recording import recorded
 from rcskin.benchmarks.localization.twin_parts.scenes import built
@@ -38,15 +38,13 @@ def scores(
     """Of one twin: a row for each localizer and each way of reading it, of WAYS."""
     scene = trial.believed
     presses = trial.recording(np.random.default_rng([SEED, number]))
-    rows = []
+    known, rows = {name: load_model(path, localizers()) for name, path in models.items()}, []
     for way in ways:
         twin = still(trial, family, number)
         twin = twin if way == STILL else replace(twin, drift=Drift())
         sweeps = _read(twin, presses, way, [each.name for each in scene.interfaces])
         sweeps.attrs["scene"] = scene_text(scene)
-        for name, path in models.items():
-            model = load_model(path, localizers())
-            equip(model)
+        for name, model in known.items():
             score, answered = trial.score(model, sweeps)
             told = {"score": score, "answered": answered}
             rows.append({"skin": number, "localizer": name, "read": way} | told)

@@ -57,12 +57,19 @@ class Kept:
             command("train", str(data), *told, *shown, "-o", str(path))
         return path
 
+    def has(self, name: str) -> bool:
+        """Whether that answer is there."""
+        return self._answer(name).exists()
+
     def once(self, name: str, made: Callable[[], Answer]) -> Answer:
         """An answer that JSON can hold, made where it is not there yet."""
-        path = self.folder / f"{name}.json"
+        path = self._answer(name)
         if not path.exists():
             path.write_text(json.dumps(made()), encoding="utf-8")
         return json.loads(path.read_text(encoding="utf-8"))
+
+    def _answer(self, name: str) -> Path:
+        return self.folder / f"{name}.json"
 
     def as_meant(self) -> float:
         """The merit of the design as it was meant, as the search told."""

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from rcskin.simulator.measure.skins import DrawnSkin, drawn_skin
 from rcskin.simulator.models.reduced.model import Reduced, ReducedSkin
 from rcskin.simulator.press.capacitance import touched_box, touched_cells
@@ -22,6 +23,8 @@ from rcskin.simulator.scene.scene import Scene, checked_interface, interface_nam
 HAND, DRIFT = 101, 102
 """Kinds of random numbers, beside those of `measure.streams`."""
 MOST = 3.0
+DIGITS = 5
+"""Of a frequency, that the meter takes."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +111,8 @@ class Bench:
     """A twin at one of its interfaces, pressed and read one frequency at a time, as by a meter.
 
     Each press that is checked is the hand's next one: benches of one twin that are asked for the
-    same presses in the same order read the same ones.
+    same presses in the same order read the same ones. The scene's own frequencies are answered all
+    at once for each press, as the meter rounds them.
     """
 
     def __init__(self, twin: Twin, interface: str) -> None:
@@ -116,20 +120,28 @@ class Bench:
         self._twin, self._number = twin, interface_names(twin.scene).index(name)
         self._event = -1
         self._skin = twin.skin(0)
+        own = [float(f"{each:.{DIGITS - 1}e}") for each in twin.scene.frequencies]
+        self._own, self._known = np.array(own), ("", dict[float, complex]())
 
     def check(self, press: str) -> str:
         """What the hand makes of a press. Raises InputError where it does not fit the scene."""
         scene = self._twin.scene
         asked = check_press(parse_press(press, scene.press.capacitance_factor), scene)
         self._event += 1
-        self._skin = self._twin.skin(self._event)
+        self._skin, self._known = self._twin.skin(self._event), ("", {})
         return str(self._twin.pressed(asked, self._event))
 
     def impedance(self, press: str, frequency: float) -> complex:
         """Z in ohm under a checked press, at a frequency in Hz."""
+        if self._known[0] != press:
+            own = self._impedances(press, self._own)
+            self._known = press, dict(zip(self._own.tolist(), own.tolist(), strict=True))
+        known = self._known[1].get(frequency)
+        return self._impedances(press, np.array([frequency]))[0] if known is None else known
+
+    def _impedances(self, press: str, f: NDArray[np.float64]) -> NDArray[np.complex128]:
         family, drawn = self._twin.family, self._twin.drawn
         cells, rises = touched_cells(family.scene, parse_press(press, 1.0))
-        f = np.array([frequency])
         s = laplace_variable(f, drawn.variation.loss)
         Z = self._skin.sweep(cells, rises, s)
-        return complex(drawn.leads.seen_through(Z, f)[self._number, 0])
+        return drawn.leads.seen_through(Z, f)[self._number]
