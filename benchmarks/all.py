@@ -1,12 +1,12 @@
 """Every benchmark that the pages quote, and whether the pages are up to date.
 
-Those that measure times run first and alone, the others two at a time, the longest first, so that
-two run to the end; not two that keep what they make in one folder. A benchmark that ended well
-is noted with its times in `results/all.csv`, and is not run again on the same commit: what was
-stopped goes on, long ones from what they keep in `results/COMMIT` at the root. A quick pass runs
-every script on its smallest sizes, keeps none of their figures, and notes its times in
-`results/quick.csv` there. That folder is no part of the repository. Ends with code 1 where a
-benchmark fails or a page quotes another table than the one that was written.
+Those that measure times run first and alone, the others two at a time. A benchmark that ended well
+is noted with its times in `results/all.csv`, and is not run again by the same code (commits that
+differ in pages, results and tests alone have the same): what was stopped goes on, long ones from
+what they keep in `results/CODE` at the root. A quick pass runs every script on its smallest sizes,
+keeps none of their figures, and notes its times in `results/quick.csv` there. That folder is no
+part of the repository. Ends with code 1 where a benchmark fails or a page quotes another table than
+the one that was written.
 
 Run: python benchmarks/all.py [--quick] [--only FOLDER/NAME] [--again]
 """
@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pandas as pd
-from rcskin.benchmarks.bench import HERE, RESULTS, commit, publish
+from rcskin.benchmarks.bench import HERE, RESULTS, code, publish
 from rcskin.benchmarks.quoted import differing
 
 UNPUBLISHED = HERE.parent / "results"
@@ -91,7 +91,7 @@ IN_ORDER = (
     _designed("pixel"),
     _designed("pixel", "--second"),
     Benchmark("localization/twin_limits"),
-    Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--twins", "200")),
+    Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--twins", "100")),
     _designed("column"),
     Benchmark("localization/design"),
     Benchmark("localization/training_spread"),
@@ -139,7 +139,7 @@ def command_of(benchmark: Benchmark, quick: bool) -> list[str]:
     if benchmark.kept is None:
         return [*words, *benchmark.options]
     option, name = benchmark.kept
-    folder = UNPUBLISHED / commit().replace(" ", "-")
+    folder = UNPUBLISHED / code().replace(" ", "-")
     folder.mkdir(parents=True, exist_ok=True)
     return [*words, *benchmark.options, option, str(folder / name)]
 
@@ -174,11 +174,11 @@ def name_of(benchmark: Benchmark, quick: bool) -> str:
 
 
 def noted(path: Path) -> pd.DataFrame:
-    """Benchmarks that ended well on this commit."""
+    """Benchmarks that ended well by this code."""
     if not path.exists():
-        return pd.DataFrame(columns=["benchmark", "clock (s)", "processor (s)", "commit"])
+        return pd.DataFrame(columns=["benchmark", "clock (s)", "processor (s)", "code"])
     there = pd.read_csv(path, dtype=str)
-    return there[there["commit"] == commit()]
+    return there[there["code"] == code()]
 
 
 def _row(name: str, times: Times) -> dict[str, str]:
@@ -186,7 +186,7 @@ def _row(name: str, times: Times) -> dict[str, str]:
         "benchmark": name,
         "clock (s)": f"{times.clock:.0f}",
         "processor (s)": f"{times.processor:.0f}",
-        "commit": commit(),
+        "code": code(),
     }
 
 

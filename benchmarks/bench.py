@@ -12,6 +12,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
@@ -23,6 +24,8 @@ import pandas as pd
 HERE = Path(__file__).parent
 RESULTS = HERE / "results"
 PACKAGES = ("rcskin", "numpy", "scipy", "scikit-fem", "numba", "scikit-rf")
+
+NOT_CODE = ":!benchmarks/results", ":!*.md", ":!*.jsonl"
 
 LEAST, ENOUGH = 0.2, 1.0
 """Seconds to fill with at least three runs; seconds after which a run is not repeated."""
@@ -116,22 +119,27 @@ def machine(*more: str) -> str:
 
 def commit() -> str:
     """Of the code, short; marked where files differ from it that are no results or pages."""
+    told = _git("rev-parse", "--short=9", "HEAD")
+    return "unknown" if told is None else told.strip() + _changes()
+
+
+def code() -> str:
+    """What runs, in short: the same for commits that differ in pages, results and tests alone."""
+    told = _git("ls-files", "--stage", "--", *NOT_CODE, ":!tests")
+    return "unknown" if told is None else sha256(told.encode()).hexdigest()[:9] + _changes()
+
+
+def _changes() -> str:
+    return " and changes" if _git("status", "--porcelain", "--", *NOT_CODE) else ""
+
+
+def _git(*command: str) -> str | None:
+    """What it prints at the root; None where this is no repository, or there is no git."""
+    asked = ["git", "-C", str(HERE.parent), *command]
     try:
-        told = [
-            subprocess.run(
-                ["git", "-C", str(HERE.parent), *command],
-                capture_output=True,
-                text=True,
-                check=True,
-            ).stdout
-            for command in (
-                ("rev-parse", "--short=9", "HEAD"),
-                ("status", "--porcelain", "--", ":!benchmarks/results", ":!*.md", ":!*.jsonl"),
-            )
-        ]
+        return subprocess.run(asked, capture_output=True, text=True, check=True).stdout
     except (OSError, subprocess.CalledProcessError):
-        return "unknown"
-    return told[0].strip() + (" and changes" if told[1] else "")
+        return None
 
 
 def publish(folder: Path, name: str, title: str, table: pd.DataFrame) -> None:

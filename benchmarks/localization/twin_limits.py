@@ -24,7 +24,7 @@ from rcskin.simulator.scene.randomisation import Normal
 SAMPLES, FEW_SAMPLES = (1000, 4000, 12_000), (50, 100)
 """Presses of each hypothesis that are summed over: how they close in on the limit."""
 DRAWS, FEW_DRAWS = 2000, 100
-SKINS = 60
+SKINS = 20
 
 
 def limits(trial: Trial, counts: tuple[int, ...], draws: int) -> list[dict[str, object]]:

@@ -68,7 +68,7 @@ def run(monkeypatch, tmp_path, codes, *options):
     noted = {"NOTED": tmp_path / "all.csv", "NOTED_QUICKLY": tmp_path / "quick" / "quick.csv"}
     for name, value in {"timed": timed, "UNPUBLISHED": tmp_path / "kept", **noted}.items():
         monkeypatch.setattr(every, name, value)
-    monkeypatch.setattr(every, "commit", lambda: "abc")
+    monkeypatch.setattr(every, "code", lambda: "abc")
     monkeypatch.setattr(sys, "argv", ["all.py", *options])
     return every.main(), ran
 
@@ -133,11 +133,11 @@ def test_others_of_a_design_go_on_from_what_its_twins_were_asked_with():
     assert kept[("localization/twin_design_others",)] == kept[asked] is not None
 
 
-def test_what_a_long_one_keeps_is_of_one_commit(monkeypatch, tmp_path):
+def test_what_a_long_one_keeps_is_of_one_code(monkeypatch, tmp_path):
     monkeypatch.setattr(every, "UNPUBLISHED", tmp_path)
     benchmark = every.Benchmark("a/b", ("--all",), kept=("--found", "searches"))
-    for commit, folder in ("abc", "abc"), ("abc and changes", "abc-and-changes"):
-        monkeypatch.setattr(every, "commit", lambda told=commit: told)
+    for code, folder in ("abc", "abc"), ("abc and changes", "abc-and-changes"):
+        monkeypatch.setattr(every, "code", lambda told=code: told)
         options = every.command_of(benchmark, quick=False)[2:]
         assert options == ["--all", "--found", str(tmp_path / folder / "searches")]
         assert (tmp_path / folder).is_dir()
