@@ -81,7 +81,9 @@ def alone(plan: Plan, folder: Path) -> Alone:
     output, ends = folder / "alone.zarr", list[float]()
     generate(plan, output, advance=lambda sweeps: ends.append(time.perf_counter()))
     counted = ends[FIRST_WHOLE:]
-    chunks = [path for path in output.rglob("*") if path.is_file() and "c" in path.parts]
+    chunks = [path for path in output.rglob("c.*") if path.is_file()]
+    if len(chunks) < plan.blocks:
+        raise RuntimeError(f"{len(chunks)} files for {plan.blocks} blocks")
     sweeps = plan.block_sessions * plan.session_sweeps
     return Alone(
         rate=sweeps * (len(counted) - 1) / (counted[-1] - counted[0]),
