@@ -91,7 +91,7 @@ IN_ORDER = (
     _designed("pixel"),
     _designed("pixel", "--second"),
     Benchmark("localization/twin_limits"),
-    Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--twins", "200")),
+    Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--twins", "100")),
     _designed("column"),
     Benchmark("localization/design"),
     Benchmark("localization/training_spread"),
