@@ -223,7 +223,10 @@ def chromium():
 @pytest.fixture
 def unpainted(monkeypatch):
     """Charts are drawn as ever and their files written, but empty: pixels take most of the time."""
-    touch = lambda figure, path, **_: Path(path).touch()  # noqa: E731
+
+    def touch(figure, path, **_):
+        Path(path).touch()
+
     monkeypatch.setattr("matplotlib.figure.Figure.savefig", touch)
 
 

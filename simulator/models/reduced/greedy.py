@@ -26,8 +26,8 @@ from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from ..plain import electrical
 from ..varied.meshes import circuit_of
-from .bounds import bounds
 from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins
+from .certificate import bounds
 from .family import Family
 from .indented.draws import apart, spreading
 from .indented.family import IndentedFamily

@@ -6,6 +6,7 @@ A certificate holds for any potentials; these are close to what the whole basis 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,5 +96,6 @@ def spanned_readable(
     for sheet in widened(feed.common, len(mass)):
         at_zero -= sheet * (sheet @ mass @ at_zero) / (sheet @ mass @ sheet)
     pencil = dense_pencil(mass, feed)
-    v = potentials(pencil, s, np.sqrt(rtol)).astype(np.complex128)  # type: ignore[arg-type]
+    at_shifts: Any = s
+    v = potentials(pencil, at_shifts, float(np.sqrt(rtol))).astype(np.complex128)
     return at_zero[:, None] + v, pencil.admittance + s * (pencil.capacitance + pencil.start @ v)
