@@ -24,7 +24,7 @@ def export(data: Path, output: Path) -> Mapping[str, int]:
 
     Returns how many sweeps, interfaces and frequencies it has, by dimension.
 
-    Raises InputError where the data set is absent or the ending is another.
+    Raises InputError where the data set is absent or damaged, or the ending is another.
     """
     writers = {".nc": _write_netcdf, ".csv": _write_csv, ".parquet": _write_parquet}
     output = checked_output(output, tuple(writers))
@@ -34,7 +34,10 @@ def export(data: Path, output: Path) -> Mapping[str, int]:
         check_needs(output, "scale", "pyarrow")
     opened = open_zarr(data) if data.suffix == ".zarr" else read(data)
     with opened as sweeps, whole_file(output) as unfinished:
-        writers[output.suffix](sweeps, unfinished)
+        try:
+            writers[output.suffix](sweeps, unfinished)
+        except RuntimeError as error:  # of what decompresses the data set
+            raise InputError(f"{data}: damaged, cannot be read: {error}") from error
         return {name: sweeps.sizes[name] for name in DIMENSIONS}
 
 

@@ -5,6 +5,7 @@ import shutil
 import pytest
 from rcskin.localization.inputs.reading import read_some
 from rcskin.localization.model.file import load
+from rcskin.simulator.dataset.export import export
 from rcskin.simulator.scene.files import BUILTIN, read_scene
 from rcskin.simulator.sweeps import InputError, checked_output, read, write
 from rcskin.simulator.sweeps.press_text import parse_touches
@@ -37,6 +38,15 @@ def test_a_zarr_with_an_empty_part_is_damaged(stored, reader):
             part.write_bytes(b"")
     with pytest.raises(InputError, match=r"^\S+a\.zarr: damaged, cannot be read as \.zarr: "):
         reader(stored)
+
+
+def test_a_zarr_with_a_spoilt_part_is_not_exported(stored, tmp_path):
+    for part in (stored / "X" / "c").rglob("*"):
+        if part.is_file():
+            part.write_bytes(b"x")
+    with pytest.raises(InputError, match=r"^\S+a\.zarr: damaged, cannot be read: "):
+        export(stored, tmp_path / "b.csv")
+    assert not (tmp_path / "b.csv").exists()
 
 
 def test_a_folder_is_no_file_to_write_to(tmp_path):
