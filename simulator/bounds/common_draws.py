@@ -20,7 +20,7 @@ from scipy.interpolate import BarycentricInterpolator
 
 from ..measure.experiment import own_presses, strengths, together
 from ..measure.readout import errors_of, observed
-from ..models.reduced.model import ReducedSkin
+from ..models.reduced.skin import ReducedSkin
 from ..press.batch import PressBatch
 from ..remembered import remembered
 from ..scene.frequency import laplace_variable

@@ -19,7 +19,8 @@ from ..models.network.terminals import read, require_no_spread, with_chain
 from ..models.parameters import WAVES, nominal
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.greedy import reduce
-from ..models.reduced.model import Reduced, ReducedSkin
+from ..models.reduced.model import Reduced
+from ..models.reduced.skin import ReducedSkin
 from ..press.batch import PressBatch
 from ..progress import Tell, tell_nothing
 from ..scene.contacts import Interface

@@ -11,7 +11,8 @@ from ..fem.lanczos import FEWEST_STEPS, MOST_STEPS
 from ..fem.network import allowed_potentials
 from ..models.parameters import foam_parts
 from ..models.reduced.family import resistive
-from ..models.reduced.model import Reduced, ReducedSkin
+from ..models.reduced.model import Reduced
+from ..models.reduced.skin import ReducedSkin
 from ..models.varied.coefficients import ELECTRODES
 from ..models.varied.materials import gauged
 from .base64_arrays import exactly

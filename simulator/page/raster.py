@@ -15,7 +15,7 @@ from ..fem.quadrature import rule_at
 from ..mesh.quadrilaterals import pixel_mesh
 from ..models.reduced.even import EvenFamily
 from ..models.reduced.family import Family, Triangulation
-from ..models.reduced.model import ReducedSkin
+from ..models.reduced.skin import ReducedSkin
 from ..models.varied.elements import triangles
 from ..models.varied.materials import Materials
 from ..scene.scene import Scene

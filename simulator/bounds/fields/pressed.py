@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...models.network.skin import wiring_of
 from ...models.reduced.dense import added, mass_of
-from ...models.reduced.model import ReducedSkin
+from ...models.reduced.skin import ReducedSkin
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from ...fem.network import allowed_potentials
 from ...press.batch import PressBatch
 from ...scene.contacts import Interface
 from ...sweeps import InputError
-from ..reduced.model import ReducedSkin
+from ..reduced.skin import ReducedSkin
 from ..varied.materials import gauged
 from .kernel import AtRest, Wiring, admittances, at_rest, impedances
 from .terminals import read

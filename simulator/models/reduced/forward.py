@@ -37,7 +37,8 @@ from ..varied.meshes import single_field
 from .cases import Case, Draw, pixel_touches, touched
 from .greedy import Advance, reduce, unseen
 from .indented.draws import require_whole_pixels
-from .model import Reduced, ReducedSkin
+from .model import Reduced
+from .skin import ReducedSkin
 from .slopes.alone import Sensitivity, sensitivity
 from .slopes.together import sensitivities
 from .waved.model import Waved

@@ -34,8 +34,9 @@ from .indented.family import IndentedFamily
 from .indented.model import indented
 from .indented.resolving import resolved as resolved_under_applicators
 from .masses import thinned
-from .model import Reduced, ReducedSkin
+from .model import Reduced
 from .resolving import resolved, weights_of_case
+from .skin import ReducedSkin
 
 IDLE_DRAWS = 50
 """In a row that touch no new cell: enough to begin with."""

@@ -12,7 +12,7 @@ from ...sweeps import InputError
 from ..answer import Rung
 from .cases import pixel_touches
 from .greedy import reduce
-from .model import KRYLOV_SHARE, ReducedSkin
+from .skin import KRYLOV_SHARE, ReducedSkin
 
 TRAINED = (0.5, 3.0)
 """Factors of capacitance that a model is trained on."""

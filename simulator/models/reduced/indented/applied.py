@@ -14,7 +14,7 @@ from ....sweeps import InputError
 from ...answer import Rung
 from ..cases import pixel_touches
 from ..greedy import reduce
-from ..model import KRYLOV_SHARE
+from ..skin import KRYLOV_SHARE
 from .applicators import deepest
 from .model import Indented, IndentedSkin
 

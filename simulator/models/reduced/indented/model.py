@@ -21,7 +21,8 @@ from ...parameters import Variation
 from ..cases import Case
 from ..dense import Rest
 from ..family import Family
-from ..model import KRYLOV_SHARE, Reduced, ReducedSkin
+from ..model import Reduced
+from ..skin import KRYLOV_SHARE, ReducedSkin
 from .applicators import Applicators
 from .family import IndentedFamily
 from .fields import LEAST_RISE

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import ReducedSkin
+from ..skin import ReducedSkin
 
 
 @dataclass(frozen=True)

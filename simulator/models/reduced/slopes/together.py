@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import ReducedSkin
+from ..skin import ReducedSkin
 from .alone import Sensitivity
 from .potentials import Solved, solved_together
 

@@ -1,0 +1,224 @@
+"""One skin of a reduced model's family: K is 1 and M at rest diagonal in its own coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.driven import driven_by
+from ...fem.factors import one_blas_thread
+from ...press.batch import PressBatch
+from ...scene.frequency import laplace_variable
+from ...sweeps import ToleranceError
+from ..parameters import Variation, foam_parts, nominal
+from ..varied.materials import gauged
+from .cases import Case
+from .certificate import certificate, least_conductance
+from .dense import Rest, aligned, feed_of, own_coordinates, solved, with_terms
+from .family import Family, changes, weights_under
+from .resolving import finer_families
+
+if TYPE_CHECKING:
+    from .model import Reduced
+
+KRYLOV_SHARE = 0.03
+
+
+class ReducedSkin:
+    """One skin of a family: answers any press on its pixels in microseconds.
+
+    turn: from this skin's coordinates, in which K is 1 and M at rest diagonal but for terminals, to
+    those of the model, shape (N + n, N + n). conductance: between terminals, S, shape (N, N).
+    rest_factors: c of each pixel over the scene's own.
+    """
+
+    def __init__(
+        self,
+        reduced: Reduced,
+        variation: Variation | None,
+        pressed: NDArray[np.float64] | None = None,
+    ) -> None:
+        """pressed: by what touches multiply c, shape (part,); it tells on gauges alone."""
+        self.reduced, self.variation = reduced, variation
+        factors = np.ones(foam_parts(reduced.scene)) if pressed is None else pressed
+        told = reduced.scene, reduced.circuit, reduced.modes
+        self.weights = weights_under(variation, *told, factors)
+        own = nominal(reduced.scene, reduced.modes) if variation is None else variation
+        self.loss, self.rest_factors = own.loss, own.foam(reduced.scene)
+        self.s = laplace_variable(reduced.scene.frequencies, own.loss)
+        K = self.stiffness
+        rows = (np.sqrt(self.rest_factors)[:, None, None] * reduced.factors).reshape(-1, len(K))
+        M = rows.T @ rows
+        self.conductance, self.turn = own_coordinates(K, M, reduced.terminal_field)
+        terminals, M = len(self.conductance), self.turn.T @ M @ self.turn
+        self._own = M[:terminals].copy(), M.diagonal()[terminals:].copy()
+        self.drives = [
+            driven_by(drive, reduced.terminal_field, self.conductance, np.eye(terminals))
+            for drive in reduced.circuit.drives
+        ]
+        self.feeds = [feed_of(driven) for driven in self.drives]
+
+    @cached_property
+    def rest(self) -> Rest:
+        """M at rest, and what every cell adds."""
+        return self.pressed_by(self.reduced.factors @ self.turn)
+
+    @cached_property
+    def _aligned(self) -> Rest:
+        return aligned(self.rest)
+
+    def pressed_by(self, factors: NDArray[np.float64]) -> Rest:
+        """M at rest, and what touches with these factors add, (touch, rank, N + n)."""
+        return Rest(*self._own, np.ascontiguousarray(factors))
+
+    def sweeps(
+        self, batch: PressBatch, s: NDArray[np.complex128] | None = None
+    ) -> NDArray[np.complex128]:
+        """Z in ohm of many presses of pixels, shape (press, interface, s).
+
+        s: rad/s, by default of the scene's frequencies.
+        """
+        s = self.s if s is None else s
+        if gauged(self.reduced.scene.skin):
+            return self._one_by_one(batch, s)
+        return self._swept(batch, s)
+
+    def sweep(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        s: NDArray[np.complex128] | None = None,
+    ) -> NDArray[np.complex128]:
+        """Z in ohm of one press, shape (interface, s), see `sweeps`."""
+        return self.sweeps(PressBatch.of([(cells, rises)]), s)[0]
+
+    def under(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> ReducedSkin:
+        """The skin with its sheets as these touches change them; itself where they do not."""
+        if not gauged(self.reduced.scene.skin):
+            return self
+        return self.reduced.skin_under(Case(self.variation, cells, rises))
+
+    def _one_by_one(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """As `sweeps`, K another one for each press."""
+        found = np.empty((batch.count, len(self.feeds), len(s)), dtype=np.complex128)
+        with one_blas_thread():
+            for press, own in enumerate(batch.each()):
+                found[[press]] = self.under(*own)._swept(PressBatch.of([own]), s)
+        return found
+
+    def _swept(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        from .kernel import impedances
+
+        weighted, rtol = batch.weighted(self.rest_factors), KRYLOV_SHARE * self.reduced.rtol
+        return impedances(self._aligned, self.feeds, weighted, s, rtol)
+
+    def certificate(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        s: NDArray[np.complex128] | None = None,
+    ) -> NDArray[np.float64]:
+        """Bound on what the reduction leaves out of Rs and Cp of one press, relatively, of shape
+        (2, interface, s); s in rad/s, by default of the scene's frequencies."""
+        s, own = self.s if s is None else s, self.under(cells, rises)
+        with one_blas_thread():
+            return own.certificates([(cells, rises)], [self.map_of(cells, rises)], s)[:, 0]
+
+    def certificates(
+        self,
+        presses: Sequence[tuple[NDArray[np.int64], NDArray[np.float64]]],
+        foams: Sequence[NDArray[np.float64]],
+        s: NDArray[np.complex128],
+    ) -> NDArray[np.float64]:
+        """The same of presses under which sheets are as here, shape (2, press, interface, s).
+
+        foams: c of each pressed skin as the family's `mass` takes it.
+        """
+        from .spanned import spanned_by_all
+
+        family, W = self.reduced.family, self.reduced.coordinates
+        u, Y = spanned_by_all(self.feeds, [self.touched(*press) for press in presses], s)
+        u = self.turn @ u[: len(self.turn)]
+        potential = W @ np.hstack([u.real, u.imag])
+        current = family.currents(self.weights, potential)
+        masses = [family.mass_inside(foam) for foam in foams]
+        told = potential, current, Y, s, self.least_conductance
+        return certificate(family.space, masses, *told)
+
+    def by_mesh(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> float:
+        """Estimated error of Rs and Cp of one press by the mesh, relatively; 0 of plain scenes."""
+        reduced = self.reduced
+        if reduced.scene.plain:
+            return 0.0
+        asked = self.under(cells, rises).weights, self.loss, self.map_of(cells, rises)
+        with one_blas_thread():
+            return reduced.family.solved(*asked, reduced.rtol)[1]
+
+    @property
+    def least_conductance(self) -> float:
+        """A lower bound of the factor on K anywhere; raises InputError unless above zero."""
+        reduced = self.reduced
+        parts = foam_parts(reduced.scene) if gauged(reduced.scene.skin) else 1
+        return least_conductance(self.weights, reduced.circuit, reduced.modes, parts)
+
+    def exact(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Z in ohm of one press by the full system, shape (interface, frequency).
+
+        On the mesh that was reduced where that keeps rtol for this press, on finer ones otherwise.
+        Raises ToleranceError where none does.
+        """
+        rtol, error, weights = self.reduced.rtol, np.inf, self.under(cells, rises).weights
+        with one_blas_thread():
+            for family in self._families(cells, rises):
+                Z, error = family.solved(weights, self.loss, self.map_of(cells, rises), rtol)
+                if error <= rtol:
+                    return Z
+        raise ToleranceError(f"a press leaves {error:.1e} by the full system, asked {rtol:g}")
+
+    def _families(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> Iterator[Family]:
+        """The one that was reduced, then those of all levels, meshed for this press."""
+        reduced = self.reduced
+        yield reduced.family
+        asked = reduced.scene, reduced.circuit, reduced.modes, reduced.rtol
+        yield from finer_families(*asked, [Case(None, cells, rises).press_on(reduced.scene)])
+
+    def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
+        """c of a pressed skin over the scene's own at rest, shape (part,), see `foam_parts`."""
+        factors = np.ones(len(self.rest_factors))
+        np.add.at(factors, cells, rises)
+        return factors * self.rest_factors
+
+    def solved(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
+    ) -> list[tuple[NDArray[np.complex128], NDArray[np.complex128]]]:
+        """Potentials of each drive at 1 V in the model's coordinates, shape (N + n, s), and Y in S.
+
+        Sheets are as they are here, see `under`.
+        """
+        found = solved(self.drives, *self.touched(cells, rises), s)
+        return [(self.turn @ u, Y) for u, Y in found]
+
+    def touched(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64]
+    ) -> tuple[Rest, NDArray[np.int64], NDArray[np.float64]]:
+        """What one press adds to M: which of which factors, and how much of each."""
+        rest = self.pressed_by(self.reduced.factors[cells] @ self.turn)
+        return rest, np.arange(len(cells)), rises * self.rest_factors[cells]
+
+    def charges(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]
+    ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+        """u'Mu by c of each part over the scene's own, shape (s, part), and whole, (s,); F V²."""
+        squares = ((self.reduced.factors @ u) ** 2).sum(axis=1).T
+        return squares, squares @ self.map_of(cells, rises)
+
+    @property
+    def stiffness(self) -> NDArray[np.float64]:
+        """K in the model's coordinates, S, shape (N + n, N + n)."""
+        reduced = self.reduced
+        change = changes(self.weights, reduced.scene, reduced.circuit, reduced.modes)
+        return with_terms(reduced.conductance, reduced.stiffness, *change)
