@@ -29,6 +29,8 @@ SLOW = 1.0
 MARGIN = 34
 """Pixels of the screen around the skin on its canvas."""
 PATIENCE = 30.0
+TAUGHT, FEWEST = 2000, 60
+"""Sweeps of the localizer: of 300, one press in eight was taken for its neighbour at first."""
 FASTEST = 5e-3
 """s that a sweep takes at least."""
 WATCH = """
@@ -146,7 +148,7 @@ def main(run: Run) -> None:
     """Press, watch, besiege, end."""
     scene = run.sized("sheet-5x5", "strip-1x3")
     with tempfile.TemporaryDirectory() as folder:
-        model = trained(scene, run.sized(300, 60), Path(folder))
+        model = trained(scene, run.sized(TAUGHT, FEWEST), Path(folder))
         with linked(scene, model) as pages:
             times = press_to_answer(pages, scene, run.sized(30, 2), run.results / "live_page.png")
             rows = left_out(pages, run.sized(20.0, 4.0))
