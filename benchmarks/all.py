@@ -1,12 +1,12 @@
 """Every benchmark that the pages quote, and whether the pages are up to date.
 
-Those that measure times run first and alone, the others two at a time. A benchmark that ended well
-is noted with its times in `results/all.csv`, and is not run again by the same code (commits that
-differ in pages, results and tests alone have the same): what was stopped goes on, long ones from
-what they keep in `results/CODE` at the root. A quick pass runs every script on its smallest sizes,
-keeps none of their figures, and notes its times in `results/quick.csv` there. That folder is no
-part of the repository. Ends with code 1 where a benchmark fails or a page quotes another table than
-the one that was written.
+Those that measure times by the clock run first and alone, the others two at a time. A benchmark
+that ended well is noted with its times in `results/all.csv`, and is not run again by the same code
+(commits that differ in pages, results and tests alone have the same): what was stopped goes on,
+long ones from what they keep in `results/CODE` at the root. A quick pass runs every script on its
+smallest sizes, keeps none of their figures, and notes its times in `results/quick.csv` there. That
+folder is no part of the repository. Ends with code 1 where a benchmark fails or a page quotes
+another table than the one that was written.
 
 Run: python benchmarks/all.py [--quick] [--only FOLDER/NAME] [--again]
 """
@@ -38,7 +38,8 @@ class Benchmark(NamedTuple):
     """A script and its options.
 
     quick: those of its quick pass. kept: the option, and the name, of what it keeps to go on from.
-    alone: it measures times, or occupies all cores by itself, so that nothing runs beside it.
+    alone: it measures times by the clock, or occupies all cores by itself, so that nothing runs
+    beside it; times of the processor are the same beside others.
     """
 
     name: str
@@ -74,17 +75,15 @@ IN_ORDER = (
     _alone("speed/reduction"),
     _alone("speed/skins"),
     _alone("speed/skins_reduced"),
-    _alone("speed/skins_commands"),
     _alone("scale/dataset"),
     _alone("scale/cluster"),
     _alone("live/live_interfaces"),
     _alone("live/live_page"),
-    _alone("live/killed"),
     _alone("pictures/page"),
-    _alone("commands"),
     _campaign("campaign", "--timeout", "60"),
     _campaign("in_turn", "--in-turn", "--timeout", "25"),
     Benchmark("localization/twin"),
+    Benchmark("speed/skins_commands"),
     _designed("position"),
     _designed("pair"),
     Benchmark("localization/design_goals", kept=("--found", "goals")),
@@ -99,8 +98,10 @@ IN_ORDER = (
     Benchmark("localization/localizers"),
     Benchmark("localization/filtering"),
     Benchmark("accuracy/verification"),
+    Benchmark("commands"),
     Benchmark("localization/twin_design_others", kept=("--found", "designed-pixel")),
     Benchmark("scale/training"),
+    Benchmark("live/killed"),
     Benchmark("accuracy/stability"),
     Benchmark("localization/several_touches"),
     Benchmark("accuracy/uneven_calibration"),
