@@ -132,7 +132,7 @@ GOALS = {
             training=0,
             hand=Hand(offset=0.02, size=0.02),
         ),
-        ("--target", "position", "--casts", "3"),
+        ("--target", "position", "--casts", "3", "--draws", "1000"),
         FEW_WAYS,
         rtol=RTOL_OF_PLACES,
         bound=(500, 40_000),
