@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +56,21 @@ class Hand:
         self._sides, self._extent = np.array(size), np.array([skin.length, skin.width])
         self.grid = CELLS * pixels.rows, CELLS * pixels.columns
         self._model = errors_of(scene, against_rest)
+
+    @classmethod
+    def of_pixels(
+        cls, scene: Scene, presses: AnyDistribution, *, offset: float = 0.0, against_rest: int = 0
+    ) -> Self:
+        """Touches as large as a pixel. Raises as the constructor."""
+        skin, pixels = scene.skin, scene.pixels
+        size = skin.length / pixels.columns, skin.width / pixels.rows
+        return cls(scene, presses, size=size, offset=offset, against_rest=against_rest)
+
+    def missing(self, offset: float) -> Self:
+        """The same hand, by another offset; both press the skin by one model."""
+        other = copy(self)
+        other._offset, other._reduced = offset, self._reduced
+        return other
 
     def pressed(self, meant: Hypothesis, random: np.random.Generator, count: int) -> Array:
         """Whitened readings, without noise, of pixels pressed so many times; (press, number)."""
