@@ -21,6 +21,7 @@ from pathlib import Path
 
 import pandas as pd
 from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.localization.design_parts.goals import USUAL
 from rcskin.benchmarks.localization.design_parts.searching import searched
 from rcskin.benchmarks.localization.twin_parts.scenes import believed
 from rcskin.benchmarks.localization.twin_parts.trials import DOUBLE, ONE, SINGLE, TWO
@@ -29,7 +30,7 @@ from rcskin.simulator.scene.design import Design, Target
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
 
-USUAL, QUICK = ("--casts", "3", "--draws", "1000"), ("--casts", "1", "--draws", "20")
+QUICK = ("--casts", "1", "--draws", "20")
 MORE = "--frequencies", "40", "--band", "5e3:200e3"
 HALVES = {"low": (0.0, 0.495), "high": (0.505, 1.0)}
 HALVED = [
