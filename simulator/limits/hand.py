@@ -100,12 +100,13 @@ class Hand:
         Z = self._reduced.skin(None).sweeps(self._laid(middles, factors), s)
         return self._model.whitened(observed(self.scene.leads.seen_through(Z, frequency)))
 
-    def _laid(self, middles: Array, factors: Array) -> PressBatch:
-        """Touches on cells; those that overlap multiply."""
+    def _laid(self, middles: Array, factors: Array, sides: Array | None = None) -> PressBatch:
+        """Touches on cells; those that overlap multiply. sides: m, of each if not all alike."""
+        half = (self._sides if sides is None else sides) / 2
         along, across = (
             covered(
-                middles[..., k] - self._sides[k] / 2,
-                middles[..., k] + self._sides[k] / 2,
+                middles[..., k] - half[..., k],
+                middles[..., k] + half[..., k],
                 np.linspace(0, self._extent[k], count + 1),
             )
             for k, count in ((0, self.grid[1]), (1, self.grid[0]))
