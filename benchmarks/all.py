@@ -1,12 +1,12 @@
 """Every benchmark that the pages quote, and whether the pages are up to date.
 
-Those that measure times run first and alone, the others two at a time. A benchmark that ended well
-is noted with its times in `results/all.csv`, and is not run again by the same code (commits that
-differ in pages, results and tests alone have the same): what was stopped goes on, long ones from
-what they keep in `results/CODE` at the root. A quick pass runs every script on its smallest sizes,
-keeps none of their figures, and notes its times in `results/quick.csv` there. That folder is no
-part of the repository. Ends with code 1 where a benchmark fails or a page quotes another table than
-the one that was written.
+Those that measure times by the clock run first and alone, the others two at a time. A benchmark
+that ended well is noted with its times in `results/all.csv`, and is not run again by the same code
+(commits that differ in pages, results and tests alone have the same): what was stopped goes on,
+long ones from what they keep in `results/CODE` at the root. A quick pass runs every script on its
+smallest sizes, keeps none of their figures, and notes its times in `results/quick.csv` there. That
+folder is no part of the repository. Ends with code 1 where a benchmark fails or a page quotes
+another table than the one that was written.
 
 Run: python benchmarks/all.py [--quick] [--only FOLDER/NAME] [--again]
 """
@@ -32,19 +32,24 @@ NOTED = RESULTS / "all.csv"
 NOTED_QUICKLY = UNPUBLISHED / "quick.csv"
 TITLE = "Every benchmark: how long it took"
 AT_A_TIME = 2
+SEARCHES = "--searches", "searches"
+"""Option and name of the folder of designs, which lets one that is searched be awaited."""
 
 
 class Benchmark(NamedTuple):
     """A script and its options.
 
     quick: those of its quick pass. kept: the option, and the name, of what it keeps to go on from.
-    alone: it measures times, or occupies all cores by itself, so that nothing runs beside it.
+    shared: the same of what others may use while it runs. alone: it measures times by the clock, or
+    occupies all cores by itself, so that nothing runs beside it; times of the processor are the
+    same beside others.
     """
 
     name: str
     options: tuple[str, ...] = ()
     quick: tuple[str, ...] = ()
     kept: tuple[str, str] | None = None
+    shared: tuple[str, str] | None = None
     alone: bool = False
 
     @property
@@ -64,7 +69,9 @@ def _campaign(name: str, *options: str) -> Benchmark:
 
 def _designed(target: str, *options: str) -> Benchmark:
     quick, kept = ("--target", target), "-".join(["designed", target, *options])
-    return Benchmark("localization/twin_design", (*quick, *options), quick, ("--found", kept))
+    return Benchmark(
+        "localization/twin_design", (*quick, *options), quick, ("--found", kept), SEARCHES
+    )
 
 
 IN_ORDER = (
@@ -74,22 +81,20 @@ IN_ORDER = (
     _alone("speed/reduction"),
     _alone("speed/skins"),
     _alone("speed/skins_reduced"),
-    _alone("speed/skins_commands"),
     _alone("scale/dataset"),
     _alone("scale/cluster"),
     _alone("live/live_interfaces"),
     _alone("live/live_page"),
-    _alone("live/killed"),
     _alone("pictures/page"),
-    _alone("commands"),
     _campaign("campaign", "--timeout", "60"),
     _campaign("in_turn", "--in-turn", "--timeout", "25"),
     Benchmark("localization/twin"),
-    _designed("position"),
-    _designed("pair"),
-    Benchmark("localization/design_goals", kept=("--found", "goals")),
+    Benchmark("speed/skins_commands"),
+    Benchmark("localization/design_goals", shared=SEARCHES),
     _designed("pixel"),
     _designed("pixel", "--second"),
+    _designed("position"),
+    _designed("pair"),
     Benchmark("localization/twin_limits"),
     Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--twins", "100")),
     _designed("column"),
@@ -99,8 +104,12 @@ IN_ORDER = (
     Benchmark("localization/localizers"),
     Benchmark("localization/filtering"),
     Benchmark("accuracy/verification"),
-    Benchmark("localization/twin_design_others", kept=("--found", "designed-pixel")),
+    Benchmark("commands"),
+    Benchmark(
+        "localization/twin_design_others", kept=("--found", "designed-pixel"), shared=SEARCHES
+    ),
     Benchmark("scale/training"),
+    Benchmark("live/killed"),
     Benchmark("accuracy/stability"),
     Benchmark("localization/several_touches"),
     Benchmark("accuracy/uneven_calibration"),
@@ -136,12 +145,12 @@ def command_of(benchmark: Benchmark, quick: bool) -> list[str]:
     words = [sys.executable, str(benchmark.script)]
     if quick:
         return [*words, "--quick", *benchmark.quick]
-    if benchmark.kept is None:
-        return [*words, *benchmark.options]
-    option, name = benchmark.kept
     folder = UNPUBLISHED / code().replace(" ", "-")
-    folder.mkdir(parents=True, exist_ok=True)
-    return [*words, *benchmark.options, option, str(folder / name)]
+    kept = [each for each in (benchmark.kept, benchmark.shared) if each is not None]
+    if kept:
+        folder.mkdir(parents=True, exist_ok=True)
+    told = [word for option, name in kept for word in (option, str(folder / name))]
+    return [*words, *benchmark.options, *told]
 
 
 def run(benchmarks: Sequence[Benchmark], quick: bool) -> Iterator[tuple[Benchmark, Times]]:

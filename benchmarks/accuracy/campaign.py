@@ -7,8 +7,8 @@ Each scene is answered at a tolerance drawn with it, and by another route that s
 the first: another telling of the same skin, polygons for discs, a formula, or a finer file.
 Verdicts go to LINES as they come, so that a campaign that was ended goes on where it was if the
 code is the same. One of all kinds and SEEDS ends in results/campaign.csv, one --in-turn, of the
-kinds that are no even rectangles at 1e-3, 1e-4 and 1e-5, in results/campaign_in_turn.csv;
-verification.py tells of both.
+kinds that are no even rectangles, one scene each at 1e-3, 1e-4 and 1e-5, in
+results/campaign_in_turn.csv; verification.py tells of both.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ import time
 from pathlib import Path
 
 from rcskin.benchmarks.accuracy.campaign_parts import record
-from rcskin.benchmarks.accuracy.campaign_parts.judging import FIRST_IN_TURN, drawn
+from rcskin.benchmarks.accuracy.campaign_parts.judging import FIRST_IN_TURN, IN_TURN, drawn
 from rcskin.benchmarks.accuracy.campaign_parts.kinds import KINDS, NOT_EVEN
 from rcskin.benchmarks.accuracy.campaign_parts.running import verdicts
 from rcskin.benchmarks.accuracy.campaign_parts.verdict import Verdict
 from rcskin.benchmarks.bench import Run, commit, launch
 from rcskin.simulator.scene.files import scene_text
 
-SEEDS, SEEDS_IN_TURN = range(9), range(FIRST_IN_TURN, FIRST_IN_TURN + 6)
+SEEDS, SEEDS_IN_TURN = range(7), range(FIRST_IN_TURN, FIRST_IN_TURN + len(IN_TURN))
 TIMEOUT = 90.0
 TABLES = {"campaign.csv": (KINDS, SEEDS), "campaign_in_turn.csv": (NOT_EVEN, SEEDS_IN_TURN)}
 QUICK = (

@@ -17,10 +17,17 @@ import pandas as pd
 import xarray as xr
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.training_spread import spread_by
-from rcskin.benchmarks.localization.twin import CHANGE, RTOL, SEED, WHOLE, localizers, simulated
 from rcskin.benchmarks.localization.twin_parts.reading import read_at_once
 from rcskin.benchmarks.localization.twin_parts.scenes import built
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
+from rcskin.benchmarks.localization.twin_parts.training import (
+    CHANGE,
+    RTOL,
+    SEED,
+    WHOLE,
+    localizers,
+    simulated,
+)
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, every_pixel
 from rcskin.localization.adaptation.adaptation import checked, taught
 from rcskin.localization.evaluation.evaluation import score

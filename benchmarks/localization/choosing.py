@@ -17,8 +17,8 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.benchmarks.localization.twin import CHANGE, localizers
 from rcskin.benchmarks.localization.twin_parts.hands import TALK, TURN
+from rcskin.benchmarks.localization.twin_parts.training import CHANGE, localizers
 from rcskin.hardware.virtual.measurement import conditions
 from rcskin.hardware.virtual.state import Settings
 from rcskin.localization.filtering.asking import Asker

@@ -5,17 +5,15 @@ read: the best accuracy of any classifier of a known skin, or how near half of a
 before and after; on the skin as it was meant, and on the worst of three casts. Nothing is trained
 but the simulator's reduced model.
 
-With a folder that is kept, goals that were told are not searched again.
+With a folder of searches, goals that were told are not searched again, by `twin_design.py` neither.
 
-Run: python benchmarks/localization/design_goals.py [--found FOLDER] [--only GOAL] [--quick]
+Run: python benchmarks/localization/design_goals.py [--searches FOLDER] [--only GOAL] [--quick]
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import subprocess
-import sys
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -23,14 +21,16 @@ from pathlib import Path
 
 import pandas as pd
 from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.localization.design_parts.goals import USUAL
+from rcskin.benchmarks.localization.design_parts.searching import searched
 from rcskin.benchmarks.localization.twin_parts.scenes import believed
 from rcskin.benchmarks.localization.twin_parts.trials import DOUBLE, ONE, SINGLE, TWO
 from rcskin.simulator.design.report.scale import scale_of
 from rcskin.simulator.scene.design import Design, Target
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
 
-USUAL, QUICK = ("--casts", "3", "--draws", "1000"), ("--casts", "1", "--draws", "20")
+QUICK = ("--casts", "1", "--draws", "20")
 MORE = "--frequencies", "40", "--band", "5e3:200e3"
 HALVES = {"low": (0.0, 0.495), "high": (0.505, 1.0)}
 HALVED = [
@@ -88,12 +88,7 @@ FEW = (Goal("2x2 pixels", TWO, 2), Goal("positions on 2x2 pixels", TWO, 2, "posi
 
 def row(goal: Goal, folder: Path, usual: tuple[str, ...]) -> dict[str, object]:
     """What was found, searched for where it is not there."""
-    told = folder / "_".join([goal.name, *goal.options]).replace(" ", "-").replace("/", "-")
-    if not (told / "design.json").exists():
-        path = folder / f"{told.name}.toml"
-        path.write_text(scene_text(goal.scene), encoding="utf-8")
-        words = ["design", str(path), *goal.options, *usual, "-o", str(told)]
-        subprocess.run([sys.executable, "-m", "rcskin", *words], check=True)
+    told = searched(goal.scene, (*goal.options, *usual), folder)
     steps = json.loads((told / "design.json").read_text(encoding="utf-8"))["steps"]
     before, after = steps[0], [each for each in steps[1:] if each["taken"]][-1]
     scale = scale_of(goal.scene, Design(target=goal.target))
@@ -124,8 +119,7 @@ def main(run: Run) -> None:
     goals = [each for each in run.sized(GOALS, FEW) if (run.asked.only or "") in each.name]
     usual = run.sized(USUAL, QUICK)
     with tempfile.TemporaryDirectory() as scratch:
-        folder = run.asked.found or Path(scratch)
-        folder.mkdir(parents=True, exist_ok=True)
+        folder = run.asked.searches or Path(scratch)
         table = pd.DataFrame([row(goal, folder, usual) for goal in goals])
     publish(run.results, "design_goals", "What skins could be designed to tell at best", table)
 
@@ -133,7 +127,7 @@ def main(run: Run) -> None:
 def options() -> argparse.ArgumentParser:
     """Of the command line."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("--found", type=Path, help="Folder of searches, to be kept.")
+    parser.add_argument("--searches", type=Path, help="Folder of designs, shared with others.")
     parser.add_argument("--only", default="", help="Goals whose name holds this.")
     return parser
 

@@ -22,11 +22,17 @@ import numpy as np
 import pandas as pd
 from joblib import Parallel, delayed
 from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.benchmarks.localization.twin import RTOL, SEED, equip, localizers, simulated
 from rcskin.benchmarks.localization.twin_parts.hands import Stage, Touch, visits
 from rcskin.benchmarks.localization.twin_parts.replaying import Replay, Told
 from rcskin.benchmarks.localization.twin_parts.scenes import believed, built
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
+from rcskin.benchmarks.localization.twin_parts.training import (
+    RTOL,
+    SEED,
+    equip,
+    localizers,
+    simulated,
+)
 from rcskin.benchmarks.localization.twin_parts.trials import ONE, SINGLE, TWO
 from rcskin.hardware.live.answer import NOTHING_PRESSED
 from rcskin.hardware.live.link import Link

@@ -17,10 +17,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.benchmarks.localization.twin import CHANGE, RTOL, SEED, WHOLE, simulated
 from rcskin.benchmarks.localization.twin_parts.reading import read_at_once
 from rcskin.benchmarks.localization.twin_parts.scenes import SKINS, SWEEPS_PER_SESSION, built
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
+from rcskin.benchmarks.localization.twin_parts.training import CHANGE, RTOL, SEED, WHOLE, simulated
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.learners.registry import chosen

@@ -13,10 +13,6 @@ from __future__ import annotations
 
 import argparse
 import itertools
-import math
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -26,41 +22,26 @@ import pandas as pd
 import xarray as xr
 from joblib import Parallel, delayed
 from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.localization.twin_parts.calibrated import calibrated
 from rcskin.benchmarks.localization.twin_parts.chart import draw
 from rcskin.benchmarks.localization.twin_parts.recording import recorded
 from rcskin.benchmarks.localization.twin_parts.scenes import built
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
+from rcskin.benchmarks.localization.twin_parts.training import (
+    RTOL,
+    SEED,
+    equip,
+    localizers,
+    trained,
+)
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, few_trials, quantile
-from rcskin.localization.inputs.reading import read_some
-from rcskin.localization.inputs.samples import samples_of
-from rcskin.localization.inversion.registered import model_based
-from rcskin.localization.learners.registry import Estimator, Registry, estimators
+from rcskin.localization.learners.registry import Registry
 from rcskin.localization.model.model import Model
-from rcskin.localization.model.training import train
-from rcskin.simulator.calibration.choice import Options
-from rcskin.simulator.calibration.run import calibrate
-from rcskin.simulator.dataset.model import Training, reduced
-from rcskin.simulator.dataset.plan import Plan
-from rcskin.simulator.dataset.run import generate
-from rcskin.simulator.inversion.tables import templates
-from rcskin.simulator.models.reduced.file import load, save
+from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.models.reduced.model import Reduced
 from rcskin.simulator.scene.files import scene_text
-from rcskin.simulator.scene.randomisation import Lognormal, Normal
-from rcskin.simulator.scene.scene import Scene
-from rcskin.simulator.sweeps import ToleranceError
 
-SKINS, SEED, PROCESSES = 20, 2026, 2
-RTOL = 1e-3
-"""Of the simulated sweeps: a third of the meter's noise."""
-CHANGE, WHOLE = ("dlnZ", "dphase"), ("dlnZ", "dphase", "lnZ0", "phase0")
-"""Quantities that localizers look at: changes against the skin at rest, and its own curve too."""
-BY_CHANGE = ("model-based", "ksvm-components", "kernel-ridge", "gaussian-process")
-"""Localizers that do not take the curve, or whose few components have no room for it."""
-PLENTY = 20_000
-"""Simulated sweeps for localizers that are no networks, which are shown no more."""
-CALIBRATED_TO, CALIBRATED_TRAINING = 0.03, 4000
-"""Spread of training around a calibrated skin, and simulated sweeps of it."""
+SKINS, PROCESSES = 20, 2
 
 
 @dataclass(frozen=True)
@@ -74,53 +55,12 @@ class Prepared:
     models: tuple[dict[str, Model], ...]
 
 
-def localizers() -> Registry:
-    """All that there are, with the one that inverts the simulator."""
-    return estimators(model_based(templates))
-
-
 def prepared(trials: tuple[Trial, ...], registry: Registry) -> Prepared:
     """Everything that is the same for all skins."""
     scene = trials[0].believed
     family, believed = reduced(built(scene), RTOL), reduced(scene, RTOL)
-    models = tuple(_trained(trial, believed, registry) for trial in trials)
+    models = tuple(trained(trial, believed, registry) for trial in trials)
     return Prepared(trials, family, believed, models)
-
-
-def _trained(trial: Trial, believed: Reduced, registry: Registry) -> dict[str, Model]:
-    asked = trial.training if "network" in trial.estimators else min(trial.training, PLENTY)
-    with on_disk(trial.believed, believed, asked) as sweeps:
-        return localized(trial, sweeps, registry)
-
-
-def simulated(scene: Scene, believed: Reduced, count: int) -> xr.Dataset:
-    """Sweeps of the scene's data set, by a family that was trained for it before."""
-    with on_disk(scene, believed, count) as sweeps:
-        return sweeps.load()
-
-
-@contextmanager
-def on_disk(scene: Scene, believed: Reduced, count: int) -> Iterator[xr.Dataset]:
-    """The same, read part by part while it is there: networks learn from more than memory holds."""
-    training = Training(lambda *_: believed, save, load)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "training.zarr"
-        generate(Plan(scene, count, SEED, RTOL), path, training=training)
-        yield read_some(path, count, in_parts=True)
-
-
-def localized(trial: Trial, sweeps: xr.Dataset, registry: Registry) -> dict[str, Model]:
-    """The trial's localizers, trained on sweeps."""
-    return {
-        name: train(
-            sweeps,
-            trial.target,
-            name,
-            quantities=CHANGE if name in BY_CHANGE else WHOLE,
-            registry=registry,
-        )
-        for name in trial.estimators
-    }
 
 
 def scores(ready: Prepared, number: int) -> list[dict[str, Any]]:
@@ -135,13 +75,10 @@ def scores(ready: Prepared, number: int) -> list[dict[str, Any]]:
             equip(model)
             rows.append(_row(trial, number, name, model, sweeps))
         if trial.touches:
-            rows += _after_calibration(trial, models, ready.believed, number, sweeps)
+            again, asked = calibrated(trial, models, ready.believed, sweeps)
+            for name, model in again.items():
+                rows.append(_row(trial, number, name, model, asked, trial.touches))
     return rows
-
-
-def equip(model: Model) -> None:
-    """Give a model what it lost on its way to this process: who makes tables of skins."""
-    localizers()[model.estimator].equip(model.pipeline)
 
 
 def _row(
@@ -158,59 +95,6 @@ def _row(
         "unit": trial.unit,
         "goal": trial.goal,
     }
-
-
-def _after_calibration(
-    trial: Trial, models: dict[str, Model], believed: Reduced, number: int, sweeps: xr.Dataset
-) -> list[dict[str, Any]]:
-    """The touches that calibrate are not asked about again."""
-    touched = np.flatnonzero(sweeps["press"].values != "none")
-    known = touched[:: touched.size // trial.touches][: trial.touches]
-    rest = np.flatnonzero(sweeps["press"].values == "none")
-    found = calibrate(trial.believed, sweeps.isel(sweep=np.union1d(rest, known)), Options())
-    around = _narrowed(trial.believed, found.values)
-    examples = _examples(around, believed)
-    registry = localizers()
-    taught = tuple(name for name in models if registry[name].taught)
-    again = localized(replace(trial, estimators=taught), examples, registry)
-    for name in models.keys() - again.keys():
-        again[name] = _moved(models[name], examples, registry[name])
-    asked = sweeps.isel(sweep=np.setdiff1d(np.arange(sweeps.sizes["sweep"]), known))
-    return [_row(trial, number, name, again[name], asked, trial.touches) for name in models]
-
-
-def _moved(model: Model, examples: xr.Dataset, made: Estimator) -> Model:
-    """A model that no sweep teaches, about the skin of the examples.
-
-    Its sharpness stays, on which no answer depends that is scored here: to judge it anew takes
-    tables of a dozen skins.
-    """
-    samples = samples_of(examples, model.target, model.problem.quantities)
-    pipeline = made.build(samples.problem).fit(samples.X, samples.y)
-    learned = replace(model.learned, pipeline=pipeline)
-    return replace(model, learned=learned, problem=samples.problem)
-
-
-def _examples(around: Scene, believed: Reduced) -> xr.Dataset:
-    """Sweeps of skins around a calibrated one, by a family of their own where they leave ours."""
-    try:
-        return simulated(around, believed, CALIBRATED_TRAINING)
-    except ToleranceError:
-        return simulated(around, reduced(around, RTOL), CALIBRATED_TRAINING)
-
-
-def _narrowed(scene: Scene, values: dict[str, float]) -> Scene:
-    """Training around a skin of which the parameters are known, more or less."""
-    R, c = (math.exp(values[name]) for name in ("sheet_resistance", "capacitance"))
-    session = scene.dataset.session.model_copy(
-        update={
-            "sheet_resistance": Lognormal(median=R, spread=CALIBRATED_TO),
-            "capacitance": Normal(mean=c, deviation=CALIBRATED_TO * c),
-        }
-    )
-    return scene.model_copy(
-        update={"dataset": scene.dataset.model_copy(update={"session": session})}
-    )
 
 
 def summary(table: pd.DataFrame) -> pd.DataFrame:

@@ -7,10 +7,12 @@ misses a little. Beside that, the same twins are read at once, with and without 
 stands between the bound of a known skin and what is reached. The bound is of the design as it is
 meant, and of each twin's own skin as it is.
 
-With a folder that is kept a run that was stopped goes on.
+With a folder that is kept a run that was stopped goes on. A search of `design_goals.py` in the same
+folder of searches is not made again.
 
 Run: python benchmarks/localization/twin_design.py [--target pixel|column|position|pair]
-     [--second] [--skins 20] [--localizers NAME,...] [--training SWEEPS] [--found FOLDER] [--quick]
+     [--second] [--skins 20] [--localizers NAME,...] [--training SWEEPS] [--found FOLDER]
+     [--searches FOLDER] [--quick]
 """
 
 from __future__ import annotations
@@ -41,6 +43,11 @@ def asked_goal(run: Run) -> Goal:
     return goal.quick() if run.quick else goal
 
 
+def kept_in(run: Run, folder: Path, goal: Goal) -> Kept:
+    """What is kept of a goal, with searches where they are asked for."""
+    return Kept(folder, goal, run.asked.searches or folder / "searches")
+
+
 def asked_of(kept: Kept) -> Trial:
     """What twins of the design are asked."""
     return replace(kept.goal.trial, believed=kept.designed())
@@ -68,7 +75,7 @@ def own_bound(kept: Kept, trial: Trial, family: Reduced, number: int) -> float:
 def told(run: Run, folder: Path) -> None:
     """Search, train, ask the twins, and write the table."""
     folder.mkdir(parents=True, exist_ok=True)
-    kept, skins = Kept(folder, asked_goal(run)), run.asked.skins or run.sized(SKINS, 1)
+    kept, skins = kept_in(run, folder, asked_goal(run)), run.asked.skins or run.sized(SKINS, 1)
     goal, trial = kept.goal, asked_of(kept)
     names = run.asked.localizers.split(",") if run.asked.localizers else trial.estimators
     sweeps = run.asked.training or goal.training
@@ -112,6 +119,7 @@ def shared_options() -> argparse.ArgumentParser:
     parser.add_argument("--training", type=int, help="Simulated sweeps of the data set.")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--found", type=Path, help="Folder of what takes time, to be kept.")
+    parser.add_argument("--searches", type=Path, help="Folder of designs, shared with others.")
     return parser
 
 

@@ -4,7 +4,7 @@ A median of twenty twins is known to 2 or 3 points only. Here one localizer, tra
 asked about other twins, read at once, with and without drift.
 
 Run: python benchmarks/localization/twin_design_others.py [--skins 100] [--localizer NAME]
-     [--training SWEEPS] [--found FOLDER] [--quick]
+     [--training SWEEPS] [--found FOLDER] [--searches FOLDER] [--quick]
 """
 
 from __future__ import annotations
@@ -17,8 +17,12 @@ from joblib import Parallel, delayed
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.design_parts.asking import scores, summary
 from rcskin.benchmarks.localization.design_parts.goals import GOALS
-from rcskin.benchmarks.localization.design_parts.kept import Kept
-from rcskin.benchmarks.localization.twin_design import asked_of, in_its_folder, shared_options
+from rcskin.benchmarks.localization.twin_design import (
+    asked_of,
+    in_its_folder,
+    kept_in,
+    shared_options,
+)
 
 OTHERS, SKINS = 1000, 100
 """Number of the first of them, and how many."""
@@ -29,7 +33,7 @@ def told(run: Run, folder: Path) -> None:
     """Search and train where that is still to be done, ask the twins, and write the table."""
     folder.mkdir(parents=True, exist_ok=True)
     goal, asked = run.sized(GOALS["pixel"], GOALS["pixel"].quick()), run.asked
-    kept = Kept(folder, goal)
+    kept = kept_in(run, folder, goal)
     trial = asked_of(kept)
     model = kept.model(asked.localizer, asked.training or goal.training)
     family = kept.family(trial.believed)

@@ -18,32 +18,33 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.twin_parts.places import place_limits
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, few_trials
 from rcskin.localization.inputs.rest import RECENT
-from rcskin.simulator.limits import hand_accuracy
+from rcskin.simulator.bounds.readings import hypotheses
+from rcskin.simulator.limits.hand import Hand, accuracy_of_hand
 from rcskin.simulator.scene.randomisation import Normal
 
 SAMPLES, FEW_SAMPLES = (1000, 4000, 12_000), (50, 100)
-"""Presses of each hypothesis that are summed over: how they close in on the limit."""
+"""Presses of each hypothesis that are summed over: how they close in on the limit. Of pixels that
+are hit whole, whose presses differ by their strength alone, the middle one is enough."""
 DRAWS, FEW_DRAWS = 2000, 100
 SKINS = 20
 
 
 def limits(trial: Trial, counts: tuple[int, ...], draws: int) -> list[dict[str, object]]:
-    """The limit of a trial's question, by more and more samples."""
-    whole = _accuracy(trial, 0.0, counts[-1], draws)
-    return [whole, *(_accuracy(trial, trial.hand.offset, count, draws) for count in counts)]
-
-
-def _accuracy(trial: Trial, offset: float, samples: int, draws: int) -> dict[str, object]:
+    """The limit of a trial's question: pixels hit whole, then by more and more samples."""
     presses = Normal(mean=2.0, deviation=trial.hand.strength)
-    found = hand_accuracy(
-        trial.believed,
-        trial.target,
-        presses,
-        offset=offset,
-        samples=samples,
-        draws=draws,
-        against_rest=RECENT,
-    )
+    whole = Hand.of_pixels(trial.believed, presses, against_rest=RECENT)
+    beside = whole.missing(trial.hand.offset)
+    return [
+        _accuracy(trial, whole, 0.0, counts[1], draws),
+        *(_accuracy(trial, beside, trial.hand.offset, count, draws) for count in counts),
+    ]
+
+
+def _accuracy(
+    trial: Trial, hand: Hand, offset: float, samples: int, draws: int
+) -> dict[str, object]:
+    among = hypotheses(trial.believed, trial.target)
+    found = accuracy_of_hand(hand, among, draws=draws, samples=samples)
     least, most, error = (100 * value for value in found)
     return _row(trial, offset, samples, least, most, error, "% right")
 

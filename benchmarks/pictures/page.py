@@ -1,4 +1,5 @@
-"""The page on which a skin is pressed: its size, what it takes to make, and from press to paint."""
+"""The page on which a skin is pressed: its size, what it takes to make, and from press to paint, of
+a hundred presses."""
 
 from __future__ import annotations
 
@@ -21,7 +22,7 @@ from rcskin.simulator.page.packed import packed, reduced_for_page
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
 
-RTOL, CELLS = 1e-3, 2
+RTOL, CELLS, PRESSES = 1e-3, 2, 100
 UNEVEN = {
     f"skin.{sheet}.map": {"kind": "random", "deviation": 0.2, "correlation_length": 0.03, "seed": k}
     for k, sheet in enumerate(("top", "bottom"))
@@ -131,7 +132,7 @@ def main(run: Run) -> None:
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
         for scene in scenes(run):
             page = made(scene, Path(folder))
-            whole, own = press_to_paint(browser, page, run.sized(200, 5)).T
+            whole, own = press_to_paint(browser, page, run.sized(PRESSES, 5)).T
             rows.append(
                 {
                     "scene": scene.name,

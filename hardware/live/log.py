@@ -52,6 +52,24 @@ def rest_dataset(rest: Rest, localizer: Localizer) -> xr.Dataset:
     return as_dataset(both, localizer, UNPRESSED).assign_coords({OPENING: ("sweep", opening)})
 
 
+@dataclass
+class RestData:
+    """The skin at rest as a localizer takes it, made anew where another sweep counts."""
+
+    rest: Rest
+    localizer: Localizer
+    _of: tuple[list[Sweep], list[Sweep]] = field(default_factory=lambda: ([], []), init=False)
+    _made: xr.Dataset | None = field(default=None, init=False)
+
+    @property
+    def sweeps(self) -> xr.Dataset:
+        """See `rest_dataset`."""
+        counting = self.rest.opening, list(self.rest.sweeps)
+        if self._made is None or counting != self._of:
+            self._of, self._made = counting, rest_dataset(self.rest, self.localizer)
+        return self._made
+
+
 def read_rest(paths: Sequence[Path], localizer: Localizer, *, anyway: bool = False) -> list[Sweep]:
     """The unpressed sweeps of a file or several.
 

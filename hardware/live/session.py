@@ -15,7 +15,7 @@ from ..record.order import UNKNOWN
 from ..record.sweep import Sweep, apart, flags, now
 from .answer import Answer, Localizer
 from .link import Link
-from .log import Log, as_dataset, rest_dataset
+from .log import Log, RestData, as_dataset
 from .questions import Pace, Part, questioned
 from .rest import Rest, at_rest
 
@@ -119,9 +119,11 @@ class Session:
     _pace: Pace = field(init=False)
     _ends: deque[float] = field(default_factory=lambda: deque(maxlen=RATED), init=False)
     _restless: int = field(default=0, init=False)
+    _known: RestData = field(init=False)
 
     def __post_init__(self) -> None:
         self._pace = Pace(self.localizer, self.show.reading, self.clock, self.link.turns)
+        self._known = RestData(self.rest, self.localizer)
 
     def run(self, answers: int | None = None) -> None:
         """Answer so often, or until the key of the end.
@@ -188,7 +190,7 @@ class Session:
         self.localizer.prepare(self._at_rest())
 
     def _at_rest(self) -> xr.Dataset | None:
-        return rest_dataset(self.rest, self.localizer) if self.rest.sweeps else None
+        return self._known.sweeps if self.rest.sweeps else None
 
     def _told(self, measured: Measured) -> Answer:
         if measured.part is not None:

@@ -50,6 +50,7 @@ class VisaConnection:
     def __init__(self, resource: str, timeout: float, opened: MessageBasedResource) -> None:
         """timeout: seconds that an answer may take."""
         self.resource, self._timeout, self._opened = resource, timeout, opened
+        self._waits = 0
 
     def write(self, message: str) -> None:
         """Send one line. Raises LostConnectionError."""
@@ -70,7 +71,7 @@ class VisaConnection:
         from pyvisa.errors import Error, VisaIOError
 
         try:
-            self._opened.timeout = max(1, round(1000 * (self._timeout + seconds)))
+            self._wait(max(1, round(1000 * (self._timeout + seconds))))
             raw = self._opened.read_bytes(LONGEST_ANSWER, break_on_termchar=True)
         except VisaIOError as error:
             if error.error_code != StatusCode.error_timeout:
@@ -83,6 +84,11 @@ class VisaConnection:
     def close(self) -> None:
         """Let the line go; closing twice does no harm."""
         self._opened.close()
+
+    def _wait(self, milliseconds: int) -> None:
+        """Let an answer take so long; a line that waits so long already is not told again."""
+        if milliseconds != self._waits:
+            self._opened.timeout, self._waits = milliseconds, milliseconds
 
     def _silent(self, waited: float) -> NoAnswerError:
         return NoAnswerError(

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...simulator.sweeps import build, parallel_capacitance, violations
-from ...simulator.sweeps.laws.passivity import Bounds, listed
+from ...simulator.sweeps import parallel_capacitance
+from ...simulator.sweeps.laws.passivity import Bounds, broken_laws, listed
 from ..meter.accuracy import AccuracyTable, Conditions, Drive, full_scale
 from .sweep import Sweep, Trace
 
@@ -94,19 +94,12 @@ class Judge:
         )
 
     def _broken_laws(self, trace: Trace) -> list[str]:
-        one = build(
-            trace.Z[None, None],
-            self.frequency,
-            interface=["meter"],
-            press=["?"],
-            row=[-1],
-            column=[-1],
-        )
         bounds = self.bounds(trace.Z).times(self.limits.errors)
-        beyond = f"beyond the meter's error{self._guessed(trace.Z)}"
+        broken = broken_laws(trace.Z, self.frequency, bounds)
+        beyond = f"beyond the meter's error{self._guessed(trace.Z)}" if broken else ""
         return [
-            f"{each.law} is broken at {listed(each.frequency)}, {beyond}"
-            for each in violations(one, bounds)
+            f"{law} is broken at {listed(self.frequency[where])}, {beyond}"
+            for law, where in broken.items()
         ]
 
     def _guessed(self, Z: NDArray[np.complex128]) -> str:

@@ -60,7 +60,8 @@ class Client:
     async def say(self, said: bytes) -> None:
         """Send bytes. Raises OSError or TimeoutError where the client does not take them."""
         self.writer.write(said)
-        await asyncio.wait_for(self.writer.drain(), PATIENCE)
+        if self.writer.is_closing() or self.writer.transport.get_write_buffer_size():
+            await asyncio.wait_for(self.writer.drain(), PATIENCE)
         self.answered = True
 
     def leave(self) -> None:

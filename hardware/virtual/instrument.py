@@ -85,7 +85,8 @@ class Instrument:
         pending = self.pending
         if pending is None:
             return
-        await asyncio.sleep(max(0.0, pending.done - self.now))
+        if (left := pending.done - self.now) > 0:
+            await asyncio.sleep(left)
         fault = self.faults.take("status")
         loop = asyncio.get_running_loop()
         try:

@@ -53,10 +53,13 @@ class Asker:
             raise InputError(f"`within` must be above 0 mm, got {within:g}")
         self.model, self.certain, self.follower = model, certain or CERTAIN, follower
         self.within = within
+        self._skin: tuple[xr.Dataset, tuple[Any, NDArray[np.complex128]]] | None = None
 
     def begin(self, rest: xr.Dataset, gap: float) -> Questioning:
         """Of the next sweep. rest: sweeps of the skin at rest. gap: s since the one before."""
-        step, at_rest = skin_at_hand(self.model, rest)
+        if self._skin is None or self._skin[0] is not rest:
+            self._skin = rest, skin_at_hand(self.model, rest)
+        step, at_rest = self._skin[1]
         if isinstance(step, ModelBased):
             return OfClasses(self, step, at_rest, gap)
         return OfPlaces(self, step, at_rest, gap)

@@ -69,13 +69,8 @@ def hand_accuracy(
 
     if not 0 <= offset <= 0.5:
         raise InputError(f"`offset` must be in 0..0.5 of a pixel's side, got {offset:g}")
-    skin, pixels = scene.skin, scene.pixels
-    hand = Hand(
-        scene,
-        presses or own_presses(scene),
-        size=(skin.length / pixels.columns, skin.width / pixels.rows),
-        offset=offset,
-        against_rest=against_rest,
+    hand = Hand.of_pixels(
+        scene, presses or own_presses(scene), offset=offset, against_rest=against_rest
     )
     among = hypotheses(scene, target)
     return accuracy_of_hand(

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,21 @@ class Hand:
         self.grid = CELLS * pixels.rows, CELLS * pixels.columns
         self._model = errors_of(scene, against_rest)
 
+    @classmethod
+    def of_pixels(
+        cls, scene: Scene, presses: AnyDistribution, *, offset: float = 0.0, against_rest: int = 0
+    ) -> Self:
+        """Touches as large as a pixel. Raises as the constructor."""
+        skin, pixels = scene.skin, scene.pixels
+        size = skin.length / pixels.columns, skin.width / pixels.rows
+        return cls(scene, presses, size=size, offset=offset, against_rest=against_rest)
+
+    def missing(self, offset: float) -> Self:
+        """The same hand, by another offset; both press the skin by one model."""
+        other = copy(self)
+        other._offset, other._reduced = offset, self._reduced
+        return other
+
     def pressed(self, meant: Hypothesis, random: np.random.Generator, count: int) -> Array:
         """Whitened readings, without noise, of pixels pressed so many times; (press, number)."""
         pixels = self.scene.pixels
@@ -84,12 +100,13 @@ class Hand:
         Z = self._reduced.skin(None).sweeps(self._laid(middles, factors), s)
         return self._model.whitened(observed(self.scene.leads.seen_through(Z, frequency)))
 
-    def _laid(self, middles: Array, factors: Array) -> PressBatch:
-        """Touches on cells; those that overlap multiply."""
+    def _laid(self, middles: Array, factors: Array, sides: Array | None = None) -> PressBatch:
+        """Touches on cells; those that overlap multiply. sides: m, of each if not all alike."""
+        half = (self._sides if sides is None else sides) / 2
         along, across = (
             covered(
-                middles[..., k] - self._sides[k] / 2,
-                middles[..., k] + self._sides[k] / 2,
+                middles[..., k] - half[..., k],
+                middles[..., k] + half[..., k],
                 np.linspace(0, self._extent[k], count + 1),
             )
             for k, count in ((0, self.grid[1]), (1, self.grid[0]))

@@ -128,18 +128,31 @@ def test_two_that_keep_in_one_folder_do_not_run_at_once():
 
 
 def test_others_of_a_design_go_on_from_what_its_twins_were_asked_with():
-    kept = {(each.name, *each.options): each.kept for each in every.IN_ORDER}
+    kept = {(each.name, *each.options): (each.kept, each.shared) for each in every.IN_ORDER}
     asked = ("localization/twin_design", "--target", "pixel")
-    assert kept[("localization/twin_design_others",)] == kept[asked] is not None
+    assert kept[("localization/twin_design_others",)] == kept[asked]
+    assert None not in kept[asked]
+
+
+def test_designs_of_twins_are_searched_once():
+    """All goals of `twin_design` but the first ask `rcskin design` for what `design_goals` does."""
+    from rcskin.benchmarks.localization import design_goals
+    from rcskin.benchmarks.localization.design_parts.goals import GOALS
+
+    shown = {(goal.scene, goal.options + design_goals.USUAL) for goal in design_goals.GOALS}
+    apart = [name for name, goal in GOALS.items() if (goal.trial.believed, goal.asked) not in shown]
+    assert apart == ["pixel"]
 
 
 def test_what_a_long_one_keeps_is_of_one_code(monkeypatch, tmp_path):
     monkeypatch.setattr(every, "UNPUBLISHED", tmp_path)
-    benchmark = every.Benchmark("a/b", ("--all",), kept=("--found", "searches"))
+    kept, shared = ("--found", "own"), ("--searches", "searches")
+    benchmark = every.Benchmark("a/b", ("--all",), kept=kept, shared=shared)
     for code, folder in ("abc", "abc"), ("abc and changes", "abc-and-changes"):
         monkeypatch.setattr(every, "code", lambda told=code: told)
         options = every.command_of(benchmark, quick=False)[2:]
-        assert options == ["--all", "--found", str(tmp_path / folder / "searches")]
+        own, searches = (str(tmp_path / folder / name) for name in ("own", "searches"))
+        assert options == ["--all", "--found", own, "--searches", searches]
         assert (tmp_path / folder).is_dir()
     assert every.command_of(benchmark, quick=True)[2:] == ["--quick"]
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from rcskin.benchmarks.accuracy.campaign import SEEDS_IN_TURN
 from rcskin.benchmarks.accuracy.campaign_parts.judging import IN_TURN
-from rcskin.benchmarks.accuracy.campaign_parts.kinds import KINDS
+from rcskin.benchmarks.accuracy.campaign_parts.kinds import KINDS, NOT_EVEN
 from rcskin.benchmarks.accuracy.campaign_parts.record import published
 from rcskin.benchmarks.accuracy.campaign_parts.verdict import Verdict
 from rcskin.benchmarks.accuracy.verification_parts.report import FAILED, PASSED, Check, Section
@@ -23,7 +24,7 @@ COMMAND_IN_TURN = (
     ".venv/bin/python benchmarks/accuracy/campaign.py -o in_turn.jsonl --in-turn --workers 2 "
     "--timeout 25"
 )
-PLANNED = 180
+PLANNED = len(NOT_EVEN) * len(SEEDS_IN_TURN)
 """Scenes of a whole run of that command."""
 LEAST_TOLD, MOST_TOLD = 0.3, 10.0
 """Of the truth: what an estimate is wished to be."""

@@ -10,11 +10,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from rcskin.benchmarks.localization.design_parts.goals import STILL, TCP, WAYS
-from rcskin.benchmarks.localization.twin import SEED, localizers
 from rcskin.benchmarks.localization.twin_parts.reading import read_at_once
 from rcskin.benchmarks.localization.twin_parts.recording import recorded
 from rcskin.benchmarks.localization.twin_parts.scenes import built
 from rcskin.benchmarks.localization.twin_parts.skin import Drift, Twin
+from rcskin.benchmarks.localization.twin_parts.training import SEED, localizers
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
 from rcskin.localization.model.file import load as load_model
 from rcskin.simulator.models.reduced.model import Reduced

@@ -39,6 +39,8 @@ SHOWN = {
     "kernel-ridge": math.inf,
 }
 """Sweeps of the data set that each is trained on, at most."""
+USUAL = "--casts", "3", "--draws", "1000"
+"""Of a search that `design_goals.py` makes, too."""
 QUICK = ("--casts", "1", "--draws", "20", "--readings", "2")
 RTOL, RTOL_OF_PLACES = 1e-2, 2e-3
 """Of Rs and Cp, certified; readings are some ten times closer, a tenth of the meter's noise."""
@@ -101,7 +103,9 @@ def _pixels(table: str, asked: tuple[str, ...], names: tuple[str, ...]) -> Goal:
 GOALS = {
     "pixel": _pixels("twin_design", (), ("gaussian", "ksvm-ovo")),
     "pixel in a second": _pixels(
-        "twin_design_second", ("--seconds", "1", "--readings", "12"), ("gaussian",)
+        "twin_design_second",
+        ("--seconds", "1", "--readings", "12", "--sheet-ratio", "1", *USUAL),
+        ("gaussian",),
     ),
     "column": Goal(
         "twin_design_columns",
@@ -116,7 +120,7 @@ GOALS = {
             training=0,
             hand=Hand(offset=OFFSET),
         ),
-        ("--target", "column", "--grading", "10"),
+        ("--target", "column", "--grading", "10", *USUAL),
         FEW_WAYS,
     ),
     "position": Goal(
@@ -132,7 +136,7 @@ GOALS = {
             training=0,
             hand=Hand(offset=0.02, size=0.02),
         ),
-        ("--target", "position", "--casts", "3"),
+        ("--target", "position", *USUAL),
         FEW_WAYS,
         rtol=RTOL_OF_PLACES,
         bound=(500, 40_000),
@@ -151,7 +155,7 @@ GOALS = {
             training=0,
             hand=Hand(offset=OFFSET),
         ),
-        ("--target", "pair", "--casts", "3", "--draws", "1000"),
+        ("--target", "pair", *USUAL),
         FEW_WAYS,
         bound=(500, 4000),
         known=None,

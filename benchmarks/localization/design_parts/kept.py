@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TypeVar
 
 from rcskin.benchmarks.localization.design_parts.goals import SHOWN, Goal
-from rcskin.benchmarks.localization.twin import BY_CHANGE, CHANGE, SEED, WHOLE
+from rcskin.benchmarks.localization.design_parts.searching import command, searched
 from rcskin.benchmarks.localization.twin_parts.scenes import built
+from rcskin.benchmarks.localization.twin_parts.training import BY_CHANGE, CHANGE, SEED, WHOLE
 from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.model import Reduced
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
 
 READ = {"gaussian": ("lnZ", "phase")}
@@ -26,23 +26,20 @@ Answer = TypeVar("Answer")
 
 @dataclass(frozen=True)
 class Kept:
-    """That folder, of one goal."""
+    """That folder, of one goal. searches: the folder of designs that were found."""
 
     folder: Path
     goal: Goal
+    searches: Path
 
     def designed(self) -> Scene:
         """As `rcskin design` finds it."""
-        path = self.folder / "asked.toml"
-        if not self.design.exists():
-            path.write_text(scene_text(self.goal.trial.believed), encoding="utf-8")
-            command("design", str(path), *self.goal.asked, "-o", str(self.design.parent))
         return load_scene(self.design)
 
-    @property
+    @cached_property
     def design(self) -> Path:
-        """The scene that was found."""
-        return self.folder / "designed" / "design.toml"
+        """The scene that is found."""
+        return searched(self.goal.trial.believed, self.goal.asked, self.searches) / "design.toml"
 
     def model(self, name: str, sweeps: int) -> Path:
         """A localizer, trained on simulation alone."""
@@ -82,8 +79,3 @@ class Kept:
         if not path.exists():
             save(reduced(built(scene), self.goal.rtol), path)
         return load(path)
-
-
-def command(*words: str) -> None:
-    """Run a command of rcskin; raises CalledProcessError where it fails."""
-    subprocess.run([sys.executable, "-m", "rcskin", *words], check=True)

@@ -12,7 +12,6 @@ from rcskin.simulator.limits.hand import Between, Hand, accuracy_of_hand, distan
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import errors_of, observed
 from rcskin.simulator.press.batch import PressBatch
-from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.frequency import laplace_variable
 from rcskin.simulator.scene.randomisation import CUT, truncated_normal
@@ -40,10 +39,13 @@ class TwinsHand(Hand):
         twin = self._twin
         asked = parse_press(_text(meant), self.scene.press.capacitance_factor)
         events = random.integers(2**31, size=count).tolist()
-        family = twin.family.scene
-        return self._seen(
-            PressBatch.of(touched_cells(family, twin.pressed(asked, e)) for e in events)
+        made = np.array(
+            [
+                [(each.x, each.y, each.width, each.height, each.factor) for each in press.touches]
+                for press in (twin.pressed(asked, event) for event in events)
+            ]
         )
+        return self._seen(self._laid(made[..., :2], made[..., 4], made[..., 2:4]))
 
     def anywhere(self, random: np.random.Generator, count: int) -> tuple[NDArray, NDArray]:
         """Where touches were meant, m, shape (press, 2), and readings of where the hand put them;

@@ -65,12 +65,19 @@ def violations(sweeps: xr.Dataset, tolerance: float | Bounds = 1e-9) -> list[Vio
         Violation(sweep, str(name), law, tuple(float(f) for f in frequency[broken]))
         for sweep, by_interface in enumerate(impedance(sweeps))
         for name, Z in zip(sweeps["interface"].values, by_interface, strict=True)
-        for law, broken in _broken_laws(Z, frequency, tolerance).items()
-        if broken.any()
+        for law, broken in broken_laws(Z, frequency, tolerance).items()
     ]
 
 
-def _broken_laws(
+def broken_laws(
+    Z: NDArray[np.complex128], frequency: NDArray[np.float64], tolerance: float | Bounds = 1e-9
+) -> dict[str, NDArray[np.bool_]]:
+    """Which laws one curve breaks, and at which of its frequencies [Hz]; see `violations`."""
+    judged = _judged(Z, frequency, tolerance).items()
+    return {law: broken for law, broken in judged if broken.any()}
+
+
+def _judged(
     Z: NDArray[np.complex128], frequency: NDArray[np.float64], tolerance: float | Bounds
 ) -> dict[str, NDArray[np.bool_]]:
     capacitive = Z.imag < 0

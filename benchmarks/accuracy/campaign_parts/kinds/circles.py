@@ -33,7 +33,10 @@ from scipy.special import ive, kve
 DECADES = 2.0
 ARC_DECADES = 1.0
 """Where foils end on a circle: polygons come to it slowly there."""
-SIDES = (400, 800)
+MARKS = 16
+"""On a rim, at which foils along arcs begin and end: corners of every polygon for it."""
+SIDES, LOOSE, MOST_SIDES = 7 * MARKS, 1e-3, 25 * MARKS
+"""Of the coarser polygon at that tolerance, and as its root falls ever more, up to so many."""
 SHIFT = 0.25
 """Of what extrapolation adds to the finer polygon: what it may be off by."""
 FIRST_ROUNDING = 1e-10
@@ -63,7 +66,7 @@ def fed_along_arcs(rng: Rng) -> Case:
 
     def once() -> Problem:
         skin, _ = _round(rng)
-        marks = sorted(rng.choice(17, 4, replace=False) / 16)
+        marks = sorted(rng.choice(MARKS + 1, 4, replace=False) / MARKS)
         a, b, c, d = (float(mark) for mark in marks)
         contacts = [feeds.foil("a", "top", "outline", [a, b])]
         contacts.append(feeds.foil("b", "bottom", "outline", [c, d]))
@@ -213,7 +216,9 @@ def _extrapolated(of_sides: Callable[[int], Problem]):
     """What is missing falls as sides^-2."""
 
     def route(rtol: float) -> Truth:
-        coarse, fine = (solved(of_sides(sides), OTHER_SHARE * rtol) for sides in SIDES)
+        wanted = min(MOST_SIDES, SIDES * (LOOSE / rtol) ** 0.5)
+        sides = MARKS * round(wanted / MARKS)
+        coarse, fine = (solved(of_sides(n * sides), OTHER_SHARE * rtol) for n in (1, 2))
         Z = fine.Z + (fine.Z - coarse.Z) / 3
         return Truth(Z, fine.doubt * 5 / 3 + SHIFT * relative_difference(fine.Z, Z))
 

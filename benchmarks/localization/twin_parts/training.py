@@ -1,0 +1,80 @@
+"""Localizers trained on simulation alone: what they learn from, and what they look at."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import xarray as xr
+from rcskin.benchmarks.localization.twin_parts.trials import Trial
+from rcskin.localization.inputs.reading import read_some
+from rcskin.localization.inversion.registered import model_based
+from rcskin.localization.learners.registry import Registry, estimators
+from rcskin.localization.model.model import Model
+from rcskin.localization.model.training import train
+from rcskin.simulator.dataset.model import Training
+from rcskin.simulator.dataset.plan import Plan
+from rcskin.simulator.dataset.run import generate
+from rcskin.simulator.inversion.tables import templates
+from rcskin.simulator.models.reduced.file import load, save
+from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.scene.scene import Scene
+
+SEED = 2026
+RTOL = 1e-3
+"""Of the simulated sweeps: a third of the meter's noise."""
+CHANGE, WHOLE = ("dlnZ", "dphase"), ("dlnZ", "dphase", "lnZ0", "phase0")
+"""Quantities that localizers look at: changes against the skin at rest, and its own curve too."""
+BY_CHANGE = ("model-based", "ksvm-components", "kernel-ridge", "gaussian-process")
+"""Localizers that do not take the curve, or whose few components have no room for it."""
+PLENTY = 20_000
+"""Simulated sweeps for localizers that are no networks, which are shown no more."""
+
+
+def localizers() -> Registry:
+    """All that there are, with the one that inverts the simulator."""
+    return estimators(model_based(templates))
+
+
+def trained(trial: Trial, believed: Reduced, registry: Registry) -> dict[str, Model]:
+    """The trial's localizers, trained on as many sweeps as it asks for."""
+    asked = trial.training if "network" in trial.estimators else min(trial.training, PLENTY)
+    with on_disk(trial.believed, believed, asked) as sweeps:
+        return localized(trial, sweeps, registry)
+
+
+def simulated(scene: Scene, believed: Reduced, count: int) -> xr.Dataset:
+    """Sweeps of the scene's data set, by a family that was trained for it before."""
+    with on_disk(scene, believed, count) as sweeps:
+        return sweeps.load()
+
+
+@contextmanager
+def on_disk(scene: Scene, believed: Reduced, count: int) -> Iterator[xr.Dataset]:
+    """The same, read part by part while it is there: networks learn from more than memory holds."""
+    training = Training(lambda *_: believed, save, load)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "training.zarr"
+        generate(Plan(scene, count, SEED, RTOL), path, training=training)
+        yield read_some(path, count, in_parts=True)
+
+
+def localized(trial: Trial, sweeps: xr.Dataset, registry: Registry) -> dict[str, Model]:
+    """The trial's localizers, trained on sweeps."""
+    return {
+        name: train(
+            sweeps,
+            trial.target,
+            name,
+            quantities=CHANGE if name in BY_CHANGE else WHOLE,
+            registry=registry,
+        )
+        for name in trial.estimators
+    }
+
+
+def equip(model: Model) -> None:
+    """Give a model what it lost on its way to this process: who makes tables of skins."""
+    localizers()[model.estimator].equip(model.pipeline)
