@@ -86,6 +86,7 @@ IN_ORDER = (
     _alone("live/live_interfaces"),
     _alone("live/live_page"),
     _alone("pictures/page"),
+    _alone("commands"),
     _campaign("campaign", "--timeout", "60"),
     _campaign("in_turn", "--in-turn", "--timeout", "25"),
     Benchmark("localization/twin"),
@@ -96,7 +97,7 @@ IN_ORDER = (
     _designed("position"),
     _designed("pair"),
     Benchmark("localization/twin_limits"),
-    Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--twins", "100")),
+    Benchmark("accuracy/calibration_coverage", ("--prior", "wide")),
     _designed("column"),
     Benchmark("localization/design"),
     Benchmark("localization/training_spread"),
@@ -104,7 +105,6 @@ IN_ORDER = (
     Benchmark("localization/localizers"),
     Benchmark("localization/filtering"),
     Benchmark("accuracy/verification"),
-    Benchmark("commands"),
     Benchmark(
         "localization/twin_design_others", kept=("--found", "designed-pixel"), shared=SEARCHES
     ),

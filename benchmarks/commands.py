@@ -1,8 +1,8 @@
 """Every command that a page shows, in its order, in a folder of its own, then the slow ones that no
 block of the top README shows: how long each takes.
 
-Commands that wait for somebody (the meter, `live`) are left out. Times are of the processor: they
-do not change with what else the machine does, as those of the clock do.
+Commands that wait for somebody (the meter, `live`) are left out. Times of the processor do not
+change with what else the machine does, those of the clock do.
 
 Run: python benchmarks/commands.py [--quick] [--into FOLDER] [PAGE ...]    README.md by default
 """
@@ -60,9 +60,9 @@ def main(run: Run) -> int:
             for command in run.sized([*asked, *besides], asked[:1]):
                 times = measured(command, Path(folder))
                 told = f"{times.processor:.1f}" if times.code == 0 else FAILED.format(times.code)
-                rows.append((page, f"`{command}`", told))
+                rows.append((page, f"`{command}`", told, f"{times.clock:.1f}"))
                 print(rows[-1], flush=True)
-    columns = ["page", "command", "processor (s)"]
+    columns = ["page", "command", "processor (s)", "clock (s)"]
     publish(run.results, "commands", TITLE, pd.DataFrame(rows, columns=columns))
     return int(any("failed" in row[2] for row in rows))
 

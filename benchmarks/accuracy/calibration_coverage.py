@@ -30,7 +30,7 @@ from rcskin.simulator.scene.meter import FrequencyGrid, Sweep
 from rcskin.simulator.scene.scene import Scene
 
 NAME = "calibration_coverage"
-TWINS, FEWEST = 400, 6
+TWINS, FEWEST = 200, 6
 PIXELS = ("1,1", "1,2", "1,3")
 AT_REST = 4
 FREQUENCIES = 12
@@ -41,7 +41,7 @@ AGREES = 4.0
 def main(run: Run) -> int:
     """The share of truths held, by parameter and quantity."""
     scene, kind = _scene(), run.asked.prior
-    twins = run.sized(run.asked.twins, FEWEST)
+    twins = run.sized(TWINS, FEWEST)
     held = pd.DataFrame([_trial(scene, kind, number) for number in range(twins)])
     table = pd.DataFrame(
         {
@@ -112,5 +112,4 @@ def _held(
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     parser.add_argument("--prior", choices=("session", "wide"), default="session")
-    parser.add_argument("--twins", type=int, default=TWINS)
     launch(main, parser)
