@@ -52,6 +52,7 @@ def why_no_pictures():
     return f"VTK cannot draw here: it ends with {done.returncode}" if done.returncode else ""
 
 
+@pytest.hookimpl(tryfirst=True)  # xdist has an answer of its own
 def pytest_xdist_auto_num_workers():
     """One more than cores: a fifth of the time tests wait, for a meter, a browser or a process."""
     return joblib.cpu_count() + 1

@@ -85,9 +85,9 @@ def tanh_ratio(z: NDArray[np.complex128]) -> NDArray[np.complex128]:
     Small z by Lambert's continued fraction 1/(1 + z/(3 + z/(5 + ...))), large z as it stands.
     """
     small = np.abs(z) < 1
-    fraction = np.zeros(z.shape, dtype=complex)
+    near, fraction = np.where(small, z, 0), np.zeros(z.shape, dtype=complex)
     for level in range(LEVELS_OF_FRACTION, 0, -1):
-        fraction = np.where(small, z, 0) / (2 * level + 1 + fraction)
+        fraction = near / (2 * level + 1 + fraction)
     q = np.sqrt(np.where(small, 1, z))
     ratio = (np.tanh(q) / q).astype(np.complex128)
     ratio[small] = 1 / (1 + fraction[small])

@@ -129,7 +129,8 @@ def chain(
     Y, slopes = np.zeros(s.shape, dtype=complex), np.zeros((len(R), *s.shape), dtype=complex)
     for k in range(len(R) - 1, -1, -1):
         p = s * C[k]
-        T, dT = tanh_ratio(R[k] * p), R[k] * tanh_ratio_slope(R[k] * p)
+        T = tanh_ratio(R[k] * p)
+        dT = R[k] * tanh_ratio_slope(R[k] * p, T)
         top, bottom = Y + p * T, 1 + Y * R[k] * T
         slopes[k + 1 :] *= (bottom - top * R[k] * T) / bottom**2
         slopes[k] = ((T + p * dT) * bottom - top * Y * R[k] * dT) / bottom**2
@@ -137,8 +138,10 @@ def chain(
     return Y, slopes
 
 
-def tanh_ratio_slope(z: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """d(tanh q / q)/dz for q² = z: (1 - T - z T²) / (2 z), by its Taylor series about 0."""
+def tanh_ratio_slope(
+    z: NDArray[np.complex128], T: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    """dT/dz for T = tanh(q)/q, q² = z: (1 - T - z T²) / (2 z), by its Taylor series about 0."""
     small = np.abs(z) < SMALL
-    away, T = np.where(small, 1, z), tanh_ratio(z)
+    away = np.where(small, 1, z)
     return np.where(small, np.polyval(TAYLOR, np.where(small, z, 0)), (1 - T - z * T**2) / 2 / away)

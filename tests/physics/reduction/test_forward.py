@@ -85,7 +85,7 @@ def reader(request, make_scene, made):
     """Of one field, of floating terminals at two interfaces, and with slow waves of sheets."""
     if request.param == "plain":
         return made["one field"]
-    floating = load_scene(TWO_INTERFACES).with_({"pixels": 3})
+    floating = load_scene(TWO_INTERFACES).with_({"pixels": 2})
     scene = floating if request.param == "floating" else make_scene(CROSSED)
     scene = scene.model_copy(update={"sweep": Sweep(frequencies=FREQUENCIES)})
     return Forward(scene, rtol=RTOL, modes=4 if request.param == "uneven" else 1)

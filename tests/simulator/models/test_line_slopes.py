@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.models.line import tanh_ratio
 from rcskin.simulator.models.line_slopes import LineModel, tanh_ratio_slope
 from rcskin.simulator.models.parameters import PARAMETERS, scene_with
 from rcskin.simulator.models.solver import Solver
@@ -51,7 +52,7 @@ def test_slopes_by_cells_are_differences(model, moved):
 
 def test_the_slope_of_the_ratio_is_smooth_where_its_formula_changes():
     z = 1e-2 * np.array([0.999999, 1.000001]) * np.exp(0.7j)
-    below, above = tanh_ratio_slope(z)
+    below, above = tanh_ratio_slope(z, tanh_ratio(z))
     assert abs(below - above) < 1e-7
 
 
