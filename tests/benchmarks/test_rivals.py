@@ -180,7 +180,7 @@ def test_over_resolved_reference_at_the_end_of_a_foil(rival, make_scene):
     """Two orders agree, numbers of layers agree better, and the graded cells matter."""
     span = {"span": (0.25, 0.75)}
     feed = {"top-left": span, "bottom-left": span}
-    scene = at(make_scene, [1.0], feed, rows=2, columns=2)
+    scene = at(make_scene, U, feed, rows=2, columns=2)
     Elements, impedance = rival("scikit_fem_script").Elements, rival("over_resolved").impedance
     press = parse_press("1,1:2", 2.0)
     fine, other, fewer, plain = (
