@@ -117,6 +117,7 @@ def _take_up(workshop: Workshop, plan: Plan) -> None:
 
 def _finish(workshop: Workshop, plan: Plan, output: Path) -> None:
     audit = audit_of(workshop, plan)
+    store.clear_left_overs(workshop.data)
     store.finish(
         workshop.data,
         {

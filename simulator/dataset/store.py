@@ -75,7 +75,7 @@ def told(folder: Path) -> dict[str, Any] | None:
 
 
 def clear_left_overs(folder: Path) -> None:
-    """Remove what a killed process had begun to write."""
+    """Remove what killed processes and workers had begun to write."""
     for unfinished in folder.rglob(LEFT_OVER):
         unfinished.unlink(missing_ok=True)
 

@@ -40,6 +40,18 @@ def test_a_worker_killed_half_way_changes_nothing(make, toy, cluster, tmp_path):
     assert toy.bytes_of(output) == toy.bytes_of(make("alone", plan))
 
 
+def test_what_a_lost_worker_had_begun_to_write_is_no_part_of_it(make, toy, tmp_path):
+    output = tmp_path / "out.zarr"
+    begun = tmp_path / ".out.zarr.unfinished/data.zarr/touches/c.0.1.partial"
+    generate(
+        toy.small_plan(),
+        output,
+        advance=lambda sweeps: begun.write_bytes(b"half") if sweeps else None,
+        training=toy.training(),
+    )
+    assert toy.bytes_of(output) == toy.bytes_of(make("alone"))
+
+
 def test_a_scheduler_that_is_not_there_is_told(toy, tmp_path, monkeypatch):
     monkeypatch.setattr("rcskin.simulator.dataset.workers.SECONDS_TO_CONNECT", 0.3)
     with pytest.raises(InputError, match=r"--scheduler tcp://127\.0\.0\.1:1: cannot be reached"):
