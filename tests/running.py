@@ -20,7 +20,7 @@ sys.dont_write_bytecode = False
 settings.register_profile(
     "reproducible",
     phases=[Phase.explicit, Phase.generate],  # making a failing skin smaller takes minutes
-    max_examples=20,
+    max_examples=12,
     deadline=None,
     derandomize=True,
     database=None,

@@ -176,6 +176,7 @@ def test_over_resolved_reference(rival, line):
     assert error(scene, Z, truth) < 1e-11
 
 
+@pytest.mark.slow
 def test_over_resolved_reference_at_the_end_of_a_foil(rival, make_scene):
     """Two orders agree, numbers of layers agree better, and the graded cells matter."""
     span = {"span": (0.25, 0.75)}

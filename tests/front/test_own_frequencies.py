@@ -102,6 +102,7 @@ def test_a_localizer_that_inverts_the_simulator_is_trained_asked_and_adapted(
     command("localize", folder / "better.skops", data, "-o", folder / "told.csv")
 
 
+@pytest.mark.slow
 def test_a_gap_is_told_of_what_both_sides_read(scene, folder, monkeypatch):
     monkeypatch.setattr("rcskin.localization.gap.report.pages.charts_of", lambda *given: [])
     presses = [each for k in range(4) for each in ("none", "1,1", "1,2", "2,1", "2,2")]

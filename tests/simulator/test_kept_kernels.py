@@ -137,7 +137,7 @@ def doubled(tmp_path):
     return ended
 
 
-@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+@pytest.mark.parametrize("ending", ["nbi", pytest.param("nbc", marks=pytest.mark.slow)])
 def test_a_spoilt_file_of_a_kernel_is_as_none(doubled, tmp_path, ending):
     doubled(tmp_path)
     (spoilt,) = tmp_path.rglob(f"*.{ending}")

@@ -143,6 +143,7 @@ def test_a_press_beside_the_pixel_that_was_meant_is_told_as_meant(scenes):
     assert ((rises > 0.01 * most) & (rises < 0.9 * most)).any()  # beside the applicator
 
 
+@pytest.mark.slow
 def test_bytes_are_the_same_by_two_workers_and_when_resumed(scenes, compared, tmp_path):
     compared(1)
     scene = scenes["flat"].with_(COARSE)

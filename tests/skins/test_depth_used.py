@@ -103,6 +103,7 @@ def test_forces_stand_for_the_depths_that_they_take(caplog):
     assert in_depths(strip(tension=20.0, force=4.0)).press.depth < depth
 
 
+@pytest.mark.slow
 def test_scenes_pressed_by_force_are_drawn_and_calibrated(tmp_path):
     even = {"unevenness": 0.0, "foam_spread": 0.0, "sweeps_per_session": 20}
     scene = strip(force=4.0).with_({"dataset.session": even})

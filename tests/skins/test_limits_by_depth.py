@@ -111,6 +111,7 @@ def test_a_foam_whose_skins_hardly_pull_is_pressed_as_by_factors(foam):
         assert moved[0] == pytest.approx(moved[1], rel=0.08)
 
 
+@pytest.mark.slow
 def test_a_touch_of_a_pixels_size_has_the_limits_of_the_pixel(foam, compared, coarse):
     compared(4)
     scene = foam.with_({"pixels": 2, "sweep": {"frequencies": [2e4]}})

@@ -35,7 +35,9 @@ def quick_network():
     return replace(network, build=lambda problem: network.build(problem).set_params(**steps))
 
 
-@pytest.fixture(scope="module", params=["gaussian", "network"])
+@pytest.fixture(
+    scope="module", params=["gaussian", pytest.param("network", marks=pytest.mark.slow)]
+)
 def learned(request):
     allowing = {"gaussian": chosen("gaussian", "column"), "network": quick_network()}
     return learn_classes(samples(1), allowing[request.param])

@@ -82,6 +82,7 @@ def wide_pixels(scene):
 
 
 CUT = [(0, 0), (0.12, 0), (0.12, 0.06), (0.06, 0.12), (0, 0.12)]
+DEAR = "two fields", "gauges"
 SKINS = {
     "squares": {},
     "triangles": {
@@ -96,7 +97,7 @@ SKINS = {
 @pytest.mark.parametrize(
     "changed",
     [
-        pytest.param(changed, id=name, marks=[pytest.mark.slow] if name == "gauges" else [])
+        pytest.param(changed, id=name, marks=[pytest.mark.slow] if name in DEAR else [])
         for name, changed in SKINS.items()
     ],
 )

@@ -89,6 +89,7 @@ def test_waves_of_both_sheets_are_told_within_their_intervals_down_to_the_noise(
     assert sum(inside) >= 14
 
 
+@pytest.mark.slow
 def test_a_fit_without_waves_leaves_far_more(scene, twin, model):
     even = calibrate(scene, twin, asked(), model=model)
     uneven = calibrate(scene, twin, asked(*SHEET_WAVES), model=model)

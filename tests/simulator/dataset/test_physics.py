@@ -90,7 +90,7 @@ def trained_on_less():
     return replace(REDUCED, train=lambda scene, rtol: reduced(scene_of(), RTOL))
 
 
-@pytest.mark.parametrize("factor", [(5.0, 8.0), (30.0, 60.0)])
+@pytest.mark.parametrize("factor", [(5.0, 8.0), pytest.param((30.0, 60.0), marks=pytest.mark.slow)])
 def test_presses_outside_the_trained_range_are_solved_in_full(tmp_path, factor):
     plan = Plan(scene_of(factor=factor), 12, 1, RTOL)
     generate(plan, tmp_path / "o.zarr", training=trained_on_less())

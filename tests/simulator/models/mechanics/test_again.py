@@ -41,7 +41,7 @@ def made(monkeypatch, module, name):
 
 DEAR = (
     ("a disc", "two that meet", "by force too", "beside a factor"),
-    ("a disc", "deeper and less deep"),
+    ("a disc", "deeper and less deep", "two that meet"),
 )
 """Of sheets that strain leaves alone, and of others."""
 
