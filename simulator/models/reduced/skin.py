@@ -122,11 +122,20 @@ class ReducedSkin:
         rises: NDArray[np.float64],
         s: NDArray[np.complex128] | None = None,
     ) -> NDArray[np.float64]:
-        """Bound on what the reduction leaves out of Rs and Cp of one press, relatively, of shape
-        (2, interface, s); s in rad/s, by default of the scene's frequencies."""
+        """Bound on what the reduction leaves out of Rs and Cp of one press, and `doubt`.
+
+        Relatively, of shape (2, interface, s); s in rad/s, by default of the scene's frequencies.
+        """
         s, own = self.s if s is None else s, self.under(cells, rises)
         with one_blas_thread():
-            return own.certificates([(cells, rises)], [self.map_of(cells, rises)], s)[:, 0]
+            reduction = own.certificates([(cells, rises)], [self.map_of(cells, rises)], s)[:, 0]
+        return reduction + self.doubt(cells, rises, s)
+
+    def doubt(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
+    ) -> NDArray[np.float64] | float:
+        """Of Rs and Cp of one press, relatively, by how little its foam is known; s in rad/s."""
+        return 0.0
 
     def certificates(
         self,

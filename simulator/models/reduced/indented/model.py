@@ -109,18 +109,6 @@ class IndentedSkin(ReducedSkin):
         """As the family takes it."""
         return self.reduced.family.pressed(self.rest_factors, cells, rises)
 
-    def certificate(
-        self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
-        s: NDArray[np.complex128] | None = None,
-    ) -> NDArray[np.float64]:
-        """As of `ReducedSkin`, and by how little the foam under applicators is known."""
-        self._check(rises)
-        s = self.s if s is None else s
-        found = super().certificate(cells, rises, s)
-        return found + self.doubt(cells, rises, s)
-
     def doubt(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
     ) -> NDArray[np.float64]:
