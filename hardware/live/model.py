@@ -17,12 +17,15 @@ MIDWAY = "the touch changed in mid-sweep"
 
 
 class Told(Protocol):
-    """The class of each sweep as text, or that it cannot be told, and its probability."""
+    """The class of each sweep as text, or that it cannot be told, its probability, and those of all
+    classes, shape (sweep, class)."""
 
     @property
     def labels(self) -> NDArray: ...
     @property
     def probability(self) -> NDArray: ...
+    @property
+    def chances(self) -> NDArray: ...
 
 
 class Region(Protocol):
@@ -51,9 +54,6 @@ class Model(Protocol):
     @property
     def classes(self) -> tuple[int | str, ...]: ...
     def answers(self, sweeps: xr.Dataset, rest: xr.Dataset | None, /) -> Told: ...
-    def probabilities(
-        self, sweeps: xr.Dataset, rest: xr.Dataset | None, /
-    ) -> tuple[NDArray, NDArray]: ...
     def positions(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None, /
     ) -> tuple[NDArray, NDArray]: ...
@@ -190,9 +190,8 @@ class ModelLocalizer:
         told = self.model.answers(sweep, rest)
         label = str(told.labels[0])
         if self.target != "position":
-            classes, known = self.model.probabilities(sweep, rest)
-            names = [str(each) for each in classes]
-            return answer_of_classes(self.target, label, names, known[0], (self.rows, self.columns))
+            names, shape = [str(each) for each in self.model.classes], (self.rows, self.columns)
+            return answer_of_classes(self.target, label, names, told.chances[0], shape)
         if label == "1":
             region = self.model.regions(sweep, rest)[0]
             return _place(*self.model.positions(sweep, rest), region)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -207,11 +207,11 @@ def joined(folds: Sequence[Score]) -> Score:
     """Of all the sweeps of several, which are of one kind."""
     first = folds[0]
     if isinstance(first, PositionScore):
-        fields = ("truth", "told", "deviation", "content")
-        columns = {name: _column(folds, name) for name in fields}
+        names = ("truth", "told", "deviation", "content")
+        columns = {name: _column(folds, name) for name in names}
         return PositionScore(**columns, examples=first.examples)
     answers = [fold.answers for fold in folds if isinstance(fold, ClassScore)]
-    joined = Answers(*(_column(answers, name) for name in ("labels", "probability", "novel")))
+    joined = Answers(*(_column(answers, field.name) for field in fields(Answers)))
     return ClassScore(_column(folds, "truth"), _column(folds, "told"), joined)
 
 

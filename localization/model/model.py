@@ -235,14 +235,16 @@ class Model:
             return told.among(rows, sweeps.sizes["sweep"], guess)
         novel = self.learned.novel(X, self.watched(sweeps, rest, rows))
         if self.gate is None:
-            one = Answers(np.where(novel, CANNOT_TELL, "1"), np.ones(novel.size), novel)
+            labels, of_no_class = np.where(novel, CANNOT_TELL, "1"), np.empty((novel.size, 0))
+            one = Answers(labels, np.ones(novel.size), novel, of_no_class)
             return one.among(rows, sweeps.sizes["sweep"], 1.0)
         counted = self.gate.answers(sweeps, rest)
         unlike = np.zeros(counted.novel.size, dtype=bool)
         unlike[rows] = novel
         unplaced = (unlike & (counted.labels == "1")) | (counted.labels == "2")
         labels = np.where(unplaced, CANNOT_TELL, counted.labels)
-        return Answers(labels, counted.probability, counted.novel | unplaced)
+        of_no_class = np.empty((labels.size, 0))
+        return Answers(labels, counted.probability, counted.novel | unplaced, of_no_class)
 
     def _check_like_training(self, sweeps: xr.Dataset, rest: xr.Dataset | None) -> None:
         for part in (sweeps,) if rest is None else (sweeps, rest):

@@ -27,12 +27,14 @@ class Answers:
 
     labels: text of the class or CANNOT_TELL, shape (sweep,). probability: of the most probable
     class, also where it is not told, shape (sweep,). novel: whether the sweep is unlike all of the
-    training, shape (sweep,).
+    training, shape (sweep,). chances: of every class, shape (sweep, K); of none where places are
+    told.
     """
 
     labels: NDArray[np.str_]
     probability: NDArray[np.float64]
     novel: NDArray[np.bool_]
+    chances: NDArray[np.float64]
 
     @property
     def told(self) -> NDArray[np.bool_]:
@@ -41,10 +43,12 @@ class Answers:
 
     def among(self, rows: NDArray[np.intp], count: int, guess: float) -> Answers:
         """These, of some rows of so many sweeps; the others cannot be told, but guessed."""
+        chances = np.full((count, self.chances.shape[1]), guess)
         labels = np.full(count, CANNOT_TELL, dtype=object)
         probability, novel = np.full(count, guess), np.zeros(count, dtype=bool)
         labels[rows], probability[rows], novel[rows] = self.labels, self.probability, self.novel
-        return Answers(labels.astype(str), probability, novel)
+        chances[rows] = self.chances
+        return Answers(labels.astype(str), probability, novel, chances)
 
 
 def decide(
@@ -58,7 +62,8 @@ def decide(
     probability = probabilities.max(axis=1)
     silent = novel | (probability < threshold)
     text = classes[best].astype(str).astype(object)
-    return Answers(np.where(silent, CANNOT_TELL, text).astype(str), probability, novel)
+    labels = np.where(silent, CANNOT_TELL, text).astype(str)
+    return Answers(labels, probability, novel, probabilities)
 
 
 def threshold_of(

@@ -70,27 +70,31 @@ class Additive:
         self, information: NDArray[np.float64], weight: NDArray[np.float64], merit: Merit = RIGHT
     ) -> None:
         """weight: of each case, shape (case,)."""
-        self.candidates, self._information, self._weight = information.shape[1], information, weight
-        self._merit = merit
+        _, self.candidates, p, _ = information.shape
+        self._merit, self._weight, self._shape = merit, weight, (p, p, len(weight))
+        self._entries = information.transpose(1, 2, 3, 0).reshape(self.candidates, -1)
+        """Entry by entry, those of all cases side by side, shape (candidate, p * p * case)."""
 
     def score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
         """What is left of the merit, shape (choice, n) to (choice,)."""
-        size = len(self._weight) * self._information.shape[-1] ** 2
-        step = max(1, NUMBERS_AT_ONCE // max(size, 1))
+        step = max(1, NUMBERS_AT_ONCE // max(self._entries.shape[1], 1))
         parts = [choices[k : k + step] for k in range(0, len(choices), step)]
         return np.concatenate([self._score(part) for part in parts])
 
     def slope(self, weights: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
         """The merit at weights of the candidates, and its exact derivative by each."""
-        found = np.einsum("pnab,n->pab", self._information, weights, optimize=True)
-        told = self._merit(found, self._weight)
-        return float(told.value), np.einsum("pnab,pab->n", self._information, told.slope())
+        told = self._merit(self._by_case(weights), self._weight)
+        return float(told.value), self._entries @ told.slope().transpose(1, 2, 0).ravel()
 
     def _score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
         times = np.zeros((len(choices), self.candidates))
         np.add.at(times, (np.arange(len(choices))[:, None], choices), 1.0)
-        total = np.tensordot(times, self._information, axes=(1, 1))
-        return _left(self._merit(total, self._weight).value)
+        return _left(self._merit.value(self._by_case(times), self._weight))
+
+    def _by_case(self, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Information at weights of the candidates, shape (..., n) to (..., case, p, p)."""
+        entries = (weights @ self._entries).reshape(*weights.shape[:-1], *self._shape)
+        return np.moveaxis(entries, -1, -3)
 
 
 class Tied:
@@ -106,7 +110,7 @@ class Tied:
         for choice in choices:
             part = Pairs(self._pairs.apart[:, :, choice], self._pairs.weight)
             found, _ = self._seen(part, np.ones(len(choice)))
-            told.append(_left(np.asarray(self._merit(found, part.weight).value)))
+            told.append(_left(self._merit.value(found, part.weight)))
         return np.array(told)
 
     def slope(self, weights: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:

@@ -217,8 +217,8 @@ def session_names(sweeps: xr.Dataset) -> dict[int, str]:
 
 def impedance(sweeps: xr.Dataset) -> NDArray[np.complex128]:
     """Z = Rs + jX in ohm, shape (sweep, interface, frequency)."""
-    Z = sweeps["Rs"] + 1j * sweeps["X"]
-    return Z.transpose(*DIMENSIONS).values
+    Rs, X = (sweeps.variables[name].transpose(*DIMENSIONS).values for name in ("Rs", "X"))
+    return Rs + 1j * X
 
 
 def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:

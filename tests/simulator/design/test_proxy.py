@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.design.choosing import bound, chosen
 from rcskin.simulator.design.curves import Pairs
-from rcskin.simulator.design.merits import Near
+from rcskin.simulator.design.merits import Near, Right
 from rcskin.simulator.design.proxy import Ties, by_both, by_frequency, by_reading
 
 KNOWN, UNKNOWN = Ties(), Ties(gain=0.5, turn=2.0)
@@ -128,3 +128,12 @@ def test_frequencies_of_each_reading_bound_those_of_all():
     weights = np.isin(np.arange(told.candidates), own).astype(float)
     assert told.slope(weights)[0] == pytest.approx(found.share, rel=1e-12)
     assert found.share < bound(told.slope, own, told.candidates) < shared.slope(every * 0 + 1.0)[0]
+
+
+@pytest.mark.parametrize("merit", [Right(), Near((0.12, 0.08))], ids=["right", "near"])
+def test_a_merit_alone_is_that_which_tells_how_it_changes(merit):
+    ways = 20 * np.random.default_rng(5).standard_normal((6, 11, 5, 3))
+    found = np.einsum("...ka,...kb->...ab", ways, ways)
+    weight = np.full(11, 1 / 11)
+    whole = merit(found, weight).value
+    assert merit.value(found, weight) == pytest.approx(whole, rel=1e-12)
