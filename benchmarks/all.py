@@ -1,12 +1,13 @@
 """Every benchmark that the pages quote, and whether the pages are up to date.
 
-Those that measure times by the clock run first and alone, the others two at a time. A benchmark
-that ended well is noted with its times in `results/all.csv`, and is not run again by the same code
-(commits that differ in pages, results and tests alone have the same): what was stopped goes on,
-long ones from what they keep in `results/CODE` at the root. A quick pass runs every script on its
-smallest sizes, keeps none of their figures, and notes its times in `results/quick.csv` there. That
-folder is no part of the repository. Ends with code 1 where a benchmark fails or a page quotes
-another table than the one that was written.
+Those that measure times by the clock run first and alone, the others three at a time,
+since some wait for a meter or for one another. A benchmark that ended well is noted with its times
+in `results/all.csv`, and is not run again by the same code (commits that differ in pages, results
+and tests alone have the same): what was stopped goes on, long ones from what they keep in
+`results/CODE` at the root. A quick pass runs every script on its smallest sizes, keeps none of
+their figures, and notes its times in `results/quick.csv` there. That folder is no part of the
+repository. Ends with code 1 where a benchmark fails or a page quotes another table than the one
+that was written.
 
 Run: python benchmarks/all.py [--quick] [--only FOLDER/NAME] [--again]
 """
@@ -31,7 +32,7 @@ UNPUBLISHED = HERE.parent / "results"
 NOTED = RESULTS / "all.csv"
 NOTED_QUICKLY = UNPUBLISHED / "quick.csv"
 TITLE = "Every benchmark: how long it took"
-AT_A_TIME = 2
+AT_A_TIME = 3
 SEARCHES = "--searches", "searches"
 """Option and name of the folder of designs, which lets one that is searched be awaited."""
 

@@ -46,10 +46,15 @@ STYLE: dict[Any, Any] = {
 
 def frequency_axis(axes: Axes) -> None:
     """A logarithmic x axis of frequencies given in kHz."""
+    logarithmic_axis(axes, "Frequency (kHz)")
+
+
+def logarithmic_axis(axes: Axes, label: str) -> None:
+    """A logarithmic x axis in plain numbers."""
     axes.set_xscale("log")
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(_between_decades())
-    axes.set_xlabel("Frequency (kHz)")
+    axes.set_xlabel(label)
 
 
 def _between_decades() -> Formatter:

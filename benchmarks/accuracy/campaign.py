@@ -26,7 +26,7 @@ from rcskin.benchmarks.accuracy.campaign_parts.verdict import Verdict
 from rcskin.benchmarks.bench import Run, commit, launch
 from rcskin.simulator.scene.files import scene_text
 
-SEEDS, SEEDS_IN_TURN = range(7), range(FIRST_IN_TURN, FIRST_IN_TURN + len(IN_TURN))
+SEEDS, SEEDS_IN_TURN = range(6), range(FIRST_IN_TURN, FIRST_IN_TURN + len(IN_TURN))
 TIMEOUT = 90.0
 TABLES = {"campaign.csv": (KINDS, SEEDS), "campaign_in_turn.csv": (NOT_EVEN, SEEDS_IN_TURN)}
 QUICK = (

@@ -41,7 +41,8 @@ from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.models.reduced.model import Reduced
 from rcskin.simulator.scene.files import scene_text
 
-SKINS, PROCESSES = 20, 2
+SKINS, CALIBRATED, PROCESSES = 20, 10, 2
+"""Twins, those of them that are calibrated too, and processes."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ def scores(ready: Prepared, number: int) -> list[dict[str, Any]]:
         for name, model in models.items():
             equip(model)
             rows.append(_row(trial, number, name, model, sweeps))
-        if trial.touches:
+        if trial.touches and number < CALIBRATED:
             again, asked = calibrated(trial, models, ready.believed, sweeps)
             for name, model in again.items():
                 rows.append(_row(trial, number, name, model, asked, trial.touches))

@@ -27,7 +27,7 @@ import pandas as pd
 from joblib import Parallel, delayed
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.design_parts.asking import scores, spread, summary
-from rcskin.benchmarks.localization.design_parts.goals import GOALS, SHOWN, Goal
+from rcskin.benchmarks.localization.design_parts.goals import FIRST, GOALS, SHOWN, TCP, Goal
 from rcskin.benchmarks.localization.design_parts.kept import Kept
 from rcskin.benchmarks.localization.design_parts.known import nominal, of_twin, whole
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
@@ -59,7 +59,8 @@ def answers_of(
     """Rows of one twin, of every localizer; all of them that are yet to be asked read it once."""
     names = {name: f"twin-{number}-{name}" for name in models}
     asked = {name: path for name, path in models.items() if not kept.has(names[name])}
-    found = scores(trial, family, asked, number, kept.goal.ways) if asked else []
+    ways = [way for way in kept.goal.ways if way != TCP or number < FIRST]
+    found = scores(trial, family, asked, number, ways) if asked else []
     rows = []
     for name, kept_as in names.items():
         own = [row for row in found if row["localizer"] == name]
@@ -86,7 +87,7 @@ def told(run: Run, folder: Path) -> None:
     found = pd.DataFrame([row for rows in answers for row in rows])
     bounds = [whole(kept), nominal(kept, trial)]
     if goal.known is not None:
-        own = pd.Series(workers(delayed(own_bound)(*each) for each in about))
+        own = pd.Series(workers(delayed(own_bound)(*each) for each in about[:FIRST]))
         way = "each known, without drift"
         bounds.append({"who": "bound"} | spread(own, way, trial.placed))
     rows = sorted(summary(found, trial.placed), key=lambda row: _place(row, goal))

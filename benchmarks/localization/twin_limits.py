@@ -22,9 +22,8 @@ from rcskin.simulator.bounds.readings import hypotheses
 from rcskin.simulator.limits.hand import Hand, accuracy_of_hand
 from rcskin.simulator.scene.randomisation import Normal
 
-SAMPLES, FEW_SAMPLES = (1000, 4000, 12_000), (50, 100)
-"""Presses of each hypothesis that are summed over: how they close in on the limit. Of pixels that
-are hit whole, whose presses differ by their strength alone, the middle one is enough."""
+SAMPLES, FEW_SAMPLES = (1000, 4000), (50, 100)
+"""Presses of each hypothesis that are summed over: how they close in on the limit."""
 DRAWS, FEW_DRAWS = 2000, 100
 SKINS = 20
 
@@ -35,7 +34,7 @@ def limits(trial: Trial, counts: tuple[int, ...], draws: int) -> list[dict[str, 
     whole = Hand.of_pixels(trial.believed, presses, against_rest=RECENT)
     beside = whole.missing(trial.hand.offset)
     return [
-        _accuracy(trial, whole, 0.0, counts[1], draws),
+        _accuracy(trial, whole, 0.0, counts[-1], draws),
         *(_accuracy(trial, beside, trial.hand.offset, count, draws) for count in counts),
     ]
 

@@ -21,7 +21,7 @@ from rcskin.benchmarks.speed.answers_parts.outlines import OUTLINES
 from rcskin.benchmarks.speed.answers_parts.question import Question
 from rcskin.benchmarks.speed.answers_parts.touches import TOUCHES
 from rcskin.benchmarks.speed.work_precision_chart import curve, looks_of
-from rcskin.simulator.charts import chart
+from rcskin.simulator.charts import chart, logarithmic_axis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,11 +49,11 @@ def _panel(axes: Axes, question: Question, table: pd.DataFrame) -> None:
     names = list(dict.fromkeys(table["way"]))
     looks = looks_of([name for name in names if name not in question.ours], question.ours)
     for name, rows in table.groupby("way", sort=False):
-        curve(axes, str(name), rows, looks[str(name)], question.wrong, name not in question.ours)
+        stalls = question.stalls and name not in question.ours
+        curve(axes, str(name), rows, looks[str(name)], question.wrong, stalls)
     axes.set_title(question.title, loc="left")
-    axes.set_xlabel(question.time)
+    logarithmic_axis(axes, question.time)
     axes.set_ylabel(question.error)
-    axes.xaxis.set_major_formatter("{x:g}")
     axes.legend(loc="center left", bbox_to_anchor=(1, 0.5), fontsize=8)
 
 

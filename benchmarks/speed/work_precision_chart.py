@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from rcskin.simulator.charts import AT_REST, COLOURS, chart
+from rcskin.simulator.charts import AT_REST, COLOURS, chart, logarithmic_axis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,8 +31,7 @@ def draw(path: Path, tables: dict[str, pd.DataFrame], ours: tuple[str, ...]) -> 
             for name, rows in table.groupby("way", sort=False):
                 curve(axes, str(name), rows, looks[str(name)])
             axes.set_title(title, loc="left")
-            axes.set_xlabel("Time to the answer (ms)")
-            axes.xaxis.set_major_formatter("{x:g}")
+            logarithmic_axis(axes, "Time to the answer (ms)")
         panels[0].set_ylim(FLOOR / 10, TOP)
         for axes in panels:
             axes.axhspan(WRONG, TOP, color="0.93", zorder=0)

@@ -18,6 +18,7 @@ from ..measure.readout import errors_of, observed
 from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case
 from ..models.reduced.model import Reduced
+from ..models.reduced.skin import ReducedSkin
 from ..press.batch import PressBatch
 from ..progress import Track, silent
 from ..scene.frequency import laplace_variable
@@ -69,7 +70,7 @@ class Hand:
     def missing(self, offset: float) -> Self:
         """The same hand, by another offset; both press the skin by one model."""
         other = copy(self)
-        other._offset, other._reduced = offset, self._reduced
+        other._offset, other._skin = offset, self._skin
         return other
 
     def pressed(self, meant: Hypothesis, random: np.random.Generator, count: int) -> Array:
@@ -97,7 +98,7 @@ class Hand:
     def _read(self, middles: Array, factors: Array) -> Array:
         frequency = self.scene.frequencies
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
-        Z = self._reduced.skin(None).sweeps(self._laid(middles, factors), s)
+        Z = self._skin.sweeps(self._laid(middles, factors), s)
         return self._model.whitened(observed(self.scene.leads.seen_through(Z, frequency)))
 
     def _laid(self, middles: Array, factors: Array, sides: Array | None = None) -> PressBatch:
@@ -113,6 +114,10 @@ class Hand:
         )
         each = 1 + (factors - 1)[..., None, None] * across[..., :, None] * along[..., None, :]
         return PressBatch.on_grid(each.prod(axis=1).reshape(len(middles), -1) - 1)
+
+    @cached_property
+    def _skin(self) -> ReducedSkin:
+        return self._reduced.skin(None)
 
     @cached_property
     def _reduced(self) -> Reduced:

@@ -30,6 +30,8 @@ WAYS = {
 }
 """How a twin is read, and what its meter's ranges are."""
 FEW_WAYS = STILL, "at once", TCP
+FIRST = 10
+"""Twins that are read over TCP too, and whose own bounds are told."""
 SHOWN = {
     "gaussian": math.inf,
     "ksvm-ovo": 10_000,

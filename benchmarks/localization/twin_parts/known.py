@@ -33,6 +33,7 @@ class TwinsHand(Hand):
             against_rest=against_rest,
         )
         self._twin, self._errors = twin, errors_of(scene, against_rest)
+        self._own = twin.family.skin(twin.drawn.variation)
 
     def pressed(self, meant: Hypothesis, random: np.random.Generator, count: int) -> NDArray:
         """Whitened readings, without noise, of pixels pressed so many times; (press, number)."""
@@ -61,7 +62,7 @@ class TwinsHand(Hand):
     def _seen(self, batch: PressBatch) -> NDArray:
         twin, frequencies = self._twin, self.scene.frequencies
         s = laplace_variable(frequencies, twin.drawn.variation.loss)
-        Z = twin.family.skin(twin.drawn.variation).sweeps(batch, s)
+        Z = self._own.sweeps(batch, s)
         seen = twin.drawn.leads.seen_through(Z, frequencies)
         return self._errors.whitened(observed(seen))
 

@@ -29,8 +29,8 @@ CHANGE, WHOLE = ("dlnZ", "dphase"), ("dlnZ", "dphase", "lnZ0", "phase0")
 """Quantities that localizers look at: changes against the skin at rest, and its own curve too."""
 BY_CHANGE = ("model-based", "ksvm-components", "kernel-ridge", "gaussian-process")
 """Localizers that do not take the curve, or whose few components have no room for it."""
-PLENTY = 20_000
-"""Simulated sweeps for localizers that are no networks, which are shown no more."""
+NETWORK, PLENTY = "network", 20_000
+"""A localizer, and simulated sweeps for all the others, which are shown no more."""
 
 
 def localizers() -> Registry:
@@ -40,7 +40,7 @@ def localizers() -> Registry:
 
 def trained(trial: Trial, believed: Reduced, registry: Registry) -> dict[str, Model]:
     """The trial's localizers, trained on as many sweeps as it asks for."""
-    asked = trial.training if "network" in trial.estimators else min(trial.training, PLENTY)
+    asked = trial.training if NETWORK in trial.estimators else min(trial.training, PLENTY)
     with on_disk(trial.believed, believed, asked) as sweeps:
         return localized(trial, sweeps, registry)
 
@@ -62,10 +62,11 @@ def on_disk(scene: Scene, believed: Reduced, count: int) -> Iterator[xr.Dataset]
 
 
 def localized(trial: Trial, sweeps: xr.Dataset, registry: Registry) -> dict[str, Model]:
-    """The trial's localizers, trained on sweeps."""
+    """The trial's localizers, trained on sweeps: a network on all of them."""
+    plenty = sweeps.isel(sweep=slice(PLENTY))
     return {
         name: train(
-            sweeps,
+            sweeps if name == NETWORK else plenty,
             trial.target,
             name,
             quantities=CHANGE if name in BY_CHANGE else WHOLE,

@@ -71,4 +71,5 @@ LOCALIZERS = Question(
         "ksvm-components where there is nothing but sweeps."
     ),
     wrong=0.7,
+    stalls=False,
 )

@@ -22,7 +22,8 @@ class Answer(NamedTuple):
 @dataclass(frozen=True)
 class Question:
     """What is asked. error, time: what the axes mean. ours: ways of this project. wrong: an error
-    that makes an answer useless. pick: which way to take when, in a sentence."""
+    that makes an answer useless. stalls: whether a way that gains little by more work is told to
+    stall. pick: which way to take when, in a sentence."""
 
     title: str
     error: str
@@ -31,6 +32,7 @@ class Question:
     answers: Callable[[Run], Iterator[Answer]]
     pick: str
     wrong: float = 0.1
+    stalls: bool = True
 
     def measured(self, run: Run) -> pd.DataFrame:
         """All answers, printed as they come."""

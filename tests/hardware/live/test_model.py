@@ -27,10 +27,14 @@ def localizer():
             frequencies=(1e3,),
             interfaces=("left",),
             scene="",
+            classes=classes,
             answers=told(
-                SimpleNamespace(labels=np.array([label]), probability=np.array([certain]))
+                SimpleNamespace(
+                    labels=np.array([label]),
+                    probability=np.array([certain]),
+                    chances=np.array([probabilities]),
+                )
             ),
-            probabilities=told((np.array(classes), np.array([probabilities]))),
             positions=told((np.array([position]), np.array([[3.0, 5.0, 0.1]]))),
             regions=told([SimpleNamespace(shade=lambda x, y: (x > 40).astype(float))]),
         )
