@@ -20,9 +20,6 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 HIDDEN = (128, 128)
 STAGES = ((2e-3, 6000), (5e-4, 3000), (1e-4, 1500))
 """Size of steps and how many, one stage after the other."""
-PASSES = 100
-"""How often a sweep is looked at, at most: few sweeps would be learned by heart, and for minutes.
-Of 1000 to 14,000 sweeps, fewer steps told more pixels right and places closer."""
 BATCH = 500
 """Sweeps that one step looks at."""
 TOGETHER = 10
@@ -52,7 +49,7 @@ class _Network(BaseEstimator):
     Parameters
     ----------
     hidden: neurons of each layer. stages: as STAGES; every sweep is seen once at least in each.
-    seed: of the first weights and of the order. passes: as PASSES; all stages are shorter then.
+    seed: of the first weights and of the order.
 
     Attributes
     ----------
@@ -61,11 +58,10 @@ class _Network(BaseEstimator):
 
     kind: Any
 
-    def __init__(self, hidden=HIDDEN, stages=STAGES, seed=0, passes=PASSES):
+    def __init__(self, hidden=HIDDEN, stages=STAGES, seed=0):
         self.hidden = hidden
         self.stages = stages
         self.seed = seed
-        self.passes = passes
 
     def fit(self, X, y):
         """X: shape (n, feature). y: classes, or numbers, shape (n,) or (n, output)."""
@@ -78,12 +74,11 @@ class _Network(BaseEstimator):
             shuffle=False,
         )
         known = self._known(y)
-        part = min(1.0, self.passes * len(X) / (batch * sum(count for _, count in self.stages)))
         with warnings.catch_warnings(), _interruptible():
             warnings.filterwarnings("error", INTERRUPTED)
             for step, count in self.stages:
                 self.network_.set_params(learning_rate_init=step)
-                for rows in _drawn(random, len(X), batch, round(part * count)):
+                for rows in _drawn(random, len(X), batch, count):
                     self.network_.partial_fit(X[rows], y[rows], **known)
                     known = {}
                 del self.network_._optimizer

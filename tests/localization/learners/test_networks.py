@@ -1,7 +1,6 @@
 """Networks that learn many sweeps in ever smaller steps."""
 
 import _thread
-import math
 import threading
 from functools import partial
 
@@ -93,14 +92,6 @@ def test_every_sweep_is_in_as_many_batches_but_for_one():
         assert rows.size % batch == 0 and rows.size >= steps * batch
 
 
-def test_few_sweeps_are_looked_at_so_often_and_no_more():
-    random = np.random.default_rng(0)
-    X, y = random.standard_normal((40, 3)), np.arange(40) % 2
-    stages = (1e-3, 600), (1e-4, 200)
-    asked = (NetworkClassifier((4,), stages, passes=passes) for passes in (20, 400, math.inf))
-    assert [each.fit(X, y).network_.t_ for each in asked] == [40 * 20, 40 * 400, 40 * 800]
-
-
 def test_components_vary_by_one_in_sum_and_each_has_a_name():
     X = np.random.default_rng(0).standard_normal((500, 4)) * [1, 10, 100, 1e-3]
     assert list(Components(3).set_output(transform="pandas").fit_transform(X)) == [
@@ -123,7 +114,7 @@ def test_sweeps_in_plenty_are_held_out_once():
 def test_ctrl_c_ends_more_than_a_stage():
     random = np.random.default_rng(0)
     X, y = random.standard_normal((40, 3)), np.arange(40) % 2
-    endless = NetworkClassifier(hidden=(4,), stages=((1e-3, 10**9),), passes=math.inf)
+    endless = NetworkClassifier(hidden=(4,), stages=((1e-3, 10**9),))
     interruption = threading.Timer(0.5, _thread.interrupt_main)
     interruption.start()
     with pytest.raises(KeyboardInterrupt):
