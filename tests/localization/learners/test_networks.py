@@ -17,7 +17,7 @@ from sklearn import clone
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
 FEW = ((2e-2, 80), (2e-3, 20))
-FEWER = ((2e-3, 1000), (5e-4, 500))
+FEWER = ((2e-3, 4000), (5e-4, 1000))
 SCENE = "[skin]\nlength = 0.06\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 6\n"
 SEEN = ("dlnZ", "dphase", "lnZ0", "phase0")
 
