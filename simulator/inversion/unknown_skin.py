@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from ..measure.readout import errors_of, observed, observed_slope
 from ..models.parameters import VALUES, WAVES, mode_values, own_values, session_spreads
+from ..models.reduced.families.resolving import family_on
 from ..models.reduced.forward import Forward
-from ..models.reduced.resolving import family_on
 from ..press.batch import NOTHING
 from ..press.pixels import cell_centres
 from ..scene.scene import Scene

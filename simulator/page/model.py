@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..fem.lanczos import FEWEST_STEPS, MOST_STEPS
 from ..fem.network import allowed_potentials
 from ..models.parameters import foam_parts
-from ..models.reduced.family import resistive
+from ..models.reduced.families.family import resistive
 from ..models.reduced.model import Reduced
 from ..models.reduced.skin import ReducedSkin
 from ..models.varied.coefficients import ELECTRODES

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..mesh.domain import Domain
 from ..mesh.held import held
 from ..mesh.triangles import edges_of
-from ..models.reduced.family import Family, Triangulation
+from ..models.reduced.families.family import Family, Triangulation
 from ..scene.contacts import Contact, path, section
 from ..scene.planar import Circle
 from ..scene.scene import Scene

@@ -13,8 +13,8 @@ from skfem import CellBasis
 from ..fem.assembly import quadrilateral
 from ..fem.quadrature import rule_at
 from ..mesh.quadrilaterals import pixel_mesh
-from ..models.reduced.even import EvenFamily
-from ..models.reduced.family import Family, Triangulation
+from ..models.reduced.families.even import EvenFamily
+from ..models.reduced.families.family import Family, Triangulation
 from ..models.reduced.skin import ReducedSkin
 from ..models.varied.elements import triangles
 from ..models.varied.materials import Materials

@@ -21,8 +21,8 @@ from ...fem.factors import one_blas_thread
 from ...fem.galerkin import Galerkin
 from ...fem.lanczos import Pencil, potentials, respond
 from ...models.parameters import by_sheets, of_parts
-from ...models.reduced.family import Weights, weights_under
-from ...models.reduced.resolving import unreduced
+from ...models.reduced.families.family import Weights, weights_under
+from ...models.reduced.families.resolving import unreduced
 from ...models.varied.materials import gauge_slopes, gauged
 from ...models.varied.meshes import circuit_of
 from ...scene.frequency import laplace_variable, slopes_of_s

@@ -16,9 +16,9 @@ from ...fem.factors import one_blas_thread
 from ...models.network.terminals import read, with_chain
 from ...models.parameters import by_sheets
 from ...models.reduced.cases import Case
+from ...models.reduced.families.resolving import unreduced
 from ...models.reduced.greedy import Basis, unseen
 from ...models.reduced.model import Reduced
-from ...models.reduced.resolving import unreduced
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import Sweep
 from ...scene.planar import covered

@@ -19,7 +19,7 @@ from ...fem.estimate import certified
 from ...fem.galerkin import Galerkin
 from ...sweeps import InputError
 from .cases import Case, by_skin
-from .family import Weights
+from .families.family import Weights
 
 if TYPE_CHECKING:
     from .model import Reduced

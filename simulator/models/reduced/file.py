@@ -18,7 +18,7 @@ from ...mesh.quadrilaterals import Resolution
 from ...scene.files import parse_scene, scene_text
 from ...sweeps import InputError, whole_file
 from ..varied.meshes import circuit_of
-from .family import Mesh, Triangulation
+from .families.family import Mesh, Triangulation
 from .indented.file import arrays_of, beside_from, with_beside
 from .indented.model import Indented
 from .model import Reduced

@@ -28,14 +28,14 @@ from ..plain import electrical
 from ..varied.meshes import circuit_of
 from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins
 from .certificate import bounds
-from .family import Family
+from .families.family import Family
+from .families.masses import thinned
+from .families.resolving import resolved, weights_of_case
 from .indented.draws import apart, spreading
 from .indented.family import IndentedFamily
 from .indented.model import indented
 from .indented.resolving import resolved as resolved_under_applicators
-from .masses import thinned
 from .model import Reduced
-from .resolving import resolved, weights_of_case
 from .skin import ReducedSkin
 
 IDLE_DRAWS = 50

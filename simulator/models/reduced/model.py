@@ -23,8 +23,8 @@ from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
 from ..parameters import Variation
 from .cases import Case, touched
-from .family import Family, Mesh
-from .resolving import family_on
+from .families.family import Family, Mesh
+from .families.resolving import family_on
 from .skin import ReducedSkin
 
 

@@ -19,8 +19,8 @@ from ..varied.materials import gauged
 from .cases import Case
 from .certificate import certificate, least_conductance
 from .dense import Rest, aligned, feed_of, own_coordinates, solved, with_terms
-from .family import Family, changes, weights_under
-from .resolving import finer_families
+from .families.family import Family, changes, weights_under
+from .families.resolving import finer_families
 
 if TYPE_CHECKING:
     from .model import Reduced

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.models.reduced.masses import thinned
+from rcskin.simulator.models.reduced.families.masses import thinned
 
 
 @pytest.mark.parametrize("share", [1e-3, 1e-8])

@@ -18,8 +18,8 @@ from ....scene.scene import Scene
 from ...parameters import foam_parts
 from ...varied.system import add_foam
 from ..cases import Case
-from ..family import Triangulation
-from ..uneven import UnevenFamily
+from ..families.family import Triangulation
+from ..families.uneven import UnevenFamily
 from .applicators import COARSEST, FACTOR_SHARE, Applicators
 from .fields import LEAST_RISE, Field, field_of, near
 

@@ -20,7 +20,7 @@ from ....sweeps import InputError
 from ...parameters import Variation
 from ..cases import Case
 from ..dense import Rest
-from ..family import Family
+from ..families.family import Family
 from ..model import Reduced
 from ..skin import KRYLOV_SHARE, ReducedSkin
 from .applicators import Applicators

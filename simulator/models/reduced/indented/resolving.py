@@ -16,8 +16,8 @@ from ...mechanics.pressed import Pressed
 from ...varied.discretised import indicators, most
 from ...varied.triangles import MOST_TRIANGLES, Triangles
 from ..cases import Case
-from ..family import Mesh, Triangulation
-from ..resolving import alone, coarsest
+from ..families.family import Mesh, Triangulation
+from ..families.resolving import alone, coarsest
 from .applicators import Applicators, applicators
 from .family import IndentedFamily
 

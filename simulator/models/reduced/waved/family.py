@@ -7,8 +7,8 @@ from copy import copy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..family import Family
-from ..uneven import UnevenFamily
+from ..families.family import Family
+from ..families.uneven import UnevenFamily
 
 
 def family_with(family: Family, amplitudes: NDArray[np.float64]) -> Family:

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..family import Family
+from ..families.family import Family
 from ..greedy import typical
 from ..model import Reduced
 from .family import family_with

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from ...fem.pattern import DROPPED
-from ...fem.system import Films, System, films
-from ..parameters import foam_parts, mode_values
-from ..varied.coefficients import Coefficients
-from ..varied.elements import Elements, triangles
-from ..varied.materials import Materials, gauged
-from ..varied.system import add_foam, add_sheet, film_of, pressed_system
+from ....fem.pattern import DROPPED
+from ....fem.system import Films, System, films
+from ...parameters import foam_parts, mode_values
+from ...varied.coefficients import Coefficients
+from ...varied.elements import Elements, triangles
+from ...varied.materials import Materials, gauged
+from ...varied.system import add_foam, add_sheet, film_of, pressed_system
 from .family import Checking, Family, Triangulation, Weights, resistive
 from .masses import Masses, Part
 

@@ -17,20 +17,20 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
-from ...fem.circuit import Circuit
-from ...fem.estimate import Swept, checked
-from ...fem.factors import without_zeros
-from ...fem.galerkin import Galerkin, swept
-from ...fem.system import Films, System
-from ...mesh.domain import Domain
-from ...mesh.quadrilaterals import Resolution
-from ...scene.contacts import Contact
-from ...scene.frequency import Loss, laplace_variable
-from ...scene.scene import Scene
-from ...sweeps import InputError
-from ..parameters import WAVES, Variation, foam_parts, nominal
-from ..varied.materials import gauged, gauges
-from .cases import Case
+from ....fem.circuit import Circuit
+from ....fem.estimate import Swept, checked
+from ....fem.factors import without_zeros
+from ....fem.galerkin import Galerkin, swept
+from ....fem.system import Films, System
+from ....mesh.domain import Domain
+from ....mesh.quadrilaterals import Resolution
+from ....scene.contacts import Contact
+from ....scene.frequency import Loss, laplace_variable
+from ....scene.scene import Scene
+from ....sweeps import InputError
+from ...parameters import WAVES, Variation, foam_parts, nominal
+from ...varied.materials import gauged, gauges
+from ..cases import Case
 from .masses import Masses
 
 Weights = NDArray[np.float64] | None

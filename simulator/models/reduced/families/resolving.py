@@ -9,21 +9,21 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.circuit import Circuit
-from ...mesh.domain import Domain
-from ...mesh.held import held
-from ...mesh.quadrilaterals import Resolution
-from ...mesh.refining.untangled import finer
-from ...press.batch import NOTHING
-from ...press.press import Press
-from ...press.touch import Touch
-from ...scene.meter import Sweep
-from ...scene.scene import Scene
-from ...sweeps import ToleranceError
-from ..resolution import Ladder
-from ..varied.discretised import indicators, most
-from ..varied.triangles import MOST_TRIANGLES, Triangles
-from .cases import Case, pixel_touches, touched
+from ....fem.circuit import Circuit
+from ....mesh.domain import Domain
+from ....mesh.held import held
+from ....mesh.quadrilaterals import Resolution
+from ....mesh.refining.untangled import finer
+from ....press.batch import NOTHING
+from ....press.press import Press
+from ....press.touch import Touch
+from ....scene.meter import Sweep
+from ....scene.scene import Scene
+from ....sweeps import ToleranceError
+from ...resolution import Ladder
+from ...varied.discretised import indicators, most
+from ...varied.triangles import MOST_TRIANGLES, Triangles
+from ..cases import Case, pixel_touches, touched
 from .even import EvenFamily
 from .family import Family, Mesh, Triangulation, Weights, weights_under
 from .uneven import UnevenFamily

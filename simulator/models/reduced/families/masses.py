@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
-from ...fem.pattern import DROPPED
-from ...fem.system import System
+from ....fem.pattern import DROPPED
+from ....fem.system import System
 
 ROUNDING = 1e-14
 Part = tuple[NDArray[np.int64], NDArray[np.float64]]
