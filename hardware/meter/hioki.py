@@ -9,10 +9,10 @@ from .accuracy import Conditions
 from .connection import Connection, connect
 from .conversation import Conversation
 from .errors import (
+    GarbledError,
     LostConnectionError,
     MeterError,
     NoConnectionError,
-    ReadingError,
     RefusedError,
     RestartedError,
     WrongMeterError,
@@ -25,6 +25,9 @@ SPEEDS = ("FAST", "MEDium", "SLOW", "SLOW2")
 CORRECTIONS = ("OFF", "ALL", "SPOT")
 CP_RS_X = 16, 18
 STATUS_AND_VALUES = 18
+READ = "*TRG;:MEASure?"
+ROUNDING = 6e-5
+"""Of frequencies, that a meter sets with five digits."""
 SEARCHES = 3
 """Measurements that a reading may take, the range being searched for."""
 TIMING = ("frequency", "speed", "averaging", "trigger_delay")
@@ -40,6 +43,7 @@ class HiokiMeter:
     """
 
     model: ClassVar[str]
+    frequency: ClassVar[Setting[float]]
 
     header = Setting(":HEADer", Switch(), "Whether answers begin with the name of what they tell")
     items = Setting(":MEASure:ITEM", Registers(2), "Quantities of a reading")
@@ -114,15 +118,33 @@ class HiokiMeter:
         Raises ReadingError where the meter calls it failed, RefusedError where it would not be
         triggered (then what it answered was stale), RestartedError, or another MeterError.
         """
-        question = "*TRG;:MEASure?"
-        seconds = 0.0 if self.found is None else SEARCHES * self.seconds
-        try:
-            reading = self.talk.ask(question, parse_reading, seconds=seconds)
-        except ReadingError:
-            self.talk.check(question)
-            raise
-        self.talk.check(question)
+        return self.talk.ask_surely(READ, parse_reading, self._longest)
+
+    def read_at(self, frequency: float) -> Reading:
+        """A reading at a frequency in Hz, as `read`, in two exchanges.
+
+        The meter rounds a frequency to five digits; it tells with the reading at which it is.
+        Raises InputError where it does not reach the frequency, GarbledError where it is at
+        another, and as `read`.
+        """
+        self.frequency = frequency
+        question = f"{READ};{type(self).frequency.ask}"
+        reading, told = self.talk.ask_surely(question, self._reading_at, self._longest)
+        if abs(told / frequency - 1) > ROUNDING:
+            raise GarbledError(
+                f"{self.talk.resource}: the meter is at {told:g} Hz instead of {frequency:g} Hz; "
+                "check that nothing else sets it"
+            )
         return reading
+
+    def _reading_at(self, answer: str) -> tuple[Reading, float]:
+        reading, _, told = answer.rpartition(";")
+        return parse_reading(reading), type(self).frequency.allowed.read(told.strip())
+
+    @property
+    def _longest(self) -> float:
+        """Seconds that a reading may take, once set up."""
+        return 0.0 if self.found is None else SEARCHES * self.seconds
 
     @property
     def seconds(self) -> float:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError
-from ..meter.errors import GarbledError
 from ..meter.hioki import Meter
 from ..meter.reading import BY_CODE, Reading
 from ..switch.switch import Switch
@@ -19,7 +18,6 @@ from ..switch.switch import Switch
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-ROUNDING = 6e-5
 APART = 1.0
 """Seconds between two interfaces, beyond which a touch may well have changed."""
 Watch = Callable[[float, Reading], None]
@@ -190,14 +188,6 @@ def _trace_of(readings: Sequence[Reading], interface: str, begun: str, ended: st
 
 
 def _at(meter: Meter, frequency: float, watch: Watch) -> Reading:
-    """The meter rounds a frequency to five digits; at one that differs by more, nothing is read."""
-    meter.frequency = frequency
-    reading = meter.read()
-    told = meter.frequency
-    if abs(told / frequency - 1) > ROUNDING:
-        raise GarbledError(
-            f"{meter.talk.resource}: the meter is at {told:g} Hz instead of {frequency:g} Hz; "
-            "check that nothing else sets it"
-        )
+    reading = meter.read_at(frequency)
     watch(frequency, reading)
     return reading

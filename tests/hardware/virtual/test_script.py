@@ -139,15 +139,43 @@ def test_completion_is_no_failure(script):
 
 
 def test_a_reading_is_triggered_read_and_checked(script):
-    with script(("*TRG;:MEASure?", GOOD), OK) as line:
+    with script(("*TRG;:MEASure?;*ESR?", f"{GOOD};0")) as line:
         reading = IM3523(line, IDENTITY).read()
     assert (reading.Cp, reading.Rs, reading.X) == (4.99299e9, 10e3, -159155.0)
     assert reading.status is Status.NORMAL
 
 
-def test_an_answer_to_a_refused_trigger_is_stale_and_never_a_reading(script):
-    with script(("*TRG;:MEASure?", GOOD), ("*ESR?", "16")) as line, pytest.raises(RefusedError):
+@pytest.mark.parametrize("stale", [GOOD, "1, 999999E+28, 999999E+28, 999999E+28"])
+def test_an_answer_to_a_refused_trigger_is_stale_and_never_a_reading(script, stale):
+    refused = ("*TRG;:MEASure?;*ESR?", f"{stale};16")
+    with script(refused) as line, pytest.raises(RefusedError):
         IM3523(line, IDENTITY).read()
+
+
+def test_a_failed_reading_leaves_the_conversation_in_step(script):
+    failed = ("*TRG;:MEASure?;*ESR?", "7, 999999E+28, 999999E+28, 999999E+28;0")
+    with script(failed, (":FREQuency?", "1.0000E+03")) as line:
+        meter = IM3523(line, IDENTITY)
+        with pytest.raises(ReadingError, match="status 7"):
+            meter.read()
+        assert meter.frequency == 1e3
+
+
+AT_1_KHZ = [
+    (":FREQuency 1.0000E+03;*ESR?", "0"),
+    ("*TRG;:MEASure?;:FREQuency?;*ESR?", f"{GOOD};1.0000E+03;0"),
+]
+
+
+def test_a_reading_at_a_frequency_takes_two_exchanges(script):
+    with script(*AT_1_KHZ) as line:
+        assert IM3523(line, IDENTITY).read_at(1e3).Rs == 10e3
+
+
+def test_a_reading_at_another_frequency_than_was_set_is_none(script):
+    told = (AT_1_KHZ[1][0], f"{GOOD};2.0000E+03;0")
+    with script(AT_1_KHZ[0], told) as line, pytest.raises(GarbledError, match="at 2000 Hz"):
+        IM3523(line, IDENTITY).read_at(1e3)
 
 
 @pytest.mark.parametrize("code", [2, 3, 5])
