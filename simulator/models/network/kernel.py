@@ -73,14 +73,16 @@ def admittances(
     """
     N, (cells, weights, starts) = len(rest.rows), batch
     Y = np.empty((len(starts) - 1, len(s), N, N), np.complex128)
-    most = len(rest.diagonal)
-    for press in range(len(starts) - 1):
-        touched = cells[starts[press] : starts[press + 1]]
-        W = weights[starts[press] : starts[press + 1]]
+    most, press = len(rest.diagonal), 0
+    while press < len(Y):
+        after, touched = _alike(cells, starts, press), cells[starts[press] : starts[press + 1]]
+        W = weights[starts[press] : starts[after]].reshape(after - press, len(touched))
         if len(touched) * rest.factors.shape[1] <= most:
-            _by_touches(rest, known, touched, W, s, Y[press])
+            _by_touches(rest, known, touched, W, s, Y[press:after])
         else:
-            _in_basis(rest, touched, W, s, Y[press])
+            for own in range(len(W)):
+                _in_basis(rest, touched, W[own], s, Y[press + own])
+        press = after
     return Y
 
 
@@ -99,12 +101,25 @@ def admittances_readable(
 
 
 @compiled()
+def _alike(cells: NDArray, starts: NDArray, press: int) -> int:  # pragma: no cover
+    """The first press after this one that touches other cells."""
+    touched, after = cells[starts[press] : starts[press + 1]], press + 1
+    while after < len(starts) - 1:
+        others = cells[starts[after] : starts[after + 1]]
+        if len(others) != len(touched) or (others != touched).any():
+            break
+        after += 1
+    return after
+
+
+@compiled()
 def _by_touches(
     rest: Rest, known: AtRest, cells: NDArray, W: NDArray, s: NDArray, Y: NDArray
 ) -> None:  # pragma: no cover
+    """Y of presses on the same cells, W: shape (press, cell)."""
     N, rank = len(rest.rows), rest.factors.shape[1]
     size = rank * len(cells)
-    A, E = np.empty((size, size), np.complex128), np.empty((size, N), np.complex128)
+    Q, E = np.empty((size, size), np.complex128), np.empty((size, N), np.complex128)
     for k in range(len(s)):
         for i in range(len(cells)):
             here, seen, own = i * rank, known.seen[cells[i], k], known.own[cells[i], k]
@@ -112,18 +127,19 @@ def _by_touches(
                 for terminal in range(N):
                     E[here + row, terminal] = seen[row, terminal]
                 for column in range(rank):
-                    A[here + row, here + column] = own[row, column]
+                    Q[here + row, here + column] = own[row, column]
             for j in range(i + 1, len(cells)):
-                _between(rest, known.damped[k], cells[i], cells[j], A, here, j * rank)
-        for i in range(N):
-            for j in range(N):
-                Y[k, i, j] = known.admittance[k, i, j]
-        _add_touches(A, E, W, rank, s[k], Y[k])
+                _between(rest, known.damped[k], cells[i], cells[j], Q, here, j * rank)
+        for press in range(len(W)):
+            for i in range(N):
+                for j in range(N):
+                    Y[press, k, i, j] = known.admittance[k, i, j]
+            _add_touches(Q.copy(), E, W[press], rank, s[k], Y[press, k])
 
 
 @compiled(fastmath={"reassoc", "contract"})
 def _between(
-    rest: Rest, P: NDArray, one: int, other: int, A: NDArray, here: int, there: int
+    rest: Rest, P: NDArray, one: int, other: int, Q: NDArray, here: int, there: int
 ) -> None:  # pragma: no cover
     """Q between the factors of two cells."""
     N, U, V = len(rest.rows), rest.factors[one], rest.factors[other]
@@ -134,7 +150,7 @@ def _between(
                 both = U[i, N + k] * V[j, N + k]
                 real += both * P[k].real
                 imag += both * P[k].imag
-            A[here + i, there + j] = A[there + j, here + i] = complex(real, imag)
+            Q[here + i, there + j] = Q[there + j, here + i] = complex(real, imag)
 
 
 @compiled()
