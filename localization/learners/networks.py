@@ -20,6 +20,8 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 HIDDEN = (128, 128)
 STAGES = ((2e-3, 6000), (5e-4, 3000), (1e-4, 1500))
 """Size of steps and how many, one stage after the other."""
+SHORT = ((2e-3, 240), (5e-4, 120), (1e-4, 60))
+"""The same of few noisy sweeps, which by all of STAGES are learned by heart."""
 BATCH = 500
 """Sweeps that one step looks at."""
 TOGETHER = 10

@@ -23,6 +23,7 @@ from .classifiers import (
     pipeline,
 )
 from .drift import with_drift
+from .networks import SHORT, STAGES
 from .regressors import gaussian_process, kernel_ridge, neighbours
 
 Grid = Mapping[str, Sequence[Any]]
@@ -115,7 +116,11 @@ def _network() -> Estimator:
         network = regressors.network() if problem.continuous else classifiers.network()
         return with_drift(on_one_scale(network, problem), problem)
 
-    return Estimator("network", TARGETS, build, most=500_000)
+    def grid(problem: Problem) -> Grid:
+        last = "regress__regressor" if problem.continuous else "classify"
+        return {f"{last}__stages": [STAGES, SHORT]}
+
+    return Estimator("network", TARGETS, build, grid, most=500_000)
 
 
 def _alike(build: Callable[[], Pipeline]) -> Callable[[Problem], Pipeline]:
