@@ -83,23 +83,23 @@ class Conversation:
             self.close()
             raise
 
-    def ask_surely(
+    def ask_checked(
         self, message: str, parse: Callable[[str], Answer], seconds: float = 0.0
     ) -> Answer:
         """As `ask`, with a look at the event register in the same exchange.
 
-        An answer that the register says nothing good of is not looked at: RefusedError or
-        RestartedError goes before whatever `parse` raises.
+        Raises RefusedError or RestartedError before the answer is parsed, where the register holds
+        such an event.
         """
 
-        def sure(answer: str) -> Answer:
+        def checked(answer: str) -> Answer:
             text, _, register = answer.rpartition(";")
             failure = self._failure(_events(register), message)
             if failure:
                 raise failure
             return parse(text)
 
-        return self.ask(f"{message};*ESR?", sure, message, seconds)
+        return self.ask(f"{message};*ESR?", checked, message, seconds)
 
     def close(self) -> None:
         """Let the connection go; closing twice does no harm."""

@@ -118,7 +118,7 @@ class HiokiMeter:
         Raises ReadingError where the meter calls it failed, RefusedError where it would not be
         triggered (then what it answered was stale), RestartedError, or another MeterError.
         """
-        return self.talk.ask_surely(READ, parse_reading, self._longest)
+        return self.talk.ask_checked(READ, parse_reading, self._longest)
 
     def read_at(self, frequency: float) -> Reading:
         """A reading at a frequency in Hz, as `read`, in two exchanges.
@@ -129,7 +129,7 @@ class HiokiMeter:
         """
         self.frequency = frequency
         question = f"{READ};{type(self).frequency.ask}"
-        reading, told = self.talk.ask_surely(question, self._reading_at, self._longest)
+        reading, told = self.talk.ask_checked(question, self._reading_at, self._longest)
         if abs(told / frequency - 1) > ROUNDING:
             raise GarbledError(
                 f"{self.talk.resource}: the meter is at {told:g} Hz instead of {frequency:g} Hz; "

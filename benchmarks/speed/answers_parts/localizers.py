@@ -24,14 +24,17 @@ from sklearn.pipeline import Pipeline
 CASE = replace(CASES[1], sweeps=8000, session=100)
 FEW = replace(CASE, sweeps=900)
 """Of the quick pass."""
+SESSIONS, OF_PAPER = (10, 20, 60), (10, 60)
+"""That localizers are trained on, and those of the paper's features."""
 LEARNED = {
-    "knn": (10, 20, 60),
-    "ksvm-ovo": (10, 20, 60),
-    "ksvm-components": (10, 20, 60),
-    "network": (10, 20, 60),
+    "knn": "knn",
+    "ksvm-ovo": "ksvm-ovo",
+    "ksvm-components": "ksvm-components",
+    "network, short course": "network",
 }
-"""Localizers, and how many sessions each is trained on."""
-OF_PAPER = (10, 60)
+"""Ways, and the localizers that they are."""
+SET = {"network": {"classify__stages": SHORT}}
+"""Parameters of localizers, as `--tune` finds them from 1940 sweeps on; others are as they are."""
 HELD_BACK = 0.25
 """Of all sessions, the last."""
 PAPER = "ksvm-ovo on Rs, Cp"
@@ -45,25 +48,24 @@ def answers(run: Run) -> Iterator[Answer]:
         sweeps = sweeps_of(case, (case,), Path(folder))
         against_rest = samples_of(sweeps, case.target, AGAINST_REST)
         as_read = samples_of(sweeps, case.target, ("Rs", "Cp"))
-    for name, counts in run.sized(LEARNED, {"knn": (5,), "ksvm-ovo": (5,)}).items():
-        yield from (_answered(name, name, against_rest, count) for count in counts)
+    sessions = run.sized(SESSIONS, (5,))
+    for way, name in LEARNED.items():
+        yield from (_answered(way, name, against_rest, count) for count in sessions)
     for count in run.sized(OF_PAPER, (5,)):
         yield _answered(PAPER, "ksvm-ovo", as_read, count)
-    yield _answered(MODEL, NAME, against_rest, run.sized(OF_PAPER, (5,))[0])
+    yield _answered(MODEL, NAME, against_rest, sessions[0])
 
 
-def _tuned(estimator: Estimator, problem: Problem) -> Pipeline:
-    """A network in the steps that tuning finds for so few sweeps, others as they are."""
-    pipeline = estimator.build(problem)
-    return pipeline.set_params(classify__stages=SHORT) if estimator.name == "network" else pipeline
+def _built(estimator: Estimator, problem: Problem) -> Pipeline:
+    return estimator.build(problem).set_params(**SET.get(estimator.name, {}))
 
 
 def _answered(way: str, name: str, samples: Samples, sessions: int) -> Answer:
     held_back = samples.sessions >= (1 - HELD_BACK) * (samples.sessions.max() + 1)
     train = samples.part(np.flatnonzero(samples.sessions < sessions))
     test = samples.part(np.flatnonzero(held_back))
-    untuned = chosen(name, "pixel", estimators(model_based(templates)))
-    learned = learn_classes(train, replace(untuned, build=partial(_tuned, untuned)))
+    estimator = chosen(name, "pixel", estimators(model_based(templates)))
+    learned = learn_classes(train, replace(estimator, build=partial(_built, estimator)))
     wrong = 1 - float(score(learned, test).right.mean())
     one = test.part(np.array([0]))
     seconds = best_time(lambda: score(learned, one))

@@ -126,8 +126,13 @@ def test_a_network_gives_all_readings_at_once(scene, model):
 
 
 def test_the_kernel_is_its_readable_twin(scene, model):
+    """The same cells more and less pressed, in the other order, and nothing in between."""
     network = NetworkSkin(model.skin(None))
-    batch = PressBatch(np.array([3, 0, 5]), np.array([0.8, 1.5, -0.5]), np.array([0, 1, 3]))
+    both, turned, none = np.array([0, 5]), np.array([5, 0]), np.array([], dtype=np.int64)
+    one, everywhere = np.array([3]), np.array([0, 1, 2, 3, 4, 5])
+    cells = [one, one, both, both, both, turned, none, none, one, both, everywhere, everywhere]
+    random = np.random.default_rng(0)
+    batch = PressBatch.of((each, random.uniform(-0.5, 2.0, len(each))) for each in cells)
     truth = admittances_readable(network.skin.rest, batch, network.s)
     np.testing.assert_allclose(network.admittances(batch), truth, rtol=1e-10)
 
