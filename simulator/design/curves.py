@@ -34,8 +34,13 @@ class Pairs:
 
     def of(self, readings: Sequence[int], frequencies: Sequence[int]) -> Pairs:
         """At some of the readings and frequencies."""
-        chosen = self.apart[:, list(readings)][:, :, list(frequencies)]
-        return Pairs(chosen, self.weight)
+        return Pairs(_some(_some(self.apart, readings, 1), frequencies, 2), self.weight)
+
+
+def _some(values: NDArray[np.float64], which: Sequence[int], axis: int) -> NDArray[np.float64]:
+    """Entries along an axis; the array itself, which is large, for all of them in their order."""
+    every = range(values.shape[axis])
+    return values if [*which] == [*every] else np.take(values, which, axis)
 
 
 def pairs(

@@ -13,7 +13,7 @@ mean square of the distance, over that of a guess, is what is left of the merit.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -24,6 +24,10 @@ from scipy.special import ndtr
 TINY = 1e-12
 FARTHEST_STRENGTH = 10.0
 """Deviation of how strong a touch is before it is read, of the capacitance at rest."""
+
+
+Lower = Mapping[tuple[int, int], NDArray[np.float64]]
+"""Entries of symmetric matrices, each of shape (...), by row and column, row >= column."""
 
 
 class Told(NamedTuple):
@@ -43,8 +47,8 @@ class Told(NamedTuple):
 class Merit(Protocol):
     """From information (..., case, p, p) and the weight of each case (case,)."""
 
-    def value(self, found: NDArray[np.float64], weight: NDArray[np.float64], /) -> NDArray:
-        """The merit alone, shape (...), in a fraction of the time."""
+    def value(self, found: Lower, weight: NDArray[np.float64], /) -> NDArray:
+        """The merit alone, shape (...), in a fraction of the time. found: entries (..., case)."""
         ...
 
     def __call__(self, found: NDArray[np.float64], weight: NDArray[np.float64], /) -> Told:
@@ -52,19 +56,19 @@ class Merit(Protocol):
         ...
 
 
-def remaining(
-    found: NDArray[np.float64], known: Sequence[float], kept: int
-) -> dict[tuple[int, int], NDArray[np.float64]]:
+def lower(found: NDArray[np.float64]) -> Lower:
+    """Of matrices, shape (..., p, p)."""
+    return {(a, b): found[..., a, b] for a in range(found.shape[-1]) for b in range(a + 1)}
+
+
+def remaining(found: Lower, known: Sequence[float], kept: int) -> Lower:
     """Information of the first `kept` unknown where the others are known no closer than that.
 
-    By elimination of one after the other (Schur's complements), of all cases at once. found: shape
-    (..., p, p). known: of each of the p beforehand. Row and column to shape (...), row >= column.
+    By elimination of one after the other (Schur's complements), of all cases at once. known: of
+    each unknown beforehand.
     """
-    p = found.shape[-1]
-    left = {(a, b): found[..., a, b] for a in range(p) for b in range(a + 1)}
-    for a in range(p):
-        left[a, a] = left[a, a] + known[a]
-    for last in range(p - 1, kept - 1, -1):
+    left = {(a, b): entry + known[a] if a == b else entry for (a, b), entry in found.items()}
+    for last in range(len(known) - 1, kept - 1, -1):
         for a in range(last):
             share = left[last, a] / left[last, last]
             for b in range(a + 1):
@@ -76,9 +80,10 @@ def remaining(
 class Right:
     """The share of sweeps right, by pairs: unknown are 1, then strengths in their deviations."""
 
-    def value(self, found: NDArray[np.float64], weight: NDArray[np.float64]) -> NDArray:
+    def value(self, found: Lower, weight: NDArray[np.float64]) -> NDArray:
         """As of `Merit`."""
-        known = [0.0] + [1.0] * (found.shape[-1] - 1)
+        strengths, _ = max(found)
+        known = [0.0] + [1.0] * strengths
         squared = np.maximum(remaining(found, known, 1)[0, 0], 0.0)
         return 1 - ndtr(-np.sqrt(squared) / 2) @ weight
 
@@ -113,7 +118,7 @@ class Near:
         sides = [12 / max(side, least) ** 2 for side in self.room]
         return np.array([*sides, FARTHEST_STRENGTH**-2])
 
-    def value(self, found: NDArray[np.float64], weight: NDArray[np.float64]) -> NDArray:
+    def value(self, found: Lower, weight: NDArray[np.float64]) -> NDArray:
         """As of `Merit`."""
         left = remaining(found, self.known.tolist(), 2)
         xx, xy, yy = left[0, 0], left[1, 0], left[1, 1]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .curves import Pairs
-from .merits import Merit, Right
+from .merits import Lower, Merit, Right, lower
 
 RIGHT = Right()
 SEEN = 6
@@ -64,16 +64,21 @@ def _taken(common: NDArray[np.float64], held: NDArray[np.float64]) -> NDArray[np
 
 
 class Additive:
-    """Candidates whose information adds up: shape (case, candidate, p, p)."""
+    """Candidates whose information adds up: shape (case, candidate, p, p), symmetric."""
 
     def __init__(
         self, information: NDArray[np.float64], weight: NDArray[np.float64], merit: Merit = RIGHT
     ) -> None:
         """weight: of each case, shape (case,)."""
         _, self.candidates, p, _ = information.shape
-        self._merit, self._weight, self._shape = merit, weight, (p, p, len(weight))
-        self._entries = information.transpose(1, 2, 3, 0).reshape(self.candidates, -1)
-        """Entry by entry, those of all cases side by side, shape (candidate, p * p * case)."""
+        self._merit, self._weight = merit, weight
+        self._lower = np.tril_indices(p)
+        self._place = np.empty((p, p), dtype=np.int64)
+        """Of each entry of a matrix, among those of its lower triangle."""
+        self._place[self._lower] = self._place.T[self._lower] = range(len(self._lower[0]))
+        entries = information.transpose(2, 3, 1, 0)[self._lower]
+        self._entries = np.ascontiguousarray(entries.swapaxes(0, 1)).reshape(self.candidates, -1)
+        """Of lower triangles, those of all cases side by side, shape (candidate, entry * case)."""
 
     def score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
         """What is left of the merit, shape (choice, n) to (choice,)."""
@@ -83,18 +88,25 @@ class Additive:
 
     def slope(self, weights: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
         """The merit at weights of the candidates, and its exact derivative by each."""
-        told = self._merit(self._by_case(weights), self._weight)
-        return float(told.value), self._entries @ told.slope().transpose(1, 2, 0).ravel()
+        whole = np.moveaxis(self._at(weights)[self._place], -1, 0)
+        told = self._merit(whole, self._weight)
+        rows, columns = self._lower
+        both = np.where(rows == columns, 1.0, 2.0)[:, None]
+        by_entry = both * told.slope().transpose(1, 2, 0)[self._lower]
+        return float(told.value), self._entries @ by_entry.ravel()
 
     def _score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
         times = np.zeros((len(choices), self.candidates))
         np.add.at(times, (np.arange(len(choices))[:, None], choices), 1.0)
-        return _left(self._merit.value(self._by_case(times), self._weight))
+        found = np.moveaxis(self._at(times), -2, 0)
+        rows, columns = self._lower
+        places = zip(rows.tolist(), columns.tolist(), strict=True)
+        each: Lower = dict(zip(places, found, strict=True))
+        return _left(self._merit.value(each, self._weight))
 
-    def _by_case(self, weights: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Information at weights of the candidates, shape (..., n) to (..., case, p, p)."""
-        entries = (weights @ self._entries).reshape(*weights.shape[:-1], *self._shape)
-        return np.moveaxis(entries, -1, -3)
+    def _at(self, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Information at weights of the candidates, (..., candidate) to (..., entry, case)."""
+        return (weights @ self._entries).reshape(*weights.shape[:-1], -1, len(self._weight))
 
 
 class Tied:
@@ -110,7 +122,7 @@ class Tied:
         for choice in choices:
             part = Pairs(self._pairs.apart[:, :, choice], self._pairs.weight)
             found, _ = self._seen(part, np.ones(len(choice)))
-            told.append(_left(self._merit.value(found, part.weight)))
+            told.append(_left(self._merit.value(lower(found), part.weight)))
         return np.array(told)
 
     def slope(self, weights: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:

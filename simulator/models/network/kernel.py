@@ -1,9 +1,7 @@
-"""Admittance between all terminals of a pressed skin, fused: a press is of low rank.
+"""Admittance between all terminals of a pressed skin, and what readings make of it, fused.
 
-In coordinates in which K is 1 and M at rest diagonal, P = 1 / (1 + s d), the terminals' potentials
-are T = [1; -s P B'] for the rows B of the terminals in M. A touch adds s U'WU with thin factors U,
-so by Woodbury's formula Y = Y_rest + s E'W (1 + s Q W)^-1 E, with E = U T and Q = U P U'. Touches
-of more factors than the basis has vectors are solved for in the basis instead.
+Touches of few factors go by Woodbury's formula, see `touches`; those of more than the basis has
+vectors are solved for in the basis.
 """
 
 from __future__ import annotations
@@ -16,19 +14,7 @@ from numpy.typing import NDArray
 from ...fem.compiled import compiled
 from ...press.batch import PressBatch
 from ..reduced.dense import Rest, written_out
-
-
-class AtRest(NamedTuple):
-    """What does not depend on the press, at each s.
-
-    damped: P, shape (s, n). admittance: beyond that at zero frequency, S, shape (s, N, N). seen: E
-    of each cell, shape (cell, s, rank, N). own: Q of each cell, shape (cell, s, rank, rank).
-    """
-
-    damped: NDArray[np.complex128]
-    admittance: NDArray[np.complex128]
-    seen: NDArray[np.complex128]
-    own: NDArray[np.complex128]
+from .touches import AtRest, by_touches
 
 
 class Wiring(NamedTuple):
@@ -41,23 +27,6 @@ class Wiring(NamedTuple):
     potentials: NDArray[np.float64]
     conductance: NDArray[np.float64]
     counts: NDArray[np.int64]
-
-
-def at_rest(rest: Rest, s: NDArray[np.complex128]) -> AtRest:
-    """Of a skin. s: rad/s."""
-    N = len(rest.rows)
-    terminals, beside = rest.rows[:, :N], rest.rows[:, N:]
-    at, inside = rest.factors[..., :N], np.ascontiguousarray(rest.factors[..., N:])
-    P = 1 / (1 + s[:, None] * rest.diagonal)
-    each = s[:, None, None]
-    seen = np.empty((len(inside), len(s), inside.shape[1], N), dtype=complex)
-    own = np.empty((len(inside), len(s), inside.shape[1], inside.shape[1]), dtype=complex)
-    for k, (U, U_at) in enumerate(zip(inside, at, strict=True)):
-        damped = U * P[:, None]
-        seen[k] = U_at - each * (damped @ beside.T)
-        own[k] = damped @ U.T
-    Y = each * terminals - each**2 * ((beside * P[:, None]) @ beside.T)
-    return AtRest(P, Y, seen, own)
 
 
 @compiled()
@@ -78,7 +47,7 @@ def admittances(
         after, touched = _alike(cells, starts, press), cells[starts[press] : starts[press + 1]]
         W = weights[starts[press] : starts[after]].reshape(after - press, len(touched))
         if len(touched) * rest.factors.shape[1] <= most:
-            _by_touches(rest, known, touched, W, s, Y[press:after])
+            by_touches(rest, known, touched, W, s, Y[press:after])
         else:
             for own in range(len(W)):
                 _in_basis(rest, touched, W[own], s, Y[press + own])
@@ -110,69 +79,6 @@ def _alike(cells: NDArray, starts: NDArray, press: int) -> int:  # pragma: no co
             break
         after += 1
     return after
-
-
-@compiled()
-def _by_touches(
-    rest: Rest, known: AtRest, cells: NDArray, W: NDArray, s: NDArray, Y: NDArray
-) -> None:  # pragma: no cover
-    """Y of presses on the same cells, W: shape (press, cell)."""
-    N, rank = len(rest.rows), rest.factors.shape[1]
-    size = rank * len(cells)
-    Q, E = np.empty((size, size), np.complex128), np.empty((size, N), np.complex128)
-    for k in range(len(s)):
-        for i in range(len(cells)):
-            here, seen, own = i * rank, known.seen[cells[i], k], known.own[cells[i], k]
-            for row in range(rank):
-                for terminal in range(N):
-                    E[here + row, terminal] = seen[row, terminal]
-                for column in range(rank):
-                    Q[here + row, here + column] = own[row, column]
-            for j in range(i + 1, len(cells)):
-                _between(rest, known.damped[k], cells[i], cells[j], Q, here, j * rank)
-        for press in range(len(W)):
-            for i in range(N):
-                for j in range(N):
-                    Y[press, k, i, j] = known.admittance[k, i, j]
-            _add_touches(Q.copy(), E, W[press], rank, s[k], Y[press, k])
-
-
-@compiled(fastmath={"reassoc", "contract"})
-def _between(
-    rest: Rest, P: NDArray, one: int, other: int, Q: NDArray, here: int, there: int
-) -> None:  # pragma: no cover
-    """Q between the factors of two cells."""
-    N, U, V = len(rest.rows), rest.factors[one], rest.factors[other]
-    for i in range(len(U)):
-        for j in range(len(V)):
-            real, imag = 0.0, 0.0
-            for k in range(len(P)):
-                both = U[i, N + k] * V[j, N + k]
-                real += both * P[k].real
-                imag += both * P[k].imag
-            Q[here + i, there + j] = Q[there + j, here + i] = complex(real, imag)
-
-
-@compiled()
-def _add_touches(
-    A: NDArray, E: NDArray, W: NDArray, rank: int, s: complex, Y: NDArray
-) -> None:  # pragma: no cover
-    """Y += s E'W (1 + s Q W)^-1 E; A: Q, overwritten."""
-    size, N = E.shape
-    solution = np.empty((size, N), np.complex128)
-    for row in range(size):
-        for terminal in range(N):
-            solution[row, terminal] = E[row, terminal]
-        for column in range(size):
-            A[row, column] *= s * W[column // rank]
-        A[row, row] += 1.0
-    _solve(A, solution)
-    for i in range(N):
-        for j in range(N):
-            total = 0.0j
-            for row in range(size):
-                total += E[row, i] * W[row // rank] * solution[row, j]
-            Y[i, j] += s * total
 
 
 @compiled()

@@ -15,8 +15,9 @@ from ...scene.contacts import Interface
 from ...sweeps import InputError
 from ..reduced.skin import ReducedSkin
 from ..varied.materials import gauged
-from .kernel import AtRest, Wiring, admittances, at_rest, impedances
+from .kernel import Wiring, admittances, impedances
 from .terminals import read
+from .touches import AtRest, at_rest
 
 
 class NetworkSkin:

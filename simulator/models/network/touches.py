@@ -1,0 +1,201 @@
+"""Admittance between all terminals of a skin under touches of low rank: Woodbury's formula, fused.
+
+In coordinates in which K is 1 and M at rest diagonal, P = 1 / (1 + s d), the terminals' potentials
+are T = [1; -s P B'] for the rows B of the terminals in M. A touch adds s U'WU with thin factors U.
+With E = U T, Q = U P U', R the root of |W| and D its sign, Y = Y_rest + s E'R (D + s R Q R)^-1 R E.
+That matrix is symmetric. It is eliminated at many s side by side, real and imaginary parts apart,
+for processors take several numbers at once.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.compiled import compiled
+from ..reduced.dense import Rest
+
+SIDE_BY_SIDE = 64
+"""Of s, at most: more would not stay in the processor's near memory."""
+
+
+class AtRest(NamedTuple):
+    """What does not depend on the press, at each s; real and imaginary parts apart but in Y.
+
+    admittance: Y beyond that at zero frequency, S, shape (s, N, N). damped: P, shape (n, 2, s).
+    seen: E of each cell, shape (cell, rank, N, 2, s). own: Q of each, shape (cell, rank, rank, 2,
+    s).
+    """
+
+    admittance: NDArray[np.complex128]
+    damped: NDArray[np.float64]
+    seen: NDArray[np.float64]
+    own: NDArray[np.float64]
+
+
+def at_rest(rest: Rest, s: NDArray[np.complex128]) -> AtRest:
+    """Of a skin. s: rad/s."""
+    N = len(rest.rows)
+    terminals, beside = rest.rows[:, :N], rest.rows[:, N:]
+    at, inside = rest.factors[..., :N], np.ascontiguousarray(rest.factors[..., N:])
+    P = 1 / (1 + s[:, None] * rest.diagonal)
+    each = s[:, None, None]
+    seen = np.empty((*at.shape, 2, len(s)))
+    own = np.empty((*inside.shape[:2], inside.shape[1], 2, len(s)))
+    for k, (U, U_at) in enumerate(zip(inside, at, strict=True)):
+        damped = U * P[:, None]
+        seen[k] = _apart(U_at - each * (damped @ beside.T))
+        own[k] = _apart(damped @ U.T)
+    Y = each * terminals - each**2 * ((beside * P[:, None]) @ beside.T)
+    return AtRest(Y, _apart(P), seen, own)
+
+
+def _apart(values: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Real and imaginary parts, shape (s, ...) to (..., 2, s)."""
+    last = np.moveaxis(values, 0, -1)
+    return np.stack([last.real, last.imag], axis=-2)
+
+
+@compiled()
+def by_touches(
+    rest: Rest, known: AtRest, cells: NDArray, W: NDArray, s: NDArray, Y: NDArray
+) -> None:  # pragma: no cover
+    """Y in S beyond that at zero frequency, shape (press, s, N, N), of presses on the same cells.
+
+    W: shape (press, cell). s: rad/s.
+    """
+    N, size = len(rest.rows), rest.factors.shape[1] * len(cells)
+    turns = -(-len(s) // SIDE_BY_SIDE)
+    for turn in range(turns):
+        start, end = turn * len(s) // turns, (turn + 1) * len(s) // turns
+        together, added = np.empty((size, size + N, 2, end - start)), np.empty((2, end - start))
+        _put_together(rest, known, cells, start, together)
+        own = np.empty_like(together)
+        for press in range(len(W)):
+            _weigh(together, W[press], s[start:end], own)
+            _eliminate(own)
+            for i in range(N):
+                for j in range(i + 1):
+                    _multiply(own, i, j, added)
+                    for k in range(end - start):
+                        total = s[start + k] * complex(added[0, k], added[1, k])
+                        total += known.admittance[start + k, i, j]
+                        Y[press, start + k, i, j] = Y[press, start + k, j, i] = total
+
+
+@compiled()
+def _put_together(
+    rest: Rest, known: AtRest, cells: NDArray, start: int, together: NDArray
+) -> None:  # pragma: no cover
+    """Q from the diagonal on, and E beside it, shape (size, size + N, 2, s)."""
+    N, (size, _, _, count) = len(rest.rows), together.shape
+    rank = size // max(len(cells), 1)
+    for i in range(len(cells)):
+        here = i * rank
+        for row in range(rank):
+            for part in range(2):
+                for k in range(count):
+                    for column in range(row, rank):
+                        own = known.own[cells[i], row, column, part, start + k]
+                        together[here + row, here + column, part, k] = own
+                    for terminal in range(N):
+                        seen = known.seen[cells[i], row, terminal, part, start + k]
+                        together[here + row, size + terminal, part, k] = seen
+        for j in range(i + 1, len(cells)):
+            U, V = rest.factors[cells[i], :, N:], rest.factors[cells[j], :, N:]
+            P = known.damped[:, :, start : start + count]
+            _between(U, V, P, together[here:, j * rank :])
+
+
+@compiled(fastmath={"reassoc", "contract"})
+def _between(U: NDArray, V: NDArray, P: NDArray, Q: NDArray) -> None:  # pragma: no cover
+    """Q between the factors of two cells, into a corner of it.
+
+    Four vectors of the basis at a time: Q is then read less often.
+    """
+    n = len(P)
+    whole = n - n % 4
+    for i in range(len(U)):
+        for j in range(len(V)):
+            for part in range(2):
+                total = Q[i, j, part]
+                for k in range(len(total)):
+                    total[k] = 0.0
+                for m in range(0, whole, 4):
+                    a, b = U[i, m] * V[j, m], U[i, m + 1] * V[j, m + 1]
+                    c, d = U[i, m + 2] * V[j, m + 2], U[i, m + 3] * V[j, m + 3]
+                    for k in range(len(total)):
+                        total[k] += (
+                            a * P[m, part, k]
+                            + b * P[m + 1, part, k]
+                            + c * P[m + 2, part, k]
+                            + d * P[m + 3, part, k]
+                        )
+                for m in range(whole, n):
+                    a = U[i, m] * V[j, m]
+                    for k in range(len(total)):
+                        total[k] += a * P[m, part, k]
+
+
+@compiled(fastmath={"reassoc", "contract"})
+def _weigh(together: NDArray, W: NDArray, s: NDArray, own: NDArray) -> None:  # pragma: no cover
+    """Of one press: D + s R Q R from the diagonal on, and R E beside it."""
+    size, width = own.shape[:2]
+    rank = size // max(len(W), 1)
+    for row in range(size):
+        root = np.sqrt(abs(W[row // rank]))
+        for column in range(row, size):
+            both = root * np.sqrt(abs(W[column // rank]))
+            for k in range(len(s)):
+                real, imag = together[row, column, 0, k], together[row, column, 1, k]
+                own[row, column, 0, k] = both * (s[k].real * real - s[k].imag * imag)
+                own[row, column, 1, k] = both * (s[k].real * imag + s[k].imag * real)
+        for k in range(len(s)):
+            own[row, row, 0, k] += -1.0 if W[row // rank] < 0.0 else 1.0
+        for column in range(size, width):
+            for part in range(2):
+                for k in range(len(s)):
+                    own[row, column, part, k] = root * together[row, column, part, k]
+
+
+@compiled(fastmath={"reassoc", "contract"})
+def _eliminate(own: NDArray) -> None:  # pragma: no cover
+    """L C L' of the matrix in front: 1/C into its diagonal, and L^-1 times what is beside it there.
+
+    Without pivoting: where capacitance rises the matrix has a real part of at least 1.
+    """
+    size, width, _, count = own.shape
+    real, imag = np.empty(count), np.empty(count)
+    for p in range(size):
+        for k in range(count):
+            a, b = own[p, p, 0, k], own[p, p, 1, k]
+            share = 1.0 / (a * a + b * b)
+            own[p, p, 0, k], own[p, p, 1, k] = share * a, -share * b
+        for row in range(p + 1, size):
+            for k in range(count):
+                a, b = own[p, row, 0, k], own[p, row, 1, k]
+                real[k] = a * own[p, p, 0, k] - b * own[p, p, 1, k]
+                imag[k] = a * own[p, p, 1, k] + b * own[p, p, 0, k]
+            for column in range(row, width):
+                for k in range(count):
+                    a, b = own[p, column, 0, k], own[p, column, 1, k]
+                    own[row, column, 0, k] -= real[k] * a - imag[k] * b
+                    own[row, column, 1, k] -= real[k] * b + imag[k] * a
+
+
+@compiled(fastmath={"reassoc", "contract"})
+def _multiply(own: NDArray, i: int, j: int, total: NDArray) -> None:  # pragma: no cover
+    """What is beside the matrix, by its inverse, of terminals i and j; after `_eliminate`."""
+    size, _, _, count = own.shape
+    for part in range(2):
+        for k in range(count):
+            total[part, k] = 0.0
+    for row in range(size):
+        for k in range(count):
+            a, b = own[row, size + i, 0, k], own[row, size + i, 1, k]
+            c, d = own[row, size + j, 0, k], own[row, size + j, 1, k]
+            real, imag = a * c - b * d, a * d + b * c
+            total[0, k] += own[row, row, 0, k] * real - own[row, row, 1, k] * imag
+            total[1, k] += own[row, row, 0, k] * imag + own[row, row, 1, k] * real
