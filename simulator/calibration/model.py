@@ -26,7 +26,8 @@ ANYWHERE = 50.0
 
 
 Model = Forward | LineModel
-"""Both answer `respond`, `certificate` and `cells` alike, and know what is `free`."""
+"""Both answer `respond`, `respond_together`, `certificate` and `cells` alike, and know what is
+`free`."""
 
 
 def model_of(scene: Scene, rtol: float, tell: Tell = tell_nothing, uneven: Uneven = EVEN) -> Model:
@@ -67,7 +68,8 @@ class Around:
         """Of one press; `by_cell` is to the rises here."""
         own = self.own(values)
         response = self.model.respond(cells, rises, own)
-        by_rise = self._at_rest(own, response) * response.by_cell + response.by_gauge
+        at_rest = self.model.factors_at_rest(own)[: response.by_cell.shape[-1]]
+        by_rise = at_rest * response.by_cell + response.by_gauge
         return replace(response, by_cell=by_rise)
 
     def respond_together(
@@ -78,7 +80,7 @@ class Around:
         As `respond`, with an axis (press,) first; `by_cell` of the touched ones alone.
         """
         own = self.own(values)
-        if isinstance(self.model, Forward) and self.model.alike(own):
+        if self.model.alike(own):
             response = self.model.respond_together(cells, rises, own)
             at_rest = self.model.factors_at_rest(own)[cells][:, None, None]
             return replace(response, by_cell=at_rest * response.by_cell)
@@ -91,12 +93,6 @@ class Around:
             np.stack([found.by_cell[..., touched] for touched, found in each]),
             np.stack([found.by_term for _, found in each]),
         )
-
-    def _at_rest(self, own: Mapping[str, float], response: Response) -> NDArray[np.float64] | float:
-        """c of each cell at rest over that of the scene."""
-        if isinstance(self.model, LineModel):
-            return math.exp(own["capacitance"])
-        return self.model.factors_at_rest(own)[: response.by_cell.shape[-1]]
 
     def certificate(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], values: Mapping[str, float]

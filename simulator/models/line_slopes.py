@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +70,15 @@ class LineModel:
         """Nothing is left out of an exact line."""
         return 0.0
 
+    def alike(self, given: Mapping[str, float] | None = None) -> bool:
+        """Whether `respond_together` takes presses, see `Forward.alike`."""
+        return True
+
+    def factors_at_rest(self, given: Mapping[str, float] | None = None) -> NDArray[np.float64]:
+        """c of each cell at rest over that of the scene."""
+        factor = math.exp(all_values(self.scene, given)["capacitance"])
+        return np.full(len(self._C), factor)
+
     def respond(
         self,
         cells: NDArray[np.int64],
@@ -76,17 +86,41 @@ class LineModel:
         given: Mapping[str, float] | None = None,
     ) -> Response:
         """Of one press, with exact derivatives; see `Forward.respond`."""
+        found = self._responses(cells[None], rises[None], given)
+        by_parameter = {name: slope[0] for name, slope in found.by_parameter.items()}
+        return Response(found.Z[0], by_parameter, found.by_cell[0], found.by_term[0])
+
+    def respond_together(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        given: Mapping[str, float] | None = None,
+    ) -> Response:
+        """Of presses that touch as many cells each; see `Forward.respond_together`."""
+        found = self._responses(cells, rises, given)
+        of_touched = np.take_along_axis(found.by_cell, cells[:, None, None], axis=-1)
+        return replace(found, by_cell=of_touched)
+
+    def _responses(
+        self,
+        cells: NDArray[np.int64],
+        rises: NDArray[np.float64],
+        given: Mapping[str, float] | None,
+    ) -> Response:
+        """Of presses, shape (press, touch): all of it has an axis (press,) first."""
         values = all_values(self.scene, given)
         s = laplace_variable(self.scene.frequencies, loss_of(values))
         sheets = self._both_sheets(values)
-        map_of_c = np.ones(len(self._C))
-        np.add.at(map_of_c, cells, rises)
+        map_of_c = np.ones((len(cells), len(self._C)))
+        np.add.at(map_of_c, (np.arange(len(cells))[:, None], cells), rises)
         map_of_c *= math.exp(values["capacitance"])
-        Y, by_charging = chain(sheets.sum() * self._shares, self._C * map_of_c[self._order], s)
+        C = self._C * map_of_c[:, self._order]
+        Y, by_charging = chain(sheets.sum() * self._shares, C, s)
         Z, turn = 1 / Y, -1 / Y**2
-        by_cell = np.empty((len(s), len(self._C)), dtype=complex)
-        by_cell[:, self._order] = (turn * by_charging * s * self._C[:, None]).T
-        by_s = by_cell @ map_of_c / s
+        by_cell = np.empty((*Y.shape, len(self._C)), dtype=complex)
+        of_segment = turn[:, None] * by_charging * s * self._C[:, None]
+        by_cell[..., self._order] = of_segment.swapaxes(1, 2)
+        by_s = (by_cell @ map_of_c[:, :, None])[..., 0] / s
         film = self._film * math.exp(values["contact_resistance"])
         slopes = by_sheets(-(Z + s * by_s)[None], *sheets)
         slopes["contact_resistance"] = np.full_like(Z, film)
@@ -107,14 +141,19 @@ class LineModel:
         leads: Leads,
     ) -> Response:
         """Behind the leads, alike at every interface."""
-        seen, by_leads = leads.slopes(Z, self.scene.frequencies)
+        frequencies = self.scene.frequencies
+        seen, by_leads = leads.slopes(Z, frequencies)
         by_parameter = {name: seen * slope for name, slope in slopes.items()} | by_leads
         times = len(self.scene.interfaces)
+
+        def everywhere(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+            return np.repeat(values[:, None], times, axis=1)
+
         return Response(
-            np.tile(leads.seen_through(Z, self.scene.frequencies), (times, 1)),
-            {name: np.tile(slope, (times, 1)) for name, slope in by_parameter.items()},
-            np.tile(seen[:, None] * by_cell, (times, 1, 1)),
-            np.zeros((times, len(Z), 0), dtype=complex),
+            everywhere(leads.seen_through(Z, frequencies)),
+            {name: everywhere(slope) for name, slope in by_parameter.items()},
+            everywhere(seen[..., None] * by_cell),
+            np.zeros((len(Z), times, len(frequencies), 0), dtype=complex),
         )
 
 
@@ -123,17 +162,20 @@ def chain(
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """Y in S of segments in series, open at the far end, and its slopes to each segment's s C.
 
-    R in ohm and C in F from the fed end on, shape (segment,); s in rad/s. Shapes (s,) and
-    (segment, s). A segment shows Y = (Y' + p T) / (1 + Y' R T), p = s C, T = tanh(q)/q, q² = R p.
+    R in ohm, shape (segment,), and C in F, (..., segment), from the fed end on; s in rad/s. Shapes
+    (..., s) and (..., segment, s). A segment shows Y = (Y' + p T) / (1 + Y' R T), p = s C,
+    T = tanh(q)/q, q² = R p.
     """
-    Y, slopes = np.zeros(s.shape, dtype=complex), np.zeros((len(R), *s.shape), dtype=complex)
+    p = C[..., None] * s
+    Y, slopes = np.zeros((*C.shape[:-1], len(s)), dtype=complex), np.zeros_like(p)
+    every_T = tanh_ratio(R[:, None] * p)
+    every_dT = R[:, None] * tanh_ratio_slope(R[:, None] * p, every_T)
     for k in range(len(R) - 1, -1, -1):
-        p = s * C[k]
-        T = tanh_ratio(R[k] * p)
-        dT = R[k] * tanh_ratio_slope(R[k] * p, T)
-        top, bottom = Y + p * T, 1 + Y * R[k] * T
-        slopes[k + 1 :] *= (bottom - top * R[k] * T) / bottom**2
-        slopes[k] = ((T + p * dT) * bottom - top * Y * R[k] * dT) / bottom**2
+        T, dT = every_T[..., k, :], every_dT[..., k, :]
+        top, bottom = Y + p[..., k, :] * T, 1 + Y * R[k] * T
+        slopes[..., k + 1 :, :] *= ((bottom - top * R[k] * T) / bottom**2)[..., None, :]
+        own = (T + p[..., k, :] * dT) * bottom - top * Y * R[k] * dT
+        slopes[..., k, :] = own / bottom**2
         Y = top / bottom
     return Y, slopes
 

@@ -50,6 +50,20 @@ def test_slopes_by_cells_are_differences(model, moved):
         np.testing.assert_allclose(response.by_cell[..., cell], difference, rtol=1e-5)
 
 
+@pytest.mark.parametrize("touches", [0, 1, 2])
+def test_presses_together_are_those_one_by_one(model, touches, moved):
+    random = np.random.default_rng(touches)
+    cells = np.stack([random.permutation(3)[:touches] for _ in range(4)])
+    rises = random.uniform(-0.4, 2.0, cells.shape)
+    together = model.respond_together(cells, rises, moved)
+    for k in range(4):
+        alone = model.respond(cells[k], rises[k], moved)
+        np.testing.assert_allclose(together.Z[k], alone.Z, rtol=1e-12)
+        np.testing.assert_allclose(together.by_cell[k], alone.by_cell[..., cells[k]], rtol=1e-10)
+        for name, slope in alone.by_parameter.items():
+            np.testing.assert_allclose(together.by_parameter[name][k], slope, rtol=1e-10)
+
+
 def test_the_slope_of_the_ratio_is_smooth_where_its_formula_changes():
     z = 1e-2 * np.array([0.999999, 1.000001]) * np.exp(0.7j)
     below, above = tanh_ratio_slope(z, tanh_ratio(z))
