@@ -33,6 +33,7 @@ NOTED = RESULTS / "all.csv"
 NOTED_QUICKLY = UNPUBLISHED / "quick.csv"
 TITLE = "Every benchmark: how long it took"
 AT_A_TIME = 3
+CAMPAIGN = "accuracy/campaign"
 SEARCHES = "--searches", "searches"
 """Option and name of the folder of designs, which lets one that is searched be awaited."""
 
@@ -41,9 +42,9 @@ class Benchmark(NamedTuple):
     """A script and its options.
 
     quick: those of its quick pass. kept: the option, and the name, of what it keeps to go on from.
-    shared: the same of what others may use while it runs. alone: it measures times by the clock, or
-    occupies all cores by itself, so that nothing runs beside it; times of the processor are the
-    same beside others.
+    shared: the same of what others may use while it runs. alone: it measures times by the clock, so
+    that nothing runs beside it; times of the processor are the same beside others. needs: the name
+    of those whose results it tells of, which have to end before it.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Benchmark(NamedTuple):
     kept: tuple[str, str] | None = None
     shared: tuple[str, str] | None = None
     alone: bool = False
+    needs: str | None = None
 
     @property
     def script(self) -> Path:
@@ -64,8 +66,7 @@ def _alone(name: str) -> Benchmark:
 
 
 def _campaign(name: str, *options: str) -> Benchmark:
-    asked = *options, "--workers", "2"
-    return Benchmark("accuracy/campaign", asked, kept=("-o", f"{name}.jsonl"), alone=True)
+    return Benchmark(CAMPAIGN, options, kept=("-o", f"{name}.jsonl"))
 
 
 def _designed(target: str, *options: str) -> Benchmark:
@@ -88,15 +89,15 @@ IN_ORDER = (
     _alone("live/live_page"),
     _alone("pictures/page"),
     _alone("commands"),
-    _campaign("campaign", "--timeout", "60"),
-    _campaign("in_turn", "--in-turn", "--timeout", "25"),
     Benchmark("localization/twin"),
+    _campaign("campaign", "--timeout", "60"),
     Benchmark("speed/skins_commands"),
     Benchmark("localization/design_goals", shared=SEARCHES),
     _designed("pixel"),
     _designed("pixel", "--second"),
     _designed("position"),
     _designed("pair"),
+    _campaign("in_turn", "--in-turn", "--timeout", "25"),
     Benchmark("localization/twin_limits"),
     Benchmark("accuracy/calibration_coverage", ("--prior", "wide")),
     _designed("column"),
@@ -105,7 +106,7 @@ IN_ORDER = (
     Benchmark("localization/adaptation"),
     Benchmark("localization/localizers"),
     Benchmark("localization/filtering"),
-    Benchmark("accuracy/verification"),
+    Benchmark("accuracy/verification", needs=CAMPAIGN),
     Benchmark(
         "localization/twin_design_others", kept=("--found", "designed-pixel"), shared=SEARCHES
     ),
@@ -173,9 +174,13 @@ def run(benchmarks: Sequence[Benchmark], quick: bool) -> Iterator[tuple[Benchmar
 
 
 def next_of(left: Sequence[Benchmark], busy: Iterable[Benchmark]) -> Benchmark | None:
-    """The first that keeps nothing where a busy one does: what one made there serves the other."""
+    """The first that needs no other of them, and keeps nothing where a busy one does: what one made
+    there serves the other."""
+    busy = list(busy)
     taken = [each.kept for each in busy if each.kept is not None]
-    return next((each for each in left if each.kept not in taken), None)
+    waited_for = {each.name for each in (*left, *busy)}
+    ready = (each for each in left if each.needs not in waited_for)
+    return next((each for each in ready if each.kept not in taken), None)
 
 
 def name_of(benchmark: Benchmark, quick: bool) -> str:

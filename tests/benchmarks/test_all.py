@@ -127,6 +127,14 @@ def test_two_that_keep_in_one_folder_do_not_run_at_once():
     assert every.next_of([free], [free]) == free
 
 
+def test_what_tells_of_the_results_of_others_waits_for_all_of_them():
+    one, other = (every.Benchmark("campaign", options=(option,)) for option in ("a", "b"))
+    teller = every.Benchmark("teller", needs="campaign")
+    assert every.next_of([teller, other], [one]) == other
+    assert every.next_of([teller], [other]) is None
+    assert every.next_of([teller], []) == teller
+
+
 def test_others_of_a_design_go_on_from_what_its_twins_were_asked_with():
     kept = {(each.name, *each.options): (each.kept, each.shared) for each in every.IN_ORDER}
     asked = ("localization/twin_design", "--target", "pixel")

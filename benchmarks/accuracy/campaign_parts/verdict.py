@@ -20,7 +20,7 @@ class Verdict:
 
     reason: why it was not judged. frequency: Hz. true, told, doubt: relative errors of Rs and of
     Cp, shape (2, interface, frequency): against the reference, by the answer, and of the reference.
-    seconds: to the answer, and to the reference.
+    seconds: of a processor, to the answer, and to the reference.
     """
 
     kind: str
