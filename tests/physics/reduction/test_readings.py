@@ -5,7 +5,6 @@ import itertools
 import numpy as np
 import pytest
 from rcskin.simulator.fem.estimate import relative_difference
-from rcskin.simulator.models.network.kernel import admittances_readable
 from rcskin.simulator.models.network.skin import NetworkSkin
 from rcskin.simulator.models.network.terminals import chain, read, trained
 from rcskin.simulator.models.reduced.greedy import reduce
@@ -123,18 +122,6 @@ def test_a_network_gives_all_readings_at_once(scene, model):
     batch = PressBatch(cells, rises, np.array([0, 1, 3, 9, 9]))
     found = network.impedances(network.wiring(scene.interfaces), network.admittances(batch))
     assert apart(found, skin.sweeps(batch), scene) <= 1e-6
-
-
-def test_the_kernel_is_its_readable_twin(scene, model):
-    """The same cells more and less pressed, in the other order, and nothing in between."""
-    network = NetworkSkin(model.skin(None))
-    both, turned, none = np.array([0, 5]), np.array([5, 0]), np.array([], dtype=np.int64)
-    one, everywhere = np.array([3]), np.array([0, 1, 2, 3, 4, 5])
-    cells = [one, one, both, both, both, turned, none, none, one, both, everywhere, everywhere]
-    random = np.random.default_rng(0)
-    batch = PressBatch.of((each, random.uniform(-0.5, 2.0, len(each))) for each in cells)
-    truth = admittances_readable(network.skin.rest, batch, network.s)
-    np.testing.assert_allclose(network.admittances(batch), truth, rtol=1e-10)
 
 
 def test_terminals_at_one_potential_are_in_parallel(scene, model):
