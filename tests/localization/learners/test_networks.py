@@ -17,7 +17,8 @@ from sklearn import clone
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
 FEW = ((2e-2, 80), (2e-3, 20))
-FEWER = ((2e-3, 4000), (5e-4, 1000))
+OF_COLUMNS = ((2e-3, 4000), (5e-4, 1000))
+OF_POSITIONS = ((2e-3, 800), (5e-4, 200))
 SCENE = "[skin]\nlength = 0.06\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 6\n"
 SEEN = ("dlnZ", "dphase", "lnZ0", "phase0")
 
@@ -40,7 +41,7 @@ def mountings(make_sweeps):
 def test_a_network_tells_sweeps_never_seen_and_is_the_same_from_its_file(
     mountings, make_sweeps, tmp_path, monkeypatch, target
 ):
-    small = NetworkClassifier((64, 64), FEWER), NetworkRegressor((64,), FEWER)
+    small = NetworkClassifier((64, 64), OF_COLUMNS), NetworkRegressor((64,), OF_POSITIONS)
     for kinds, network in zip((classifiers, regressors), small, strict=True):
         monkeypatch.setattr(kinds, type(network).__name__, partial(clone, network))
     model = train(mountings, target, "network", quantities=SEEN)
