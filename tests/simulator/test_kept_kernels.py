@@ -19,7 +19,7 @@ SWEEP = ("sweep", "strip-1x3", "--model", "reduced", "--press", "1,1")
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
-    """The package where nothing can be written beside its kernels, by no user."""
+    """The package where whoever runs it can write beside its kernels."""
     root = tmp_path_factory.mktemp("installed")
     for part in PARTS:
         source, copy = PACKAGE / part, root / "rcskin" / part
@@ -28,8 +28,6 @@ def installed(tmp_path_factory):
         else:
             copy.parent.mkdir(exist_ok=True)
             shutil.copyfile(source, copy)
-    for module in (root / "rcskin").rglob("*.py"):
-        (module.parent / "__pycache__").touch()
     return root
 
 
@@ -64,8 +62,8 @@ def kept(folder):
 
 
 @pytest.mark.slow
-def test_a_cache_of_ones_own_is_kept_and_a_spoilt_one_is_made_again(swept, tmp_path):
-    """Of a package that only its owner can write: each user's kernels are in that user's cache."""
+def test_kernels_go_into_the_users_cache_and_a_spoilt_one_is_made_again(installed, swept, tmp_path):
+    """Nothing is added to the package itself, also where that could be written."""
     home, output = tmp_path / "home", tmp_path / "all.nc"
     first = swept(output, HOME=str(home))
     files = kept(home)
@@ -79,6 +77,7 @@ def test_a_cache_of_ones_own_is_kept_and_a_spoilt_one_is_made_again(swept, tmp_p
         ".nbc",
     }
     assert set(before) <= set(kept(home))
+    assert not kept(installed)
 
 
 def test_no_kernel_needs_a_folder_to_be_kept_in(installed, tmp_path):
@@ -111,45 +110,57 @@ def test_a_cache_that_cannot_be_written_is_done_without(swept, tmp_path):
 
 
 KERNEL = """
+from factor import FACTOR
 from rcskin.simulator.fem.compiled import compiled
 
 @compiled()
-def doubled(x):
-    return 2 * x
+def scaled(x):
+    return FACTOR * x
 
-assert doubled(21) == 42
+print(scaled(21))
 """
 
 
 @pytest.fixture
-def doubled(tmp_path):
-    """A function that runs a script with a kernel in a process of its own."""
-    script = tmp_path / "script" / "doubled.py"
+def scaled(tmp_path):
+    """A function that runs a script with a kernel in a process of its own: 21 times a factor."""
+    script = tmp_path / "script" / "scaled.py"
     script.parent.mkdir()
     script.write_text(KERNEL)
 
-    def ended(folder):
-        settings = {**os.environ, "NUMBA_CACHE_DIR": str(folder), "HOME": str(folder)}
+    def of(factor=2, **settings):
+        (script.parent / "factor.py").write_text(f"FACTOR = {factor}")
+        unset = {name: path for name, path in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+        settings = {**unset, "PYTHONDONTWRITEBYTECODE": "1", **settings}
         command = [sys.executable, "-W", "error", str(script)]
         done = subprocess.run(command, env=settings, capture_output=True, text=True, timeout=300)
         assert (done.returncode, done.stderr) == (0, "")
+        return int(done.stdout)
 
-    return ended
+    return of
+
+
+def test_a_kernel_is_kept_for_its_user_and_for_what_it_was_compiled_from(scaled, tmp_path):
+    """Not beside its source; a number imported from another file is compiled in."""
+    settings = {"HOME": str(tmp_path / "home"), "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    settings["LOCALAPPDATA"] = settings["XDG_CACHE_HOME"]
+    assert [scaled(factor, **settings) for factor in (2, 3)] == [42, 63]
+    assert kept(tmp_path) and not kept(tmp_path / "script")
 
 
 @pytest.mark.parametrize("ending", ["nbi", pytest.param("nbc", marks=pytest.mark.slow)])
-def test_a_spoilt_file_of_a_kernel_is_as_none(doubled, tmp_path, ending):
-    doubled(tmp_path)
-    (spoilt,) = tmp_path.rglob(f"*.{ending}")
+def test_a_spoilt_file_of_a_kernel_is_as_none(scaled, tmp_path, ending):
+    folder = tmp_path / "chosen"
+    scaled(NUMBA_CACHE_DIR=str(folder))
+    (spoilt,) = folder.rglob(f"*.{ending}")
     spoilt.write_bytes(b"no kernel")
-    doubled(tmp_path)
-    assert b"no kernel" not in {file.read_bytes() for file in kept(tmp_path)}
+    assert scaled(NUMBA_CACHE_DIR=str(folder)) == 42
+    assert b"no kernel" not in {file.read_bytes() for file in kept(folder)}
 
 
-def test_a_kernel_without_a_folder_is_compiled_each_time(doubled, tmp_path):
-    (tmp_path / "script" / "__pycache__").touch()
+def test_a_kernel_without_a_folder_is_compiled_each_time(scaled, tmp_path):
     (tmp_path / "file").touch()
-    doubled(tmp_path / "file" / "cache")
+    assert scaled(NUMBA_CACHE_DIR=str(tmp_path / "file" / "cache")) == 42
     assert not kept(tmp_path)
 
 
