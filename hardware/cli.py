@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .options import Accuracy, Baud, ControlAddress, Interfaces, Resource, Timeout
+from .options import Accuracy, Baud, ControlAddress, Interfaces, Resource, Timeout, complete_scene
 from .record.command import record_command
 from .record.output import gather_command
 from .virtual.simulation import Simulation
@@ -21,7 +21,11 @@ CONTROL = "127.0.0.1:3501"
 
 def meter_app(simulation: Simulation) -> typer.Typer:
     """The `meter` commands, with a simulation to serve and scenes to record."""
-    app = typer.Typer(help="Serve a virtual LCR meter, or use a real one.", no_args_is_help=True)
+    app = typer.Typer(
+        help="Serve a virtual LCR meter, or use a real one.",
+        no_args_is_help=True,
+        rich_markup_mode=None,
+    )
 
     app.command()(serve_command(simulation))
     app.command()(record_command(simulation.scene))
@@ -35,7 +39,10 @@ def serve_command(simulation: Simulation) -> Callable[..., None]:
     """The command that serves a virtual meter, with a simulation of its skin."""
 
     def serve(
-        scene: Annotated[str | None, typer.Option(help="A built-in scene, or a path.")] = None,
+        scene: Annotated[
+            str | None,
+            typer.Option(help="A built-in scene, or a path.", autocompletion=complete_scene),
+        ] = None,
         recorded: Annotated[
             list[Path] | None, typer.Option(help="Play recorded sweeps instead of a scene.")
         ] = None,

@@ -11,7 +11,7 @@ from typing import Annotated, NoReturn
 
 import typer
 
-from .asked.options import SceneName
+from .asked.options import SceneName, complete_scene
 from .asked.telling import tell_what_is_logged
 from .calibration.command import calibrate
 from .check.command import check, import_sweeps, plot
@@ -32,6 +32,8 @@ app = typer.Typer(
     help="Simulate a capacitive soft sensor skin and localize touches on it.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # text in brackets, such as the name of a table, stays as it is
+    context_settings={"help_option_names": ["--help", "-h"]},
 )
 
 
@@ -46,7 +48,10 @@ def _told_version(asked: bool) -> None:
 @app.callback()
 def common(
     told: Annotated[
-        bool, typer.Option("--version", callback=_told_version, is_eager=True, help="Tell it.")
+        bool,
+        typer.Option(
+            "--version", callback=_told_version, is_eager=True, help="Print the version and exit."
+        ),
     ] = False,
 ) -> None:
     """Simulate a capacitive soft sensor skin and localize touches on it."""
@@ -64,7 +69,10 @@ def help_of(
 
 @app.command()
 def scenes(
-    name: Annotated[str | None, typer.Argument(help="Of the scene whose file is shown.")] = None,
+    name: Annotated[
+        str | None,
+        typer.Argument(help="Of the scene whose file is shown.", autocompletion=complete_scene),
+    ] = None,
 ) -> None:
     """List the built-in scenes, or show the file of one."""
     from rich.console import Console
@@ -100,7 +108,10 @@ def keys() -> None:
 def new(
     output: Annotated[Path, typer.Argument(help="MY.toml, to be changed in an editor.")],
     like: Annotated[
-        str, typer.Option("--from", help="The built-in scene to begin with.")
+        str,
+        typer.Option(
+            "--from", help="The built-in scene to begin with.", autocompletion=complete_scene
+        ),
     ] = "glove",
 ) -> None:
     """Begin a scene of your own: a commented file with every basic key and its unit."""
@@ -126,7 +137,13 @@ def sweep(
     rtol: Annotated[
         float, typer.Option(help="Largest relative error of Rs and of Cp, 1e-8 to 1e-2.")
     ] = 1e-4,
-    model: Annotated[str, typer.Option(help="auto, lumped, line, sheet or reduced.")] = "auto",
+    model: Annotated[
+        str,
+        typer.Option(
+            help="auto, lumped, line, sheet or reduced.",
+            autocompletion=lambda: ["auto", "lumped", "line", "sheet", "reduced"],
+        ),
+    ] = "auto",
     explain: Annotated[
         bool, typer.Option("--explain", help="Print which model served each press, and why.")
     ] = False,
@@ -242,8 +259,13 @@ def _full_stop(error: typer.TyperException) -> str:
 
 
 def with_examples(commands: typer.Typer, examples: Mapping[str, str]) -> None:
-    """Have every command of which there is an example end its help with it."""
+    """Have every command of which there is an example end its help with it.
+
+    Lists of commands show the whole first paragraph of each command's help.
+    """
     for each in commands.registered_commands:
+        first, *_ = (getattr(each.callback, "__doc__", None) or "").split("\n\n")
+        each.short_help = " ".join(first.split())
         name = each.name or getattr(each.callback, "__name__", "")
         each.epilog = f"Example: {examples[name]}" if name in examples else None
 

@@ -16,6 +16,7 @@ from ..options import (
     Interfaces,
     Overwrite,
     Resource,
+    SceneName,
     Settle,
     SwitchName,
     SwitchWith,
@@ -38,7 +39,7 @@ def record_command(
     """The command. scene_data: of a name or path, at interfaces (None: all)."""
 
     def record(
-        scene: Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")],
+        scene: SceneName,
         resource: Resource,
         output: Annotated[Path, typer.Option("--output", "-o", help="OUT.nc or OUT.csv.")],
         repetitions: Annotated[int, typer.Option(help="Sweeps of each pixel.")] = 6,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from . import options
 from .options import Progress, as_typed
 
 if TYPE_CHECKING:
@@ -39,13 +40,24 @@ def gap_command(
         ],
         scene: Annotated[
             str | None,
-            typer.Option(help="Scene of the simulated sweeps; else the one they were made of."),
+            typer.Option(
+                help="Scene of the simulated sweeps; else the one they were made of.",
+                autocompletion=options.complete_scene,
+            ),
         ] = None,
         target: Annotated[
-            str | None, typer.Option(help="column (the default), row or pixel.")
+            str | None,
+            typer.Option(
+                help="column (the default), row or pixel.",
+                autocompletion=lambda: ["column", "row", "pixel"],
+            ),
         ] = None,
         estimator: Annotated[
-            str | None, typer.Option(help="The localizer, by name; ksvm-ovo without.")
+            str | None,
+            typer.Option(
+                help="The localizer, by name; ksvm-ovo without.",
+                autocompletion=options.complete_estimator,
+            ),
         ] = None,
         own: Annotated[
             Path | None,

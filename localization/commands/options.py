@@ -21,16 +21,43 @@ REST = "Sweeps of the skin at rest, where SWEEPS has none and the model is to be
 Progress = Callable[[], AbstractContextManager[Any]]
 """Opens what tells on a terminal how far work has come."""
 
+
+def _targets() -> list[str]:
+    from ..inputs.targets import TARGETS
+
+    return list(TARGETS)
+
+
+def complete_estimator() -> list[str]:
+    """Names of all localizers for the shell."""
+    from ..inversion.registered import ADAPTED, NAME
+    from ..learners.registry import estimators
+
+    return [*estimators(), NAME, ADAPTED]
+
+
+def complete_scene(incomplete: str) -> list[str]:
+    """Names and paths of scenes for the shell."""
+    from ...simulator.sweeps.builtin import scenes_beginning
+
+    return scenes_beginning(incomplete)
+
+
 Target = Annotated[
     str,
     typer.Option(
+        autocompletion=_targets,
         help="column, row, pixel, touches (how many), pair (none to two pixels) or "
-        "position (mm, and strength)."
+        "position (mm, and strength).",
     ),
 ]
 Name = Annotated[
     str | None,
-    typer.Option("--estimator", help="By name; another name tells those there are."),
+    typer.Option(
+        "--estimator",
+        help="By name; another name tells those there are.",
+        autocompletion=complete_estimator,
+    ),
 ]
 Quantities = Annotated[
     str,
@@ -53,7 +80,12 @@ Certain = Annotated[
 ]
 Tune = Annotated[bool, typer.Option("--tune", help="Choose parameters by cross-validation.")]
 Most = Annotated[int, typer.Option(help=MOST)]
-Charts = Annotated[str, typer.Option(help="What charts are: png, svg or pdf.")]
+Charts = Annotated[
+    str,
+    typer.Option(
+        help="What charts are: png, svg or pdf.", autocompletion=lambda: ["png", "svg", "pdf"]
+    ),
+]
 Rest = Annotated[list[Path] | None, typer.Option(help=REST)]
 Anyway = Annotated[
     bool, typer.Option("--anyway", help="Ask even if the sweeps are of another skin.")

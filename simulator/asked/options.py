@@ -4,7 +4,18 @@ from typing import Annotated
 
 import typer
 
-SceneName = Annotated[str, typer.Argument(help="A built-in scene's name, or a path.")]
+
+def complete_scene(incomplete: str) -> list[str]:
+    """Names and paths of scenes for the shell."""
+    from ..sweeps.builtin import scenes_beginning
+
+    return scenes_beginning(incomplete)
+
+
+SceneName = Annotated[
+    str,
+    typer.Argument(help="A built-in scene's name, or a path.", autocompletion=complete_scene),
+]
 Interfaces = Annotated[
     list[str] | None, typer.Option(help="Only this one of the scene's; may be repeated.")
 ]
@@ -17,4 +28,9 @@ TouchFactor = Annotated[
 AgainstRest = Annotated[
     int, typer.Option(help="Sweeps of the skin at rest that each sweep is compared with.")
 ]
-Charts = Annotated[str, typer.Option(help="What charts are: png, svg or pdf.")]
+Charts = Annotated[
+    str,
+    typer.Option(
+        help="What charts are: png, svg or pdf.", autocompletion=lambda: ["png", "svg", "pdf"]
+    ),
+]

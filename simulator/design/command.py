@@ -22,7 +22,11 @@ def design(
         Path, typer.Option("--output", "-o", help="Folder for design.toml, tables and report.")
     ] = FOLDER,
     target: Annotated[
-        str | None, typer.Option(help="What is to be told: pixel, column, row, pair or position.")
+        str | None,
+        typer.Option(
+            help="What is to be told: pixel, column, row, pair or position.",
+            autocompletion=lambda: ["pixel", "column", "row", "pair", "position"],
+        ),
     ] = None,
     want: Annotated[
         float | None, typer.Option(help="Share of sweeps that is to be right, 0 to 1.")

@@ -20,8 +20,9 @@ def frequencies(
     criterion: Annotated[
         str,
         typer.Option(
+            autocompletion=lambda: ["position", "column", "pixel"],
             help="position: the bound on the distance from the touch, rms over the sheet; column "
-            "or pixel: the distance of the nearest two in the meter's errors."
+            "or pixel: the distance of the nearest two in the meter's errors.",
         ),
     ] = "position",
     band: Annotated[

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pydantic import Field, ValidationError, model_validator
 
 from ..sweeps import InputError, checked_output, whole_file
+from ..sweeps.builtin import BUILTIN, builtin_names
 from ..sweeps.file_kinds import check_file_kind
 from ..sweeps.units import in_si
 from .maps import MOST_VALUES, Factor
@@ -134,14 +135,6 @@ def _reduced(values: NDArray[np.float64], rows: int, columns: int) -> NDArray[np
     old = [np.linspace(0, 1, n + 1) for n in values.shape]
     new = [np.linspace(0, 1, n + 1) for n in (rows, columns)]
     return shared(old[0], new[0]).T @ values @ shared(old[1], new[1])
-
-
-BUILTIN = Path(__file__).parents[1] / "scenes"
-
-
-def builtin_names() -> list[str]:
-    """The names of the scenes that come with the package."""
-    return sorted(path.stem for path in BUILTIN.glob("*.toml"))
 
 
 def builtin_text(name: str) -> str:

@@ -46,7 +46,12 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
                 "those above are left out."
             ),
         ] = None,
-        target: Annotated[str, typer.Option(help="column, row or pixel.")] = "column",
+        target: Annotated[
+            str,
+            typer.Option(
+                help="column, row or pixel.", autocompletion=lambda: ["column", "row", "pixel"]
+            ),
+        ] = "column",
         draws: Annotated[
             int, typer.Option(help="How often presses and readings are drawn anew.")
         ] = 3,
