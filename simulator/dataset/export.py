@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..sweeps import InputError, check_needs, checked_output, open_zarr, read, whole_file
+from ..sweeps.digests import seal_binary, seal_text
+from ..sweeps.formats import netcdf
 from ..sweeps.formats.csv import append_csv
 from ..sweeps.schema import DIMENSIONS, QUANTITIES, TAKEN, taken_of
 
@@ -36,7 +38,7 @@ def export(data: Path, output: Path) -> Mapping[str, int]:
     with opened as sweeps, whole_file(output) as unfinished:
         try:
             writers[output.suffix](sweeps, unfinished)
-        except RuntimeError as error:  # of what decompresses the data set
+        except netcdf.DAMAGED as error:  # of what decompresses the data set
             raise InputError(f"{data}: damaged, cannot be read: {error}") from error
         return {name: sweeps.sizes[name] for name in DIMENSIONS}
 
@@ -85,6 +87,7 @@ def _write_csv(sweeps: xr.Dataset, path: Path) -> None:
     kept = sweeps.drop_vars([name for name in sweeps.data_vars if name not in told])
     for first, part in _parts(kept):
         append_csv(part, path, first)
+    seal_text(path)
 
 
 def _write_parquet(sweeps: xr.Dataset, path: Path) -> None:
@@ -109,18 +112,18 @@ def _write_netcdf(sweeps: xr.Dataset, path: Path) -> None:
     """Variable by variable and chunk by chunk."""
     import netCDF4
 
-    with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
+    with netcdf.LOCK, netCDF4.Dataset(path, "w", format="NETCDF4") as file:
         file.setncatts(_plain(sweeps.attrs))
         for name, size in sweeps.sizes.items():
             file.createDimension(str(name), size)
         for name, variable in sweeps.variables.items():
             _copy(file, str(name), variable, _labels(sweeps, str(name)))
+    seal_binary(path)
 
 
 def _copy(file: Any, name: str, variable: xr.Variable, labels: str) -> None:
     text = variable.dtype.kind in "OUT"
-    kind = str if text else np.dtype(variable.dtype).newbyteorder("=")
-    target = file.createVariable(name, kind, variable.dims)
+    target = netcdf.created(file, name, variable.dtype, variable.dims)
     target.setncatts(_plain(variable.attrs) | ({"coordinates": labels} if labels else {}))
     rows = max(1, VALUES_AT_ONCE * variable.shape[0] // max(1, variable.size))
     for first in range(0, variable.shape[0], rows):

@@ -18,7 +18,7 @@ from pydantic import Field, ValidationError, model_validator
 from ..sweeps import InputError, checked_output, whole_file
 from ..sweeps.builtin import BUILTIN, builtin_names
 from ..sweeps.file_kinds import check_file_kind
-from ..sweeps.units import in_si
+from ..sweeps.units import in_si, plain_number
 from .maps import MOST_VALUES, Factor
 from .planar import shared
 from .scene import Scene
@@ -106,14 +106,25 @@ def _grid(asked: MapFile, key: str, folder: Path) -> NDArray[np.float64]:
 
 
 def _table(path: Path) -> NDArray[np.float64]:
-    with path.open(newline="", encoding="utf-8-sig") as lines:
-        rows = [[float(value) for value in row] for row in csv.reader(lines) if row]
+    with path.open(newline="", encoding="utf-8-sig") as file:
+        lines = csv.reader(file)
+        rows = [
+            [_factor(cell, lines.line_num, place) for place, cell in enumerate(row, start=1)]
+            for row in lines
+            if row
+        ]
     if not rows or len({len(row) for row in rows}) > 1:
         raise ValueError("must be lines of equally many numbers, parted by commas")
-    values = np.array(rows)
-    if not (np.isfinite(values).all() and (values > 0).all()):
-        raise ValueError(f"all factors must be finite and > 0, got {values.min():g}")
-    return values
+    return np.array(rows)
+
+
+def _factor(cell: str, line: int, place: int) -> float:
+    value = plain_number(cell)
+    if not 0 < value < np.inf:
+        raise ValueError(
+            f"line {line}, column {place}: all factors must be finite and > 0, got {cell!r}"
+        )
+    return value
 
 
 def _picture(path: Path, asked: MapFile) -> NDArray[np.float64]:

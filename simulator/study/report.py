@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..sweeps import whole_file
+from ..sweeps.formats.netcdf import write_dataset
 from .axis import Axis
 from .keys import ALL_PIXELS, BOTH_SHEETS, Key, with_values
 
@@ -26,7 +27,7 @@ def write_table(findings: xr.Dataset, path: Path) -> None:
     """Write a study as NetCDF, or as CSV with a line for each point, by the path's ending."""
     with whole_file(path) as unfinished:
         if path.suffix == ".nc":
-            findings.to_netcdf(unfinished, engine="netcdf4")
+            write_dataset(findings, unfinished)
         else:
             table = findings.rename(IN_HERTZ).to_dataframe().reset_index()
             table.to_csv(unfinished, index=False, lineterminator="\n")

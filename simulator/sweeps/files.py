@@ -6,16 +6,17 @@ import atexit
 import os
 import shutil
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .digests import check_store, seal_store
 from .errors import InputError
 from .file_kinds import check_file_kind
 from .formats.csv import read_csv, write_csv, write_rows
-from .formats.netcdf import write_table
+from .formats.netcdf import DAMAGED, read_dataset, write_dataset, write_table
 from .needs import check_needs
 from .schema import QUANTITIES, check
 from .table import DIMENSIONS, Table
@@ -57,7 +58,7 @@ def read(path: str | Path) -> xr.Dataset:
     Raises InputError naming the file where it is absent, of another kind, or breaks the schema.
     """
     path = Path(path)
-    readers = {".nc": _read_netcdf, ".zarr": _read_zarr, ".csv": read_csv}
+    readers = {".nc": read_dataset, ".zarr": _read_zarr, ".csv": read_csv}
     if path.suffix not in readers:
         check_file_kind(path, "sweeps")
         given = f"got {path.suffix!r}" if path.suffix else "got no ending"
@@ -167,24 +168,25 @@ def _remove(path: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-def _write_netcdf(sweeps: xr.Dataset, path: Path) -> None:
-    sweeps.to_netcdf(path, engine="netcdf4")
-
-
-def _read_netcdf(path: Path) -> xr.Dataset:
-    import xarray as xr
-
-    return xr.load_dataset(path, engine="netcdf4")
-
-
 def _write_zarr(sweeps: xr.Dataset, path: Path) -> None:
+    from zarr.codecs import Crc32cCodec, ZstdCodec
+
+    checked = {"compressors": (ZstdCodec(), Crc32cCodec())}
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Consolidated metadata is currently not part")
-        sweeps.to_zarr(path, mode="w", zarr_format=3, consolidated=True)
+        sweeps.to_zarr(
+            path,
+            mode="w",
+            zarr_format=3,
+            consolidated=True,
+            encoding=dict.fromkeys(sweeps.variables, checked),
+            write_empty_chunks=True,
+        )
+    seal_store(path)
 
 
 OF_TABLES = {".nc": write_table, ".csv": write_rows}
-OF_DATASETS = {".nc": _write_netcdf, ".zarr": _write_zarr, ".csv": write_csv}
+OF_DATASETS = {".nc": write_dataset, ".zarr": _write_zarr, ".csv": write_csv}
 
 
 def _read_zarr(path: Path) -> xr.Dataset:
@@ -202,10 +204,13 @@ def open_zarr(path: Path) -> xr.Dataset:
 
     check_zarr(path)
     try:
+        sealed = check_store(path)
         stored = xr.open_zarr(path)
-    except (OSError, ValueError, KeyError) as error:
+        _check_whole(path, [*map(str, stored.variables)] if sealed else QUANTITIES)
+    except InputError:
+        raise
+    except DAMAGED as error:
         raise InputError(f"{path}: cannot be read as .zarr: {error}") from error
-    _check_whole(path)
     return stored
 
 
@@ -213,16 +218,16 @@ def loaded(stored: xr.Dataset, path: Path) -> xr.Dataset:
     """Sweeps of `open_zarr` in memory. Raises InputError naming the path where they are damaged."""
     try:
         return stored.load()
-    except (OSError, ValueError, RuntimeError) as error:
+    except DAMAGED as error:
         raise InputError(f"{path}: damaged, cannot be read as .zarr: {error}") from error
 
 
-def _check_whole(path: Path) -> None:
-    """Raises InputError where chunks of readings are not there, which would be read as zeros."""
+def _check_whole(path: Path, names: Iterable[str]) -> None:
+    """Raises InputError where chunks of these are not there, which would be read as zeros."""
     import zarr
 
     group = zarr.open_group(path, mode="r")
-    for name in {*QUANTITIES} & {*group.array_keys()}:
+    for name in sorted({*names} & {*group.array_keys()}):
         array = group[name]
         assert isinstance(array, zarr.Array)
         if array.nchunks_initialized < array.nchunks:

@@ -7,6 +7,9 @@ from .errors import InputError
 
 NOISE = 0.05
 """What noise of Rs and of Cp may add to 2 omega Cp Rs, which is 1 at -45 degrees."""
+UNRELATED = 0.05
+"""Share of |1/Z| / omega that no noise and no rounding to two digits puts between Cp and the one
+that follows from Rs and X: another unit, a slip of the pen, a cell that was cut off."""
 
 
 def parallel_capacitance(Z: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64]:
@@ -26,6 +29,29 @@ def series_capacitance(Z: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64
     """
     X = np.asarray(Z, dtype=np.complex128).imag
     return -1 / (2 * np.pi * np.asarray(frequency) * X)
+
+
+def contradicting(
+    Rs: ArrayLike, X: ArrayLike, Cp: ArrayLike, frequency: ArrayLike, tolerance: ArrayLike
+) -> NDArray[np.bool_]:
+    """Where Cp is off Im(1/Z) / omega by more than a share of |1/Z| / omega.
+
+    Rs, X: ohm, Cp: F, shapes (..., frequency). frequency: Hz. tolerance: the share, as a number or
+    of the shape of the frequency. False where Z = 0 or a value is NaN.
+    """
+    Rs, X, Cp = (np.asarray(each, dtype=float) for each in (Rs, X, Cp))
+    size = np.hypot(Rs, X)
+    with np.errstate(over="ignore", invalid="ignore"):
+        off = np.abs(2 * np.pi * np.asarray(frequency) * Cp * size**2 + X)
+        return off > np.asarray(tolerance) * size
+
+
+def unlike(Cp: float, found: float) -> str:
+    """What is to be said of a Cp [F] that contradicts that found from Rs and X."""
+    return (
+        f"does not follow from Rs and X: it is {Cp:.6g} F where they give {found:.6g} F; "
+        "mend its unit or value, or leave the column out"
+    )
 
 
 def branch_reactance(Rs: ArrayLike, Cp: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64]:

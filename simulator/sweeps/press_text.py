@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 from .errors import InputError
 from .schema import UNPRESSED
-from .units import meant
+from .units import meant, plain_number
 
 SYNTAX = (
     "ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR], disc(X,Y,RADIUS)[:FACTOR] or "
@@ -145,7 +145,7 @@ def _strength(given: str, text: str) -> WrittenStrength:
 
 
 def _positive(given: str, name: str, text: str) -> float:
-    value = _float(given)
+    value = plain_number(given)
     if not (math.isfinite(value) and value > 0):
         asked = meant(given)
         raise InputError(
@@ -155,20 +155,13 @@ def _positive(given: str, name: str, text: str) -> float:
 
 
 def _number(given: str, name: str, text: str) -> float:
-    value = _float(given)
+    value = plain_number(given)
     if not math.isfinite(value):
         raise InputError(f"press {text!r}: {name} must be a finite number, got {given.strip()}")
     return value
 
 
-def _float(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan
-
-
 def _in_m(text: str) -> str:
     """A length without its unit."""
     match = LENGTH.fullmatch(text)
-    return text if match is None else repr(_float(match["number"]) / PER_M[match["unit"]])
+    return text if match is None else repr(plain_number(match["number"]) / PER_M[match["unit"]])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from decimal import Decimal, DecimalException
 
@@ -10,6 +11,16 @@ BASES = ("m", "ohm", "Ω", "F", "Hz", "H", "Pa", "N", "rad", "s", "V", "A")
 WRITTEN = re.compile(
     r"(?P<number>[-+]?[\d._]+(?:,\d+)?(?:[eE][-+]?\d+)?)\s*(?P<unit>[^\d\s,][^,]*)?"
 )
+
+PLAIN = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*", re.ASCII)
+
+
+def plain_number(text: str) -> float:
+    """The value of a decimal number with a point; NaN of any other text.
+
+    Python would also read `1_0`, `nan`, `inf` and the digits of other scripts.
+    """
+    return float(text) if PLAIN.fullmatch(text) else math.nan
 
 
 def in_si(text: str) -> str | None:

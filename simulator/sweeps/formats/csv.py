@@ -7,6 +7,7 @@ them out with `comment="#"`.
 from __future__ import annotations
 
 import csv
+import io
 import json
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -16,11 +17,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..digests import OWN_KEYS, UNSEALED, check_text, seal_text
 from ..errors import InputError
-from ..impedance import branch_reactance
+from ..impedance import UNRELATED, branch_reactance, contradicting, parallel_capacitance, unlike
 from ..importing.branch import chosen_at_each, told
 from ..schema import SESSIONS, TAKEN, TIME, build
 from ..table import Table, table_of
+from ..units import plain_number
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,25 +41,33 @@ UNLABELLED = {
     "column": "-1",
     "interface": "unnamed",
 }
+WHOLE = ("sweep", "row", "column", "session")
+MOST_WHOLE = 1e9
+"""Of their values; sessions of more digits are names."""
 NO_SESSIONS = "the file has no column `session`: all its sweeps are taken for one session"
 """What the attribute `session_rule` then says."""
 
 
 def write_csv(sweeps: xr.Dataset, path: Path) -> None:
     """Write sweeps in long form, a line for each reading; they read back to the same bits."""
-    append_csv(sweeps, path, first=0)
+    write_rows(table_of(sweeps, TOLD), path)
+
+
+def write_rows(sweeps: Table, path: Path) -> None:
+    """As `write_csv`."""
+    _append(sweeps, path, 0)
+    seal_text(path)
 
 
 def append_csv(sweeps: xr.Dataset, path: Path, first: int) -> None:
     """Add sweeps in long form to a file, counted on from `first`.
 
-    Attributes and header stand before 0.
+    Attributes and header stand before 0. The digest above is for `seal_text` to fill in at the end.
     """
-    write_rows(table_of(sweeps, TOLD), path, first)
+    _append(table_of(sweeps, TOLD), path, first)
 
 
-def write_rows(sweeps: Table, path: Path, first: int = 0) -> None:
-    """As `append_csv`."""
+def _append(sweeps: Table, path: Path, first: int) -> None:
     axes, shape = sweeps.coordinates, tuple(sweeps.sizes.values())
     taken = axes[TAKEN].values.astype(bool) if TAKEN in axes else np.ones(shape[1:], dtype=bool)
     read = sweep, interface, frequency = np.nonzero(np.broadcast_to(taken, shape))
@@ -72,7 +83,7 @@ def write_rows(sweeps: Table, path: Path, first: int = 0) -> None:
     with path.open("w" if first == 0 else "a", encoding="utf-8", newline="") as file:
         rows = csv.writer(file, lineterminator="\n")
         if first == 0:
-            file.write(_commented(sweeps.attrs))
+            file.write(UNSEALED + _commented(sweeps.attrs))
             rows.writerow(columns)
         rows.writerows(zip(*(table[name].tolist() for name in columns), strict=True))
 
@@ -87,15 +98,20 @@ def read_csv(path: Path) -> xr.Dataset:
     numbers or names; where their column is absent, the attribute `session_rule` says what follows.
 
     Raises InputError naming the file, and the line and column where there is one: an absent column,
-    a cell that is not a number, a sweep with other readings than the first.
+    a cell that is not a plain decimal number, a sweep with other readings than the first, lines
+    that are not what the checksum above says, a Cp of other Rs and X where there is no checksum.
     """
-    comments = _comments(path)
-    text, attributes = _text(path, len(comments)), _attributes(comments)
+    content = path.read_bytes()
+    sealed = check_text(path, content)
+    comments = _comments(content)
+    text, attributes = _text(path, content, len(comments)), _attributes(comments)
     if "session" not in text:
         attributes["session_rule"] = NO_SESSIONS
         text = text.assign(session="0")
     text, names = _sessions(text)
     table = _numbers(path, text).sort_values(["sweep", "interface", "frequency_Hz"], kind="stable")
+    if not sealed:
+        _check_capacitance(path, table)
     interfaces = list(table["interface"].unique())
     frequency = np.unique(table["frequency_Hz"])
     taken, columns = _readings(path, table, frequency)
@@ -133,10 +149,10 @@ def _commented(attributes: Mapping[Any, Any]) -> str:
     return "".join(f"# {line}\n" for line in text.split("\n")[:-1])
 
 
-def _comments(path: Path) -> list[str]:
+def _comments(content: bytes) -> list[str]:
     """The lines of comment above, without their sign."""
-    with path.open(encoding="utf-8-sig", errors="replace") as file:
-        return [line[1:].removeprefix(" ") for line in takewhile(_is_comment, file)]
+    lines = io.TextIOWrapper(io.BytesIO(content), encoding="utf-8-sig", errors="replace")
+    return [line[1:].removeprefix(" ") for line in takewhile(_is_comment, lines)]
 
 
 def _is_comment(line: str) -> bool:
@@ -146,28 +162,29 @@ def _is_comment(line: str) -> bool:
 def _attributes(comments: Sequence[str]) -> dict[str, Any]:
     """What `_commented` wrote; the comments as they are where they are none of that."""
     try:
-        return tomllib.loads("".join(comments))
+        told = tomllib.loads("".join(comments))
     except tomllib.TOMLDecodeError:
         return {"preamble": "".join(comments)}
+    return {name: value for name, value in told.items() if name not in OWN_KEYS}
 
 
 def _sessions(table: pd.DataFrame) -> tuple[pd.DataFrame, dict[str, str]]:
     """The table with sessions by number, and the attribute of their names where these stood."""
     texts = table["session"]
-    if texts.str.fullmatch(r"[+-]?\d{1,9}").all():
+    if texts.str.fullmatch(r"[+-]?[0-9]{1,9}").all():
         return table, {}
     names = {name: number for number, name in enumerate(dict.fromkeys(texts))}
     told = json.dumps({number: name for name, number in names.items()})
     return table.assign(session=[str(names[text]) for text in texts]), {SESSIONS: told}
 
 
-def _text(path: Path, above: int) -> pd.DataFrame:
+def _text(path: Path, content: bytes, above: int) -> pd.DataFrame:
     """All cells below so many lines as text, indexed by the line of the file they stand on."""
     import pandas as pd
 
     try:
         cells = pd.read_csv(
-            path,
+            io.BytesIO(content),
             header=None,
             dtype=str,
             keep_default_na=False,
@@ -203,21 +220,29 @@ def _numbers(path: Path, table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _finite(path: Path, name: str, column: list[str], lines: list[int]) -> np.ndarray:
-    values = np.array([_float(text) for text in column])
-    bad = np.flatnonzero(~np.isfinite(values))
+    values = np.array([plain_number(text) for text in column])
+    good, kind = np.isfinite(values), "finite"
+    if name in WHOLE:
+        good, kind = good & (values == np.rint(values)) & (np.abs(values) < MOST_WHOLE), "whole"
+    bad = np.flatnonzero(~good)
     if bad.size:
         raise InputError(
-            f"{path}: line {lines[bad[0]]}: `{name}` must be a finite number, "
+            f"{path}: line {lines[bad[0]]}: `{name}` must be a {kind} number, "
             f"got {column[bad[0]]!r}"
         )
     return values
 
 
-def _float(text: str) -> float:
-    try:
-        return float(text)
-    except (TypeError, ValueError):
-        return np.nan
+def _check_capacitance(path: Path, table: pd.DataFrame) -> None:
+    """Raises InputError where Cp is not that of Rs and X, as no reading of a meter is."""
+    if not set(QUANTITIES) <= set(table):
+        return
+    Rs, X, Cp, f = (table[name].to_numpy() for name in (*QUANTITIES, "frequency_Hz"))
+    wrong = contradicting(Rs, X, Cp, f, UNRELATED)
+    if wrong.any():
+        k = int(np.argmax(wrong))
+        found = float(parallel_capacitance(Rs[k] + 1j * X[k], f[k]))
+        raise InputError(f"{path}: line {table.index[k]}: `Cp_F` {unlike(Cp[k], found)}")
 
 
 def _readings(

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import csv
-import math
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..digests import check_text
 from ..errors import InputError
+from ..units import PLAIN, plain_number
 from .columns import UNITS, Column, recognised
 
 SEPARATORS = {"\t": "tab", ";": "semicolon", ",": "comma"}
 COMMENTS = "#%;"
-NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 FAILED = 1e30
 """From this size on a number is a meter's code for "no reading" (9.9E+37, 999999E+28)."""
 
@@ -52,7 +51,7 @@ class Table:
 
     def _number(self, line: int, column: Column, text: str) -> float:
         plain = text.replace(",", ".") if self.decimal == "," else text
-        value = float(plain) if NUMBER.fullmatch(plain) else math.nan
+        value = plain_number(plain)
         mixed = self.decimal == "," and "." in text
         if mixed or not abs(value) < FAILED:
             which = "number with a decimal comma, as others are" if mixed else "finite number"
@@ -87,6 +86,7 @@ def _lines(path: Path) -> list[str]:
         content = path.read_bytes()
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    check_text(path, content)
     encoding = "utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
     try:
         text = content.decode(encoding)
@@ -138,7 +138,7 @@ def _by_what_they_hold(path: Path, line: int, names: list[str]) -> dict[str, Col
 
 def _unit_row(names: list[str], cells: list[str]) -> list[str]:
     """The names with the units of a line of units behind them; none where it is no such line."""
-    if len(cells) != len(names) or any(NUMBER.match(cell) for cell in cells):
+    if len(cells) != len(names) or any(PLAIN.match(cell) for cell in cells):
         return []
     with_units = [f"{name} [{unit}]" for name, unit in zip(names, cells, strict=True)]
     known = [column for column in map(recognised, with_units) if column]

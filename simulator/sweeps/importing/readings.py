@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..impedance import branch_reactance, parallel_capacitance
+from ..impedance import UNRELATED, branch_reactance, contradicting, parallel_capacitance, unlike
 from .dialect import Table
 
 Reals = NDArray[np.float64]
@@ -54,9 +54,24 @@ def impedance_readings(table: Table) -> Readings:
     _refuse(table, (second == 0) & (pair[1] == "Cs"), "Cs must not be 0 F")
     Z = _impedance(table, pair, first, second, f)
     _refuse(table, Z == 0, "Z is 0 ohm, which no reading is")
-    displayed = "Cp" in table.columns
-    Cp = np.array(table.numbers("Cp")) if displayed else parallel_capacitance(Z, f)
-    return Readings(f, Z, Cp, pair)
+    return Readings(f, Z, _capacitance(table, pair, Z, f), pair)
+
+
+def _capacitance(table: Table, pair: tuple[str, str], Z: NDArray[np.complex128], f: Reals) -> Reals:
+    """Cp in F as the file has it, else as it follows from Z; a column of zeros was not read.
+
+    Raises InputError naming the line where it contradicts Z.
+    """
+    found = parallel_capacitance(Z, f)
+    displayed = np.array(table.numbers("Cp")) if "Cp" in table.columns else np.zeros(0)
+    if not displayed.any():
+        return found
+    wrong = contradicting(Z.real, Z.imag, displayed, f, UNRELATED)
+    if wrong.any() and pair != ("Rs", "Cp"):
+        k = int(np.argmax(wrong))
+        name = table.columns["Cp"].name
+        raise table.error(table.rows[k][0], f"`{name}` {unlike(displayed[k], found[k])}")
+    return displayed
 
 
 def _pair(table: Table) -> tuple[str, str]:

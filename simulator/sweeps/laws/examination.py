@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..schema import impedance, read_at
+from ..impedance import contradicting
+from ..schema import DIMENSIONS, impedance, read_at
 from .kramers_kronig import RESOLUTION, fit_passive
 from .noise import NEIGHBOURS, Allowance, local_scale, repeatability, roughness
 from .passivity import Violation
@@ -19,7 +20,11 @@ if TYPE_CHECKING:
 
 FEWEST_FREQUENCIES = 6
 LAWS = 6
+"""That noise may break."""
 KRAMERS_KRONIG = "Kramers-Kronig"
+OF_ONE_READING = "Cp = Im(1/Z)/omega"
+DISPLAYED = 1e-3
+"""Of |1/Z|/omega: what a display of four digits leaves open of Cp beside Rs and X."""
 TOLERANCE = 0.02
 
 
@@ -113,6 +118,7 @@ def _examine_interface(
     sweeps: xr.Dataset, name: str, noise: float | None, tolerance: float, readings: int
 ) -> list[Judgement]:
     Z, frequency = impedance(sweeps)[:, 0], sweeps["frequency"].values
+    Cp = sweeps["Cp"].transpose(*DIMENSIONS).values[:, 0]
     if not np.abs(Z).all():
         raise InputError(f"interface {name}: Z is 0 ohm at some frequency, which no reading is")
     groups = list(zip(sweeps["press"].values, sweeps["session"].values, strict=True))
@@ -129,7 +135,7 @@ def _examine_interface(
             yardstick.noise,
             yardstick.origin,
             _allowed(spectrum, yardstick),
-            _violations(sweep, name, spectrum, yardstick),
+            _violations(sweep, name, spectrum, yardstick, Cp[sweep]),
         )
         for sweep, spectrum in enumerate(spectra)
     ]
@@ -191,10 +197,18 @@ def _unbiased_residual(spectrum: Spectrum) -> NDArray[np.complex128]:
 
 
 def _violations(
-    sweep: int, interface: str, spectrum: Spectrum, yardstick: _Yardstick
+    sweep: int,
+    interface: str,
+    spectrum: Spectrum,
+    yardstick: _Yardstick,
+    Cp: NDArray[np.float64],
 ) -> tuple[Violation, ...]:
+    """Cp: F, as it is stored beside Rs and X, shape (frequency,)."""
     laws = _signs(spectrum, yardstick) | _monotony(spectrum, yardstick)
     laws[KRAMERS_KRONIG] = _inconsistent(spectrum, yardstick)
+    slack = DISPLAYED + yardstick.limit * yardstick.noise
+    Z, frequency = spectrum.Z, spectrum.frequency
+    laws[OF_ONE_READING] = contradicting(Z.real, Z.imag, Cp, frequency, slack)
     return tuple(
         Violation(sweep, interface, law, tuple(spectrum.frequency[broken].tolist()))
         for law, broken in laws.items()

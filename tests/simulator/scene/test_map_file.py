@@ -56,8 +56,11 @@ def test_large_pictures_are_reduced_to_means_where_asked(mapped, tmp_path):
     [
         ("none.csv", None, [], "`skin.top.map.path` .*none.csv: no such file"),
         ("a.csv", "1,2\n3\n", [], "must be lines of equally many numbers"),
-        ("a.csv", "1,-2\n", [], "all factors must be finite and > 0, got -2"),
-        ("a.csv", "1,x\n", [], "cannot be read: could not convert string to float: 'x'"),
+        ("a.csv", "1,-2\n", [], "line 1, column 2: all factors must be finite and > 0, got '-2'"),
+        *(
+            ("a.csv", f"1,1\n2,{cell}\n", [], f"line 2, column 2: all factors .* got '{cell}'")
+            for cell in ("x", "1_0", "٣", "nan", "inf")
+        ),
         ("a.csv", "1,2\n", ["low = 1.0"], "low and high are for pictures"),
         ("a.png", "no picture", ["low = 1.0", "high = 2.0"], "cannot be read: cannot identify"),
         ("a.png", "", [], "low and high must be given"),

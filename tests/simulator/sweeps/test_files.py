@@ -56,6 +56,8 @@ def test_netcdf_and_zarr_keep_everything(make_sweeps, tmp_path, name):
 def test_csv_is_long_form_with_the_agreed_header(make_sweeps, tmp_path):
     write(make_sweeps(), tmp_path / "all.csv")
     lines = (tmp_path / "all.csv").read_text().splitlines()
+    assert [line.split(" = ")[0] for line in lines[:2]] == ["# rcskin_sha256", "# rcskin_lines"]
+    lines = lines[2:]
     assert lines[0] == HEADER
     assert len(lines) == 1 + 2 * 2 * 3
     assert lines[7].startswith('1,"1,1:2.0",1,1,0,left,1000.0,')
@@ -121,6 +123,25 @@ def test_a_byte_order_mark_is_no_part_of_the_header(csv):
         (lines_of("1e3,1,nan"), "line 2: `X_ohm` must be a finite number, got 'nan'"),
         (lines_of("1e3,1,-1", "2e3,inf,-1"), "line 3: `Rs_ohm` must be a finite number"),
         (lines_of("1e3,1,-1", "", "2e3,one,-1"), "line 4: `Rs_ohm` must be a finite number"),
+        *(
+            (
+                lines_of(f"{text},1,-1"),
+                f"line 2: `frequency_Hz` must be a finite number, got '{text}'",
+            )
+            for text in ("1_0", "٣", "１", "0x10", "1e9999", "1 0", "infinity")
+        ),
+        *(
+            (
+                lines_of(f"{text},1,1,-1", header=f"{name},frequency_Hz,Rs_ohm,X_ohm"),
+                f"line 2: `{name}` must be a whole number, got '{text}'",
+            )
+            for name in ("sweep", "row", "column")
+            for text in ("1.7", "1e300", "٣", "1_0")
+        ),
+        (
+            lines_of("1e3,3,-4,7e-12", header="frequency_Hz,Rs_ohm,X_ohm,Cp_F"),
+            "line 2: `Cp_F` does not follow from Rs and X: it is 7e-12 F where they give 2.5",
+        ),
         (lines_of("1e3,1,-1", "2e3,1"), "line 3: `X_ohm` must be a finite number"),
         (lines_of("1e3,1,-1", "2e3,1,-1,7"), "line 3"),
         (lines_of("1e3,1,-1,7"), "not a CSV of sweeps"),

@@ -45,10 +45,20 @@ def test_a_table_may_name_the_skin_at_rest_by_row_and_column_0(table):
 
 
 def test_what_the_meter_displayed_as_Cp_is_kept_beside_Rs_and_X(table):
-    sweeps = table("f/Hz,Rs,X,Cp (pF)", "1e3,3,-4,7")
+    sweeps = table("f/Hz,Rs,X,Cp (uF)", "1e3,3,-4,25.5")
     assert impedance(sweeps).item() == 3 - 4j
-    assert sweeps["Cp"].item() == pytest.approx(7e-12)
+    assert sweeps["Cp"].item() == pytest.approx(25.5e-6)
     assert sweeps.attrs["quantities"] == "Rs and X"
+
+
+def test_a_Cp_that_is_not_that_of_Rs_and_X_is_refused_and_zeros_are_no_readings(table):
+    with pytest.raises(
+        InputError, match="line 3: `Cp` does not follow from Rs and X: it is 25.5 F"
+    ):
+        table("f/Hz,Rs,X,Cp", "1e3,3,-4,25.5e-6", "2e3,3,-4,25.5")
+    found = parallel_capacitance([3 - 4j, 3 - 5j], [1e3, 2e3])
+    sweeps = table("f/Hz,Rs,X,Cp/uF", "1e3,3,-4,0", "2e3,3,-5,0")
+    np.testing.assert_array_equal(sweeps["Cp"].values.ravel(), found)
 
 
 def test_Rs_and_Cp_are_read_on_the_stated_branch(table):
