@@ -119,11 +119,17 @@ def correct(
     from .meter.correction import correct as acquire
     from .meter.ending import ending_in_order
     from .meter.hioki import open_meter
+    from .record.station import Station
 
-    with ending_in_order(), open_meter(resource, timeout, baud) as meter:
-        acquire(meter, kind.lower(), extent.upper())
-        state = meter.open_correction, meter.short_correction
-    typer.echo(f"open correction {state[0]}, short correction {state[1]}")
+    with ending_in_order() as tell:
+        station = Station(lambda: open_meter(resource, timeout, baud), tell=tell)
+        try:
+            meter = station.ready()
+            acquire(meter, kind.lower(), extent.upper())
+            state = meter.open_correction, meter.short_correction
+        finally:
+            station.leave()
+        typer.echo(f"open correction {state[0]}, short correction {state[1]}")
 
 
 def press(

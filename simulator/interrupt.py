@@ -63,8 +63,8 @@ def _watch(signals: socket.socket, heard: threading.Event, over: threading.Event
                 continue
             last = monotonic() + UNWOUND
             told = heard.wait(PATIENCE)
-            if told and ENDING in sys.modules:  # else nothing can be in such a block
-                sys.modules[ENDING].wait()
+            if ENDING in sys.modules:  # else nothing can be in such a block
+                told = sys.modules[ENDING].wait() or told
             if not (told and over.wait(max(last - monotonic(), LEAVE))):
                 cursor = SHOWN_CURSOR if sys.stderr.isatty() else ""
                 sys.stderr.write(f"{cursor}rcskin: interrupted\n")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -132,20 +133,22 @@ def live_command(
         journal = _journal(log, overwrite) if log else None
         localizer = load(model, manner)
         _check_interface(localizer, interface)
-        link = Link(
+        connect = partial(
+            Link,
             localizer,
             lambda: open_meter(resource, timeout, baud),
             read_table(accuracy or DERIVED),
             Limits(drift=drift),
             patience,
             asked_switch(switch, switch_with, settle, localizer.interfaces),
-            lambda text: typer.echo(f"rcskin: {text}", err=True),
+            journal=journal,
         )
         at_rest = _rest(localizer, rest, rest_file, anyway)
         kept = Log(journal)
         paged = _paged(localizer, model, document, port or 0) if page else nullcontext(())
         try:
-            with ending_in_order(), journal.lock() if journal else nullcontext():
+            with ending_in_order() as tell, journal.lock() if journal else nullcontext():
+                link = connect(tell=tell)
                 with paged as others, _showing(localizer, plain, others) as (show, key):
                     _run(Session(localizer, link, at_rest, show, kept, key), sweeps)
         finally:

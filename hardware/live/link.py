@@ -9,11 +9,12 @@ import numpy as np
 
 from ...simulator.sweeps import InputError
 from ..meter.accuracy import AccuracyTable
+from ..meter.ending import shielded
 from ..meter.errors import MeterError, NoConnectionError, ReadingError
 from ..meter.hioki import Meter
 from ..meter.snapshot import require, restore, snapshot
 from ..record.checks import Judge, Limits
-from ..record.journal import Header
+from ..record.journal import Header, Journal
 from ..record.station import Station
 from ..record.sweep import (
     Sweep,
@@ -49,12 +50,13 @@ class Link:
         switch: Switch | None = None,
         tell: Callable[[str], None] = lambda text: None,
         clock: Callable[[], float] = time.perf_counter,
+        journal: Journal | None = None,
     ) -> None:
-        """tell: told of settings that could not be put back in the end. clock: s, of turns."""
+        """tell, journal: as of `Station`. clock: s, of turns."""
         if not 0 < patience <= 1e6:
             raise InputError(f"`patience` must be in (0, 1e6] s, got {patience:g}")
         self._localizer, self._table, self._limits = localizer, table, limits
-        self._station, self._patience = Station(connect, tell=tell), patience
+        self._station, self._patience = Station(connect, tell=tell, journal=journal), patience
         self.turns = Turns(switch, clock) if switch else None
         self._failing_since: float | None = None
         self._wait, self._looked = FIRST_WAIT, 0.0
@@ -136,10 +138,11 @@ class Link:
         return wait
 
     def leave(self) -> None:
-        """Let the meter go as it was found; one that does not answer is left as it is."""
-        self._station.leave()
-        if self.turns:
-            self.turns.close()
+        """Let the meter and the switch go as they were found, as far as they answer."""
+        with shielded():
+            self._station.leave()
+            if self.turns:
+                self.turns.close()
 
     def _begin(self, meter: Meter) -> None:
         localizer = self._localizer

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from enum import IntFlag
+from time import monotonic
 from typing import TypeVar
 
 from .connection import Connection
+from .ending import look
 from .errors import (
     GarbledError,
     LostConnectionError,
@@ -41,11 +44,27 @@ REFUSALS = {
 }
 
 
+@dataclass
+class Pulse:
+    """When a meter last answered, s of `monotonic`, and the longest that an answer took, s.
+
+    What a reading is expected to take is no part of it.
+    """
+
+    at: float = 0.0
+    longest: float = 0.0
+
+
+PULSE = Pulse()
+"""Of all connections: a command works with one meter, however often it connects."""
+
+
 class Conversation:
     """What is said over one connection; after a failure it is brought back into step, or closed."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection, self._closed = connection, False
+        self._astray: float | None = None
 
     @property
     def resource(self) -> str:
@@ -71,12 +90,16 @@ class Conversation:
         about: what errors name instead of the message. seconds: how long the answer may take beyond
         the time-out. Raises RefusedError or RestartedError where
         the event register explains a silence (a message that is unknown has no answer), otherwise
-        NoAnswerError or GarbledError, and LostConnectionError where nothing helps.
+        NoAnswerError or GarbledError, and LostConnectionError where nothing helps. An answer that
+        nobody waited for, because a signal came, is not taken for this one.
         """
+        look()
         self._require_open()
+        if self._astray is not None:
+            self._back_in_step(self._astray)
         try:
-            self._connection.write(message)
-            return self._understood(message, self._connection.read(seconds), parse)
+            answer = self._answered(message, seconds)
+            return self._understood(message, answer, parse)
         except (NoAnswerError, GarbledError) as failure:
             raise self._failure(self._back_in_step(), about or message) or failure from None
         except LostConnectionError:
@@ -112,6 +135,14 @@ class Conversation:
         if failure:
             raise failure
 
+    def _answered(self, message: str, seconds: float) -> str:
+        begun, self._astray = monotonic(), seconds
+        self._connection.write(message)
+        answer = self._connection.read(seconds)
+        self._astray, PULSE.at = None, monotonic()
+        PULSE.longest = max(PULSE.longest, PULSE.at - begun - seconds)
+        return answer
+
     def _understood(self, message: str, answer: str, parse: Callable[[str], Answer]) -> Answer:
         try:
             return parse(answer)
@@ -121,13 +152,18 @@ class Conversation:
                 "and that nothing else talks to the meter"
             ) from error
 
-    def _back_in_step(self) -> Event:
-        """The event register, told in an answer that no earlier question can have."""
+    def _back_in_step(self, seconds: float = 0.0) -> Event:
+        """The event register, told in an answer that no earlier question can have.
+
+        seconds: that the answer before may take beyond the time-out.
+        """
+        self._astray = seconds
         try:
             self._connection.write("*ESR?;*IDN?")
             for _ in range(LATE_ANSWERS):
-                match = IN_STEP.fullmatch(self._anything())
+                match = IN_STEP.fullmatch(self._anything(seconds))
                 if match:
+                    self._astray, PULSE.at = None, monotonic()
                     return _events(match[1])
         except MeterError as failure:
             self.close()
@@ -138,9 +174,9 @@ class Conversation:
             "check that nothing else talks to the meter, then connect again"
         )
 
-    def _anything(self) -> str:
+    def _anything(self, seconds: float) -> str:
         try:
-            return self._connection.read()
+            return self._connection.read(seconds)
         except GarbledError:
             return ""
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 
 from ...simulator.sweeps import InputError
-from .errors import CorrectionError
+from .ending import shielded
+from .errors import CorrectionError, MeterError
 from .hioki import Meter
 
 COMMANDS = {"open": ":CORRection:OPEN", "short": ":CORRection:SHORt"}
@@ -38,7 +40,13 @@ def correct(
     talk.tell(f"{command} {extent}")
     if extent == "OFF":
         return
-    if not _completed(meter, progress, patience, interval):
+    try:
+        completed = _completed(meter, progress, patience, interval)
+    except BaseException:
+        with shielded(), suppress(MeterError):
+            talk.tell(f"{command} CANCel")
+        raise
+    if not completed:
         talk.tell(f"{command} CANCel")
         raise CorrectionError(
             f"{talk.resource}: {kind} correction did not end in {patience:g} s; {ADVICE[kind]}"

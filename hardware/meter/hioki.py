@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from contextlib import suppress
 from typing import Any, ClassVar, Self
 
@@ -13,11 +14,10 @@ from .errors import (
     LostConnectionError,
     MeterError,
     NoConnectionError,
-    RefusedError,
-    RestartedError,
     WrongMeterError,
 )
 from .identity import MODELS, Identity, parse_identity
+from .putting_back import KEEPER, not_as_found, put_back
 from .reading import Reading, parse_reading
 from .setting import Choice, Number, Registers, Report, Setting, Switch, Whole
 
@@ -31,8 +31,7 @@ ROUNDING = 6e-5
 SEARCHES = 3
 """Measurements that a reading may take, the range being searched for."""
 TIMING = ("frequency", "speed", "averaging", "trigger_delay")
-LAST = ("auto_range", "trigger", "header")
-"""Settings that are put back after all others, in this order."""
+LOG = logging.getLogger(__name__)
 
 
 class HiokiMeter:
@@ -83,6 +82,12 @@ class HiokiMeter:
         self.identity = identity or self.talk.ask("*IDN?", parse_identity)
         self.found: dict[str, Any] | None = None
         self.known: dict[str, Any] = {}
+        self._keeper = KEEPER.get()
+
+    def note_found(self) -> None:
+        """As of `Holder`."""
+        if self._keeper:
+            self._keeper.note_found()
 
     def prepare(self) -> None:
         """Set it up so that each reading is new and tells status, Cp, Rs and X. Raises MeterError.
@@ -90,26 +95,26 @@ class HiokiMeter:
         From here on `found` keeps what each setting was before it was set. Settings of range,
         level, speed and correction stay as they are.
         """
-        self.found = {} if self.found is None else self.found
+        if self.found is None:
+            self.found = self._keeper.found(self.identity) if self._keeper else {}
         self.talk.tell("*CLS")
         self.header, self.mode, self.trigger = False, "LCR", "EXTERNAL"
         self.items, self.valid = CP_RS_X, STATUS_AND_VALUES
 
     def put_back(self) -> None:
-        """Set everything that was set to what it was before; what the meter refuses stays.
+        """Set everything that was set to what it was before, as `putting_back`."""
+        put_back(self)
 
-        Raises MeterError where the connection fails; calling it again goes on from there.
-        """
-        with suppress(MeterError):
-            self.talk.check("the end")  # what it was just answering is no answer to what follows
-        kept, self.found = self.found or {}, None
+    def let_go(self) -> None:
+        """Put back what was set, close, and log what was not confirmed; of a keeper it is his."""
         try:
-            for name in sorted(kept, key=lambda name: name in LAST and 1 + LAST.index(name)):
-                with suppress(RefusedError, RestartedError):
-                    getattr(type(self), name).put_back(self, kept[name])
-                kept = {each: value for each, value in kept.items() if each != name}
+            if self._keeper is None:
+                with suppress(MeterError):
+                    self.put_back()
+                if self.found:
+                    LOG.warning("%s: %s", self.talk.resource, not_as_found(self.found))
         finally:
-            self.found = kept
+            self.close()
 
     def read(self) -> Reading:
         """A reading that was started by this call and by nothing before it.
@@ -163,11 +168,7 @@ class HiokiMeter:
         return self
 
     def __exit__(self, *_: object) -> None:
-        try:
-            with suppress(MeterError):
-                self.put_back()
-        finally:
-            self.close()
+        self.let_go()
 
 
 class IM3523(HiokiMeter):
@@ -254,7 +255,7 @@ def start(connection: Connection) -> Meter:
     try:
         meter.prepare()
     except BaseException:
-        meter.__exit__()
+        meter.let_go()
         raise
     return meter
 

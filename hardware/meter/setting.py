@@ -24,6 +24,10 @@ class Holder(Protocol):
     found: dict[str, Any] | None
     known: dict[str, Any]
 
+    def note_found(self) -> None:
+        """`found` has changed, and the meter is about to."""
+        ...
+
 
 class Allowed(Protocol[Told]):
     """Values that a setting may take, and how they are written."""
@@ -205,10 +209,7 @@ class Setting(Report[T]):
         text = self.allowed.write(value)
         if text is None:
             raise InputError(f"`{self.name}` must be {self.allowed}, got {value}")
-        if meter.found is not None:
-            for each in filter(None, (self._moves, self.name)):
-                if each not in meter.found:
-                    meter.found[each] = getattr(type(meter), each).now(meter)
+        self._find(meter)
         meter.talk.tell(f"{self.tell}{text}")
         meter.known[self.name] = self.allowed.read(text)
 
@@ -225,6 +226,16 @@ class Setting(Report[T]):
             return
         for n, value in zip(RANGES, found, strict=True):
             meter.talk.tell(f"{self._command} {n},{self.allowed.write(value)}")
+
+    def _find(self, meter: Holder) -> None:
+        """Keep what it is, and what moves with it, where that is kept and not known yet."""
+        if meter.found is None:
+            return
+        missing = [each for each in (self._moves, self.name) if each and each not in meter.found]
+        for each in missing:
+            meter.found[each] = getattr(type(meter), each).now(meter)
+        if missing:
+            meter.note_found()
 
 
 def _is_number(value: Any) -> bool:

@@ -108,15 +108,14 @@ def record_command(
             session,
             same_mounting,
             asked_switch(switch, switch_with, settle, data.interfaces, ask),
-            lambda text: typer.echo(f"rcskin: {text}", err=True),
         )
         journal = Journal(output)
-        with ending_in_order(), journal.lock(), _how_to_go_on(task):
+        with ending_in_order() as tell, journal.lock(), _how_to_go_on(task):
             check_free(output, overwrite)
             with screen:
-                header, entries = record_task(task, operator)
+                header, entries = record_task(replace(task, tell=tell), operator)
             sweeps = finish(journal, header, dict(enumerate(entries)))
-        typer.echo("; ".join([f"{counted(sweeps.sizes)} -> {output}", *_remarkable(entries)]))
+            typer.echo("; ".join([f"{counted(sweeps.sizes)} -> {output}", *_remarkable(entries)]))
 
     return record
 

@@ -10,7 +10,7 @@ import json
 import os
 import shutil
 from collections.abc import Mapping
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from dataclasses import asdict, dataclass, field, fields
 from datetime import datetime
 from pathlib import Path
@@ -20,7 +20,7 @@ from ...simulator.sweeps import InputError, whole_file
 from ...simulator.sweeps.files import locked
 from .sweep import Sweep, Trace
 
-HEADER, SWEEPS = "recording.json", "[0-9]*.json"
+HEADER, SWEEPS, FOUND = "recording.json", "[0-9]*.json", "meter.json"
 OWN = "of_each"
 """The field of a header that is left out where it is empty."""
 
@@ -105,6 +105,30 @@ class Journal:
             for number, path in ((number, self._path(number)) for number in numbers)
         }
 
+    def keep_found(self, meter: str, settings: Mapping[str, Any]) -> None:
+        """Put on the disk how a meter was found, which answers so to `*IDN?`."""
+        self.folder.mkdir(exist_ok=True)
+        _write(self.folder / FOUND, {"meter": meter, "settings": dict(settings)})
+
+    def found(self) -> tuple[str, dict[str, Any]] | None:
+        """The meter and the settings that it was found with, where they were not put back.
+
+        Raises InputError.
+        """
+        path = self.folder / FOUND
+        if not path.exists():
+            return None
+        match _read(path):
+            case {"meter": str(meter), "settings": dict(settings), **more} if not more:
+                return meter, {name: _tuple(value) for name, value in settings.items()}
+        raise InputError(f"{path}: tells not how the meter was found; take it away to go on")
+
+    def drop_found(self) -> None:
+        """The meter is as it was found."""
+        (self.folder / FOUND).unlink(missing_ok=True)
+        with suppress(OSError):  # there is a recording in it
+            self.folder.rmdir()
+
     def remove(self) -> None:
         """Take the folder away: all of it is in the output."""
         shutil.rmtree(self.folder)
@@ -112,10 +136,10 @@ class Journal:
     def lock(self) -> AbstractContextManager[Path]:
         """Keep other recorders away while the block runs. Raises InputError where one is at work.
 
-        A folder in which nothing was begun is taken away at the end.
+        A folder in which nothing is kept is taken away at the end.
         """
         busy = f"{self.folder}: another recorder is at work on it; end that one first, or give "
-        return locked(self.folder, HEADER, f"{busy}another output")
+        return locked(self.folder, "*.json", f"{busy}another output")
 
     def _path(self, number: int) -> Path:
         return self.folder / f"{number:06d}.json"
@@ -171,6 +195,10 @@ def _entry(content: dict[str, Any], path: Path, asked: tuple[str, ...]) -> Entry
 def _trace(content: dict[str, Any]) -> Trace:
     lists = {name: tuple(value) for name, value in content.items() if isinstance(value, list)}
     return Trace(**{**content, **lists})
+
+
+def _tuple(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
 
 
 def _check_keys(content: dict[str, Any], of: type, path: Path) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...simulator.sweeps import InputError
 from ..meter.accuracy import AccuracyTable
+from ..meter.ending import shielded
 from ..meter.errors import MeterError
 from ..meter.hioki import Meter
 from ..meter.snapshot import apply, require, restore, snapshot
@@ -67,7 +68,7 @@ def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
     entries = journal.entries(header) if header else {}
     if entries and len(entries) < len(task.order) and not task.same_mounting:
         _ask_for_mounting(journal, entries.values(), operator)
-    station = Station(task.connect, header, task.tell)
+    station = Station(task.connect, header, task.tell, journal)
     try:
         if header is None:
             header = _begun(journal, task, station)
@@ -88,9 +89,10 @@ def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
             journal.keep(missing[0], entry)
             entries[missing.popleft()] = entry
     finally:
-        station.leave()
-        if task.switch:
-            task.switch.close()
+        with shielded():
+            station.leave()
+            if task.switch:
+                task.switch.close()
     return header, [entries[number] for number in range(len(task.order))]
 
 

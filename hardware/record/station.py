@@ -1,8 +1,8 @@
-"""The meter of a recording: connected when needed, set as at its begin, put back at its end."""
+"""The meter of a command: connected when needed, set as at its begin, put back at its end."""
 
 from __future__ import annotations
 
-import atexit
+import logging
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -10,36 +10,58 @@ from dataclasses import dataclass, field
 from threading import Thread
 from typing import Any
 
+from ..meter.conversation import PULSE
+from ..meter.ending import look, shielded
 from ..meter.errors import MeterError, WrongMeterError
 from ..meter.hioki import TIMING, Meter
+from ..meter.identity import Identity
+from ..meter.putting_back import KEEPER, not_as_found, written
 from ..meter.snapshot import restore
-from .journal import Header
+from .journal import Header, Journal
 
-PARTING, PAUSE = 2.0, 0.2
-"""Seconds that a meter has to take back its settings, and between tries to reach it."""
+PARTING, SLOWER, PAUSE, POLLED = 2.0, 2.0, 0.2, 0.05
+"""While settings are put back: seconds without any answer after which the meter is given up, beyond
+so many times the longest that an answer took; and between tries to reach it, and looks at that."""
+TRIES = 20
+"""Connections in which they may be put back: of a meter that answers, and never as it should."""
+LOG = logging.getLogger(__name__)
 
 
 @dataclass
 class Station:
-    """One meter, through all its connections. tell: told what could not be put back."""
+    """One meter, through all its connections. tell: told what could not be put back.
+
+    journal: keeps how the meter was found, on the disk before anything is set; what is in it from a
+    command that was killed is put back at the end of this one.
+    """
 
     connect: Callable[[], Meter]
     header: Header | None = None
     tell: Callable[[str], None] = lambda text: None
-    meter: Meter | None = None
+    journal: Journal | None = None
+    meter: Meter | None = field(default=None, init=False)
     _found: dict[str, Any] = field(default_factory=dict, init=False)
     _identity: str = field(default="", init=False)
     _left: bool = field(default=False, init=False)
 
+    def __post_init__(self) -> None:
+        if self.journal and (kept := self.journal.found()):
+            self._identity, self._found = kept
+            LOG.warning(
+                "%s: a command that was cut off left the meter changed; at the end it is put back "
+                "to what it was at first: %s",
+                self.journal.folder,
+                written(self._found),
+            )
+
     def ready(self) -> Meter:
         """The meter, set up. Raises MeterError, WrongMeterError where it is another than before."""
+        look()
         if self.meter is None:
-            meter = self._connected()
-            self.meter = meter
-            atexit.register(self.leave)  # where the process is ended by force
+            self.meter = self._connected()
             try:
                 if self.header is not None:
-                    restore(meter, self.header.settings)
+                    restore(self.meter, self.header.settings)
             except BaseException:
                 self.close()
                 raise
@@ -48,26 +70,49 @@ class Station:
     def close(self) -> None:
         """Let the connection go; `ready` connects anew."""
         if self.meter:
-            self._found = self.meter.found or {}
             self.meter.close()
             self.meter = None
 
     def leave(self) -> None:
         """Put back all settings as they were found, over a new connection if need be, and let go.
 
-        One that does not answer in time is left as it is, and told of.
+        No signal ends that, only a meter that does not answer or a user who insists. What the meter
+        did not confirm is told.
         """
-        if self.meter or self._found:
-            parting = Thread(target=self._put_back, daemon=True)
-            parting.start()
-            parting.join(PARTING + self._under_way())
-            self._left = True
-            found = self.meter.found if self.meter else self._found
-            if found:
-                self.tell(f"the meter does not answer: {', '.join(found)} could not be put back")
-        self.close()
-        self._found = {}
-        atexit.unregister(self.leave)
+        with shielded() as insisting:
+            if self.meter or self._found:
+                parting = Thread(target=self._put_back, daemon=True)
+                begun = time.monotonic()
+                parting.start()
+                while parting.is_alive() and self._patient(begun) and not insisting():
+                    parting.join(POLLED)
+                self._left = True
+            if self._found:
+                self.tell(not_as_found(self._found))
+            elif self.journal:
+                self.journal.drop_found()
+            self.close()
+
+    def found(self, identity: Identity) -> dict[str, Any]:
+        """As of `Keeper`."""
+        expected = self.header.meter if self.header else self._identity or identity.text
+        if identity.text != expected:
+            raise WrongMeterError(
+                f"the recording began with {expected}, now {identity.text} answers; check which "
+                "meter is connected"
+            )
+        self._identity = expected
+        return self._found
+
+    def note_found(self) -> None:
+        """As of `Keeper`."""
+        if self.journal:
+            self.journal.keep_found(self._identity, self._found)
+
+    def _patient(self, begun: float) -> bool:
+        """Whether the meter answered lately, for a line as slow as it is."""
+        silent = time.monotonic() - max(begun, PULSE.at)
+        return silent < PARTING + SLOWER * PULSE.longest + self._under_way()
 
     def _under_way(self) -> float:
         """Seconds that a reading may take which nobody waits for any more."""
@@ -75,24 +120,20 @@ class Station:
         return self.meter.seconds if self.meter and known else 0.0
 
     def _put_back(self) -> None:
-        while not self._left:
+        for _ in range(TRIES):
             with suppress(MeterError):
                 self.meter = self.meter or self._connected()
                 self.meter.put_back()
                 return
             self.close()
+            if self._left:
+                return
             time.sleep(PAUSE)
 
     def _connected(self) -> Meter:
-        """The meter of before, which knows how it was found at first."""
-        meter = self.connect()
-        expected = self.header.meter if self.header else self._identity or meter.identity.text
-        if meter.identity.text != expected:
-            meter.__exit__()
-            raise WrongMeterError(
-                f"{meter.talk.resource}: the recording began with {expected}, now "
-                f"{meter.identity.text} answers; check which meter is connected"
-            )
-        self._identity = expected
-        meter.found = {**(meter.found or {}), **self._found}
-        return meter
+        """The meter, which knows how it was found at first."""
+        before = KEEPER.set(self)
+        try:
+            return self.connect()
+        finally:
+            KEEPER.reset(before)

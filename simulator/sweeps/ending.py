@@ -24,7 +24,9 @@ def waited_for() -> Iterator[None]:
             _left.notify_all()
 
 
-def wait() -> None:
-    """Until all such blocks are left."""
+def wait() -> bool:
+    """Until all such blocks are left; whether there was one."""
     with _left:
+        some = _blocks > 0
         _left.wait_for(lambda: _blocks == 0)
+    return some

@@ -142,8 +142,8 @@ def whole_file(path: Path) -> Iterator[Path]:
 def locked(folder: Path, begun: str, busy: str) -> Iterator[Path]:
     """The folder, made if need be, and no other process's while the block runs.
 
-    At the end it is taken away if there is no file `begun` in it. The system frees the lock of a
-    killed process. Raises InputError, saying `busy`, where another process has it.
+    At the end it is taken away if no file in it has a name like `begun`. The system frees the lock
+    of a killed process. Raises InputError, saying `busy`, where another process has it.
     """
     from filelock import FileLock, Timeout
 
@@ -156,7 +156,7 @@ def locked(folder: Path, begun: str, busy: str) -> Iterator[Path]:
     try:
         yield folder
     finally:
-        if not (folder / begun).exists():
+        if not any(folder.glob(begun)):
             shutil.rmtree(folder, ignore_errors=True)
         lock.release()
 

@@ -1,0 +1,46 @@
+"""A console of Windows that is closed while a command works with a meter."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+CLOSED = (2, 5, 6)
+"""CTRL_CLOSE_EVENT, CTRL_LOGOFF_EVENT, CTRL_SHUTDOWN_EVENT of HandlerRoutine
+(https://learn.microsoft.com/windows/console/handlerroutine)."""
+GRANTED = 4.5
+"""Seconds: Windows ends the process when the handler returns, or 5 s after it was called."""
+
+
+@contextmanager
+def closing_console() -> Iterator[None]:
+    """That the console is closed comes as SIGBREAK, and the block has GRANTED s to end.
+
+    Elsewhere a closed terminal is SIGHUP, and nothing is done here.
+    """
+    if sys.platform != "win32":
+        yield
+        return
+    import ctypes
+    from _thread import interrupt_main
+
+    ended = threading.Event()
+
+    @ctypes.WINFUNCTYPE(ctypes.c_int, ctypes.c_uint)
+    def closed(event: int) -> int:
+        if event not in CLOSED:
+            return 0  # Ctrl-C and Ctrl-Break are signals already
+        interrupt_main(signal.SIGBREAK)
+        ended.wait(GRANTED)
+        return 1
+
+    kernel = ctypes.windll.kernel32
+    kernel.SetConsoleCtrlHandler(closed, 1)
+    try:
+        yield
+    finally:
+        kernel.SetConsoleCtrlHandler(closed, 0)
+        ended.set()
