@@ -90,7 +90,7 @@ def _size(x: float, y: float) -> str:
 def _skin(skin: Skin) -> str:
     size = _size(skin.length, skin.width)
     if skin.mesh is not None:
-        told = f"as {skin.mesh} has it, its pixels on {size}"
+        told = f"as {skin.mesh.source} has it, its pixels on {size}"
     elif skin.outline is None:
         told = f"rectangle of {size}"
     else:

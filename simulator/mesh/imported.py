@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.form.mesh_file import Surface, foil_lines, read_surface
+from ..scene.form.mesh_file import Surface, foil_lines
 from ..scene.planar import Circle, distance, nearest
 from ..scene.skin import Skin
 from ..sweeps import InputError, ToleranceError
@@ -68,9 +68,9 @@ COARSEST = 2.0
 
 def imported(drawing: Drawing) -> Domain:
     """Triangles of the mesh file of a drawing; see `skin_mesh.domain`."""
-    path = drawing.skin.mesh
-    assert path is not None
-    surface = read_surface(path)
+    mesh = drawing.skin.mesh
+    assert mesh is not None
+    path, surface = mesh.source, mesh.surface
     _check(path, surface)
     in_space = len(surface.p) == 3
     if in_space:
@@ -82,10 +82,10 @@ def imported(drawing: Drawing) -> Domain:
     whole = replace(unlabelled(surface.p, surface.t, foils), pixel=pixel)
     by_lines = drawing.between and not groups
     shapes = [_grid(drawing), *drawing.edges] if by_lines else drawing.edges
-    mesh = (_cut_as_seen if in_space else _conforming)(whole, shapes)
-    labels = labelled(drawing, mesh)
+    cut = (_cut_as_seen if in_space else _conforming)(whole, shapes)
+    labels = labelled(drawing, cut)
     if groups is not None:
-        labels = replace(labels, pixel=mesh.pixel)
+        labels = replace(labels, pixel=cut.pixel)
     return replace(labels, out_of_round=OUT_OF_ROUND) if in_space else labels
 
 

@@ -24,10 +24,7 @@ def cell_centres(scene: Scene, grid: tuple[int, int]) -> NDArray[np.float64]:
 
 
 def pixels_with_skin(scene: Scene) -> list[tuple[int, int]]:
-    """(row, column) from 1 of each pixel that has a part of the skin in it, row by row.
-
-    Raises InputError where a mesh file cannot be read.
-    """
+    """(row, column) from 1 of each pixel that has a part of the skin in it, row by row."""
     skin, groups = scene.skin, scene.pixels.groups
     every = [(row + 1, column + 1) for row, column in np.ndindex(*scene.pixels.shape)]
     if groups is not None or (skin.outline is None and skin.mesh is None):

@@ -19,6 +19,7 @@ from ..sweeps import InputError, checked_output, whole_file
 from ..sweeps.builtin import BUILTIN, builtin_names
 from ..sweeps.file_kinds import check_file_kind
 from ..sweeps.units import in_si, plain_number
+from .form.mesh_data import names_a_file
 from .maps import MOST_VALUES, Factor
 from .planar import shared
 from .scene import Scene
@@ -63,10 +64,10 @@ class MapFile(Table):
         return self
 
 
-def with_grids(tables: dict[str, Any], folder: Path) -> dict[str, Any]:
+def with_grids(tables: dict[str, Any], folder: Path | None) -> dict[str, Any]:
     """The tables of a scene, with maps of the kind "file" read into grids.
 
-    folder: what paths are relative to. Raises InputError that names the key.
+    folder: what paths are relative to; None reads none. Raises InputError that names the key.
     """
     skin = tables.get("skin")
     if not isinstance(skin, dict):
@@ -77,10 +78,12 @@ def with_grids(tables: dict[str, Any], folder: Path) -> dict[str, Any]:
     return {**tables, "skin": {**skin, **read}}
 
 
-def _with_grid(part: Any, key: str, folder: Path) -> Any:
+def _with_grid(part: Any, key: str, folder: Path | None) -> Any:
     of_place = part.get("map") if isinstance(part, dict) else None
     if not isinstance(of_place, dict) or of_place.get("kind") != "file":
         return part
+    if folder is None:
+        raise InputError(f"`{key}` {names_a_file(of_place.get('path'))}")
     try:
         asked = MapFile.model_validate(of_place)
     except ValidationError as error:
@@ -204,10 +207,11 @@ def read_scene(path: Path) -> Scene:
         raise InputError(f"{path}: cannot be read: {error}") from error
 
 
-def parse_scene(text: str, source: str, folder: Path = Path()) -> Scene:
+def parse_scene(text: str, source: str, folder: Path | None = None) -> Scene:
     """The scene written in TOML; `source` names it in errors. Raises InputError.
 
-    folder: what the paths of maps and of a mesh are relative to; the maps are read.
+    folder: what the paths of maps and of a mesh, which are read, are relative to. None is of a
+    scene that travels inside another file: it opens none, and one that names any is refused.
     """
     try:
         tables = with_grids(tomllib.loads(text), folder)

@@ -239,7 +239,7 @@ class Scene(Table):
 
     @property
     def driven_by_touch(self) -> list[DrivenByTouch]:
-        """Its contacts that float but touch driven ones; raises InputError for a mesh not read."""
+        """Its contacts that float but touch driven ones."""
         return driven_by_touch(self.contacts, self.interfaces, self.skin)
 
     def on_grid(self, rows: int, columns: int) -> Scene:

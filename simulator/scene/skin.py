@@ -11,13 +11,14 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from .foam_mechanics import Mechanics
-from .form.mesh_file import absolute, read_surface
+from .form.mesh_data import MeshData, read_along
 from .form.outline import Curve, Outline, check_outline
 from .form.shape import Shape, Stretch
 from .frequency import Loss, penetration_depth
+from .keys.tables import OrText
 from .maps import Map
 from .planar import Circle, Points, inside, reach_into, sides
 from .validation import Number, Table, Unit, above_zero, at_least_zero, single_line
@@ -44,7 +45,7 @@ def covers(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Whether there is skin at places x, m, shape (2, ...), as it is seen along z, shape (...)."""
     if skin.mesh is None:
         return on_skin(skin, x)
-    surface = read_surface(skin.mesh)
+    surface = skin.mesh.surface
     found = np.zeros(x.shape[1:], dtype=bool)
     for corners in surface.p[:2, surface.t].transpose(2, 1, 0):
         low, high = corners.min(axis=0), corners.max(axis=0)
@@ -61,7 +62,7 @@ def reaches_into(skin: Skin, low: Sequence[Points], high: Sequence[Points]) -> l
     An edge of it does or the whole rectangle; on a mesh in space, as it is seen along z.
     """
     if skin.mesh is not None:
-        surface = read_surface(skin.mesh)
+        surface = skin.mesh.surface
         triangles = surface.p[:2, surface.t].transpose(2, 1, 0)
         return [reach_into(triangles, *ends) for ends in zip(low, high, strict=True)]
     shapes = [curve.shape for curve in curves(skin)]
@@ -83,7 +84,7 @@ Name = Annotated[str, Field(min_length=1), AfterValidator(single_line)]
 
 Electrode = Literal["top", "bottom"]
 
-MeshPath = Annotated[Name, AfterValidator(absolute)]
+AnyMesh = Annotated[MeshData | None, BeforeValidator(read_along), OrText("path")]
 
 
 class Anisotropy(Table):
@@ -178,7 +179,7 @@ class Skin(Table):
     length: Metre
     width: Metre
     outline: Outline | None = None
-    mesh: MeshPath | None = None
+    mesh: AnyMesh = None
     top: Sheet
     bottom: Sheet
     foam: Foam

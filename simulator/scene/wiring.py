@@ -5,13 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from .contacts import check_edge, section
-from .form.mesh_file import foil_lines, read_surface
+from .form.mesh_file import foil_lines
 
 if TYPE_CHECKING:
     from .contacts import Contact, Interface
@@ -75,10 +74,7 @@ class DrivenByTouch(NamedTuple):
 def driven_by_touch(
     contacts: Sequence[Contact], interfaces: Sequence[Interface], skin: Skin
 ) -> list[DrivenByTouch]:
-    """Where floating contacts are driven after all, by interface.
-
-    Raises InputError where the skin's mesh cannot be read.
-    """
+    """Where floating contacts are driven after all, by interface."""
     group = joined(contacts, skin)
     terminals = [
         [c for c, own in zip(contacts, group, strict=True) if own == leader]
@@ -105,8 +101,6 @@ def check_wiring(contacts: Sequence[Contact], interfaces: Sequence[Interface], s
     """Raise ValueError for names that repeat or do not exist, foils that overlap, and shorts."""
     _check_distinct("contact", [contact.name for contact in contacts])
     _check_distinct("interface", [interface.name for interface in interfaces])
-    if skin.mesh is not None and not Path(skin.mesh).exists():
-        return  # told where the mesh is needed; sweeps are read without it
     _check_edges(contacts, skin)
     for first, second in itertools.combinations(contacts, 2):
         if _overlap(first, second, skin):
@@ -181,4 +175,4 @@ def _check_edges(contacts: Sequence[Contact], skin: Skin) -> None:
 def _lines(contact: Contact, skin: Skin) -> np.ndarray:
     """The facets under a foil on a mesh, shape (2, facet)."""
     assert skin.mesh is not None
-    return foil_lines(read_surface(skin.mesh), contact.edge, skin.mesh)
+    return foil_lines(skin.mesh.surface, contact.edge, skin.mesh.source)

@@ -6,9 +6,9 @@ leads and the meter may differ.
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 from .errors import InputError
@@ -59,7 +59,7 @@ def _of_table(scene: Mapping[str, Any]) -> dict[str, Any]:
         "length": f"{skin['length']:.9g} m",
         "width": f"{skin['width']:.9g} m",
         "outline": skin.get("outline"),
-        "mesh": Path(skin["mesh"]).name if "mesh" in skin else None,
+        "mesh": _mesh(skin.get("mesh")),
         "grouping of pixels": pixels.get("groups"),
         "foils": _listed(foils.values()),
         **{
@@ -69,6 +69,12 @@ def _of_table(scene: Mapping[str, Any]) -> dict[str, Any]:
             for each in scene["interface"]
         },
     }
+
+
+def _mesh(given: Any) -> str | None:
+    """The name of the mesh's file: of one that is named, and of one that goes along."""
+    source = given["source"] if isinstance(given, dict) else given
+    return None if source is None else re.split(r"[/\\]", str(source))[-1]
 
 
 def _foil(contact: Mapping[str, Any]) -> str:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from ...press.press import Press
 from ...press.touch import Depth
 from ...scene.foam_mechanics import Mechanics
-from ...scene.form.mesh_file import read_surface
 from ...scene.planar import Circle
 from ...scene.skin import Skin
 from ...sweeps import InputError
@@ -66,7 +65,7 @@ class Pressed:
 
 def check_plane(skin: Skin) -> None:
     """Raises InputError where a skin is no plane."""
-    if skin.mesh is not None and len(read_surface(skin.mesh).p) > 2:
+    if skin.mesh is not None and len(skin.mesh.surface.p) > 2:
         raise InputError(
             f"skin.mesh {skin.mesh}: must lie in a plane for depth and force of a press"
         )

@@ -1,4 +1,4 @@
-"""Triangles of a mesh file in any format that meshio reads, and the groups that it names.
+"""Triangles of a mesh file of gmsh, VTK or Abaqus, read by meshio, and the groups it names.
 
 Quadrilaterals are halved, and second-order elements are cut at their midside nodes, into straight
 triangles and lines. Groups are gmsh's physical groups, any format's named sets of elements, and
@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationInfo
 
 from ...sweeps import InputError, check_needs
 
@@ -59,46 +58,10 @@ class Surface:
         return edges[:, count == 1]
 
 
-def absolute(path: str, info: ValidationInfo) -> str:
-    """The path, seen from the folder of the scene file where there is one."""
-    return str((Path((info.context or {}).get("folder", "")) / path).absolute())
-
-
 def read_surface(path: str) -> Surface:
     """The triangles of a mesh file; raises InputError where it cannot be read or has none."""
-    try:
-        changed = Path(path).stat().st_mtime_ns
-    except OSError:
-        raise InputError(f"{path}: no such file, needed as `skin.mesh`") from None
-    return _read(path, changed)
-
-
-def foil_lines(surface: Surface, group: str, path: str) -> Numbers:
-    """The facets of a group by numbers of points, ascending in each column, shape (2, facet).
-
-    Raises InputError for a group that is not there, or not of lines along the boundary.
-    """
-    lines = surface.lines[:, surface.line_groups.get(group, [])]
-    if not lines.size:
-        there = [name for name, found in surface.line_groups.items() if len(found)]
-        raise InputError(
-            f"contact edge {group!r} must be a group of boundary lines of {path}; "
-            f"there are {', '.join(map(repr, there)) or 'none'}"
-        )
-    if not np.isin(_keys(lines), _keys(surface.boundary)).all():
-        raise InputError(
-            f"contact edge {group!r} must be a group of boundary lines of {path}; "
-            "some of its lines are no edges of just one triangle"
-        )
-    return lines
-
-
-def _keys(lines: Numbers) -> Numbers:
-    return lines[0] * (1 << 32) + lines[1]
-
-
-@functools.lru_cache(maxsize=4)
-def _read(path: str, changed: int) -> Surface:
+    if not Path(path).exists():
+        raise InputError(f"{path}: no such file, needed as `skin.mesh`")
     mesh = _parsed(path)
     for block in mesh.cells:
         if block.type not in (*TRIANGLES, *LINES, "vertex"):
@@ -123,6 +86,30 @@ def _read(path: str, changed: int) -> Surface:
         {name: _members(cells, line_cells, line_same) for name, cells in groups.items()},
         {name: _members(cells, t_cells, t_same) for name, cells in groups.items()},
     )
+
+
+def foil_lines(surface: Surface, group: str, source: str) -> Numbers:
+    """The facets of a group by numbers of points, ascending in each column, shape (2, facet).
+
+    Raises InputError for a group that is not there, or not of lines along the boundary.
+    """
+    lines = surface.lines[:, surface.line_groups.get(group, [])]
+    if not lines.size:
+        there = [name for name, found in surface.line_groups.items() if len(found)]
+        raise InputError(
+            f"contact edge {group!r} must be a group of boundary lines of {source}; "
+            f"there are {', '.join(map(repr, there)) or 'none'}"
+        )
+    if not np.isin(_keys(lines), _keys(surface.boundary)).all():
+        raise InputError(
+            f"contact edge {group!r} must be a group of boundary lines of {source}; "
+            "some of its lines are no edges of just one triangle"
+        )
+    return lines
+
+
+def _keys(lines: Numbers) -> Numbers:
+    return lines[0] * (1 << 32) + lines[1]
 
 
 def _parsed(path: str) -> meshio.Mesh:

@@ -93,8 +93,8 @@ def _row(name: str, field: FieldInfo) -> tuple[str, ...]:
 
 
 def _type(field: FieldInfo) -> str:
-    written = {OrTable: "table", OrText: "name"}
-    also = [written[type(each)] for each in field.metadata if type(each) in written]
+    also = ["table" for each in field.metadata if isinstance(each, OrTable)]
+    also += [each.text for each in field.metadata if isinstance(each, OrText)]
     return " or ".join(dict.fromkeys([*_kinds(field.annotation), *also]))
 
 

@@ -22,7 +22,9 @@ class OrTable:
 
 @dataclass(frozen=True)
 class OrText:
-    """Says of a table that it may be written as a name, too."""
+    """Says of a table that it may be written as text, too, and what that is."""
+
+    text: str = "name"
 
 
 def keys(table: type[BaseModel]) -> dict[str, FieldInfo]:

@@ -12,6 +12,12 @@ SHEET = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")
 SQUARE = "[[0.01, 0.01], [0.11, 0.01], [0.11, 0.11], [0.01, 0.11]]"
 L = "[[0, 0], [0.12, 0], [0.12, 0.05], [0.05, 0.05], [0.05, 0.12], [0, 0.12]]"
 
+MESH = """[skin.mesh]
+source = "a.msh"
+points = "0 0, 0.1 0, 0 0.1"
+triangles = "0 1 2"
+"""
+
 
 def text_of(outline, edge="outline", other="outline"):
     """The 3x3 sheet with an outline, and its foils along other edges."""
@@ -128,10 +134,7 @@ def test_edges_that_an_outline_lacks_are_told(edges, told):
 
 def test_an_outline_or_a_mesh():
     with pytest.raises(InputError, match="`skin` takes outline or mesh, got both"):
-        parse_scene(
-            text_of("circle = [0.06, 0.06, 0.05]").replace("[skin]", '[skin]\nmesh = "a.msh"', 1),
-            "mine.toml",
-        )
+        parse_scene(f"{text_of('circle = [0.06, 0.06, 0.05]')}\n{MESH}", "mine.toml")
 
 
 def test_groups_are_as_many_as_pixels():

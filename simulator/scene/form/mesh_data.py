@@ -1,0 +1,145 @@
+"""The triangles of a skin as numbers within its scene: what travels with sweeps and models."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import AfterValidator, Field, ValidationInfo, model_validator
+
+from ..validation import Table, single_line
+from .mesh_file import Surface, read_surface
+
+Numbers = NDArray[np.int64]
+Rows = Annotated[str, Field(description="Rows of numbers, parted by commas.")]
+
+
+class MeshGroup(Table):
+    """A named group of a mesh: numbers of its lines and of its triangles, both counted from 0."""
+
+    name: Annotated[str, Field(min_length=1), AfterValidator(single_line)]
+    lines: Rows = ""
+    triangles: Rows = ""
+
+
+class MeshData(Table):
+    """A mesh as text: rows of numbers, parted by commas; `mesh = "FILE"` is read into this.
+
+    source: the name of the file it was read from. points: x y or x y z in m. triangles, lines:
+    numbers of points, counted from 0; -1 is a point of no triangle.
+    """
+
+    source: Annotated[str, Field(min_length=1), AfterValidator(single_line)]
+    points: Rows
+    triangles: Rows
+    lines: Rows = ""
+    groups: Annotated[tuple[MeshGroup, ...], Field(alias="group")] = ()
+
+    @property
+    def surface(self) -> Surface:
+        """The same as arrays."""
+        return _surface(self.points, self.triangles, self.lines, self.groups)
+
+    @classmethod
+    def of(cls, surface: Surface, source: str) -> Self:
+        """The text of arrays; numbers are the same to the last bit."""
+        names = dict.fromkeys([*surface.line_groups, *surface.triangle_groups])
+        members = surface.line_groups, surface.triangle_groups
+        groups = [(name, *(_listed(kind, name) for kind in members)) for name in names]
+        return cls.model_validate(
+            {
+                "source": source,
+                "points": _rows(surface.p),
+                "triangles": _rows(surface.t),
+                "lines": _rows(surface.lines),
+                "group": [
+                    {"name": name, "lines": lines, "triangles": triangles}
+                    for name, lines, triangles in groups
+                    if lines or triangles
+                ],
+            }
+        )
+
+    @model_validator(mode="after")
+    def _numbers_agree(self) -> Self:
+        assert self.surface.t.size
+        return self
+
+
+def read_along(given: object, info: ValidationInfo) -> object:
+    """A mesh file that a scene names, read; the folder of the scene file is where paths begin.
+
+    Raises ValueError where a scene that travels inside another file names one.
+    """
+    if not isinstance(given, str):
+        return given
+    folder = (info.context or {"folder": Path()})["folder"]
+    if folder is None:
+        raise ValueError(names_a_file(given))
+    path = (folder / single_line(given)).absolute()
+    return MeshData.of(read_surface(str(path)), path.name)
+
+
+def names_a_file(path: object) -> str:
+    """What is wrong with a scene inside another file that names one, and what to do."""
+    return (
+        f"names the file {path!r}, and a scene inside another file opens none; give the command "
+        "the scene's own file, or write this one again from it: maps and meshes then go along"
+    )
+
+
+@functools.lru_cache(maxsize=4)
+def _surface(points: str, triangles: str, lines_of: str, groups: tuple[MeshGroup, ...]) -> Surface:
+    """Raises ValueError naming the key whose numbers are none, or are of nothing that is there."""
+    p = _array("points", points, float, (2, 3))
+    t = _array("triangles", triangles, int, (3,))
+    lines = _array("lines", lines_of, int, (2,))
+    if not (p.size and t.size):
+        raise ValueError("must have points and triangles")
+    _check_below("triangles", t, p.shape[1])
+    _check_below("lines", lines, p.shape[1], least=-1)
+    return Surface(
+        p,
+        np.sort(t, axis=0),
+        np.sort(lines, axis=0),
+        {each.name: _members(each, "lines", lines) for each in groups},
+        {each.name: _members(each, "triangles", t) for each in groups},
+    )
+
+
+def _members(group: MeshGroup, kind: str, of: Numbers) -> Numbers:
+    found = _array(f"group {group.name!r} {kind}", getattr(group, kind), int, (1,))[0]
+    _check_below(f"group {group.name!r} {kind}", found, of.shape[1])
+    return found
+
+
+def _check_below(name: str, numbers: Numbers, count: int, least: int = 0) -> None:
+    if numbers.size and not (numbers.min() >= least and numbers.max() < count):
+        raise ValueError(f"{name} must be numbers from {least} to {count - 1}")
+
+
+def _array(name: str, text: str, kind: type, sizes: tuple[int, ...]) -> NDArray:
+    """Rows of text as columns, shape (size, row); one of `sizes` numbers are in each."""
+    rows = [row.split() for row in text.split(",")] if text.strip() else []
+    size = len(rows[0]) if rows else sizes[0]
+    if size not in sizes or any(len(row) != size for row in rows):
+        asked = " or ".join(map(str, sizes))
+        raise ValueError(f"{name} must be rows of {asked} numbers, parted by commas")
+    try:
+        found = np.array([list(map(kind, row)) for row in rows], dtype=kind)
+    except (ValueError, OverflowError):
+        raise ValueError(f"{name} must be rows of numbers, parted by commas") from None
+    return np.ascontiguousarray(found.reshape(-1, size).T)
+
+
+def _rows(columns: NDArray) -> str:
+    """Shape (size, row); floats in as few digits as give them back."""
+    return ", ".join(" ".join(map(repr, row)) for row in columns.T.tolist())
+
+
+def _listed(groups: Mapping[str, Numbers], name: str) -> str:
+    return ", ".join(map(str, groups[name].tolist())) if name in groups else ""
