@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+
+from ..scene.meter import Readout
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -14,18 +16,50 @@ if TYPE_CHECKING:
     from .localizer import Confusion
 
 SIGNIFICANCE = 0.05
+TOLERANCE = 0.15
+"""Of a number over the paper's: as far as the two devices of the paper differ from each other."""
+Rule = Literal["number", "proportion", "comparison"]
+RULES: dict[Rule, str] = {
+    "number": f"the simulated number lies within {100 * TOLERANCE:g} % of the paper's, or the "
+    "simulated range holds the paper's number",
+    "proportion": "Fisher's exact test does not distinguish the two shares of right answers at "
+    f"{100 * SIGNIFICANCE:g} %",
+    "comparison": "the simulated numbers have the sign or the order, or reach the bound, that the "
+    "paper states; a change below the meter's noise counts as none",
+}
+"""When a statement agrees. Every one is of the device as the paper describes it, foils included."""
+NOISE_FREE = "none"
+ENOUGH = 90.0
+"""Percent of right answers that the paper calls high."""
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the paper, what the physics gives, whether they agree, and why or why not."""
+    """A statement of the paper, what the physics gives, whether they agree, and why or why not.
+
+    rule: of RULES, by which `agrees` is found. noise: of the readings that `ours` is found from.
+    """
 
     topic: str
     source: str
     paper: str
     ours: str
     agrees: bool
+    rule: Rule
     why: str
+    noise: str = NOISE_FREE
+
+
+def near(ours: ArrayLike, paper: ArrayLike) -> bool:
+    """Whether all numbers are within TOLERANCE of the paper's."""
+    return bool(np.allclose(ours, paper, rtol=TOLERANCE, atol=0.0))
+
+
+def noise_of(readout: Readout, draws: int = 1) -> str:
+    """A meter's noise, and how many draws of it are averaged, as text."""
+    degrees = np.degrees(readout.phase_noise)
+    drawn = "one draw" if draws == 1 else f"mean of {draws} draws"
+    return f"{100 * readout.magnitude_noise:.1f} % of |Z|, {degrees:.2f}°; {drawn}"
 
 
 def listed(values: ArrayLike, digits: str = ".4g") -> str:

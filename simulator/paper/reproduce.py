@@ -14,10 +14,9 @@ from ..measure.readout import read_out
 from ..models.solver import DEFAULT_RTOL
 from ..progress import Track
 from ..scene.files import load_scene
-from ..scene.meter import Readout
 from ..sweeps import made_folder, whole_file, write
 from . import figures
-from .claim import Claim
+from .claim import RULES, Claim
 from .claims import all_claims
 from .localizer import Confusion, Localizer
 from .reading import open_line_frequencies, paper_frequencies
@@ -56,12 +55,12 @@ def reproduce(
     pictures = draw(folder, results, localizer, track, ending)
     write_report(
         folder / "report.html",
-        claims=claims,
+        claims=sorted(claims, key=lambda claim: claim.agrees),
+        rules=RULES,
         agreeing=sum(claim.agrees for claim in claims),
         sections=pictures,
         rtol=f"{DEFAULT_RTOL:g}",
         software=results.rehearsals["sheet-5x5"].exact.attrs["software"],
-        noise=_noise_as_text(results.rehearsals["sheet-5x5"].scene.readout),
         draws=DRAWS,
     )
     return claims
@@ -184,8 +183,3 @@ def draw(
 
 def _device(name: str, path: Path) -> Picture:
     return Picture(path, f"{name}: curves are noise-free, dots are what the meter showed.")
-
-
-def _noise_as_text(readout: Readout) -> str:
-    degrees = np.degrees(readout.phase_noise)
-    return f"{100 * readout.magnitude_noise:.1f} % of |Z| and {degrees:.2f} degrees of phase"

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from html import escape
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,6 +15,7 @@ from rcskin.localization.model.file import load
 from rcskin.simulator import sweeps
 from rcskin.simulator.charts import STYLE
 from rcskin.simulator.paper import figures
+from rcskin.simulator.paper.claim import RULES, near
 from rcskin.simulator.paper.rehearsal import EXPERIMENTS, SHEETS
 from rcskin.simulator.paper.reproduce import draw
 from rcskin.simulator.paper.studies import crossed_cap
@@ -92,6 +94,25 @@ def test_the_report_stands_alone_and_holds_every_claim(results):
     assert report.count("✓ agrees") == comparison["agrees"].sum()
     assert report.count("✗ differs") == (~comparison["agrees"]).sum()
     assert comparison.notna().all().all()
+    assert report.rindex("✗ differs") < report.index("✓ agrees")
+    noisy = comparison[comparison["topic"].str.contains("ccuracy|Errors|Contact|against 20")]
+    assert len(noisy) == 9 and (noisy["noise"] != "none").all()
+    assert all(escape(rule, quote=False) in report.replace("&#39;", "'") for rule in RULES.values())
+
+
+def test_a_statement_agrees_on_the_device_of_the_paper_alone(results):
+    """Foils on two edges confuse columns; foils on one edge show mirrored rows alike."""
+    agrees = pd.read_csv(results / "comparison.csv").set_index("topic")["agrees"]
+    told = {topic.partition(" ")[0]: value for topic, value in agrees.items()}
+    assert not told["Contact"] and not told["Rows"]
+    assert told["Sensitivity"] and told["Resolution"]
+
+
+@pytest.mark.parametrize(
+    ("ours", "paper", "agrees"), [(1.14, 1, True), (1.16, 1, False), ([1, 0.8], 1, False)]
+)
+def test_numbers_agree_within_one_tolerance(ours, paper, agrees):
+    assert near(ours, paper) == agrees
 
 
 def test_accuracies_are_as_the_paper_reports(results):
