@@ -18,6 +18,10 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Of M. Okabe and K. Ito, "Color Universal Design" (2008), the darker ones first."""
 LINE_STYLES = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)))
 AT_REST = "#000000"
+FOIL = {"top": COLOURS[1], "bottom": COLOURS[0]}
+"""Of the foils of each electrode sheet."""
+FOIL_OFF = {"top": 0.018, "bottom": 0.042}
+"""From the edge, over the longer side: foils of the bottom sheet are drawn outside the top's."""
 ENDINGS = (".png", ".svg", ".pdf")
 """Of every chart: pixels for screens, lines for papers."""
 MOST_LABELLED = 100.0
@@ -42,6 +46,11 @@ STYLE: dict[Any, Any] = {
     "legend.fontsize": 8,
     "lines.linewidth": 1.4,
 }
+
+
+def foil_offset(electrode: str, longer: float) -> float:
+    """How far outside the edge foils of a sheet are drawn, in the unit of the longer side."""
+    return FOIL_OFF[electrode] * longer
 
 
 def frequency_axis(axes: Axes) -> None:

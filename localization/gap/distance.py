@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 QUANTITIES = {"Rs": "ohm", "Cp": "F"}
+TOGETHER = 1e-3
+"""Of the largest distance of classes at any frequency: below it, where Cp is the same for all
+pixels, the error of the simulation decides how far they are apart."""
 FEWEST_FREQUENCIES = 3
 """That a roughness, and so a repeatability, can be told from."""
 
@@ -62,8 +65,10 @@ class Distance:
 
     @property
     def separations(self) -> NDArray[np.float64]:
-        """In distances of neighbouring classes; NaN where these do not differ at all."""
-        apart = np.where(self.separation > 0, self.separation, np.nan)
+        """In distances of neighbouring classes; NaN where these lie together, by TOGETHER."""
+        known = self.separation[np.isfinite(self.separation)]
+        least = TOGETHER * known.max(initial=0.0)
+        apart = np.where(self.separation > least, self.separation, np.nan)
         return self.mean / apart
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..charts import COLOURS, chart
+from ..charts import FOIL, chart, foil_offset
 from ..measure.symmetry import Pixel
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
@@ -32,11 +32,8 @@ TALLEST, FLATTEST = 1.5, 0.45
 """Height of the picture over its width."""
 AROUND = 260
 """Places around a circle."""
-BAND = {"top": 0.018, "bottom": 0.042}
-"""Of the longer side: how far outside the edge the foils of each sheet are drawn."""
 BESIDE = {-1.0: "right", 0.0: "center", 1.0: "left"}
 ABOVE = {-1.0: "top", 0.0: "center", 1.0: "bottom"}
-COLOUR = {"top": COLOURS[1], "bottom": COLOURS[0]}
 NAME_AT, NUMBERS, MARGIN = 0.07, 0.06, 0.03
 """Of the longer side: from the edge to a foil's name, for numbers of rows and columns, and around
 all."""
@@ -187,14 +184,14 @@ def _foils(axes: Axes, scene: Scene, ribbons: Sequence[_Ribbon]) -> None:
     stacked: dict[tuple[int, int], int] = defaultdict(int)
     longest = max(scene.skin.sides)
     for foil, ribbon in zip(scene.contacts, ribbons, strict=True):
-        beside = MM * (ribbon.path + BAND[foil.electrode] * longest * ribbon.out)
-        axes.plot(*beside, color=COLOUR[foil.electrode], linewidth=4, zorder=4)
+        beside = MM * (ribbon.path + foil_offset(foil.electrode, longest) * ribbon.out)
+        axes.plot(*beside, color=FOIL[foil.electrode], linewidth=4, zorder=4)
         at, out = ribbon.named_at(NAME_AT * longest)
         place = round(MM * float(at[0])), round(MM * float(at[1]))
         if ribbon.closed:
             x, y = MM * at
             ends = [y, np.nanmin(beside[1])]
-            axes.plot([x, x], ends, color=COLOUR[foil.electrode], linewidth=0.8, zorder=3.4)
+            axes.plot([x, x], ends, color=FOIL[foil.electrode], linewidth=0.8, zorder=3.4)
         _name(axes, foil, scene, MM * at, out, stacked[place])
         stacked[place] += 1
 
@@ -211,7 +208,7 @@ def _name(axes: Axes, foil: Contact, scene: Scene, at: Places, out: Places, befo
         rotation=90 if upright else 0,
         ha="center" if upright else BESIDE[right],
         va="center" if upright else ABOVE[up],
-        color=COLOUR[foil.electrode],
+        color=FOIL[foil.electrode],
         size=8,
         annotation_clip=False,
         zorder=5,

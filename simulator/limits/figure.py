@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.position import Bounds
-from ..charts import COLOURS, LINE_STYLES, chart
+from ..charts import COLOURS, FOIL, LINE_STYLES, chart, foil_offset
 from ..mesh.skin_mesh import domain
 from ..mesh.triangles import edges_of
 from ..press.press import Press
@@ -25,16 +25,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 QUANTITIES = {
-    "x": (1e3, "Deviation of x (mm)"),
-    "y": (1e3, "Deviation of y (mm)"),
-    "strength": (100.0, "Deviation of the rise\n(% of C at rest)"),
+    "x": (1e3, "Deviation\nof x (mm)"),
+    "y": (1e3, "Deviation\nof y (mm)"),
+    "strength": (100.0, "Deviation of\nthe rise (% of C)"),
 }
+LONGER, LEAST_WIDE, LEAST_HIGH = 2.4, 1.5, 1.3
+"""Inches of a map: of its longer side, and at least for a title above it and a label beside it."""
+BESIDE, BETWEEN, AROUND = 1.6, 0.45, 1.4
+"""Inches: colour bar and its label, numbers between maps, and all that stands above and below."""
 NOT_TOLD = "0.8"
-FOIL = {"top": COLOURS[1], "bottom": COLOURS[0]}
 WIDTHS = {"top": 5.0, "bottom": 2.5}
 """Of foils on one edge of an outline, the bottom sheet's over the top's."""
-FOIL_OFF = {"top": 0.05, "bottom": 0.025}
-"""From the edge, over the longer side: drawn one outside the other."""
 MARGIN = 0.08
 NOISE = 1.0
 FEW = 12.0
@@ -45,27 +46,36 @@ def draw_maps(scene: Scene, variants: Sequence[Variant], title: str, path: Path)
     """The bounds of x, y and strength for every variant: maps, along a strip lines; a PNG."""
     if len(np.unique(variants[0].bounds.places[:, 1])) == 1:
         return _draw_lines(scene, variants, title, path)
-    shape = scene.skin.width / scene.skin.length
-    width = 2.9 * len(variants) + 1.4
-    rows = len(QUANTITIES)
-    with chart(path, width, rows * (2.4 * shape + 0.2) + 1.2) as figure:
-        panels = figure.subplots(rows, len(variants), sharex=True, sharey=True, squeeze=False)
+    wide, high = _size_of_map(scene)
+    columns, rows = len(variants), len(QUANTITIES)
+    width = (wide + BETWEEN) * columns + BESIDE
+    with chart(path, width, (high + BETWEEN) * rows + AROUND) as figure:
+        grid = figure.add_gridspec(rows, columns + 1, width_ratios=[*[wide] * columns, 0.12])
+        panels = grid.subplots(squeeze=False)
         for row, (quantity, (unit, label)) in zip(panels, QUANTITIES.items(), strict=True):
             values = [unit * getattr(variant.bounds, quantity) for variant in variants]
-            _draw_row(figure, row, scene, variants, values, label)
-        for axes, variant in zip(panels[0], variants, strict=True):
+            _draw_row(row, scene, variants, values, label)
+        for axes, variant in zip(panels[0, :-1], variants, strict=True):
             axes.set_title(variant.name)
         for axes in panels[:, 0]:
             axes.set_ylabel("y (mm)")
-        for axes in panels[-1]:
+        for axes in panels[-1, :-1]:
             axes.set_xlabel("x (mm)")
+        for axes in panels[:, :-1].flat:
+            axes.label_outer()
         _draw_legend(figure)
         figure.suptitle(textwrap.fill(title, round(LETTERS_PER_INCH * width)))
     return None
 
 
+def _size_of_map(scene: Scene) -> tuple[float, float]:
+    """Width and height of each map in inches, both large enough for its words."""
+    longer = max(scene.skin.sides)
+    wide, high = (LONGER * side / longer for side in scene.skin.sides)
+    return max(wide, LEAST_WIDE), max(high, LEAST_HIGH)
+
+
 def _draw_row(
-    figure: Figure,
     panels: NDArray[np.object_],
     scene: Scene,
     variants: Sequence[Variant],
@@ -73,19 +83,20 @@ def _draw_row(
     label: str,
 ) -> None:
     from matplotlib.cm import ScalarMappable
+    from matplotlib.colorbar import Colorbar
 
-    norm = _norm(values)
-    for axes, variant, own in zip(panels, variants, values, strict=True):
+    norm, beside = _norm(values), panels[-1]
+    beside.grid(False)
+    for axes, variant, own in zip(panels, variants, values, strict=False):
         _draw_map(axes, scene, variant.bounds, own, norm)
     if norm is None:
-        last = panels[-1]
-        told, place = f"{label}:\nnot told anywhere", (1.04, 0.5)
-        last.text(*place, told, rotation=90, va="center", ha="left", transform=last.transAxes)
-    else:
-        bar = figure.colorbar(ScalarMappable(norm, "viridis_r"), ax=panels.tolist(), pad=0.02)
-        bar.set_label(label)
-        bar.ax.yaxis.set_major_formatter("{x:g}")
-        bar.ax.yaxis.set_minor_formatter("{x:g}" if _few_decades(bar.ax) else "")
+        beside.set_axis_off()
+        told, place = f"{label}:\nnot told anywhere", (0.0, 0.5)
+        beside.text(*place, told, rotation=90, va="center", ha="left", transform=beside.transAxes)
+        return
+    bar = Colorbar(beside, ScalarMappable(norm, "viridis_r"), label=label)
+    bar.ax.yaxis.set_major_formatter("{x:g}")
+    bar.ax.yaxis.set_minor_formatter("{x:g}" if _few_decades(bar.ax) else "")
 
 
 def _norm(values: Sequence[NDArray[np.float64]]) -> Normalize | None:
@@ -150,7 +161,7 @@ def draw_sheet(axes: Axes, scene: Scene) -> None:
     axes.plot([0, length, length, 0, 0], [0, 0, width, width, 0], color="black", linewidth=1)
     outward = {"left": (-1, 0), "right": (1, 0), "bottom": (0, -1), "top": (0, 1)}
     for contact in scene.contacts:
-        off = np.array(outward[contact.edge]) * FOIL_OFF[contact.electrode] * longer
+        off = np.array(outward[contact.edge]) * foil_offset(contact.electrode, longer)
         ends = 1e3 * np.array(contact.ends(skin)) + off
         axes.plot(*ends.T, color=FOIL[contact.electrode], linewidth=2.5, solid_capstyle="butt")
     return None

@@ -1,11 +1,18 @@
 """The sheet below a map of limits: its rim, its pixels and its foils."""
 
+from contextlib import contextmanager
+from itertools import combinations
+
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
 from matplotlib.colors import same_color
 from matplotlib.figure import Figure
-from rcskin.simulator.limits.figure import FOIL, draw_sheet
+from rcskin.simulator.bounds.position import Bounds
+from rcskin.simulator.charts import FOIL
+from rcskin.simulator.limits import figure as figures
+from rcskin.simulator.limits.figure import draw_maps, draw_sheet
+from rcskin.simulator.limits.survey import Variant
 from rcskin.simulator.scene.files import load_scene
 
 CORNERS = [[0, 0], [0.12, 0], [0.12, 0.06], [0.06, 0.06], [0.06, 0.12], [0, 0.12]]
@@ -36,3 +43,32 @@ def test_an_outline_is_drawn_with_its_pixels_and_foils(drawn):
     assert drawn("black") == pytest.approx(480)
     assert drawn("0.4") == pytest.approx(120)
     assert [drawn(FOIL[sheet]) for sheet in ("top", "bottom")] == pytest.approx([120, 120])
+
+
+@pytest.mark.parametrize("sides", [(0.18, 0.07), (0.07, 0.18), (0.12, 0.12)])
+@pytest.mark.parametrize("untold", [False, True])
+def test_maps_of_any_skin_stand_in_rows_and_columns_with_their_labels_apart(
+    sides, untold, monkeypatch, tmp_path
+):
+    drawn = Figure(layout="constrained")
+
+    @contextmanager
+    def chart(path, width, height):
+        drawn.set_size_inches(width, height)
+        yield drawn
+
+    monkeypatch.setattr(figures, "chart", chart)
+    scene = load_scene("sheet-3x3").with_({"skin.length": sides[0], "skin.width": sides[1]})
+    places = np.array(sides) * [[0.3, 0.3], [0.3, 0.7], [0.7, 0.3], [0.7, 0.7]]
+    x = np.array([1e-3, 3e-3, 1e-2, 0.1])
+    y = np.full(4, np.inf) if untold else x
+    bounds = Bounds(places, x, y, x, np.zeros(4), sides)
+    draw_maps(scene, [Variant("", str(k), bounds, x) for k in range(3)], "title", tmp_path)
+    drawn.draw_without_rendering()
+    boxes = [each.get_position() for each in drawn.axes if each.get_aspect() != "auto"]
+    assert len(boxes) == 9
+    assert len({round(box.x0, 6) for box in boxes}) == 3
+    assert len({round(box.y0, 6) for box in boxes}) == 3
+    words = [text for axes in drawn.axes for text in (axes.yaxis.label, *axes.texts)]
+    taken = [text.get_window_extent() for text in words if text.get_text()]
+    assert not any(one.overlaps(other) for one, other in combinations(taken, 2))
