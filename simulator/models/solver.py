@@ -82,12 +82,21 @@ class Solver:
         frequencies that are none.
         """
         asked = self.scene.frequencies if frequency is None else _checked_frequencies(frequency)
+        self._check_depth(press, float(asked[-1]))
         solver = self
         while True:
             answer = solver._of_skin(press, asked).seen_through(self.scene.leads)
             if max(error.max() for error in answer.relative_errors) <= self.rtol:
                 return answer
             solver = solver._closer
+
+    def _check_depth(self, press: Press, frequency: float) -> None:
+        """Raises InputError where the field under the strongest touch is too shallow to resolve."""
+        strongest = max((each.factor for each in press.sharp.touches), default=1.0)
+        try:
+            self.scene.skin.check_depth(frequency, max(strongest, 1.0))
+        except ValueError as error:
+            raise InputError(f"press {press}: {error}") from error
 
     @cached_property
     def _closer(self) -> Solver:

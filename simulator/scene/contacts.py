@@ -12,10 +12,15 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from .form.outline import Outline
-from .meter import Hertz, ascending
+from .meter import ascending
+from .ranges import FilmResistance, Frequency
 from .skin import Electrode, Name, Skin, curves, on_skin
-from .validation import Number, Table, at_least_zero, whole_within_rounding
+from .validation import Number, Table, whole_within_rounding
 
+MOST_CONTACTS = 200
+"""Every two are compared, and a mesh has rings around the ends of each."""
+MOST_INTERFACES = 1000
+"""Each is read at every frequency, and a scanner has tens of channels."""
 EDGES = ("left", "right", "bottom", "top")
 LINES = 33
 """Along each side of the skin, at whose crossings it is looked at."""
@@ -128,7 +133,7 @@ class Contact(Table):
     electrode: Electrode
     edge: Name
     span: tuple[Fraction, Fraction] = (0.0, 1.0)
-    resistance: Annotated[Number, at_least_zero("ohm m")] = 0.0
+    resistance: FilmResistance = 0.0
 
     @property
     def ideal(self) -> bool:
@@ -168,7 +173,7 @@ class Interface(Table):
     high: Annotated[tuple[str, ...], Field(min_length=1)]
     low: Annotated[tuple[str, ...], Field(min_length=1)]
     frequencies: (
-        Annotated[tuple[Hertz, ...], Field(min_length=1), AfterValidator(ascending)] | None
+        Annotated[tuple[Frequency, ...], Field(min_length=1), AfterValidator(ascending)] | None
     ) = None
 
 
@@ -214,7 +219,9 @@ class Readings(Table):
     """
 
     all: Annotated[tuple[Literal["pairs", "tied", "sheets"], ...], BeforeValidator(_listed)] = ()
-    named: Annotated[tuple[Name, ...], BeforeValidator(_listed)] = ()
+    named: Annotated[
+        tuple[Name, ...], Field(max_length=MOST_INTERFACES), BeforeValidator(_listed)
+    ] = ()
 
 
 def brief(readings: Readings, contacts: Sequence[tuple[str, str]]) -> list[dict[str, Any]]:

@@ -6,14 +6,13 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from .validation import Number, Table, Whole, above_zero
+from .ranges import Frequency, Length, Seconds, SheetResistance, Thickness
+from .validation import Number, Table, Whole
 
 Target = Literal["pixel", "column", "row", "pair", "position"]
 POSITION = "position"
-Ohms = Annotated[Number, above_zero("ohm/sq")]
-Metres = Annotated[Number, above_zero("m")]
-Hertz = Annotated[Number, above_zero("Hz")]
-Part = Annotated[Number, Field(gt=0, le=1)]
+Part = Annotated[Number, Field(ge=1e-3, le=1)]
+"""A foil shorter than a thousandth of its edge is none."""
 
 
 class Design(Table):
@@ -34,16 +33,16 @@ class Design(Table):
 
     target: Target = "pixel"
     want: Annotated[Number, Field(gt=0, lt=1)] | None = None
-    within: Metres | None = None
+    within: Length | None = None
     wires: Annotated[Whole, Field(ge=2, le=8)] | None = None
     readings: Annotated[Whole, Field(ge=1, le=40)] = 5
     frequencies: Annotated[Whole, Field(ge=1, le=100)] | None = None
     own_frequencies: bool = False
-    seconds: Annotated[Number, above_zero("s")] | None = None
-    band: tuple[Hertz, Hertz] | None = None
-    sheet_resistance: tuple[Ohms, Ohms] = (10e3, 400e3)
+    seconds: Seconds | None = None
+    band: tuple[Frequency, Frequency] | None = None
+    sheet_resistance: tuple[SheetResistance, SheetResistance] = (10e3, 400e3)
     sheet_ratio: Annotated[Number, Field(ge=1, le=10)] = 2.0
-    foam_thickness: tuple[Metres, Metres] | None = None
+    foam_thickness: tuple[Thickness, Thickness] | None = None
     grading: Annotated[Number, Field(ge=1, le=10)] = 1.0
     foils: bool = False
     foil_length: tuple[Part, Part] = (0.2, 0.99)

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from .validation import Number, Table, above_zero, at_least_zero
+from .ranges import Permittivity, Stress, Tension
+from .validation import Number, Table
 
 DENSIFICATION = 2.3
 """D of Maiti, Gibson and Ashby for elastomeric foams."""
@@ -129,6 +130,10 @@ STEP = 1e-6
 HALVINGS = 53
 
 
+Strain = Annotated[Number, Field(ge=1e-3, le=0.999)]
+"""A foam with less air is solid, one with more no foam; its strain ends with its air."""
+
+
 class Mechanics(Table):
     """A foam of porosity `porosity` that narrows nowhere as it is compressed (Poisson's ratio 0).
 
@@ -139,17 +144,17 @@ class Mechanics(Table):
     unless given. tension [N/m]: of both electrode skins together, the same in every direction.
     """
 
-    porosity: Annotated[Number, Field(gt=0, lt=1)]
-    solid_permittivity: Annotated[Number, Field(ge=1, allow_inf_nan=False)] | None = None
+    porosity: Strain
+    solid_permittivity: Permittivity | None = None
     effective_medium: Literal[
         "looyenga", "bruggeman", "lichtenecker", "maxwell-garnett", "constant"
     ] = "looyenga"
-    modulus: Annotated[Number, above_zero("Pa")] | None = None
-    solid_modulus: Annotated[Number, above_zero("Pa")] | None = None
+    modulus: Stress | None = None
+    solid_modulus: Stress | None = None
     stress_strain: Literal["elastomer", "linear"] = "elastomer"
-    plateau_stress: Annotated[Number, above_zero("Pa")] | None = None
-    densification_strain: Annotated[Number, Field(gt=0, lt=1)] | None = None
-    tension: Annotated[Number, at_least_zero("N/m")] = 0.0
+    plateau_stress: Stress | None = None
+    densification_strain: Strain | None = None
+    tension: Tension = 0.0
 
     @property
     def young(self) -> float:

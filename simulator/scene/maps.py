@@ -7,10 +7,11 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, model_validator
 
 from .planar import NO_LINES, Lines
-from .validation import Number, Table, Whole, above_zero, at_least_zero, by_kind
+from .ranges import Length, MapFactor, Seed, Slope
+from .validation import Number, Table, by_kind, within
 
 GAP = 6.0
 """exp(-GAP² / 2) = 1.5e-8: what opposite edges still know of each other around the torus."""
@@ -78,9 +79,7 @@ MOST_NORMAL, LEAST = 0.3, 0.05
 LOOK = 4
 """Places per correlation length at which it is looked at; between them it falls 0.02 at most."""
 
-Factor = Annotated[Number, above_zero("times the nominal value")]
-
-Finite = Annotated[Number, Field(allow_inf_nan=False)]
+Factor = MapFactor
 
 Sides = tuple[float, float]
 """Length and width of the skin at rest, m."""
@@ -132,8 +131,8 @@ class Gradient(_Map):
     """
 
     kind: Literal["gradient"] = "gradient"
-    x: Finite = 0.0
-    y: Finite = 0.0
+    x: Slope = 0.0
+    y: Slope = 0.0
     middle: Factor = 1.0
 
     @property
@@ -166,10 +165,10 @@ class Random(_Map):
     """
 
     kind: Literal["random"] = "random"
-    deviation: Annotated[Number, at_least_zero("(relative)"), Field(le=1)]
-    correlation_length: Annotated[Number, above_zero("m")]
+    deviation: Annotated[Number, within(0.0, 1.0, "(relative)", "more is no even material")]
+    correlation_length: Length
     distribution: Literal["lognormal", "normal"] = "lognormal"
-    seed: Annotated[Whole, Field(ge=0)] = 1
+    seed: Seed = 1
 
     @property
     def uniform(self) -> float | None:

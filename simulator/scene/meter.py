@@ -11,22 +11,17 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from .keys.tables import OrTable, OrText
-from .validation import Number, Table, Whole, above_zero, at_least_zero, one_line
+from .ranges import Capacitance, Frequency, Inductance, Phase, Resistance, Seed, Share
+from .validation import Number, Table, Whole, one_line
 
 METERS = Path(__file__).parents[1] / "meters"
-
-Hertz = Annotated[Number, above_zero("Hz")]
-
-Relative = Annotated[Number, at_least_zero("of |Z|")]
-
-Radian = Annotated[Number, at_least_zero("rad")]
 
 
 class FrequencyGrid(Table):
     """Evenly spaced frequencies, both ends included."""
 
-    start: Hertz
-    stop: Hertz
+    start: Frequency
+    stop: Frequency
     points: Annotated[Whole, Field(ge=2, le=100_000)]
     spacing: Literal["log", "linear"] = "log"
 
@@ -63,7 +58,7 @@ class Sweep(Table):
     """The frequencies [Hz] of one sweep, kept ascending."""
 
     frequencies: Annotated[
-        tuple[Hertz, ...],
+        tuple[Frequency, ...],
         BeforeValidator(_listed),
         OrTable(FrequencyGrid),
         Field(min_length=1, max_length=100_000),
@@ -82,10 +77,10 @@ class Readout(Table):
     part drawn anew for each reading.
     """
 
-    magnitude_accuracy: Relative = 0.0
-    phase_accuracy: Radian = 0.0
-    magnitude_noise: Relative = 0.0
-    phase_noise: Radian = 0.0
+    magnitude_accuracy: Share = 0.0
+    phase_accuracy: Phase = 0.0
+    magnitude_noise: Share = 0.0
+    phase_noise: Phase = 0.0
     display_digits: Annotated[Whole, Field(ge=2, le=17)] = 6
 
     @property
@@ -115,12 +110,16 @@ def _named(given: object) -> object:
 AnyReadout = Annotated[Readout, BeforeValidator(_named), OrText()]
 
 
+MOST_REPETITIONS = 10**6
+"""A press a second for eleven days."""
+
+
 class Experiment(Table):
     """How often every pixel is pressed, and whether the skin at rest is a class of its own."""
 
-    repetitions: Annotated[Whole, Field(ge=1)] = 6
+    repetitions: Annotated[Whole, Field(ge=1, le=MOST_REPETITIONS)] = 6
     unpressed: bool = True
-    seed: Annotated[Whole, Field(ge=0)] = 1
+    seed: Seed = 1
 
 
 class Leads(Table):
@@ -130,9 +129,9 @@ class Leads(Table):
     guard: part of the stray capacitance that a guard, driven along, keeps from the meter.
     """
 
-    resistance: Annotated[Number, at_least_zero("ohm")] = 0.0
-    inductance: Annotated[Number, at_least_zero("H")] = 0.0
-    stray_capacitance: Annotated[Number, at_least_zero("F")] = 0.0
+    resistance: Resistance = 0.0
+    inductance: Inductance = 0.0
+    stray_capacitance: Capacitance = 0.0
     guard: Annotated[Number, Field(ge=0, le=1)] = 0.0
 
     @property

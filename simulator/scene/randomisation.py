@@ -9,15 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, model_validator
 
-from .validation import Least, Number, Table, Whole, above_zero, at_least_zero, one_line
+from .validation import Bounds, Number, Table, Whole, one_line, within
 
-Finite = Annotated[Number, Field(allow_inf_nan=False)]
+Finite = Annotated[Number, within(-1e15, 1e15, "", "no quantity that is drawn is larger")]
 
-Cut = Annotated[Number, above_zero("deviations")]
+Cut = Annotated[Number, within(0.01, 8.0, "deviations", "beyond 8 nothing is ever drawn")]
 
 Chances = NDArray[np.float64] | np.float64 | float
-
-LARGEST_EXPONENT = 700.0
 
 
 class _Drawn(Table):
@@ -68,7 +66,9 @@ class Normal(_Drawn):
 
     distribution: Literal["normal"] = "normal"
     mean: Finite
-    deviation: Annotated[Number, at_least_zero("(in the unit of mean)")]
+    deviation: Annotated[
+        Number, within(0.0, 1e15, "(in the unit of mean)", "no quantity that is drawn is larger")
+    ]
     cut: Cut = 3.0
 
     @property
@@ -91,15 +91,11 @@ class Lognormal(_Drawn):
     """
 
     distribution: Literal["lognormal"] = "lognormal"
-    median: Annotated[Number, above_zero("(in its own unit)")]
-    spread: Annotated[Number, at_least_zero("(relative)")]
+    median: Annotated[
+        Number, within(1e-15, 1e15, "(in its own unit)", "no quantity that is drawn is larger")
+    ]
+    spread: Annotated[Number, within(0.0, 10.0, "(relative)", "e to the 10th is 22,000")]
     cut: Cut = 3.0
-
-    @model_validator(mode="after")
-    def _within_floating_point(self) -> Self:
-        if abs(math.log(self.median)) + self.cut * self.spread > LARGEST_EXPONENT:
-            raise ValueError(f"spread must be smaller, got {self.spread:g} cut at {self.cut:g}")
-        return self
 
     @property
     def low(self) -> float:
@@ -148,18 +144,17 @@ def _chosen(given: object) -> object:
 Distribution = Annotated[AnyDistribution, BeforeValidator(_chosen)]
 
 
-class EveryDrawFrom(Least):
-    """A validator of distributions by all that they may draw; the error names the unit."""
+class EveryDrawWithin(Bounds):
+    """A validator of distributions by all that they may draw."""
 
     def __call__(self, drawn: AnyDistribution) -> AnyDistribution:
-        if not self.holds(drawn.low):
-            raise ValueError(f"must be {self.told} {self.unit} in every draw, got {drawn.low:g}")
+        self.check(drawn.low, drawn.high, of=" in every draw")
         return drawn
 
 
-def bounded(least: float, unit: str, *, strictly: bool = False) -> AfterValidator:
-    """Accepts distributions of which every draw is >= least (or > least); names the unit."""
-    return AfterValidator(EveryDrawFrom(least, unit, strictly))
+def drawn_within(low: float, high: float, unit: str, why: str) -> AfterValidator:
+    """Accepts distributions of which every draw is from `low` to `high`."""
+    return AfterValidator(EveryDrawWithin(low, high, unit, why))
 
 
 CUT = 3.0
@@ -169,11 +164,15 @@ SLOW_WAVES = 3
 MOST_UNEVEN = 0.1
 """Conductance and capacitance stay positive: CUT * SLOW_WAVES * MOST_UNEVEN < 1."""
 
-Factor = Annotated[Distribution, bounded(0, "times that at rest", strictly=True)]
+Factor = Annotated[
+    Distribution, drawn_within(1e-6, 1e6, "times that at rest", "foam cannot be pressed further")
+]
 
-Relative = Annotated[Distribution, bounded(0, "times the scene's own", strictly=True)]
+Relative = Annotated[
+    Distribution, drawn_within(1e-3, 1e3, "times the scene's own", "no batch differs more")
+]
 
-Length = Annotated[Distribution, bounded(0, "m", strictly=True)]
+Length = Annotated[Distribution, drawn_within(1e-8, 1e3, "m", "no touch is larger, or as small")]
 
 Spread = Annotated[Number, Field(ge=0, le=MOST_UNEVEN)]
 
@@ -253,10 +252,16 @@ class Session(Table):
     capacitance: Relative = Normal(mean=1.0, deviation=0.03)
     foam_spread: Spread = 0.02
     foam_pattern: Literal["pixel", "smooth"] = "pixel"
-    loss_tangent: Annotated[Distribution, bounded(0, "(tan d)")] = Uniform(low=0.0, high=0.02)
+    loss_tangent: Annotated[
+        Distribution, drawn_within(0.0, 1e3, "(tan d)", "a foam stores something")
+    ] = Uniform(low=0.0, high=0.02)
     contact_resistance: Relative = Lognormal(median=1.0, spread=0.04)
-    stray_capacitance: Annotated[Distribution, bounded(0, "F")] = Uniform(low=0.0, high=2e-12)
-    lead_resistance: Annotated[Distribution, bounded(0, "ohm")] = Uniform(low=0.0, high=2.0)
+    stray_capacitance: Annotated[
+        Distribution, drawn_within(0.0, 10.0, "F", "leads have picofarad")
+    ] = Uniform(low=0.0, high=2e-12)
+    lead_resistance: Annotated[
+        Distribution, drawn_within(0.0, 1e12, "ohm", "no meter reads more")
+    ] = Uniform(low=0.0, high=2.0)
 
 
 class Randomisation(Table):

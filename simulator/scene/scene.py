@@ -19,6 +19,8 @@ from pydantic import (
 
 from ..sweeps import InputError
 from .contacts import (
+    MOST_CONTACTS,
+    MOST_INTERFACES,
     Contact,
     Interface,
     Readings,
@@ -32,8 +34,9 @@ from .foam_mechanics import Mechanics
 from .keys.changing import put
 from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
 from .randomisation import Randomisation
-from .skin import Metre, Name, Skin
-from .validation import Number, Table, Whole, above_zero, one_line
+from .ranges import CapacitanceFactor, Force, Thickness
+from .skin import Name, Skin
+from .validation import Number, Table, Whole, one_line
 from .wiring import DrivenByTouch, check_wiring, driven_by_touch
 
 BOTH = {
@@ -76,10 +79,10 @@ class Pressing(Table):
     [m] or force [N]: pixels are pressed mechanically, by a rigid flat applicator of their shape.
     """
 
-    capacitance_factor: Annotated[Number, above_zero("times that at rest")] = 2.0
+    capacitance_factor: CapacitanceFactor = 2.0
     factor_spread: Annotated[Number, Field(ge=0, lt=1)] = 0.0
-    depth: Metre | None = None
-    force: Annotated[Number, above_zero("N")] | None = None
+    depth: Thickness | None = None
+    force: Force | None = None
 
     @property
     def plain(self) -> bool:
@@ -114,8 +117,12 @@ class Scene(Table):
     name: Name
     description: str = ""
     skin: Skin
-    contacts: Annotated[tuple[Contact, ...], Field(alias="contact", min_length=1)]
-    interfaces: Annotated[tuple[Interface, ...], Field(alias="interface", min_length=1)]
+    contacts: Annotated[
+        tuple[Contact, ...], Field(alias="contact", min_length=1, max_length=MOST_CONTACTS)
+    ]
+    interfaces: Annotated[
+        tuple[Interface, ...], Field(alias="interface", min_length=1, max_length=MOST_INTERFACES)
+    ]
     readings: Annotated[Readings | None, AfterValidator(_spent), Field(exclude=True)] = None
     pixels: Pixels
     press: Pressing = Pressing()
@@ -136,6 +143,8 @@ class Scene(Table):
             readings = Readings.model_validate(given["readings"])
             contacts = [(each["name"], each["electrode"]) for each in given["contact"]]
         except (ValidationError, KeyError, TypeError):
+            return {"interface": [UNTOLD], **given}
+        if len(contacts) > MOST_CONTACTS:
             return {"interface": [UNTOLD], **given}
         own = list(given.get("interface", []))
         return given | {"interface": [*own, *brief(readings, contacts)]}
@@ -281,6 +290,7 @@ class Scene(Table):
     def _contacts_and_interfaces_agree(self) -> Self:
         check_wiring(self.contacts, self.interfaces, self.skin)
         check_frequencies(self.interfaces, self.sweep.frequencies)
+        self.skin.check_depth(max(self.sweep.frequencies))
         return self
 
 

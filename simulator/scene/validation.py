@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, get_args
@@ -32,48 +32,43 @@ TYPES = {
 }
 
 
-@dataclass(frozen=True)
-class Least:
-    """From where on numbers of a unit are taken, with it or without."""
+def short(number: float) -> str:
+    """A number in six digits, its exponent as people write it: 1e-6, not 1e-06."""
+    return re.sub(r"e([-+])0*", lambda sign: f"e{sign[1].strip('+')}", f"{number:g}")
 
-    least: float
+
+@dataclass(frozen=True)
+class Bounds:
+    """The numbers of a unit that are accepted, both ends with them, and why no others are."""
+
+    low: float
+    high: float
     unit: str
-    strictly: bool
+    why: str
 
     @property
     def told(self) -> str:
-        """As a comparison."""
-        return f"{'>' if self.strictly else '>='} {self.least:g}"
+        """As people say it."""
+        return f"from {short(self.low)} to {short(self.high)}"
 
-    def holds(self, value: float) -> bool:
-        """Whether a number is taken."""
-        return value > self.least if self.strictly else value >= self.least
+    def check(self, *values: float, of: str = "") -> None:
+        """Raises ValueError that names the range and the first of the numbers outside it."""
+        outside = [value for value in values if not self.low <= value <= self.high]
+        if outside:
+            raise ValueError(f"must be {self.told} {self.unit}{of}, got {outside[0]:g}: {self.why}")
 
 
-class FiniteFrom(Least):
-    """A validator of finite numbers; the error names the unit."""
+class NumberWithin(Bounds):
+    """A validator of numbers."""
 
     def __call__(self, value: float) -> float:
-        if not (math.isfinite(value) and self.holds(value)):
-            raise ValueError(f"must be finite and {self.told} {self.unit}, got {value:g}")
+        self.check(value)
         return value
 
 
-def above_zero(unit: str) -> AfterValidator:
-    """Accepts finite numbers > 0; the error names the unit."""
-    return AfterValidator(FiniteFrom(0.0, unit, strictly=True))
-
-
-def at_least_zero(unit: str) -> AfterValidator:
-    """Accepts finite numbers >= 0; the error names the unit."""
-    return AfterValidator(FiniteFrom(0.0, unit, strictly=False))
-
-
-@dataclass(frozen=True)
-class Unit:
-    """Says the unit of numbers that take any sign."""
-
-    unit: str
+def within(low: float, high: float, unit: str, why: str) -> AfterValidator:
+    """Accepts numbers from `low` to `high`; the error names the unit and says why."""
+    return AfterValidator(NumberWithin(low, high, unit, why))
 
 
 def said_of(field: FieldInfo) -> list[Any]:
@@ -90,7 +85,7 @@ def _metadata(annotation: Any) -> list[Any]:
 def unit_of(field: FieldInfo) -> str:
     """The unit that errors name; empty where there is none."""
     units = [getattr(each, "func", each) for each in said_of(field)]
-    return next((each.unit for each in units if isinstance(each, Least | Unit)), "")
+    return next((each.unit for each in units if isinstance(each, Bounds)), "")
 
 
 def single_line(text: str) -> str:
@@ -171,6 +166,8 @@ def _requirement(problem: Any) -> str:
     kind, context, given = problem["type"], problem.get("ctx", {}), problem["input"]
     if kind == "too_short":
         return f"must have at least {context['min_length']} item, got {given!r}"
+    if kind == "too_long":
+        return f"must have at most {context['max_length']} items, got {len(given)}"
     if kind == "value_error":
         return str(context["error"])
     if kind in TYPES:

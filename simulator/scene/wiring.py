@@ -11,6 +11,7 @@ import numpy as np
 
 from .contacts import check_edge, section
 from .form.mesh_file import foil_lines
+from .validation import short
 
 if TYPE_CHECKING:
     from .contacts import Contact, Interface
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 
 LEAST_GAP = 5e-6
+"""Over the skin's longer side: of a gap between foils, and of a foil. Shorter ones are not resolved
+in double precision."""
 
 
 def touch(first: Contact, second: Contact, skin: Skin) -> bool:
@@ -164,12 +167,23 @@ def _check_edges(contacts: Sequence[Contact], skin: Skin) -> None:
             allowed = check_edge(contact.edge, skin)
             if allowed is not None:
                 raise ValueError(f"`contact[{number + 1}].edge` {allowed}, got {contact.edge!r}")
+            _check_length(number, contact, skin)
         elif contact.span != (0, 1):
             raise ValueError(
                 f"`contact[{number + 1}].span` must be [0, 1] on a mesh, got {contact.span}"
             )
         else:
             _lines(contact, skin)
+
+
+def _check_length(number: int, contact: Contact, skin: Skin) -> None:
+    """A foil so short that its ends are not resolved in double precision."""
+    along, least = section(contact, skin), LEAST_GAP * max(skin.sides)
+    if along.stop - along.start < least:
+        raise ValueError(
+            f"`contact[{number + 1}].span` must leave a foil of at least {short(least)} m, "
+            f"{LEAST_GAP:g} of the skin's longer side, got {short(along.stop - along.start)} m"
+        )
 
 
 def _lines(contact: Contact, skin: Skin) -> np.ndarray:

@@ -147,12 +147,12 @@ def test_bad_input_ends_with_one_line_and_code_2(run, tmp_path, arguments, told)
         (
             "sheet_resistance = 50e3",
             "sheet_resistance = -5",
-            "must be finite and > 0 ohm/sq, got -5",
+            "must be from 1e-6 to 1e12 ohm/sq, got -5",
         ),
         ('edge = "left"', 'edge = "middle"', "`contact[1].edge` must be 'left', 'right'"),
         ('high = ["top-left"]', "high = []", "`interface[1].high` must have at least 1 item"),
-        ("start = 1e3", "start = 0", "must be finite and > 0 Hz, got 0"),
-        ("start = 1e3", "start = nan", "must be finite and > 0 Hz, got nan"),
+        ("start = 1e3", "start = 0", "must be from 1e-6 to 1e12 Hz, got 0"),
+        ("start = 1e3", "start = nan", "must be from 1e-6 to 1e12 Hz, got nan"),
         ("[skin]", "[skin", "not valid TOML"),
     ],
 )

@@ -10,14 +10,17 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from ..planar import Circle, area, distance, gap, inside, ring, sides
-from ..validation import Number, Table, Unit
+from ..validation import Number, Table, within
 
 LEAST_APART = 1e-6
 """Sides that do not meet, over the skin's longer side."""
 
-Coordinate = Annotated[Number, Unit("m"), Field(allow_inf_nan=False)]
+Coordinate = Annotated[Number, within(-1e3, 1e3, "m", "no skin is larger")]
 
-Size = Annotated[Number, Unit("m"), Field(gt=0, allow_inf_nan=False)]
+MOST_HOLES = 100
+"""Every two are compared; meshes around more take minutes."""
+
+Size = Annotated[Number, within(1e-9, 1e3, "m", "no skin is larger, no hole as small as atoms")]
 
 
 class Curve(Table):
@@ -72,7 +75,7 @@ class Curve(Table):
 class Outline(Curve):
     """The curve around a skin, and those around its holes."""
 
-    holes: tuple[Curve, ...] = ()
+    holes: Annotated[tuple[Curve, ...], Field(max_length=MOST_HOLES)] = ()
 
 
 def check_outline(outline: Outline, length: float, width: float) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from ..validation import Number, Table, above_zero, by_kind
+from ..validation import Number, Table, by_kind, within
 
 FARTHEST = 0.9
 """Of half a sphere's girth, from the middle of the skin to its corners: 9 times shorter across."""
@@ -23,7 +23,7 @@ ROUNDING = 1e-12
 
 Ratio = Annotated[Number, Field(ge=0.1, le=10)]
 PoissonRatio = Annotated[Number, Field(gt=-1, le=0.5)]
-Radius = Annotated[Number, above_zero("m")]
+Radius = Annotated[Number, within(1e-5, 1e6, "m", "more is flat")]
 Sides = tuple[float, float]
 
 

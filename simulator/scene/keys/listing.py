@@ -14,7 +14,7 @@ from ..files import MapFile
 from ..maps import Grid
 from ..randomisation import Fixed
 from ..scene import Scene
-from ..validation import Least, said_of, unit_of
+from ..validation import Bounds, said_of, unit_of
 from .tables import Location, OrTable, OrText, inner, keys
 
 HEAD = """# Every key of a scene file
@@ -155,6 +155,6 @@ def _range(said: Sequence[Any]) -> str:
         for name, words in {**BOUNDS, **LENGTHS}.items()
         if getattr(each, name, None) is not None
     ]
-    least = [getattr(each, "func", None) for each in said]
-    told += [each.told for each in least if isinstance(each, Least)]
+    bounds = [getattr(each, "func", None) for each in said]
+    told += [each.told for each in bounds if isinstance(each, Bounds)]
     return ", ".join(dict.fromkeys(told))

@@ -72,8 +72,14 @@ def test_a_plain_number_is_fixed_and_scenes_are_written_and_read_back():
     ("table", "told"),
     [
         ("press]\ntouches = [0.5, 0.6]", r"`dataset.press.touches` must be >= 0 and sum to 1"),
-        ("press]\nfactor = 0.0", r"`dataset.press.factor` must be > 0 times that at rest"),
-        ("press]\nsize = -0.01", r"`dataset.press.size` must be > 0 m in every draw, got -0.01"),
+        (
+            "press]\nfactor = 0.0",
+            r"`dataset.press.factor` must be from 1e-6 to 1e6 times that at rest",
+        ),
+        (
+            "press]\nsize = -0.01",
+            r"`dataset.press.size` must be from 1e-8 to 1000 m in every draw, got -0.01",
+        ),
         ("press]\nplace = 'edge'", r"`dataset.press.place` must be 'pixel' or 'anywhere'"),
         ("session]\nunevenness = 0.2", r"`dataset.session.unevenness` must be <= 0.1"),
         (
@@ -83,7 +89,7 @@ def test_a_plain_number_is_fixed_and_scenes_are_written_and_read_back():
         ),
         (
             "session]\nlead_resistance = {distribution = 'normal', mean = 1, deviation = 1}",
-            r"`dataset.session.lead_resistance` must be >= 0 ohm in every draw, got -2",
+            r"`dataset.session.lead_resistance` must be from 0 to 1e12 ohm in every draw, got -2",
         ),
         (
             "session]\ncapacitance = {distribution = 'gamma', low = 1}",

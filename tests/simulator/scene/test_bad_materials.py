@@ -26,7 +26,7 @@ def scene_file(tmp_path):
         ),
         (
             ["[skin.foam.map]", 'kind = "constant"', "value = -1.0"],
-            "`skin.foam.map` `value` must be finite and > 0 times the nominal value, got -1",
+            "`skin.foam.map` `value` must be from 1e-6 to 1e6 times the nominal value, got -1",
         ),
         (
             [

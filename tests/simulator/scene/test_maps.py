@@ -134,13 +134,13 @@ def test_constants_are_uniform_without_lines_or_lengths():
 @pytest.mark.parametrize(
     ("kind", "given", "told"),
     [
-        (Constant, {"value": 0.0}, "must be finite and > 0 times the nominal value, got 0"),
+        (Constant, {"value": 0.0}, "must be from 1e-6 to 1e6 times the nominal value, got 0"),
         (Gradient, {"x": 1.5, "y": 0.6}, r"\|x\| \+ \|y\| < 2, got 2.1"),
         (Grid, {"values": ((1.0, 2.0), (3.0,))}, "must be rows of equally many values"),
-        (Grid, {"values": ((1.0, -2.0),)}, "must be finite and > 0"),
+        (Grid, {"values": ((1.0, -2.0),)}, "must be from 1e-6 to 1e6"),
         (Grid, {"values": ((1.0,) * 129,)}, "must be at most 128 x 128, got 1 x 129"),
-        (Random, {"deviation": -0.1, "correlation_length": 0.1}, "must be finite and >= 0"),
-        (Random, {"deviation": 0.1, "correlation_length": 0.0}, "must be finite and > 0 m"),
+        (Random, {"deviation": -0.1, "correlation_length": 0.1}, "must be from 0 to 1"),
+        (Random, {"deviation": 0.1, "correlation_length": 0.0}, "must be from 1e-5 to 1000 m"),
     ],
 )
 def test_values_out_of_range_are_named(kind, given, told):

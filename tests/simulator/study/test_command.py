@@ -138,7 +138,10 @@ def test_the_limit_of_the_meter_ends_a_grid_and_cuts_a_list():
         ("skin.length=a:0.2:3", "skin.length takes finite numbers, got 'a'"),
         ("skin.length=0.1,nan", "skin.length takes finite numbers, got 'nan'"),
         ("skin.length=0.1,0.1", "a value is given twice"),
-        ("skin.length=-1:1:3:linear", "skin.length = -1: `skin.length` must be finite and > 0 m"),
+        (
+            "skin.length=-1:1:3:linear",
+            "skin.length = -1: `skin.length` must be from 1e-5 to 1000 m",
+        ),
         ("skin.foam.loss_tangent=0:0.1:3", "START must be > 0 for log spacing, got 0"),
         ("pixels=2:5:3", "pixels is a whole number: pixels=START:STOP"),
         ("pixels=2.5", "pixels takes whole numbers, got '2.5'"),

@@ -43,7 +43,7 @@ def test_how_strongly_a_scene_presses(press, strength):
 @pytest.mark.parametrize(
     ("given", "told"),
     [
-        ({"press": "depth = 0.0"}, "`press.depth` must be finite and > 0 m, got 0"),
+        ({"press": "depth = 0.0"}, "`press.depth` must be from 1e-8 to 10 m, got 0"),
         ({"press": "depth = 1e-3\nforce = 2.0"}, "`press` takes one of .*, got depth and force"),
         (
             {"press": "depth = 1e-3\ncapacitance_factor = 2.0"},

@@ -26,15 +26,15 @@ def test_every_key_stands_on_the_page():
 @pytest.mark.parametrize(
     "row",
     [
-        "| `length` | number | m | must be given | > 0 |",
-        "| `sheet_resistance` | number | ohm/sq | must be given | > 0 |",
-        "| `angle` | number | rad | `0.0` |  |",
+        "| `length` | number | m | must be given | from 1e-5 to 1000 |",
+        "| `sheet_resistance` | number | ohm/sq | must be given | from 1e-6 to 1e12 |",
+        "| `angle` | number | rad | `0.0` | from -360 to 360 |",
         '| `electrode` | `"top"` or `"bottom"` |  | must be given |  |',
         "| `frequencies` | list of numbers or table | Hz | must be given | length >= 1, "
-        "length <= 100000, > 0 |",
+        "length <= 100000, from 1e-6 to 1e12 |",
         "| `phase_exponent` | number |  | `1.0` | > 0.5, <= 1 |",
         "| `lead_resistance` | number or distribution | ohm | "
-        '`{distribution = "uniform", low = 0.0, high = 2.0}` | >= 0 |',
+        '`{distribution = "uniform", low = 0.0, high = 2.0}` | from 0 to 1e12 |',
     ],
 )
 def test_a_row_tells_type_unit_default_and_range(row):

@@ -1,0 +1,83 @@
+"""What numbers of a scene may be: a range for each quantity, and why it ends where it does.
+
+Ranges are far wider than skins are, so that a number in another unit is still read and warned of
+with what was likely meant (`asked.plausibility`). Beyond them no skin is thin, quasi-static and
+linear, or double precision no longer holds both ends of the same skin.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import AfterValidator, Field
+
+from .validation import Number, Whole, within
+
+LEAST_FILM = 1e-12
+"""ohm m: a thousandth of what soldered metal has; its conductance is still a number."""
+
+
+def ideal_or_resolved(resistance: float) -> float:
+    """The same contact resistance in ohm m. Raises ValueError for one that is nearly 0."""
+    if 0 < resistance < LEAST_FILM:
+        raise ValueError(f"must be 0, or at least {LEAST_FILM:g} ohm m, got {resistance:g}")
+    return resistance
+
+
+Length = Annotated[
+    Number, within(1e-5, 1e3, "m", "a cell of foam is as small, and no sheet is made as large")
+]
+Thickness = Annotated[
+    Number,
+    within(1e-8, 10.0, "m", "thinner films leak by tunnelling, thicker foam is no sheet"),
+]
+SheetResistance = Annotated[
+    Number, within(1e-6, 1e12, "ohm/sq", "from copper a centimetre thick to what insulates")
+]
+PerArea = Annotated[
+    Number,
+    within(1e-15, 1e3, "F/m²", "a gap of 10 m holds more, layers of ions less"),
+]
+Permittivity = Annotated[
+    Number, within(1.0, 1e6, "(relative)", "that of vacuum is 1, of giant dielectrics 1e6")
+]
+LossTangent = Annotated[
+    Number, within(0.0, 1e3, "(tan d)", "a foam with larger losses conducts and stores nothing")
+]
+Piezoresistance = Annotated[
+    Number,
+    within(-0.999, 1e4, "(relative)", "at -1 a sheet would lose all resistance"),
+]
+Angle = Annotated[Number, within(-360.0, 360.0, "rad", "a turn is 6.283 rad")]
+Frequency = Annotated[
+    Number,
+    within(1e-6, 1e12, "Hz", "a period of days at one end, light and no capacitance at the other"),
+]
+Share = Annotated[Number, within(0.0, 1.0, "of |Z|", "1 is an error as large as |Z| itself")]
+Phase = Annotated[
+    Number, within(0.0, 1.5708, "rad", "a quarter turn makes a resistance of a capacitance")
+]
+Resistance = Annotated[Number, within(0.0, 1e12, "ohm", "no meter reads more")]
+FilmResistance = Annotated[
+    Number,
+    within(0.0, 1e12, "ohm m", "beyond it a foil floats"),
+    AfterValidator(ideal_or_resolved),
+]
+Inductance = Annotated[Number, within(0.0, 10.0, "H", "leads have microhenry, large coils a henry")]
+Capacitance = Annotated[Number, within(0.0, 10.0, "F", "leads have picofarad")]
+CapacitanceFactor = Annotated[
+    Number, within(1e-6, 1e6, "times that at rest", "foam cannot be pressed or lifted further")
+]
+Force = Annotated[Number, within(1e-9, 1e6, "N", "from a mote of dust to a locomotive's weight")]
+Stress = Annotated[Number, within(1e-3, 1e13, "Pa", "diamond has 1e12 Pa")]
+Tension = Annotated[Number, within(0.0, 1e8, "N/m", "a metre of steel, 10 cm thick, tears")]
+MapFactor = Annotated[
+    Number, within(1e-6, 1e6, "times the nominal value", "further apart, a sheet is two materials")
+]
+Slope = Annotated[Number, within(-2e6, 2e6, "(relative)", "the factor must stay positive")]
+Seconds = Annotated[Number, within(1e-6, 1e7, "s", "from a reading to a season of measuring")]
+
+MOST_SEED = 2**32 - 1
+"""Seeds of scikit-learn end there; one range serves for all."""
+
+Seed = Annotated[Whole, Field(ge=0, le=MOST_SEED)]
