@@ -50,9 +50,12 @@ def test_how_strongly_a_scene_presses(press, strength):
             "got capacitance_factor and depth",
         ),
         ({"foam": "[skin.foam]\ncapacitance_per_area = 5e-9\n"}, "need the table skin.foam.mech"),
-        ({"foam": FOAM + "tension = -1.0\n"}, "`skin.foam.mechanics.tension` must be finite"),
+        (
+            {"foam": FOAM + "tension = -1.0\n"},
+            "`skin.foam.mechanics.tension` must be from 0 to 1e8",
+        ),
         ({"foam": FOAM + "colour = 1\n"}, "`skin.foam.mechanics.colour` is not a known key"),
-        ({"foam": FOAM.replace("0.67", "1.2")}, "`skin.foam.mechanics.porosity` must be < 1"),
+        ({"foam": FOAM.replace("0.67", "1.2")}, "`skin.foam.mechanics.porosity` must be <= 0.999"),
         ({"foam": FOAM.replace("thickness = 4e-3", "")}, "needs thickness where mechanics"),
     ],
 )
