@@ -2,11 +2,29 @@
 
 from __future__ import annotations
 
+import os
+import re
 import shlex
 from string import Formatter
 from typing import Any
 
 from ..simulator.sweeps import InputError
+
+PATH_OF_WINDOWS = re.compile(r"""(^|[\s"'=])([A-Za-z]:\\|\\\\\w)""")
+"""The begin of `C:\\lab` or `\\\\server\\lab`."""
+
+
+def words_of(command: str) -> list[str]:
+    """The words of a command line, split at spaces outside of quotes.
+
+    A backslash takes the next character as it stands, but on Windows and where the command names a
+    path of Windows it is a character like others. Raises ValueError for a quote without its end.
+    """
+    lexer = shlex.shlex(command, posix=True, punctuation_chars=False)
+    lexer.whitespace_split, lexer.commenters = True, ""
+    if os.name == "nt" or PATH_OF_WINDOWS.search(command):
+        lexer.escape = ""
+    return list(lexer)
 
 
 class Template:
@@ -19,7 +37,7 @@ class Template:
     def __init__(self, command: str, option: str, needed: bool = False, **examples: Any) -> None:
         """option: as errors call it. needed: whether a name must be there. examples: of each."""
         try:
-            self._words = shlex.split(command)
+            self._words = words_of(command)
             parts = [part[1:] for word in self._words for part in Formatter().parse(word)]
             fields = {part for part in parts if part[0] is not None}
             known = {(name, "", None) for name in examples}

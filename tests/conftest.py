@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import runpy
 import shutil
 import sys
 from pathlib import Path
@@ -241,3 +242,9 @@ def undrawn(monkeypatch):
 def coarse(monkeypatch):
     """Limits are of readings told to a percent, by models that are soon trained."""
     monkeypatch.setattr("rcskin.simulator.bounds.readings.RTOL", 1e-2)
+
+
+@pytest.fixture
+def windows(monkeypatch):
+    """Windows as far as it can be imitated; see `windows.py`."""
+    runpy.run_path(str(Path(__file__).with_name("windows.py")))["take_away"](monkeypatch)

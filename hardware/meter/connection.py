@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ...simulator.sweeps import InputError
 from .errors import GarbledError, LostConnectionError, NoAnswerError, NoConnectionError
 
 if TYPE_CHECKING:
+    from pyvisa import ResourceManager
     from pyvisa.resources import MessageBasedResource
 
 TERMINATION = "\r\n"
 LONGEST_ANSWER = 4096
 BAUD_RATES = (9600, 19200, 38400, 57600)
-EXAMPLES = "TCPIP0::192.168.1.1::3500::SOCKET, ASRL/dev/ttyACM0::INSTR, GPIB0::1::INSTR"
+EXAMPLES = (
+    "TCPIP0::192.168.1.1::3500::SOCKET, ASRL/dev/ttyACM0::INSTR (Windows: ASRL3::INSTR for COM3), "
+    "GPIB0::1::INSTR"
+)
 
 
 class Connection(Protocol):
@@ -41,11 +46,28 @@ class Connection(Protocol):
 
 
 CLOSED = (OSError, ValueError, TypeError, AttributeError)
-"""What pyvisa-py raises of a line that another thread lets go at that moment."""
+"""What a backend raises of a line that another thread lets go at that moment."""
+
+
+OF_PYVISA_PY = {"TCPIP", "ASRL"}
+"""Interfaces that pyvisa-py reaches by itself on every system: sockets and serial ports."""
+
+
+def visa(interface: str = "") -> ResourceManager:
+    """PyVISA with the backend that reaches such an interface: pyvisa-py for OF_PYVISA_PY.
+
+    For others it is PyVISA's choice: NI-VISA or another vendor's library where one is installed,
+    else pyvisa-py. The user's own choice, in PYVISA_LIBRARY, is kept for all. Raises ValueError or
+    OSError where there is no such backend.
+    """
+    from pyvisa import ResourceManager
+
+    own = interface in OF_PYVISA_PY and "PYVISA_LIBRARY" not in os.environ
+    return ResourceManager("@py" if own else "")
 
 
 class VisaConnection:
-    """A line through PyVISA with the pyvisa-py backend."""
+    """A line through PyVISA."""
 
     def __init__(self, resource: str, timeout: float, opened: MessageBasedResource) -> None:
         """timeout: seconds that an answer may take."""
@@ -111,13 +133,11 @@ def connect(resource: str, timeout: float = 5.0, baud_rate: int = 9600) -> VisaC
     Raises InputError where the name is no VISA resource or a number is out of range, and
     NoConnectionError where the resource cannot be opened.
     """
-    import pyvisa
-
     interface = _checked_interface(resource, timeout, baud_rate)
     serial: dict[str, Any] = {"baud_rate": baud_rate, "data_bits": 8} if interface == "ASRL" else {}
     milliseconds = max(1, round(1000 * timeout))
     try:
-        opened = pyvisa.ResourceManager("@py").open_resource(
+        opened = visa(interface).open_resource(
             resource,
             open_timeout=milliseconds,
             timeout=milliseconds,
@@ -128,7 +148,7 @@ def connect(resource: str, timeout: float = 5.0, baud_rate: int = 9600) -> VisaC
     except Exception as error:
         raise NoConnectionError(
             f"{resource}: cannot be opened ({error}); check the address, the cable, the meter's "
-            "power, and that no other program has the meter"
+            f"power, and that no other program has the meter{_library_of(interface)}"
         ) from error
     return VisaConnection(resource, timeout, opened)  # pyright: ignore[reportArgumentType]
 
@@ -145,6 +165,12 @@ def _checked_interface(resource: str, timeout: float, baud_rate: int) -> str:
         return parse_resource_name(resource).interface_type
     except InvalidResourceName as error:
         raise InputError(f"{resource!r} is no VISA resource; such are {EXAMPLES}") from error
+
+
+def _library_of(interface: str) -> str:
+    if interface in OF_PYVISA_PY:
+        return ""
+    return f"; {interface} needs NI-VISA or another vendor's library, see `pyvisa-info`"
 
 
 def _text(raw: bytes, resource: str) -> str:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from itertools import chain
 
-from .connection import connect
+from .connection import connect, visa
 from .errors import MeterError
 from .hioki import identify
 from .identity import Identity
@@ -21,11 +22,10 @@ class Found:
 
 def found_resources() -> list[str]:
     """VISA resources that can be found by themselves: serial ports, GP-IB, and some on the LAN."""
-    import pyvisa
-
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return sorted(pyvisa.ResourceManager("@py").list_resources("?*::INSTR"))
+        of_backends = [visa(each).list_resources("?*::INSTR") for each in ("TCPIP", "GPIB")]
+    return sorted({*chain(*of_backends)})
 
 
 def answering(resource: str, timeout: float, baud_rate: int) -> Found:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, suppress
 from dataclasses import asdict, dataclass, field, fields
@@ -130,8 +129,9 @@ class Journal:
             self.folder.rmdir()
 
     def remove(self) -> None:
-        """Take the folder away: all of it is in the output."""
-        shutil.rmtree(self.folder)
+        """End it, as all of it is in the output; the folder goes when its lock is given back."""
+        for path in (self.folder / HEADER, *self.folder.glob(SWEEPS)):
+            path.unlink()
 
     def lock(self) -> AbstractContextManager[Path]:
         """Keep other recorders away while the block runs. Raises InputError where one is at work.

@@ -165,11 +165,21 @@ async def paged(control: Control, paging: Paging) -> AsyncIterator[Address]:
             watch.cancel()
 
 
+def _on_signal(
+    number: signal.Signals, loop: asyncio.AbstractEventLoop, call: Callable[[], None]
+) -> None:
+    """Call that in the loop when the signal comes, also where loops take no signals (Windows)."""
+    try:
+        loop.add_signal_handler(number, call)
+    except NotImplementedError:
+        signal.signal(number, lambda *_: loop.call_soon_threadsafe(call))
+
+
 async def _until_told_to_end(open_: Callable[[AsyncExitStack], Awaitable[None]]) -> None:
     stopped = asyncio.Event()
     loop = asyncio.get_running_loop()
     for end in (signal.SIGINT, signal.SIGTERM):
-        loop.add_signal_handler(end, stopped.set)
+        _on_signal(end, loop, stopped.set)
     async with AsyncExitStack() as stack:
         await open_(stack)
         await stopped.wait()

@@ -14,8 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
-from multiprocessing import forkserver
-from multiprocessing.context import ForkServerContext
+from multiprocessing.context import BaseContext
 from multiprocessing.process import BaseProcess
 from typing import Any
 
@@ -74,11 +73,16 @@ def hired(workers: int) -> Iterator[Processes | None]:
             raise
 
 
-def _copies() -> ForkServerContext:
+def _copies() -> BaseContext:
     """Of this, processes are copies of one that has imported what is NEEDED.
 
-    That is begun here, not waited for, and ends with this process.
+    That is begun here, not waited for, and ends with this process. Where the system has none of its
+    kind (Windows), each process imports for itself.
     """
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    from multiprocessing import forkserver
+
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([*NEEDED])
     with _uninterrupted():
@@ -118,7 +122,13 @@ def _finished(running: set[Future[int]], begin: Begin, waiting: Iterator[int]) -
 
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Ctrl-C waits; processes started within never hear of it, as they inherit the mask."""
+    """Ctrl-C waits; processes started within never hear of it, as they inherit the mask.
+
+    Windows knows of no mask.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -127,7 +137,8 @@ def _uninterrupted() -> Iterator[None]:
 
 
 def _begin() -> None:
-    """Ends this process as soon as the one that started it is gone, or says so."""
+    """Ends this process as soon as the one that started it is gone, or says so; Ctrl-C does not."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _end)
     parent = multiprocessing.parent_process()
     if parent is not None:

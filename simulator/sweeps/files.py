@@ -7,7 +7,7 @@ import os
 import shutil
 import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -142,13 +142,15 @@ def whole_file(path: Path) -> Iterator[Path]:
 def locked(folder: Path, begun: str, busy: str) -> Iterator[Path]:
     """The folder, made if need be, and no other process's while the block runs.
 
-    At the end it is taken away if no file in it has a name like `begun`. The system frees the lock
-    of a killed process. Raises InputError, saying `busy`, where another process has it.
+    At the end it is taken away if no file in it has a name like `begun`: the lock last, as Windows
+    removes no file that is open. The system frees the lock of a killed process. Raises InputError,
+    saying `busy`, where another process has it.
     """
     from filelock import FileLock, Timeout
 
     folder.mkdir(exist_ok=True)
-    lock = FileLock(folder / "lock")
+    file = folder / "lock"
+    lock = FileLock(file)
     try:
         lock.acquire(blocking=False)
     except Timeout:
@@ -156,9 +158,15 @@ def locked(folder: Path, begun: str, busy: str) -> Iterator[Path]:
     try:
         yield folder
     finally:
-        if not any(folder.glob(begun)):
+        done = not any(folder.glob(begun))
+        if done:
             shutil.rmtree(folder, ignore_errors=True)
+        left = done and file.exists()
         lock.release()
+        if left:
+            with suppress(OSError):  # another process has begun there
+                file.unlink(missing_ok=True)
+                folder.rmdir()
 
 
 def _remove(path: Path) -> None:

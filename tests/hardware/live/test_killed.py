@@ -53,3 +53,9 @@ def test_a_log_is_not_written_over_another_file(live, tmp_path):
     assert live("--sweeps", 2, "--log", log, "--overwrite").exit_code == 0
     assert read(log).sizes["sweep"] == 5
     assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+
+
+def test_a_log_ends_whole_where_open_files_stay(windows, live, tmp_path):
+    """As on Windows, where no file is removed that is open, such as a lock."""
+    assert live("--sweeps", 1, "--log", tmp_path / "run.nc").exit_code == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ loss_tangent = 0.0
 stray_capacitance = 0.0
 lead_resistance = 0.0
 """
+WINDOWS = Path(__file__).parents[2] / "windows.py"
 READOUT = "[readout]\ndisplay_digits = 12\n"
 
 
@@ -112,6 +114,19 @@ def test_ctrl_c_ends_with_one_line_and_leaves_a_data_set_that_goes_on(
     assert process.returncode == 130
     assert err == "rcskin: interrupted; the same command goes on from here\n"
     assert (work / "plan.json").exists() and (work / "model.npz").exists()
+
+
+@pytest.mark.slow
+def test_workers_make_the_same_data_set_on_windows(scene_file, tmp_path):
+    """Where each process begins anew, and a folder with an open file stays."""
+    made = []
+    for name, program in {"unix": ["-m", "rcskin"], "windows": [WINDOWS]}.items():
+        output = tmp_path / f"{name}.zarr"
+        dataset = ["dataset", scene_file, "--sweeps", "10000", "--workers", "2", "-o", output]
+        subprocess.run([sys.executable, *program, *dataset], check=True)
+        made.append(read(output)["Cp"])
+    np.testing.assert_array_equal(*made)
+    assert {path.suffix for path in tmp_path.iterdir()} == {".toml", ".zarr"}
 
 
 def test_export_writes_what_its_ending_says(run, make_sweeps, tmp_path):
