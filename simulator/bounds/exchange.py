@@ -19,35 +19,36 @@ def best_choice(
     candidates: int,
     n: int,
     starts: Sequence[NDArray[np.int64]] = (),
-    *,
-    repeats: bool = False,
+    excludes: NDArray[np.bool_] | None = None,
 ) -> NDArray[np.int64]:
     """n candidates of the least score, ascending: the best of exchanges from several starts.
 
     starts: further choices to begin at, beside the one that grows by the best candidate each time.
-    repeats: whether one candidate may be chosen more than once.
+    excludes: which candidates are not chosen with which, shape (candidate, candidate), symmetric;
+    by default each with itself. Some choice of n must be left by it wherever choosing begins.
     """
-    begun = [_grown(score, candidates, n, repeats), *starts]
-    ended = [_exchanged(score, candidates, np.sort(start), repeats) for start in begun]
+    excludes = np.eye(candidates, dtype=bool) if excludes is None else excludes
+    begun = [_grown(score, n, excludes), *starts]
+    ended = [_exchanged(score, np.sort(start), excludes) for start in begun]
     scores = score(np.array(ended))
     return ended[int(np.argmin(scores))]
 
 
-def _grown(score: Score, candidates: int, n: int, repeats: bool) -> NDArray[np.int64]:
+def _grown(score: Score, n: int, excludes: NDArray[np.bool_]) -> NDArray[np.int64]:
     chosen = np.zeros(0, dtype=np.int64)
     for _ in range(n):
-        options = _with_each(chosen, candidates, repeats)
+        options = _with_each(chosen, excludes)
         chosen = options[int(np.argmin(score(options)))]
     return chosen
 
 
 def _exchanged(
-    score: Score, candidates: int, chosen: NDArray[np.int64], repeats: bool
+    score: Score, chosen: NDArray[np.int64], excludes: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
     least = float(score(chosen[None])[0])
     quiet, slot = 0, 0
     while quiet < len(chosen):
-        options = _with_each(np.delete(chosen, slot), candidates, repeats)
+        options = _with_each(np.delete(chosen, slot), excludes)
         scores = score(options)
         best = int(np.argmin(scores))
         if scores[best] < least * (1 - GAIN):
@@ -59,9 +60,7 @@ def _exchanged(
     return np.sort(chosen)
 
 
-def _with_each(chosen: NDArray[np.int64], candidates: int, repeats: bool) -> NDArray[np.int64]:
-    """The choice and one more, for every candidate, shape (option, n + 1)."""
-    more = np.arange(candidates)
-    if not repeats:
-        more = np.setdiff1d(more, chosen)
+def _with_each(chosen: NDArray[np.int64], excludes: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """The choice and one more, for every candidate it leaves, shape (option, n + 1)."""
+    more = np.flatnonzero(~excludes[chosen].any(axis=0))
     return np.column_stack([np.tile(chosen, (len(more), 1)), more]).astype(np.int64)

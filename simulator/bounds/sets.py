@@ -13,6 +13,9 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 
 EQUATION_6, LOGARITHMIC, OPTIMAL = "Eq. 6", "log spacing", "optimal"
+DISTINCT = 1.1
+"""Least ratio of two chosen frequencies. Nearer, the field's reach, which falls as the root of the
+frequency, differs by less than 5 %: a second reading repeats the first, which `repeats` is for."""
 DIGITS = 6
 """A meter is told its frequencies in so many."""
 
@@ -48,6 +51,16 @@ def compared(scene: Scene, n: int, band: tuple[float, float]) -> dict[str, NDArr
     return {name: within(frequencies, band) for name, frequencies in found.items()}
 
 
+def candidates_of(
+    scene: Scene, n: int, band: tuple[float, float], grid: int
+) -> NDArray[np.float64]:
+    """Frequencies in Hz, ascending, that n are chosen among: those of a grid over the band, those
+    of the scene in it, and those of `compared`."""
+    own = scene.frequencies[(scene.frequencies >= band[0]) & (scene.frequencies <= band[1])]
+    fine = within(logarithmic(band, grid), band)
+    return np.unique(np.concatenate([own, fine, *compared(scene, n, band).values()]))
+
+
 def own_band(scene: Scene) -> tuple[float, float]:
     """From the lowest to the highest frequency of a scene, Hz."""
     return float(scene.frequencies[0]), float(scene.frequencies[-1])
@@ -61,6 +74,39 @@ def chosen_band(text: str | None, scene: Scene) -> tuple[float, float]:
             f"--band must be LOW:HIGH in Hz with 0 < LOW < HIGH < inf here, got {low:g}:{high:g}"
         )
     return low, high
+
+
+def frequencies_among(text: str | None, scene: Scene) -> NDArray[np.float64] | None:
+    """What `--among` names, in Hz, ascending: the scene's frequencies, or those of a list.
+
+    Raises InputError for what is neither.
+    """
+    if text is None or text == "scene":
+        return None if text is None else scene.frequencies
+    try:
+        found = np.unique([float(each) for each in text.split(",")])
+    except ValueError:
+        found = np.zeros(1)
+    if not (np.isfinite(found).all() and (found > 0).all()):
+        raise InputError(f"--among must be `scene` or F,F,... in Hz, each > 0, got {text!r}")
+    return found
+
+
+def too_near(frequencies: NDArray[np.float64], n: int) -> NDArray[np.bool_]:
+    """Which frequencies in Hz, ascending, are not chosen together: those nearer than DISTINCT.
+
+    The ratio is smaller where n of them must find room: each takes a half of its share at most.
+    """
+    logarithm = np.log(frequencies)
+    room = float(np.ptp(logarithm)) / (4 * n)
+    apart = np.abs(logarithm[:, None] - logarithm)
+    return (apart < min(math.log(DISTINCT), room)) | np.eye(len(frequencies), dtype=bool)
+
+
+def allowed(choice: NDArray[np.int64], excludes: NDArray[np.bool_]) -> bool:
+    """Whether a choice of candidates holds none that excludes another."""
+    others = excludes[np.ix_(choice, choice)]
+    return bool(others[np.triu_indices(len(choice), 1)].sum() == 0)
 
 
 def rounded(frequencies: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -41,7 +41,10 @@ def limits(
     charts: Charts = "png",
     accuracy: Annotated[
         float | None,
-        typer.Option(help="Print the most pixels that any classifier tells this well, 0 to 1."),
+        typer.Option(
+            help="Print the most pixels, as many rows to columns as in the scene, that any "
+            "classifier tells this well, 0 to 1."
+        ),
     ] = None,
     draws: Annotated[int, typer.Option(help="Sweeps drawn for an accuracy.")] = 2000,
     seed: Annotated[int, typer.Option(help="Of all random numbers.")] = 1,
@@ -54,7 +57,8 @@ def limits(
     and pixels, which no classifier surpasses. Beside each stands what is
     taken as known and what not. --size and --factor hold for all of them.
 
-    With --accuracy: the largest number of pixels for it, by target.
+    With --accuracy: the largest number of pixels for it, by target, of grids
+    in the proportion of the scene's rows and columns.
     """
     from ..asked.numbers import check_numbers
     from ..asked.scene import asked_scene
@@ -121,9 +125,13 @@ def _print_counts(scene: Scene, accuracy: float, sampling: Sampling, track: Trac
         )
         if best is not None and best.n == MOST:
             told = f"{shape_of(scene, best.n)} pixels or more"
+        rows, columns = scene.pixels.shape
         tried = "; ".join(
             f"{shape_of(scene, each.n)} at most {100 * each.accuracy.share:.1f} "
             f"± {100 * each.accuracy.error:.1f} %"
             for each in found
         )
-        typer.echo(f"{target}: {told} for {100 * accuracy:g} % ({tried})")
+        typer.echo(
+            f"{target}: {told} for {100 * accuracy:g} % (rows x columns, in the proportion "
+            f"{rows}:{columns} of the scene; tried {tried})"
+        )

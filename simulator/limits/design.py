@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,8 +10,8 @@ from numpy.typing import NDArray
 
 from ..bounds.exchange import best_choice
 from ..bounds.fields import CELLS_PER_PIXEL, fields_of
-from ..bounds.position import TouchSize, places_on, position_slopes
-from ..bounds.sets import OPTIMAL, compared, logarithmic, within
+from ..bounds.position import Slopes, TouchSize, places_on, position_slopes
+from ..bounds.sets import OPTIMAL, allowed, candidates_of, compared, too_near
 from ..progress import Track, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -20,8 +21,8 @@ GRID = 60
 
 LEAST_GRID, LARGEST_GRID = 2, 400
 
-PLACES = 10
-"""Along each side, that position is judged at."""
+DESIGN_PLACES = 64
+"""About so many that frequencies are chosen at."""
 
 
 @dataclass(frozen=True)
@@ -30,12 +31,14 @@ class Design:
 
     figures: what is to be small, in m for position, for column and pixel one over the distance in
     the meter's errors. left_out: coordinates at places, or pairs of pixels, that no set tells.
+    errors: for position, the median error in m as `limits` has it, by name.
     """
 
     criterion: str
     sets: dict[str, NDArray[np.float64]]
     figures: dict[str, float]
     left_out: int
+    errors: dict[str, float]
 
     @property
     def best(self) -> NDArray[np.float64]:
@@ -46,18 +49,27 @@ class Design:
     def heading(self) -> str:
         """What the figures are."""
         if self.criterion == "position":
-            return "rms bound (mm)"
+            return "median error"
         return f"nearest {self.criterion}s (meter's errors)"
 
     def told(self, name: str) -> str:
         """The figure of a set for people."""
-        figure = self.figures[name]
         if self.criterion == "position":
-            return f"{1e3 * figure:.3g} mm"
-        return f"{1 / figure:.3g} errors apart"
+            return f"{1e3 * self.errors[name]:.4g} mm"
+        return f"{1 / self.figures[name]:.3g} errors apart"
+
+    @property
+    def over(self) -> str:
+        """What `ratio` is of."""
+        return "rms bound over the best" if self.criterion == "position" else "over the best"
+
+    def comparison(self, name: str) -> str:
+        """A set in words: its figure, and how it compares with the best."""
+        figure = f"{self.told(name)}, {self.ratio(name):.3g} of the best"
+        return f"median error {figure} by the rms bound" if self.errors else figure
 
     def ratio(self, name: str) -> float:
-        """How much worse a set is: its bound over the best, or its distance over the best's."""
+        """How much worse a set is: its rms bound over the best's, or its distance over that."""
         ratio = self.figures[name] / self.figures[OPTIMAL]
         return ratio if self.criterion == "position" else 1 / ratio
 
@@ -72,37 +84,63 @@ def design(
     grid: int = GRID,
     against_rest: int = 0,
     repeats: bool = False,
+    among: NDArray[np.float64] | None = None,
     track: Track = silent,
 ) -> Design:
-    """The best n of a grid of frequencies over a band in Hz, by a criterion of `criteria`.
+    """The best n of `candidates_of` a scene over a band in Hz, by a criterion of `criteria`.
 
-    The frequencies of the sets it is compared with are candidates too. Raises InputError where n or
-    the grid is out of range.
+    No two of them are nearer than `too_near` says, unless they may be repeated. among: choose from
+    these frequencies in Hz instead, ascending. Raises InputError where n or the grid is out of
+    range.
     """
-    check_design(n, grid, repeats)
+    check_design(n, grid if among is None else len(among), repeats, grid)
     others = compared(scene, n, band)
-    candidates = np.unique(
-        np.concatenate([within(logarithmic(band, grid), band), *others.values()])
-    )
-    judged = _criterion(scene, criterion, candidates, touch, against_rest, track)
-    numbers = {name: np.searchsorted(candidates, f) for name, f in others.items()}
-    starts = [k for k in numbers.values() if repeats or len(np.unique(k)) == n]
-    best = best_choice(judged.score, len(candidates), n, starts, repeats=repeats)
+    own = candidates_of(scene, n, band, grid) if among is None else among
+    every = np.unique(np.concatenate([own, *others.values()]))
+    judged, slopes = _criterion(scene, criterion, every, touch, against_rest, track)
+    numbers = {name: np.searchsorted(every, f) for name, f in others.items()}
+    best = _best(judged, np.searchsorted(every, own), n, numbers.values(), repeats, among is None)
     chosen = {OPTIMAL: best, **numbers}
     return Design(
         criterion,
-        {name: candidates[k] for name, k in chosen.items()},
+        {name: every[k] for name, k in chosen.items()},
         {name: float(judged.score(k[None])[0]) for name, k in chosen.items()},
         judged.left_out,
+        {}
+        if slopes is None
+        else {name: slopes.bounds(every[k]).median_error() for name, k in chosen.items()},
     )
 
 
-def check_design(n: int, grid: int, repeats: bool) -> None:
+def _best(
+    judged: Criterion,
+    own: NDArray[np.int64],
+    n: int,
+    others: Iterable[NDArray[np.int64]],
+    repeats: bool,
+    spaced: bool,
+) -> NDArray[np.int64]:
+    """The best n of the candidates `own`, numbers of frequencies of the criterion."""
+    excludes = too_near(judged.frequency[own], n) if spaced else np.eye(len(own), dtype=bool)
+    excludes &= not repeats
+    starts = [np.searchsorted(own, k) for k in others if np.isin(k, own).all()]
+    starts = [k for k in starts if allowed(k, excludes)]
+    return own[best_choice(lambda k: judged.score(own[k]), len(own), n, starts, excludes)]
+
+
+def some_places(slopes: Slopes) -> Slopes:
+    """About DESIGN_PLACES of the places, evenly spread."""
+    return slopes.some(max(1, len(slopes.places) // DESIGN_PLACES))
+
+
+def check_design(n: int, candidates: int, repeats: bool, grid: int) -> None:
     """Raises InputError where so many frequencies cannot be chosen."""
     if not LEAST_GRID <= grid <= LARGEST_GRID:
         raise InputError(f"--grid must be from {LEAST_GRID} to {LARGEST_GRID}, got {grid}")
-    if not (n >= 1 and (repeats or n <= grid)):
-        raise InputError(f"-n must be from 1 to {grid}, the frequencies to choose from, got {n}")
+    if not (n >= 1 and (repeats or n <= candidates)):
+        raise InputError(
+            f"-n must be from 1 to {candidates}, the frequencies to choose from, got {n}"
+        )
 
 
 def _criterion(
@@ -112,14 +150,15 @@ def _criterion(
     touch: TouchSize,
     against_rest: int,
     track: Track,
-) -> Criterion:
+) -> tuple[Criterion, Slopes | None]:
+    """The criterion and, for position, the slopes at all places that `limits` looks at."""
     of_groups = name != "position" and scene.pixels.groups is not None
     cells = 1 if of_groups else None
     fields = fields_of(scene, float(candidates[-1]), touch, cells)
     if name != "position":
-        return identity_criterion(fields, name, candidates, against_rest, track, touch)
-    places = places_on(scene, touch, CELLS_PER_PIXEL, PLACES)
+        return identity_criterion(fields, name, candidates, against_rest, track, touch), None
+    places = places_on(scene, touch, CELLS_PER_PIXEL)
     slopes = position_slopes(
         fields, places, touch, candidates, against_rest=against_rest, track=track
     )
-    return position_criterion(slopes)
+    return position_criterion(some_places(slopes)), slopes

@@ -29,6 +29,12 @@ def frequencies(
         str | None,
         typer.Option(help="LOW:HIGH in Hz; what is absent is the scene's lowest or highest."),
     ] = None,
+    among: Annotated[
+        str | None,
+        typer.Option(
+            help="Choose from these alone: scene, for those of the scene, or F,F,... in Hz."
+        ),
+    ] = None,
     grid: Annotated[int, typer.Option(help="How many to choose from.")] = 60,
     interface: Interfaces = None,
     size: TouchSide = None,
@@ -40,15 +46,17 @@ def frequencies(
 ) -> None:
     """The n frequencies that tell most, beside Eq. 6 of the paper and log spacing.
 
-    In a pipe one frequency in Hz a line; the comparison then goes to standard
-    error.
+    Any two differ by 10 % or more, as far as n find room; nearer ones would
+    repeat a reading. By position, the error is the median error that `limits`
+    shows; sets are compared by the rms bound. In a pipe one frequency in Hz a
+    line; the comparison then goes to standard error.
     """
     from rich.console import Console
 
     from ..asked.numbers import check_numbers
     from ..asked.scene import asked_scene
     from ..bounds.position import chosen_touch
-    from ..bounds.sets import chosen_band
+    from ..bounds.sets import chosen_band, frequencies_among
     from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
     from .criteria import checked_criterion
@@ -58,7 +66,8 @@ def frequencies(
     plain = foldable(asked_scene(scene), "a limit")
     loaded = with_interfaces(plain, interface or [])
     check_numbers(against_rest=against_rest)
-    check_design(n, grid, repeats)
+    chosen_from = frequencies_among(among, loaded)
+    check_design(n, grid if chosen_from is None else len(chosen_from), repeats, grid)
     with on_terminal() as track:
         found = design(
             loaded,
@@ -69,6 +78,7 @@ def frequencies(
             grid=grid,
             against_rest=against_rest,
             repeats=repeats,
+            among=chosen_from,
             track=track,
         )
     console = Console()
@@ -78,13 +88,13 @@ def frequencies(
     for frequency in found.best:
         typer.echo(f"{frequency:.6g}")
     for name in found.sets:
-        typer.echo(f"{name}: {found.told(name)}, {found.ratio(name):.3g} of the best", err=True)
+        typer.echo(f"{name}: {found.comparison(name)}", err=True)
 
 
 def _table(found: Design) -> Table:
     from rich.table import Table
 
-    table = Table("", "frequencies (Hz)", found.heading, "over the best", box=None)
+    table = Table("", "frequencies (Hz)", found.heading, found.over, box=None)
     for name, chosen in found.sets.items():
         told = ", ".join(f"{frequency:.6g}" for frequency in chosen)
         table.add_row(name, told, found.told(name), f"{found.ratio(name):.3g}")

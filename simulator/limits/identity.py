@@ -181,7 +181,7 @@ DEVIATIONS = 2
 
 @dataclass(frozen=True)
 class Count:
-    """Pixels along each side (of a strip: along it), the best accuracy, and the pairwise bound."""
+    """Pixels along the side with more of them, the best accuracy, and the pairwise bound."""
 
     n: int
     accuracy: Accuracy
@@ -219,7 +219,7 @@ def counted(
     sampling: Sampling,
     track: Track = silent,
 ) -> Count:
-    """The best accuracy with n pixels along each side."""
+    """The best accuracy with n pixels along the side with more of them."""
     divided = with_pixels(scene, n)
     presses, among = own_presses(divided), hypotheses(divided, target)
     readings = sampling.readings(divided, presses)
@@ -229,13 +229,15 @@ def counted(
 
 
 def with_pixels(scene: Scene, n: int) -> Scene:
-    """The same skin with n x n pixels; a strip of one row keeps its one row, or its one column."""
-    rows = 1 if scene.pixels.rows == 1 else n
-    columns = 1 if scene.pixels.columns == 1 and rows > 1 else n
-    return scene.on_grid(rows, columns)
+    """The same skin with n pixels along the side that has more, and as many along the other as its
+    own rows and columns are to each other, rounded; at least one. A strip stays a strip."""
+    own = scene.pixels.shape
+    rows, columns = (max(1, round(n * each / max(own))) for each in own)
+    strip = own[0] == 1, own[1] == 1 < own[0]
+    return scene.on_grid(1 if strip[0] else rows, 1 if strip[1] else columns)
 
 
 def shape_of(scene: Scene, n: int) -> str:
-    """n pixels along each side as rows x columns."""
+    """The pixels of `with_pixels` as rows x columns."""
     pixels = with_pixels(scene, n).pixels
     return f"{pixels.rows}x{pixels.columns}"

@@ -18,18 +18,16 @@ from ..bounds.position import (
     places_on,
     position_slopes,
 )
-from ..bounds.sets import OPTIMAL, compared, logarithmic, own_band, within
+from ..bounds.sets import OPTIMAL, allowed, candidates_of, compared, own_band, too_near
 from ..bounds.touches.errors import LaidErrors
 from ..progress import Track, silent
 from ..scene.reading import frequencies_at, through
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .criteria import position_criterion
-from .design import GRID
+from .design import GRID, some_places
 
 FREQUENCIES, INTERFACES, SHEETS = "frequencies", "interfaces", "sheets"
-DESIGN_PLACES = 64
-"""About so many that frequencies are chosen at."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +79,7 @@ def survey(
     alone; every sheet resistance in ohm/sq. n: by default as many as pixels from the fed edge on.
     """
     n = n or _pixels_from_edge(scene)
-    slopes = _slopes(scene, question, _candidates(scene, n), track)
+    slopes = _slopes(scene, question, candidates_of(scene, n, own_band(scene), GRID), track)
     own = scene.frequencies
     told = f"the scene's {len(own)}" if scene.taken is None else "the scene's own"
     everything = Variant(FREQUENCIES, told, slopes.bounds(own, taken=scene.taken), own)
@@ -161,19 +159,13 @@ def _pixels_from_edge(scene: Scene) -> int:
     return scene.pixels.columns if fed in ("left", "right") else scene.pixels.rows
 
 
-def _candidates(scene: Scene, n: int) -> NDArray[np.float64]:
-    band = own_band(scene)
-    fine = within(logarithmic(band, GRID), band)
-    return np.unique(np.concatenate([scene.frequencies, fine, *compared(scene, n, band).values()]))
-
-
 def _sets(scene: Scene, slopes: Slopes, n: int) -> dict[str, NDArray[np.float64]]:
     named = compared(scene, n, own_band(scene))
-    step = max(1, len(slopes.places) // DESIGN_PLACES)
     try:
-        criterion = position_criterion(slopes.some(step))
+        criterion = position_criterion(some_places(slopes))
     except InputError:  # nothing tells the place, so nothing does it best
         return {f"{n}, {name}": f for name, f in named.items()}
-    starts = [slopes.number(f) for f in named.values() if len(np.unique(f)) == n]
-    best = best_choice(criterion.score, len(slopes.frequency), n, starts)
+    excludes = too_near(slopes.frequency, n)
+    starts = [k for k in map(slopes.number, named.values()) if allowed(k, excludes)]
+    best = best_choice(criterion.score, len(slopes.frequency), n, starts, excludes)
     return {f"{n}, {name}": f for name, f in (named | {OPTIMAL: slopes.frequency[best]}).items()}
