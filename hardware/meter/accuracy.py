@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from ...simulator.sweeps import InputError
+from ...simulator.sweeps import InputError, inputs
 from ...simulator.sweeps.pace import reading_time
 
 
@@ -164,8 +164,8 @@ def full_scale(range_number: int) -> float:
 def read_table(path: Path = DERIVED) -> AccuracyTable:
     """The table in a TOML file. Raises InputError naming the file, the key and what is wrong."""
     try:
-        table = AccuracyTable.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        table = AccuracyTable.model_validate(inputs.tables(inputs.text(path, inputs.SETTINGS)))
+    except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: cannot be read as a table of accuracy: {error}") from error
     except ValidationError as error:
         first = error.errors()[0]

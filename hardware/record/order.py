@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 
-from ...simulator.sweeps import UNPRESSED, InputError
+from ...simulator.sweeps import UNPRESSED, InputError, inputs
 from ...simulator.sweeps.press_text import parse_touches, written_pixel
 
 
@@ -58,10 +58,7 @@ def read_order(path: Path, rows: int, columns: int) -> list[Step]:
 
     Raises InputError naming the file and the line.
     """
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read: {error}") from error
+    lines = inputs.text(path, inputs.SETTINGS).splitlines()
     steps: list[Step] = []
     for number, line in enumerate(lines, start=1):
         text = line.split("#")[0].strip()

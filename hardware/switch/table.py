@@ -16,7 +16,7 @@ from pydantic import (
     model_validator,
 )
 
-from ...simulator.sweeps import InputError
+from ...simulator.sweeps import InputError, inputs
 from ...simulator.sweeps.pace import SETTLE
 from .relays import NUMERALS, Closed, Lcus, Numato, SerialLine
 from .scpi import ROUTINGS, Scpi, open_scpi
@@ -124,8 +124,10 @@ def read_switch(path: Path, settle: float | None = None) -> Turning[Closed]:
     Raises InputError naming the file, the key and what is wrong.
     """
     try:
-        table = TypeAdapter(Table).validate_python(tomllib.loads(path.read_text(encoding="utf-8")))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        table = TypeAdapter(Table).validate_python(
+            inputs.tables(inputs.text(path, inputs.SETTINGS))
+        )
+    except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: cannot be read as a table of a switch: {error}") from error
     except ValidationError as error:
         first = error.errors()[0]

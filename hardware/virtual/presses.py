@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...simulator.sweeps import UNPRESSED, InputError
+from ...simulator.sweeps import UNPRESSED, InputError, inputs
 from .control import Control
 from .skin import Skin
 
@@ -22,10 +22,7 @@ def read_script(path: Path, skin: Skin) -> list[tuple[float, str]]:
     Raises InputError naming the file and the line: no such form, times that do not ascend, or a
     press that is none on the skin.
     """
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read: {error}") from error
+    lines = inputs.text(path, inputs.SETTINGS).splitlines()
     steps: list[tuple[float, str]] = []
     for number, line in enumerate(lines, start=1):
         words = line.split("#")[0].split(maxsplit=1)

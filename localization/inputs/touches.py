@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...simulator.sweeps import InputError
+from ...simulator.sweeps import InputError, inputs
 from ...simulator.sweeps.press_text import WrittenTouch, parse_touches
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ def plan_of(sweeps: xr.Dataset) -> Plan | None:
 def plan_of_scene(text: str) -> Plan | None:
     """Of a scene's TOML text; None where it does not tell that much."""
     try:
-        table = tomllib.loads(text)
+        table = inputs.tables(text)
         skin, pixels = table["skin"], table["pixels"]
         return Plan(
             float(skin["length"]),

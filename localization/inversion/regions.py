@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.sweeps import inputs
 from ..trust.fitted import Regressor
 from .region import FARTHEST, Places, Region, region_of
 
@@ -41,7 +42,7 @@ def regions_of(learned: Regressor, X: NDArray[np.float64], scene: str) -> list[R
 def _bounds(scene: str, told: NDArray, deviation: NDArray) -> NDArray[np.float64]:
     """Lowest and highest x and y in mm, shape (2, 2)."""
     try:
-        skin = tomllib.loads(scene)["skin"]
+        skin = inputs.tables(scene)["skin"]
         return np.array([[0.0, 1e3 * skin["length"]], [0.0, 1e3 * skin["width"]]])
     except (tomllib.TOMLDecodeError, KeyError, TypeError):
         reach = FARTHEST * deviation

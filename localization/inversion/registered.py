@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from sklearn.pipeline import Pipeline
 
-from ...simulator.sweeps import InputError
+from ...simulator.sweeps import InputError, inputs
 from ..inputs.rest import FEWEST
 from ..inputs.samples import Problem
 from ..inputs.targets import TARGETS
@@ -93,4 +93,4 @@ def _check(problem: Problem, name: str, takes: Sequence[str]) -> None:
 
 
 def _interfaces(scene: str) -> list[dict[str, Any]]:
-    return tomllib.loads(scene)["interface"]
+    return inputs.tables(scene)["interface"]

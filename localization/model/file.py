@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import warnings
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import skops.io
 from sklearn.exceptions import InconsistentVersionWarning
 
-from ...simulator.sweeps import InputError, checked_output, whole_file
+from ...simulator.sweeps import InputError, checked_output, inputs, whole_file
 from ...simulator.sweeps.file_kinds import check_file_kind
 from ..cores import count_cores
 from ..learners.registry import Registry
@@ -65,10 +66,7 @@ def load(path: str | Path, registry: Registry | None = None) -> Model:
     """
     path = Path(path)
     check_file_kind(path, "model")
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    data = inputs.content(path, inputs.MODEL)
     if not data:
         raise InputError(f"{path}: not a model in the format of skops: it is empty")
     fields = _trusted_content(path, data)
@@ -89,10 +87,13 @@ def _equipped(model: Model, registry: Registry) -> Model:
 
 def _trusted_content(path: Path, data: bytes) -> Any:
     try:
+        inputs.check_archive(path, io.BytesIO(data))
         untrusted = sorted(set(skops.io.get_untrusted_types(data=data)) - set(TRUSTED))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", InconsistentVersionWarning)  # a model tells it itself
             content = None if untrusted else skops.io.loads(data, trusted=TRUSTED)
+    except InputError:
+        raise
     except Exception as error:  # a damaged archive can fail anywhere in zipfile, json or skops
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: not a model in the format of skops: {reason}") from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import math
 import os
 import shutil
 import warnings
@@ -12,6 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from . import inputs
 from .digests import check_store, seal_store
 from .errors import InputError
 from .file_kinds import check_file_kind
@@ -65,6 +67,8 @@ def read(path: str | Path) -> xr.Dataset:
         raise InputError(f"{path}: sweeps are read from {', '.join(ENDINGS)}, {given}")
     if not path.exists():
         raise InputError(f"{path}: no such file")
+    if path.suffix == ".zarr" and not path.is_dir():
+        raise InputError(f"{path}: is a file; a .zarr is a folder")
     try:
         return check(readers[path.suffix](path))
     except OSError as error:
@@ -212,7 +216,9 @@ def open_zarr(path: Path) -> xr.Dataset:
 
     check_zarr(path)
     try:
+        inputs.check_folder(path)
         sealed = check_store(path)
+        inputs.check_arrays(path, _declared(path))
         stored = xr.open_zarr(path)
         _check_whole(path, [*map(str, stored.variables)] if sealed else QUANTITIES)
     except InputError:
@@ -224,6 +230,7 @@ def open_zarr(path: Path) -> xr.Dataset:
 
 def loaded(stored: xr.Dataset, path: Path) -> xr.Dataset:
     """Sweeps of `open_zarr` in memory. Raises InputError naming the path where they are damaged."""
+    inputs.check_memory(path, stored.nbytes)
     try:
         return stored.load()
     except DAMAGED as error:
@@ -232,15 +239,23 @@ def loaded(stored: xr.Dataset, path: Path) -> xr.Dataset:
 
 def _check_whole(path: Path, names: Iterable[str]) -> None:
     """Raises InputError where chunks of these are not there, which would be read as zeros."""
-    import zarr
-
-    group = zarr.open_group(path, mode="r")
-    for name in sorted({*names} & {*group.array_keys()}):
-        array = group[name]
-        assert isinstance(array, zarr.Array)
-        if array.nchunks_initialized < array.nchunks:
+    for name, array in _arrays(path):
+        if name in names and array.nchunks_initialized < array.nchunks:
             told = f"{array.nchunks_initialized} of {array.nchunks} parts of `{name}`"
             raise InputError(f"{path}: cut off, holds {told}")
+
+
+def _declared(path: Path) -> Iterator[tuple[str, int, int, int]]:
+    """As of `check_arrays`."""
+    for name, each in _arrays(path):
+        yield name, each.ndim, math.prod(each.chunks) * each.dtype.itemsize, each.nchunks
+
+
+def _arrays(path: Path) -> list[tuple[str, Any]]:
+    """The arrays of a `.zarr` by name, none of them read."""
+    import zarr
+
+    return sorted(zarr.open_group(path, mode="r").arrays())
 
 
 def check_zarr(path: Path) -> None:

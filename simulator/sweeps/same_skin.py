@@ -7,10 +7,10 @@ leads and the meter may differ.
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from . import inputs
 from .errors import InputError
 
 
@@ -40,13 +40,13 @@ def difference(recorded: str, asked: str) -> str | None:
 
 
 def _name(text: str) -> str:
-    return str(tomllib.loads(text).get("name", "an unnamed scene"))
+    return str(inputs.tables(text).get("name", "an unnamed scene"))
 
 
 def _traits(text: str) -> dict[str, Any]:
     """By what they are called; none of a text that is no scene."""
     try:
-        return _of_table(tomllib.loads(text))
+        return _of_table(inputs.tables(text))
     except (KeyError, TypeError, ValueError, AttributeError):
         return {}
 

@@ -16,7 +16,7 @@ from ...mesh.arcs import Arcs
 from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import Resolution
 from ...scene.files import parse_scene, scene_text
-from ...sweeps import InputError, whole_file
+from ...sweeps import InputError, inputs, whole_file
 from ..varied.meshes import circuit_of
 from .families.family import Mesh, Triangulation
 from .indented.file import arrays_of, beside_from, with_beside
@@ -47,12 +47,23 @@ def save(reduced: Reduced, path: Path) -> None:
 def load(path: Path) -> Reduced:
     """The model in a file. Raises InputError where that is none."""
     try:
+        with inputs.check_input(path, inputs.MODEL).open("rb") as file:
+            inputs.check_archive(path, file)
         with np.load(path, allow_pickle=False) as archive:
             told = json.loads(str(archive["told"]))
             arrays: dict[str, Any] = {name: archive[name] for name in ARRAYS}
             mesh = _mesh(told, archive)
             beside = beside_from(archive)
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
+    except InputError:
+        raise
+    except (
+        OSError,
+        ValueError,
+        KeyError,
+        MemoryError,
+        RecursionError,
+        zipfile.BadZipFile,
+    ) as error:
         raise InputError(f"{path}: not a reduced model: {error}") from error
     scene = parse_scene(told["scene"], str(path))
     circuit = circuit_of(scene, told["fields"] == 1)

@@ -18,11 +18,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...sweeps import InputError, check_needs
+from ...sweeps import InputError, check_needs, inputs
 
 if TYPE_CHECKING:
     import meshio
 
+FORMATS = {".msh": "gmsh", ".vtk": "vtk", ".vtu": "vtu", ".inp": "abaqus"}
+"""By endings, as meshio calls them."""
 MOST_VALUES = 1000
 """Different whole numbers in data of elements that make groups."""
 LINES = {"line": [(0, 1)], "line3": [(0, 2), (2, 1)]}
@@ -62,6 +64,7 @@ def read_surface(path: str) -> Surface:
     """The triangles of a mesh file; raises InputError where it cannot be read or has none."""
     if not Path(path).exists():
         raise InputError(f"{path}: no such file, needed as `skin.mesh`")
+    inputs.check_input(Path(path), inputs.MESH)
     mesh = _parsed(path)
     for block in mesh.cells:
         if block.type not in (*TRIANGLES, *LINES, "vertex"):
@@ -113,13 +116,16 @@ def _keys(lines: Numbers) -> Numbers:
 
 
 def _parsed(path: str) -> meshio.Mesh:
+    ending = Path(path).suffix.lower()
+    if ending not in FORMATS:
+        raise InputError(f"{path}: `skin.mesh` must end in {', '.join(FORMATS)}, got {ending!r}")
     check_needs(path, "mesh", "meshio")
     import meshio
 
     quiet = io.StringIO()
     try:
         with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet):
-            return meshio.read(path)
+            return meshio.read(path, file_format=FORMATS[ending])
     except (Exception, SystemExit) as error:
         told = quiet.getvalue() if isinstance(error, SystemExit) else f"{error}"
         said = " ".join(told.split()) or type(error).__name__

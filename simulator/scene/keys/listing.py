@@ -10,7 +10,7 @@ from typing import Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from ..files import MapFile
+from ..map_file import MapFile
 from ..maps import Grid
 from ..randomisation import Fixed
 from ..scene import Scene

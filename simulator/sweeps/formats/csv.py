@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .. import inputs
 from ..digests import OWN_KEYS, UNSEALED, check_text, seal_text
 from ..errors import InputError
 from ..impedance import UNRELATED, branch_reactance, contradicting, parallel_capacitance, unlike
@@ -101,7 +102,7 @@ def read_csv(path: Path) -> xr.Dataset:
     a cell that is not a plain decimal number, a sweep with other readings than the first, lines
     that are not what the checksum above says, a Cp of other Rs and X where there is no checksum.
     """
-    content = path.read_bytes()
+    content = inputs.content(path, inputs.TABLE)
     sealed = check_text(path, content)
     comments = _comments(content)
     text, attributes = _text(path, content, len(comments)), _attributes(comments)
@@ -162,7 +163,7 @@ def _is_comment(line: str) -> bool:
 def _attributes(comments: Sequence[str]) -> dict[str, Any]:
     """What `_commented` wrote; the comments as they are where they are none of that."""
     try:
-        told = tomllib.loads("".join(comments))
+        told = inputs.tables("".join(comments))
     except tomllib.TOMLDecodeError:
         return {"preamble": "".join(comments)}
     return {name: value for name, value in told.items() if name not in OWN_KEYS}

@@ -8,6 +8,7 @@ is what `xarray.Dataset.to_netcdf` makes of the same sweeps.
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Hashable, Mapping
 from pathlib import Path
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .. import inputs
 from ..digests import check_binary, seal_binary
 from ..errors import InputError
 from ..table import DIMENSIONS, Table
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
 LOCK = threading.RLock()
 """Held wherever a NetCDF file is open: the libraries below end the process where two threads read
 or write at once, also different files."""
+SHORTEST_TEXT = 57
+"""Bytes of a text without characters and of what refers to it, in Python."""
 DAMAGED = (OSError, RuntimeError, ValueError, LookupError, TypeError, AttributeError, MemoryError)
 """What libraries raise of files without a digest that are spoilt."""
 
@@ -74,13 +78,27 @@ def read_dataset(path: Path) -> xr.Dataset:
     """
     import xarray as xr
 
-    check_binary(path)
+    check_binary(inputs.check_input(path, inputs.SWEEPS))
     try:
         with LOCK:
+            inputs.check_memory(path, _declared(path))
             return xr.load_dataset(path, engine="netcdf4")
+    except InputError:
+        raise
     except DAMAGED as error:
         told = " ".join(str(error).split())
         raise InputError(f"{path}: cannot be read as .nc: {told}") from error
+
+
+def _declared(path: Path) -> int:
+    """Bytes of all arrays of a file in memory, texts by their shortest."""
+    from netCDF4 import Dataset
+
+    with Dataset(path) as file:
+        return sum(
+            math.prod(each.shape) * getattr(each.dtype, "itemsize", SHORTEST_TEXT)
+            for each in file.variables.values()
+        )
 
 
 def _attribute(value: object) -> object:

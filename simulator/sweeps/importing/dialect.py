@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from .. import inputs
 from ..digests import check_text
 from ..errors import InputError
 from ..units import PLAIN, plain_number
@@ -82,10 +83,7 @@ def read_table(path: Path) -> Table:
 
 
 def _lines(path: Path) -> list[str]:
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    content = inputs.content(path, inputs.TABLE)
     check_text(path, content)
     encoding = "utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
     try:

@@ -63,7 +63,7 @@ def test_a_bad_order_is_told_by_file_and_line(tmp_path, text, told):
 
 
 def test_an_absent_order_is_told(tmp_path):
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="no such file"):
         read_order(tmp_path / "absent.txt", 2, 2)
 
 

@@ -164,7 +164,7 @@ def test_the_settle_time_is_the_tables_unless_asked_for(table):
         (None, None, None, "the interfaces left, bottom are measured in turn, which takes a swit"),
         ("ask", None, None, "which takes a switch that needs nobody"),
         ("a.toml", "turn {interface}", None, "`switch` and `switch-with` cannot both"),
-        ("nowhere.toml", None, None, "nowhere.toml: cannot be read as a table of a switch"),
+        ("nowhere.toml", None, None, "nowhere.toml: no such file"),
         ("anything", None, None, "`switch` must be TABLE.toml, HOST:PORT or ask, got 'anything'"),
         ("1.2.3.4:99999", None, None, "`switch` must be TABLE.toml, HOST:PORT or ask"),
         ("1.2.3.4:1", None, -1, r"`settle` must be in \[0, 3600\] s, got -1"),

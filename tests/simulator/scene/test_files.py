@@ -218,7 +218,7 @@ def test_files_that_cannot_be_read_are_told(tmp_path):
     binary.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match=r"binary\.toml: cannot be read"):
         read_scene(binary)
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="is a folder; a scene is a file"):
         read_scene(tmp_path)
 
 

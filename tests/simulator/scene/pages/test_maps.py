@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from PIL import Image
-from rcskin.simulator.scene.files import with_grids
+from rcskin.simulator.scene.map_file import with_grids
 from rcskin.simulator.scene.maps import Constant, Gradient, Grid, Random, random_field
 
 L, W = SIDES = (0.12, 0.08)

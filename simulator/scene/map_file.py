@@ -1,0 +1,160 @@
+"""Maps that a scene file names: tables of factors and pictures, read into grids."""
+
+from __future__ import annotations
+
+import csv
+import io
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, ValidationError, model_validator
+
+from ..sweeps import InputError, inputs
+from ..sweeps.units import plain_number
+from .form.mesh_data import names_a_file
+from .maps import MOST_VALUES, Factor
+from .planar import shared
+from .validation import Table, Whole, one_line
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+Count = Annotated[Whole, Field(ge=1, le=MOST_VALUES)]
+PICTURES = ("PNG", "JPEG", "TIFF", "BMP")
+MOST_PIXELS = 2**26
+"""Of a picture; in memory each takes 8 bytes."""
+MAPPED = {"top", "bottom", "foam"}
+
+
+class MapFile(Table):
+    """A CSV file, or a picture from dark, `low`, to light, `high`; colours by their lightness.
+
+    The first line of a CSV is row 1, along the bottom edge, as rows of pixels are counted; a
+    picture lies on the skin as it is seen, its lower side along the bottom edge. rows, columns: to
+    which the values are reduced, by their means; by default they are taken as they are.
+    """
+
+    kind: Literal["file"] = "file"
+    path: str
+    low: Factor | None = None
+    high: Factor | None = None
+    rows: Count | None = None
+    columns: Count | None = None
+
+    @property
+    def table(self) -> bool:
+        """Whether it is a table of factors."""
+        return Path(self.path).suffix.lower() == ".csv"
+
+    @model_validator(mode="after")
+    def _range_of_a_picture(self) -> Self:
+        given = [self.low, self.high].count(None)
+        if self.table and given != 2:
+            raise ValueError("low and high are for pictures; a CSV holds the factors themselves")
+        if not self.table and given:
+            raise ValueError("low and high must be given, the factors at black and at white")
+        return self
+
+
+def with_grids(tables: dict[str, Any], folder: Path | None) -> dict[str, Any]:
+    """The tables of a scene, with maps of the kind "file" read into grids.
+
+    folder: what paths are relative to; None reads none. Raises InputError that names the key.
+    """
+    skin = tables.get("skin")
+    if not isinstance(skin, dict):
+        return tables
+    read = {
+        name: _with_grid(skin[name], f"skin.{name}.map", folder) for name in MAPPED & skin.keys()
+    }
+    return {**tables, "skin": {**skin, **read}}
+
+
+def _with_grid(part: Any, key: str, folder: Path | None) -> Any:
+    of_place = part.get("map") if isinstance(part, dict) else None
+    if not isinstance(of_place, dict) or of_place.get("kind") != "file":
+        return part
+    if folder is None:
+        raise InputError(f"`{key}` {names_a_file(of_place.get('path'))}")
+    try:
+        asked = MapFile.model_validate(of_place)
+    except ValidationError as error:
+        raise InputError(f"`{key}` {one_line(error, MapFile)}") from error
+    return {**part, "map": {"kind": "grid", "values": _grid(asked, key, folder).tolist()}}
+
+
+def _grid(asked: MapFile, key: str, folder: Path) -> NDArray[np.float64]:
+    path = folder / asked.path
+    try:
+        values = _table(path) if asked.table else _picture(path, asked)
+    except InputError as error:
+        raise InputError(f"`{key}.path` {error}") from None
+    except (OSError, ValueError, SyntaxError, csv.Error) as error:
+        raise InputError(f"`{key}.path` {path}: cannot be read: {error}") from error
+    reduced = _reduced(values, asked.rows or len(values), asked.columns or len(values[0]))
+    if max(reduced.shape) > MOST_VALUES:
+        raise InputError(
+            f"`{key}.path` {path} holds {len(values)} rows of {len(values[0])} values; at most "
+            f"{MOST_VALUES} each way are taken: give `rows` and `columns` to have it reduced"
+        )
+    return reduced
+
+
+def _table(path: Path) -> NDArray[np.float64]:
+    lines = csv.reader(inputs.text(path, inputs.MAP).splitlines())
+    rows = [
+        [_factor(cell, lines.line_num, place) for place, cell in enumerate(row, start=1)]
+        for row in lines
+        if row
+    ]
+    if not rows or len({len(row) for row in rows}) > 1:
+        raise ValueError("must be lines of equally many numbers, parted by commas")
+    return np.array(rows)
+
+
+def _factor(cell: str, line: int, place: int) -> float:
+    value = plain_number(cell)
+    if not 0 < value < np.inf:
+        raise ValueError(
+            f"line {line}, column {place}: all factors must be finite and > 0, got {cell!r}"
+        )
+    return value
+
+
+def _opened_picture(path: Path) -> Image.Image:
+    """Not decoded yet. Raises ValueError where that would give more than MOST_PIXELS."""
+    from PIL import Image
+
+    file = io.BytesIO(inputs.content(path, inputs.PICTURE))
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            picture = Image.open(file, formats=PICTURES)
+    except Image.DecompressionBombError as error:
+        raise ValueError(f"{error}; at most {MOST_PIXELS} pixels are read") from error
+    if picture.width * picture.height > MOST_PIXELS:
+        size = f"{picture.width} x {picture.height}"
+        raise ValueError(f"has {size} pixels; at most {MOST_PIXELS} are read")
+    return picture
+
+
+def _picture(path: Path, asked: MapFile) -> NDArray[np.float64]:
+    assert asked.low is not None and asked.high is not None
+    with _opened_picture(path) as picture:
+        if picture.mode.startswith("I"):
+            lightness = np.asarray(picture, dtype=np.float64) / np.iinfo(np.uint16).max
+        else:
+            lightness = np.asarray(picture.convert("L"), dtype=np.float64) / np.iinfo(np.uint8).max
+    return asked.low + (asked.high - asked.low) * lightness[::-1]
+
+
+def _reduced(values: NDArray[np.float64], rows: int, columns: int) -> NDArray[np.float64]:
+    """Means over the cells of another even grid."""
+    if values.shape == (rows, columns):
+        return values
+    old = [np.linspace(0, 1, n + 1) for n in values.shape]
+    new = [np.linspace(0, 1, n + 1) for n in (rows, columns)]
+    return shared(old[0], new[0]).T @ values @ shared(old[1], new[1])

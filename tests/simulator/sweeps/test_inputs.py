@@ -1,0 +1,156 @@
+"""Inputs are regular files of a bounded size: anything else is one line, at once."""
+
+import io
+import os
+import struct
+import zipfile
+import zlib
+
+import numpy as np
+import pytest
+from rcskin.localization.model.file import load
+from rcskin.simulator.scene.files import BUILTIN, load_scene
+from rcskin.simulator.sweeps import InputError, inputs, read
+
+READERS = {
+    ".toml": load_scene,
+    ".nc": read,
+    ".csv": read,
+    ".skops": load,
+}
+MAP = '[skin.top.map]\nkind = "file"\npath = "{}"\n'
+
+
+def refusal(reader, path):
+    with pytest.raises(InputError) as refused:
+        reader(path)
+    assert "\n" not in str(refused.value)
+    return str(refused.value)
+
+
+def with_map(folder, name, *more):
+    lines = "\n".join([MAP.format(name), *more])
+    text = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")
+    (folder / "mine.toml").write_text(f"{text}\n{lines}\n", encoding="utf-8")
+    return folder / "mine.toml"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no pipes in folders")
+@pytest.mark.parametrize("ending", READERS)
+def test_a_pipe_is_not_waited_for(tmp_path, ending):
+    os.mkfifo(tmp_path / f"pipe{ending}")
+    told = refusal(READERS[ending], tmp_path / f"pipe{ending}")
+    assert "is a pipe, a device or a socket" in told
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/zero"), reason="Windows has no such device")
+@pytest.mark.parametrize("ending", READERS)
+def test_a_device_is_not_read(tmp_path, ending):
+    (tmp_path / f"endless{ending}").symlink_to("/dev/zero")
+    assert "is a pipe, a device" in refusal(READERS[ending], tmp_path / f"endless{ending}")
+
+
+@pytest.mark.parametrize("ending", READERS)
+def test_a_folder_is_told(tmp_path, ending):
+    (tmp_path / f"folder{ending}").mkdir()
+    assert "is a folder" in refusal(READERS[ending], tmp_path / f"folder{ending}")
+
+
+@pytest.mark.parametrize(
+    ("ending", "kind"),
+    [(".toml", inputs.SCENE), (".csv", inputs.TABLE), (".nc", inputs.SWEEPS)],
+)
+def test_a_file_that_is_too_large_is_not_read(tmp_path, ending, kind):
+    path = tmp_path / f"large{ending}"
+    with path.open("wb") as file:
+        file.truncate(kind.most + 1)
+    assert f"{kind.what} has at most" in refusal(READERS[ending], path)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (f"a = {'[' * 100_000}{']' * 100_000}", "nested too deep"),
+        (f"a = {'9' * 5000}", "integer string conversion"),
+        (f"a = {2**63}", "a whole number has more than 64 bits"),
+    ],
+)
+def test_toml_beyond_bounds_is_told_in_one_line(tmp_path, text, told):
+    path = tmp_path / "mine.toml"
+    path.write_text(text, encoding="utf-8")
+    assert told in refusal(load_scene, path)
+
+
+def declared_netcdf(path):
+    import netCDF4
+
+    with netCDF4.Dataset(path, "w") as file:
+        file.createDimension("sweep", 3 * 10**9)
+        file.createVariable("sweep", "f8", ("sweep",), chunksizes=(1000,), zlib=True)
+    return path
+
+
+def declared_zarr(path):
+    import zarr
+
+    group = zarr.open_group(path, mode="w", zarr_format=3)
+    group.create_array("Rs", shape=(10**12,), chunks=(1,), dtype="f8", dimension_names=["sweep"])
+    return path
+
+
+@pytest.mark.parametrize(
+    ("make", "name", "reader", "told"),
+    [
+        (declared_netcdf, "a.nc", read, "declares 22.4 GiB of numbers"),
+        (declared_zarr, "a.zarr", read, "`Rs` declares 1000000000000 parts"),
+    ],
+)
+def test_small_files_that_declare_much_are_refused(tmp_path, make, name, reader, told):
+    assert told in refusal(reader, make(tmp_path / name))
+
+
+def test_an_archive_that_unpacks_to_much_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(inputs, "MODEL", inputs.Kind("a model", 2**20))
+    with zipfile.ZipFile(tmp_path / "a.skops", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("schema.json", bytes(2**21))
+    assert "unpacks to" in refusal(load, tmp_path / "a.skops")
+
+
+def png(width, height):
+    """A picture's header that declares that many pixels."""
+    header = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(b"")), (b"IEND", b""))
+    made = io.BytesIO(b"\x89PNG\r\n\x1a\n")
+    made.seek(0, io.SEEK_END)
+    for name, data in chunks:
+        made.write(struct.pack(">I", len(data)) + name + data)
+        made.write(struct.pack(">I", zlib.crc32(name + data)))
+    return made.getvalue()
+
+
+@pytest.mark.parametrize("side", [9_000, 100_000])
+def test_a_picture_of_too_many_pixels_is_not_decoded(tmp_path, side):
+    (tmp_path / "map.png").write_bytes(png(side, side))
+    scene = with_map(tmp_path, "map.png", "low = 0.5", "high = 2.0")
+    assert "pixels" in refusal(load_scene, scene)
+
+
+def test_other_formats_of_pictures_and_meshes_are_not_tried(tmp_path):
+    from PIL import Image
+
+    Image.fromarray(np.zeros((4, 4), dtype=np.uint8)).save(tmp_path / "map.gif")
+    scene = with_map(tmp_path, "map.gif", "low = 0.5", "high = 2.0")
+    assert "cannot be read" in refusal(load_scene, scene)
+    text = scene.read_text(encoding="utf-8").split("[skin.top.map]")[0]
+    (tmp_path / "it.stl").touch()
+    scene.write_text(text.replace("[skin]", '[skin]\nmesh = "it.stl"'), encoding="utf-8")
+    assert "`skin.mesh` must end in .msh, .vtk, .vtu, .inp, got '.stl'" in refusal(
+        load_scene, scene
+    )
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no pipes in folders")
+def test_nothing_in_a_zarr_folder_is_a_pipe_or_a_link(tmp_path):
+    path = declared_zarr(tmp_path / "a.zarr")
+    os.mkfifo(path / "Rs" / "c")
+    assert "must be a regular file, not a link, pipe or device" in refusal(read, path)
