@@ -49,7 +49,9 @@ def serve_command(simulation: Simulation) -> Callable[..., None]:
         interface: Interfaces = None,
         host: Annotated[str, typer.Option(help="Address to listen at.")] = "127.0.0.1",
         port: Annotated[int, typer.Option(help="TCP port; 0 takes any free one.")] = 3500,
-        control_port: Annotated[int, typer.Option(help="Port of the side door.")] = 3501,
+        control_port: Annotated[
+            int, typer.Option(help="Port that other commands steer it by.")
+        ] = 3501,
         script: Annotated[
             Path | None, typer.Option(help="Presses with times: lines `SECONDS PRESS`.")
         ] = None,
@@ -67,23 +69,24 @@ def serve_command(simulation: Simulation) -> Callable[..., None]:
         ] = None,
     ) -> None:
         """Serve a virtual IM3523 on TCP until interrupted."""
+        from .counting import counting
         from .meter.accuracy import DERIVED
         from .virtual import serving
 
         exhibit = _exhibit(simulation, scene, recorded, interface, seed)
         pressing = serving.routines(exhibit, script, random, seed)
         meter = serving.instrument(exhibit, pace, accuracy or DERIVED)
-        meter.tell = lambda text: typer.echo(f"rcskin: {text}", err=True)
         paging = _paging(simulation, exhibit, page, page_port)
-        serving.serve(
-            meter,
-            pressing,
-            lambda ports: typer.echo(f"{ports.resource}  control 127.0.0.1:{ports.control}"),
-            host,
-            port,
-            control_port,
-            paging,
-        )
+        with counting(lambda text: typer.echo(f"rcskin: {text}", err=True)) as meter.report:
+            serving.serve(
+                meter,
+                pressing,
+                lambda ports: typer.echo(f"{ports.resource}  control 127.0.0.1:{ports.control}"),
+                host,
+                port,
+                control_port,
+                paging,
+            )
 
     return serve
 

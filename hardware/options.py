@@ -21,7 +21,13 @@ SceneName = Annotated[
 ]
 Interfaces = Annotated[list[str] | None, typer.Option("--interface", help="Of the scene; repeat.")]
 Resource = Annotated[str, typer.Option(help="VISA resource, e.g. TCPIP0::127.0.0.1::3500::SOCKET.")]
-ControlAddress = Annotated[str, typer.Option(help="HOST:PORT of the virtual meter's side door.")]
+ControlAddress = Annotated[
+    str,
+    typer.Option(
+        help="Control port of the virtual meter: HOST:PORT, or TOKEN@HOST:PORT where another "
+        "user or computer serves it."
+    ),
+]
 Timeout = Annotated[float, typer.Option(help="Seconds that an answer may take.")]
 Baud = Annotated[int, typer.Option(help="Of a serial port.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace a file that is there.")]
@@ -31,7 +37,8 @@ Accuracy = Annotated[
 SwitchName = Annotated[
     str | None,
     typer.Option(
-        "--switch", help="TABLE.toml, HOST:PORT of a virtual meter's side door, or `ask` (record)."
+        "--switch",
+        help="TABLE.toml, HOST:PORT of a virtual meter's control port, or `ask` (record).",
     ),
 ]
 SwitchWith = Annotated[

@@ -161,6 +161,15 @@ def presses(draw, scene):
     return Press(tuple(Touch(i + 1, j + 1, draw(st.floats(0.3, 10))) for i, j in sorted(pressed)))
 
 
+@pytest.fixture(scope="session", autouse=True)
+def tokens_elsewhere(tmp_path_factory):
+    """Tokens of virtual meters that tests kill stay out of the user's own folder."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("XDG_STATE_HOME", "LOCALAPPDATA"):
+            patch.setenv(name, str(tmp_path_factory.mktemp("state")))
+        yield
+
+
 @pytest.fixture(scope="session")
 def moved():
     """Values of a scene's parameters, each away from where the scene has it."""

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import secrets
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from http import HTTPStatus
 from urllib.parse import parse_qs, urlsplit
 
+from ..tokens import new_token, same_token
+
 LOOPBACK = "127.0.0.1"
 NAMES = (LOOPBACK, "localhost")
 PAGE, LINK = "/", "/link"
-
-
-def _drawn() -> str:
-    return secrets.token_urlsafe(24)
 
 
 @dataclass(frozen=True)
@@ -22,7 +19,7 @@ class Address:
     """A port of the loopback, and the token that a page's address carries."""
 
     port: int
-    token: str = field(default_factory=_drawn, repr=False)
+    token: str = field(default_factory=new_token, repr=False)
 
     @property
     def url(self) -> str:
@@ -51,9 +48,6 @@ class Address:
             return HTTPStatus.FORBIDDEN
         if parts.path == LINK and not origins:
             return HTTPStatus.FORBIDDEN
-        if len(tokens) != 1 or not self._known(tokens[0]):
+        if len(tokens) != 1 or not same_token(tokens[0], self.token):
             return HTTPStatus.FORBIDDEN
         return None if parts.path in (PAGE, LINK) else HTTPStatus.NOT_FOUND
-
-    def _known(self, token: str) -> bool:
-        return secrets.compare_digest(token.encode(errors="replace"), self.token.encode())

@@ -152,7 +152,7 @@ def pressing_by_command(command: str) -> Press:
 
 
 def pressing_virtually(control: str) -> Press:
-    """Presses a virtual meter's skin through its side door at HOST:PORT."""
+    """Presses a virtual meter's skin through its control port."""
     from ..steer import ask
 
     def press(step: Step) -> None:

@@ -1,4 +1,4 @@
-"""The virtual meter's own switch, turned through its side door."""
+"""The virtual meter's own switch, turned through its control port."""
 
 from __future__ import annotations
 

@@ -11,9 +11,27 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ...simulator.sweeps import InputError
+from ..counting import Report
 
 LONGEST_LINE = 2048
 END = re.compile(rb"[\r\n]")
+WORD = rb"[!#$%&'*+.^_`|~0-9A-Za-z-]+"
+METHODS = rb"GET|HEAD|POST|PUT|DELETE|CONNECT|OPTIONS|TRACE|PATCH"
+WEB = re.compile(
+    rb"(?:\A|[\r\n])[ \t]*"
+    rb"(?:\x16\x03|(?:%b)[ \t]|%b:[ \t]|%b[ \t]+(?:/|\*|[a-z]+://|\S*[ \t]HTTP/))"
+    % (METHODS, WORD, WORD),
+    re.IGNORECASE,
+)
+"""How lines of HTTP begin (requests by any method, headers), and TLS; no line of SCPI or JSON does.
+
+Any page in a browser can send such requests to ports of this computer, with lines of its own in
+their body (RFC 9112, sections 3 and 5; RFC 8446, section 5.1).
+"""
+
+
+class WebError(Exception):
+    """A client speaks HTTP or TLS, so nothing of what it says is meant for this port."""
 
 
 class Lines:
@@ -21,6 +39,10 @@ class Lines:
 
     def __init__(self, longest: int = LONGEST_LINE) -> None:
         self._longest, self._kept, self._overlong = longest, b"", False
+
+    def web(self, received: bytes) -> bool:
+        """Whether a line that these bytes belong to is one of HTTP or TLS, see `WEB`."""
+        return WEB.search(self._kept + received) is not None
 
     def feed(self, received: bytes) -> list[str | None]:
         """The lines that these bytes complete, None for each that was refused; no empty ones."""
@@ -36,7 +58,10 @@ class Lines:
         return None if refused else line.decode("ascii", errors="replace").strip()
 
 
-MOST_CLIENTS = 128
+MOST_CLIENTS = 32
+"""On one port. Three ports with as many waiting stay below the 256 files of a process on macOS."""
+BACKLOG = 16
+"""Connections that wait to be accepted, and are accepted at once before others are put out."""
 PATIENCE = 10.0
 
 
@@ -50,12 +75,18 @@ class Client:
     heard: float = field(default_factory=time.monotonic)
 
     async def lines(self) -> AsyncIterator[str | None]:
-        """Whole lines as they come, None for each that was too long."""
+        """Whole lines as they come, None for each that was too long.
+
+        Other clients have their turn after each line. Raises WebError where one is HTTP or TLS.
+        """
         kept = Lines()
         while received := await self.reader.read(4096):
             self.heard = time.monotonic()
+            if kept.web(received):
+                raise WebError
             for line in kept.feed(received):
                 yield line
+                await asyncio.sleep(0)
 
     async def say(self, said: bytes) -> None:
         """Send bytes. Raises OSError or TimeoutError where the client does not take them."""
@@ -71,9 +102,14 @@ class Client:
 
 @dataclass
 class Clients:
-    """Connections to one port; too many push out who never took an answer, or is idle longest."""
+    """Connections to one port; too many push out who never took an answer, or is idle longest.
+
+    name: of the port. report: takes what clients do wrong.
+    """
 
     serve: Callable[[Client], Coroutine[Any, Any, None]]
+    name: str
+    report: Report
     present: list[Client] = field(default_factory=list)
 
     async def __call__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -83,6 +119,11 @@ class Clients:
         self.present.append(client)
         try:
             await self.serve(client)
+        except WebError:
+            self.report(
+                "clients hung up that spoke HTTP or TLS",
+                f"{self.name}: hung up a client that speaks HTTP or TLS, as pages in a browser do",
+            )
         except (OSError, TimeoutError, asyncio.CancelledError):
             client.leave()
         finally:
@@ -102,7 +143,7 @@ class Clients:
 async def open_port(stack: AsyncExitStack, clients: Clients, host: str, port: int) -> int:
     """Listen until the stack unwinds; the port that was had. Raises InputError where none was."""
     try:
-        server = await asyncio.start_server(clients, host, port)
+        server = await asyncio.start_server(clients, host, port, backlog=BACKLOG)
     except (OSError, OverflowError) as error:
         raise InputError(f"port {port} of {host} cannot be had: {error}") from error
     stack.callback(clients.close)

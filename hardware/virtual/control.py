@@ -1,8 +1,8 @@
-"""The side door of the virtual meter: press its skin, have it misbehave, ask how it is.
+"""The control port of the virtual meter: press its skin, have it misbehave, read its state.
 
 One JSON object a line, each answered by one: {"do": "press", "press": "2,3"}, {"do": "select",
 "interface": "left"}, {"do": "misbehave", "kind": "late", "times": 2, "seconds": 1.5},
-{"do": "state"}.
+{"do": "state"}. Each has the key "token" besides, and whoever does not know it is hung up.
 """
 
 from __future__ import annotations
@@ -14,19 +14,29 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ...simulator.sweeps import InputError
+from ..tokens import new_token, same_token
 from .clients import Client
 from .faults import Fault
 from .instrument import Instrument
 from .measurement import UNDERFLOW, WITHOUT_NUMBERS
 
+UNKNOWN = (
+    "the virtual meter does not know the token of this request; commands of the user who serves "
+    "it find it on the same computer, all others take TOKEN@HOST:PORT (README of the meter)"
+)
+
 
 @dataclass
 class Control:
-    """Steers one meter. routines: what presses it by itself, started with the server."""
+    """Steers one meter. routines: what presses it by itself, started with the server.
+
+    token: what clients must know.
+    """
 
     instrument: Instrument
     routines: tuple[Callable[[Control], Coroutine[Any, Any, None]], ...] = ()
     tasks: list[asyncio.Task] = field(default_factory=list)
+    token: str = field(default_factory=new_token, repr=False)
 
     def background(self) -> list[asyncio.Task]:
         """The routines, started."""
@@ -42,13 +52,23 @@ class Control:
         return meter.press
 
     async def serve(self, client: Client) -> None:
-        """Answer a client's requests, one a line."""
+        """Answer a client's requests, one a line, until one has another token."""
         async for line in client.lines():
-            await client.say((json.dumps(await self._answer(line)) + "\n").encode("ascii"))
+            request = _request(line)
+            known = request is None or same_token(request.pop("token", ""), self.token)
+            answer = await self._answer(request) if known else {"error": UNKNOWN}
+            await client.say((json.dumps(answer) + "\n").encode("ascii"))
+            if not known:
+                self.instrument.report(
+                    "requests without the token",
+                    "control port: refused a request without its token",
+                )
+                return
 
-    async def _answer(self, line: str | None) -> dict[str, Any]:
+    async def _answer(self, request: dict[str, Any] | None) -> dict[str, Any]:
+        if request is None:
+            return {"error": "no request that is known: it must be a JSON object on one line"}
         try:
-            request = json.loads(line or "")
             return {"ok": await self._done(**request)}
         except InputError as error:
             return {"error": str(error)}
@@ -102,3 +122,11 @@ class Control:
             reading = {"frequency": latest.conditions.frequency, "Z": Z}
         state = {"press": meter.press, "interface": meter.interface, "reading": reading}
         return {"kind": "skin", "faults": self.state()["faults"], **state}
+
+
+def _request(line: str | None) -> dict[str, Any] | None:
+    try:
+        request = json.loads(line or "")
+    except (ValueError, RecursionError):
+        return None
+    return request if isinstance(request, dict) else None

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+from ..counting import Report
 from ..meter.identity import VIRTUAL_SERIAL
 from .correcting import Corrections
 from .faults import Faults
@@ -34,7 +35,8 @@ class Instrument:
     """One meter; clients share it. pace: how long things take, 1 as long as a meter, 0 no time.
 
     skins: by interface, where a switch connects one of several; interface: the one it is at.
-    tell: told why the skin has no reading, which a client learns as a failure inside the meter.
+    report: takes what clients cause, such as readings that the skin does not have, which a client
+    learns as a failure inside the meter.
     """
 
     bench: Bench
@@ -53,7 +55,7 @@ class Instrument:
     worker: Worker = field(default_factory=Worker)
     skins: Mapping[str, Skin] = field(default_factory=dict)
     interface: str = ""
-    tell: Callable[[str], None] = lambda text: None
+    report: Report = lambda kind, text: None
 
     @property
     def identity(self) -> str:
@@ -94,7 +96,8 @@ class Instrument:
                 self.worker, pending.bench.measure, pending.press, pending.settings
             )
         except Exception as failure:
-            self.tell(f"press {pending.press}: no reading: {failure} ({type(failure).__name__})")
+            why = f"{failure} ({type(failure).__name__})"
+            self.report("failed readings", f"press {pending.press}: no reading: {why}")
             self.registers.note(Standard.DDE)
             result = NOTHING
         self._keep(replace(result, status=fault.status) if fault else result)

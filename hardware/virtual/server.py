@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from dataclasses import dataclass
 
+from ..tokens import kept_token
 from .clients import Client, Clients, open_port
 from .control import Control
 from .faults import ON_ANSWERS, Fault
@@ -39,16 +40,23 @@ async def listening(
 ) -> AsyncIterator[Ports]:
     """Both ports, open while the block runs; port 0 takes any that is free.
 
-    The control port is on the loopback interface whatever the host.
-    Raises InputError where a port cannot be had.
+    The control port is on the loopback interface whatever the host. Its token is kept for the
+    user's own commands while it listens. Raises InputError where a port cannot be had.
     """
 
     async def serve(client: Client) -> None:
         await _converse(instrument, client)
 
     async with AsyncExitStack() as stack:
-        meter = await open_port(stack, Clients(serve), host, port)
-        steered = await open_port(stack, Clients(control.serve), LOOPBACK, control_port)
+        report = instrument.report
+        meter = await open_port(stack, Clients(serve, "meter's port", report), host, port)
+        steering = Clients(control.serve, "control port", report)
+        steered = await open_port(stack, steering, LOOPBACK, control_port)
+        try:
+            stack.enter_context(kept_token(control.token, steered))
+        except (OSError, RuntimeError) as error:
+            at = f"{control.token}@{LOOPBACK}:{steered}"
+            report("tokens not kept", f"token not kept ({error}): commands need --control {at}")
         for task in control.background():
             stack.callback(task.cancel)
         yield Ports(host, meter, steered)

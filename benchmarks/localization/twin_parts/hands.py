@@ -128,7 +128,7 @@ class Seat:
     interface: str
 
     def check(self, press: str) -> str:
-        """Whoever presses through the side door presses nothing."""
+        """Whoever presses through the control port presses nothing."""
         return self.stage.pressed("none")
 
     def impedance(self, press: str, frequency: float) -> complex:

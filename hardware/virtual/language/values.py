@@ -47,7 +47,7 @@ def number(text: str, low: float, high: float) -> float:
 
 def whole(text: str, low: int, high: int) -> int:
     """The number in an argument, rounded to a whole one as a meter does; raises as `number`."""
-    rounded = number(text, -math.inf, math.inf)
-    if not low - 0.5 <= rounded < high + 0.5:
+    value = number(text, -math.inf, math.inf)
+    if not low - 0.5 <= value < high + 0.5:
         raise ExecutionError(text)
-    return round(rounded)
+    return math.floor(value + 0.5)

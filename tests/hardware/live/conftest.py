@@ -87,7 +87,7 @@ def gather(command):
 
 @pytest.fixture
 def press(ports):
-    """A function that gives a function that presses through the side door."""
+    """A function that gives a function that presses through the control port."""
     return lambda where: lambda: ask(f"127.0.0.1:{ports.control}", "press", press=where)
 
 

@@ -13,6 +13,7 @@ from rcskin.hardware.record.operators import Machine
 from rcskin.hardware.steer import ask
 from rcskin.hardware.switch.errors import StuckSwitchError
 from rcskin.hardware.switch.switch import Turning
+from rcskin.hardware.tokens import read_token
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.localization.inputs.features import features
 from rcskin.simulator.sweeps import InputError, impedance, read
@@ -165,7 +166,8 @@ def test_a_command_is_a_switch(recorded, control, ports, rig_skins):
     code = (
         "import json, socket, sys; line = socket.create_connection(('127.0.0.1', "
         f"{ports.control})).makefile('rw'); line.write(json.dumps(dict(do='select', "
-        "interface=sys.argv[1])) + chr(10)); line.flush(); line.readline()"
+        f"token='{read_token(ports.control)}', interface=sys.argv[1])) + "
+        "chr(10)); line.flush(); line.readline()"
     )
     sweeps = recorded(*control, "--switch-with", f'{sys.executable} -c "{code}" {{interface}}')
     assert impedance(sweeps) == pytest.approx(exact(sweeps, rig_skins), rel=1e-5)

@@ -199,3 +199,26 @@ def test_no_line_harms_the_meter(make_instrument, line):
 )
 def test_words_of_arguments_have_two_forms_too(text, word):
     assert chosen(text, ("FAST", "MEDium")) == word
+
+
+ODD = (
+    "0.5",
+    "-0.5",
+    "10.4999",
+    "1e999",
+    "-1e999",
+    "1e-999",
+    "nan",
+    "ALL",
+    "OFF",
+    "\ufffd",
+    "0" * 99,
+)
+
+
+@pytest.mark.parametrize("header", sorted({c.header for c in _commands().values()}))
+def test_no_argument_is_answered_by_anything_but_a_register(say, instrument, header):
+    lines = [f"{header} {first}{more}" for first in ODD for more in ("", *(f",{x}" for x in ODD))]
+    queries = [f"{header}?", *(f"{header}? {odd}" for odd in ODD)]
+    say(":TRIGger EXTernal", *lines, *queries, ":RANGe:AUTO ON;*TRG;:MEAS?")
+    assert 1 <= instrument.settings.range <= 10

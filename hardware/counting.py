@@ -1,0 +1,76 @@
+"""Lines on the terminal that clients of a port can cause: counted, so that no client floods it."""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+EVERY = 60.0
+"""Seconds from one line of a kind to the next: slow enough to read, quick enough to be noticed."""
+Report = Callable[[str, str], None]
+"""Takes the kind of an event, as a plural ("readings that failed"), and a sentence on this one."""
+
+
+@dataclass
+class Counted:
+    """Prints the first event of a kind at once, then at most one line a minute with their number.
+
+    show: prints a line.
+    """
+
+    show: Callable[[str], None]
+    _latest: dict[str, tuple[float, int]] = field(default_factory=dict)
+
+    def __call__(self, kind: str, text: str) -> None:
+        """Report an event."""
+        shown, uncounted = self._latest.get(kind, (-math.inf, 0))
+        now = time.monotonic()
+        if now - shown < EVERY:
+            self._latest[kind] = shown, uncounted + 1
+            return
+        self._latest[kind] = now, 0
+        self.show(f"{text} ({uncounted} more {kind} before)" if uncounted else text)
+
+    def close(self) -> None:
+        """Print how many events were counted since the last line of their kind."""
+        for kind, (_, uncounted) in self._latest.items():
+            if uncounted:
+                self.show(f"{uncounted} more {kind}")
+        self._latest.clear()
+
+
+class _Log(logging.Handler):
+    """Reports what a library logs by its first line."""
+
+    def __init__(self, report: Report) -> None:
+        super().__init__(logging.WARNING)
+        self._report = report
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Report one record, with its exception if it has one."""
+        first = record.getMessage().partition("\n")[0]
+        error = record.exc_info and record.exc_info[1]
+        self._report("faults of connections", f"{first}: {error!r}" if error else first)
+
+
+@contextmanager
+def counting(show: Callable[[str], None]) -> Iterator[Report]:
+    """A report for events that clients cause, while the block runs.
+
+    It also takes what asyncio logs of connections (no more files, errors of callbacks). show: as of
+    `Counted`.
+    """
+    report, logger = Counted(show), logging.getLogger("asyncio")
+    log = _Log(report)
+    passed_on, logger.propagate = logger.propagate, False
+    logger.addHandler(log)
+    try:
+        yield report
+    finally:
+        logger.removeHandler(log)
+        logger.propagate = passed_on
+        report.close()
