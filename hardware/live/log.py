@@ -13,7 +13,7 @@ from ...simulator.sweeps import OPENING, UNPRESSED, InputError, build, counted, 
 from ...simulator.sweeps.same_skin import check_same_skin
 from ...simulator.sweeps.schema import taken_of
 from ..record.dataset import spread, taken_at
-from ..record.journal import Entry, Header, Journal
+from ..record.journal import Entry, Header, Journal, tell_if_set_back
 from ..record.order import UNKNOWN
 from ..record.output import finish, write_all
 from ..record.sweep import Sweep, Trace, now
@@ -138,7 +138,8 @@ class Log:
             return
         if not self._kept:
             self.journal.begin(header)
-        self._latest = Entry(press, sweep, begun, now())
+        before, self._latest = self._latest, Entry(press, sweep, begun, now())
+        tell_if_set_back(self._latest, before)
         self.journal.keep(self._kept, self._latest)
         if not self._kept:  # what writing loads is then at hand when the session is told to end
             write_all(self.journal.folder / "first.nc", header, {0: self._latest})

@@ -7,6 +7,7 @@ gone once the output is written.
 from __future__ import annotations
 
 import json
+import logging
 import os
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, suppress
@@ -16,10 +17,12 @@ from pathlib import Path
 from typing import Any
 
 from ...simulator.sweeps import InputError, whole_file
+from ...simulator.sweeps.clock import SLACK
 from ...simulator.sweeps.files import locked
 from .sweep import Sweep, Trace
 
 HEADER, SWEEPS, FOUND = "recording.json", "[0-9]*.json", "meter.json"
+LOG = logging.getLogger(__name__)
 OWN = "of_each"
 """The field of a header that is left out where it is empty."""
 
@@ -66,8 +69,26 @@ class Entry:
     @property
     def time(self) -> float:
         """Of its middle, s since 1970-01-01 UTC."""
-        ends = (datetime.fromisoformat(each) for each in (self.begun, self.ended))
-        return sum(each.timestamp() for each in ends) / 2
+        return sum(self.ends) / 2
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """When it was begun and ended, s since 1970-01-01 UTC."""
+        begun, ended = map(datetime.fromisoformat, (self.begun, self.ended))
+        return begun.timestamp(), ended.timestamp()
+
+
+def tell_if_set_back(entry: Entry, before: Entry | None) -> None:
+    """Log that the clock was set back in a sweep, or since the end of the one before."""
+    begun, ended = entry.ends
+    back = max(before.ends[1] - begun if before else 0.0, begun - ended)
+    if back > SLACK:
+        LOG.warning(
+            "sweep begun %s: the computer's clock was set back by at least %.1f s; the times of "
+            "this recording do not fit together, by which the drift of the skin is known",
+            entry.begun,
+            back,
+        )
 
 
 class Journal:

@@ -21,7 +21,7 @@ from ..scene_data import SceneData
 from ..switch.switch import Switch
 from .change import unseen_press
 from .checks import Judge, Limits
-from .journal import Entry, Header, Journal, differences
+from .journal import Entry, Header, Journal, differences, tell_if_set_back
 from .operators import Operator, Progress
 from .order import REST, Step
 from .station import Station
@@ -87,6 +87,7 @@ def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
                 missing.appendleft(max(missing[0] - 1, 0))
                 continue
             journal.keep(missing[0], entry)
+            tell_if_set_back(entry, entries.get(missing[0] - 1))
             entries[missing.popleft()] = entry
     finally:
         with shielded():

@@ -123,7 +123,9 @@ def check(
     """
     from rich.console import Console
 
+    from ..asked.telling import warn
     from ..sweeps import InputError
+    from ..sweeps.clock import set_back
     from ..sweeps.joining import join
     from ..sweeps.laws.examination import examine
     from .report import checked_report, explanations, verdict_table, write_report
@@ -134,6 +136,8 @@ def check(
         judgements = examine(sweeps, noise, tolerance)
     except InputError as error:
         raise InputError(f"{', '.join(map(str, files))}: {error}") from error
+    for each in set_back(sweeps):
+        warn(each)
     console = Console()
     console.print(verdict_table(judgements))
     for line in explanations(judgements):

@@ -2,12 +2,14 @@
 
 import dataclasses
 import json
+import re
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
 from rcskin.hardware.record.journal import Journal
 from rcskin.simulator.sweeps import InputError, read
+from rcskin.simulator.sweeps.clock import set_back
 
 
 @pytest.fixture
@@ -126,6 +128,15 @@ def test_days_later_a_person_is_asked(
     result = command("record", "pillow", *where, input=answers)
     assert "taken 30 hours ago. Was the skin mounted anew?" in result.output
     assert (result.exit_code, (tmp_path / "a.nc").exists()) == (code, not code)
+
+
+def test_a_clock_that_was_set_back_is_told_of(unfinished, record, tmp_path, caplog):
+    unfinished(-1)
+    assert record().exit_code == 0
+    (told,) = (each.getMessage() for each in caplog.records)
+    assert re.search(r"clock was set back by at least 3[56]\d\d\.\d s", told)
+    (checked,) = set_back(read(tmp_path / "a.nc"))
+    assert re.search(r": sweep 2 is 3[56]\d\d\.\d s earlier than sweep 1 before it: ", checked)
 
 
 def test_another_name_is_another_recording(unfinished, record):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.sweeps import write
+from rcskin.simulator.sweeps import read, write
 
 FREQUENCY = np.geomspace(1e3, 1e5, 12)
 SERIES = 1e3 + 1 / (2j * np.pi * FREQUENCY * 1e-9)
@@ -27,6 +27,17 @@ def test_lawful_sweeps_end_with_code_0(run, two_sweeps, ending):
     assert (code, err) == (0, "")
     assert out.count("pass") == 2
     assert "0 of 2 spectra break a law" in out
+
+
+def test_a_clock_that_went_back_is_told_in_each_session_alone(run, two_sweeps):
+    path = two_sweeps(2)
+    sweeps = read(path).assign_coords(time=("sweep", [1e9, 1e9 - 60]))
+    write(sweeps, path)
+    code, _, err = run("check", path)
+    assert code == 0
+    assert "warning: session 0: sweep 1 is 60.0 s earlier than sweep 0" in err
+    write(sweeps.assign_coords(session=("sweep", [0, 1])), path)
+    assert run("check", path)[2] == ""
 
 
 def test_a_broken_law_ends_with_code_1_and_is_told_with_sweep_and_frequencies(run, two_sweeps):
