@@ -10,7 +10,7 @@ from typing import Any
 import skops.io
 from sklearn.exceptions import InconsistentVersionWarning
 
-from ...simulator.sweeps import InputError, checked_output, inputs, whole_file
+from ...simulator.sweeps import InputError, checked_output, digests, inputs, whole_file
 from ...simulator.sweeps.file_kinds import check_file_kind
 from ..cores import count_cores
 from ..learners.registry import Registry
@@ -26,6 +26,7 @@ from .fields import (
     model_of,
 )
 from .model import Model
+from .soundness import UnsoundError, check_sound
 
 ENDING = ".skops"
 TRUSTED = [
@@ -55,6 +56,7 @@ def save(path: str | Path, model: Model) -> None:
     """
     with whole_file(checked_output(path, (ENDING,))) as unfinished:
         skops.io.dump(fields_of(model), unfinished)
+        digests.seal_archive(unfinished)
 
 
 def load(path: str | Path, registry: Registry | None = None) -> Model:
@@ -72,11 +74,20 @@ def load(path: str | Path, registry: Registry | None = None) -> Model:
     fields = _trusted_content(path, data)
     try:
         count_cores()
-        return _equipped(model_of(fields), registry or {})
+        return _equipped(_sound(model_of(fields)), registry or {})
     except EarlierLayoutError as error:
         raise InputError(f"{path}: {error}") from error
+    except UnsoundError as error:
+        raise InputError(f"{path}: spoilt or made up: {error}; train it anew") from error
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(f"{path}: holds no model of rcskin") from error
+
+
+def _sound(model: Model) -> Model:
+    check_sound(model.learned, model.problem.features)
+    if model.gate is not None:
+        _sound(model.gate)
+    return model
 
 
 def _equipped(model: Model, registry: Registry) -> Model:
@@ -89,6 +100,8 @@ def _trusted_content(path: Path, data: bytes) -> Any:
     try:
         inputs.check_archive(path, io.BytesIO(data))
         untrusted = sorted(set(skops.io.get_untrusted_types(data=data)) - set(TRUSTED))
+        if not untrusted:
+            digests.check_archive(path, io.BytesIO(data))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", InconsistentVersionWarning)  # a model tells it itself
             content = None if untrusted else skops.io.loads(data, trusted=TRUSTED)
