@@ -191,7 +191,8 @@ def _ask(learned: Classifier | Regressor, features: int) -> None:
         return
     sweep, changes = np.zeros((1, features)), None
     if learned.guards is not None and learned.guards.changes is not None:
-        changes = np.zeros((1, learned.guards.changes.sweeps.n_features_in_))
+        guard: Any = learned.guards.changes.sweeps
+        changes = np.zeros((1, guard.n_features_in_))
     with np.errstate(all="ignore"):
         told = (
             [learned.probabilities(sweep)]
