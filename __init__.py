@@ -90,11 +90,24 @@ def read(path: str | Path) -> xr.Dataset:
     return read_sweeps(path)
 
 
-def write(sweeps: xr.Dataset, path: str | Path) -> None:
-    """Sweeps into a file, .nc or .csv, whole or not at all; raises InputError."""
-    from .simulator.sweeps import write as write_sweeps
+def write(
+    sweeps: xr.Dataset,
+    path: str | Path,
+    *,
+    overwrite: bool = False,
+    overwrite_measured: bool = False,
+) -> None:
+    """Sweeps into a file, .nc, .csv or .zarr, whole or not at all.
 
-    write_sweeps(sweeps, path)
+    What a script wrote before is replaced with a note in the log. overwrite: replace also what was
+    not made so. overwrite_measured: replace even measured sweeps. Raises InputError.
+    """
+    from .simulator.sweeps import write as write_sweeps
+    from .simulator.sweeps.writing import Occasion, on_occasion
+
+    now = Occasion(overwrite=overwrite, overwrite_measured=overwrite_measured)
+    with on_occasion(now):
+        write_sweeps(sweeps, path)
 
 
 def plot(sweeps: xr.Dataset, path: str | Path) -> Path:

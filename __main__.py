@@ -17,6 +17,7 @@ from .hardware.virtual.simulation import Simulation
 from .localization.cli import add_commands
 from .localization.commands.gap import gap_command
 from .localization.gap import given as gap
+from .simulator.asked.replacing import with_replacing
 from .simulator.cli import app, run, with_examples
 from .simulator.progress import on_terminal
 from .simulator.study.command import study_command
@@ -283,6 +284,8 @@ _simulation = gap.Simulation(
 app.command("gap")(gap_command(_simulation, _style, on_terminal, _model_based))
 
 
+with_replacing(app)
+with_replacing(meter, "meter")
 with_examples(app, EXAMPLES)
 with_examples(meter, OF_THE_METER)
 

@@ -30,7 +30,6 @@ ControlAddress = Annotated[
 ]
 Timeout = Annotated[float, typer.Option(help="Seconds that an answer may take.")]
 Baud = Annotated[int, typer.Option(help="Of a serial port.")]
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace a file that is there.")]
 Accuracy = Annotated[
     Path | None, typer.Option(help="Table of accuracy (TOML); else the one of the 3522-50.")
 ]

@@ -230,11 +230,18 @@ def _run(failures: tuple[type[Exception], ...], heard: threading.Event) -> NoRet
 
 def _end_as_told(error: Exception) -> NoReturn:
     """What only work that has gone wrong can have raised: what raises it is loaded by then."""
-    from .sweeps.errors import InputError, InterruptedWorkError, ToleranceError
+    from .sweeps.errors import (
+        InputError,
+        InterruptedWorkError,
+        OutputError,
+        ToleranceError,
+    )
 
     match error:
         case InputError():
             _end(str(error), BAD_INPUT)
+        case OutputError():
+            _end(str(error), FAILURE)
         case ToleranceError(times=None):
             _end(f"{error}; a larger --rtol would be kept", FAILURE)
         case ToleranceError(times=times):

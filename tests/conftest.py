@@ -162,8 +162,8 @@ def presses(draw, scene):
 
 
 @pytest.fixture(scope="session", autouse=True)
-def tokens_elsewhere(tmp_path_factory):
-    """Tokens of virtual meters that tests kill stay out of the user's own folder."""
+def own_state(tmp_path_factory):
+    """What rcskin remembers of outputs and virtual meters stays out of the user's own folder."""
     with pytest.MonkeyPatch.context() as patch:
         for name in ("XDG_STATE_HOME", "LOCALAPPDATA"):
             patch.setenv(name, str(tmp_path_factory.mktemp("state")))
@@ -232,12 +232,12 @@ def chromium():
 
 @pytest.fixture
 def unpainted(monkeypatch):
-    """Charts are drawn as ever and their files written, but empty: pixels take most of the time."""
+    """Charts are drawn and their files written, but not painted: pixels take most of the time."""
 
-    def touch(figure, path, **_):
-        Path(path).touch()
+    def write(figure, path, **_):
+        Path(path).write_text("unpainted")
 
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", touch)
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", write)
 
 
 @pytest.fixture

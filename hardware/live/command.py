@@ -13,14 +13,12 @@ import typer
 from ..options import (
     Accuracy,
     Baud,
-    Overwrite,
     Resource,
     Settle,
     SwitchName,
     SwitchWith,
     Timeout,
 )
-from ..record.output import check_free
 
 if TYPE_CHECKING:
     from ..page.document import MakeDocument
@@ -74,7 +72,6 @@ def live_command(
         log: Annotated[
             Path | None, typer.Option(help="Write all sweeps and answers: OUT.nc or .csv.")
         ] = None,
-        overwrite: Overwrite = False,
         drift: Annotated[float, typer.Option(help="Of |Z| at rest that is not told.")] = 0.05,
         patience: Annotated[
             float, typer.Option(help="Seconds without the meter until it is given up.")
@@ -130,7 +127,7 @@ def live_command(
         touching = (touch_lasts, touch_every, touch_speed) if filtered else None
         manner = Manner(touching, adaptive, certain, within)
         _check_options(manner, sweeps, log, port, page)
-        journal = _journal(log, overwrite) if log else None
+        journal = _journal(log) if log else None
         localizer = load(model, manner)
         _check_interface(localizer, interface)
         connect = partial(
@@ -174,18 +171,18 @@ def _check_options(
         raise InputError("--port is of the page: it needs --page")
 
 
-def _journal(log: Path, overwrite: bool) -> Journal:
+def _journal(log: Path) -> Journal:
     """Of a log that may be written. Raises InputError where something is there to be lost."""
     from ...simulator.sweeps import InputError, checked_output
+    from ...simulator.sweeps.writing import occasion
     from ..record.journal import Journal
 
-    check_free(checked_output(log), overwrite)
-    journal = Journal(log)
-    if overwrite or journal.header() is None:
+    journal = Journal(checked_output(log))
+    if occasion().overwrite_measured or journal.header() is None:
         return journal
     raise InputError(
         f"{journal.folder}: holds a session that was cut off; `rcskin meter gather {log} -o "
-        "OTHER.nc` writes it, --overwrite drops it"
+        "OTHER.nc` writes it, --overwrite-measured drops it"
     )
 
 

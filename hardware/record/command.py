@@ -14,7 +14,6 @@ from ..options import (
     Accuracy,
     Baud,
     Interfaces,
-    Overwrite,
     Resource,
     SceneName,
     Settle,
@@ -23,7 +22,7 @@ from ..options import (
     Timeout,
 )
 from ..scene_data import SceneData
-from .output import check_free, finish
+from .output import finish
 
 if TYPE_CHECKING:
     from .journal import Entry
@@ -71,7 +70,6 @@ def record_command(
         same_mounting: Annotated[
             bool, typer.Option("--same-mounting", help="Go on days later without being asked.")
         ] = False,
-        overwrite: Overwrite = False,
         timeout: Timeout = 5.0,
         baud: Baud = 9600,
         accuracy: Accuracy = None,
@@ -88,7 +86,6 @@ def record_command(
         from .recorder import record as record_task
 
         checked_output(output)
-        check_free(output, overwrite)
         data = scene_data(scene, interface)
         if not (interface or switch or switch_with):
             data = replace(data, interfaces=data.interfaces[:1])
@@ -111,7 +108,7 @@ def record_command(
         )
         journal = Journal(output)
         with ending_in_order() as tell, journal.lock(), _how_to_go_on(task):
-            check_free(output, overwrite)
+            checked_output(output)
             with screen:
                 header, entries = record_task(replace(task, tell=tell), operator)
             sweeps = finish(journal, header, dict(enumerate(entries)))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import logging
-import os
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, suppress
 from dataclasses import asdict, dataclass, field, fields
@@ -16,7 +15,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from ...simulator.sweeps import InputError, whole_file
+from ...simulator.sweeps import InputError, kept_file
 from ...simulator.sweeps.clock import SLACK
 from ...simulator.sweeps.files import locked
 from .sweep import Sweep, Trace
@@ -172,10 +171,8 @@ def differences(header: Header, now: Mapping[str, Any]) -> list[str]:
 
 
 def _write(path: Path, content: dict[str, Any]) -> None:
-    with whole_file(path) as unfinished, unfinished.open("w", encoding="utf-8") as file:
+    with kept_file(path) as unfinished, unfinished.open("w", encoding="utf-8") as file:
         json.dump(content, file, allow_nan=False)
-        file.flush()
-        os.fsync(file.fileno())
 
 
 def _read(path: Path) -> dict[str, Any]:

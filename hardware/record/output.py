@@ -1,4 +1,4 @@
-"""What a recording leaves: its output, written once from the journal, and never over another."""
+"""What a recording leaves: its output, written once from the journal."""
 
 from __future__ import annotations
 
@@ -7,25 +7,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..options import Overwrite
-
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     import xarray as xr
 
     from .journal import Entry, Header, Journal
-
-
-def check_free(output: Path, overwrite: bool) -> None:
-    """Raises InputError saying what is there, where it is not to be overwritten."""
-    from ...simulator.sweeps import InputError
-
-    if output.exists() and not overwrite:
-        raise InputError(
-            f"{output}: is there already{_held(output)}; --overwrite replaces it, or give another "
-            "name"
-        )
 
 
 def finish(journal: Journal, header: Header, entries: Mapping[int, Entry]) -> xr.Dataset:
@@ -40,7 +27,6 @@ def gather_command(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Another OUT.nc or OUT.csv.")
     ] = None,
-    overwrite: Overwrite = False,
 ) -> None:
     """Write what a recording or a live session has so far, ended or under way.
 
@@ -55,7 +41,6 @@ def gather_command(
     if header is None or not entries:
         raise InputError(f"{journal.folder}: holds no sweep of a recording")
     path = checked_output(output or recording)
-    check_free(path, overwrite)
     sweeps = write_all(path, header, entries)
     whole = f" of {len(header.order)}" if header.order else ""
     typer.echo(f"{len(entries)}{whole} sweeps: {counted(sweeps.sizes)} -> {path}")
@@ -69,14 +54,3 @@ def write_all(output: Path, header: Header, entries: Mapping[int, Entry]) -> xr.
     sweeps = gather(header, [entries[number] for number in sorted(entries)])
     write(sweeps, output)
     return sweeps
-
-
-def _held(output: Path) -> str:
-    from ...simulator.sweeps import InputError, counted, read
-
-    try:
-        sweeps = read(output)
-    except InputError:
-        return " and holds no sweeps"
-    begun = sweeps.attrs.get("begun")
-    return f" with {counted(sweeps.sizes)}" + (f", begun {begun}" if begun else "")

@@ -64,7 +64,7 @@ def evaluate_command(
         sessions are held out where there are three or more.
         """
         from ...simulator.sweeps import InputError, checked_folder
-        from ..evaluation.report import lines_of, write_report
+        from ..evaluation.report import WRITTEN, lines_of, write_report
         from ..inputs.reading import read_some
         from ..inputs.samples import samples_of
         from ..model.file import ENDING
@@ -77,7 +77,7 @@ def evaluate_command(
         if folds < 2:
             raise InputError(f"--folds must be >= 2, got {folds}")
         ending = checked_ending(charts)
-        folder = None if output is None else checked_folder(output)
+        folder = None if output is None else checked_folder(output, *WRITTEN)
         sweeps = read_some(recordings, most)
         resting = None if rest is None else read_some(rest, most)
         if by_model:

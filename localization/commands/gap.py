@@ -83,12 +83,12 @@ def gap_command(
         --model it is your own model that is asked, as it is and adapted by a
         few touches, and whether its probabilities can be believed.
         """
-        from ...simulator.sweeps import InputError, made_folder, read, read_joined
+        from ...simulator.sweeps import InputError, checked_folder, made_folder, read, read_joined
         from ..gap.findings import find
         from ..gap.noun import check_other, check_simulated
         from ..gap.pair import paired
         from ..gap.question import Question
-        from ..gap.report.pages import HTML, write_report
+        from ..gap.report.pages import HTML, JSON, write_report
         from ..gap.trial import prepared
         from ..inputs.features import seen_from
         from .asking import model_for
@@ -116,7 +116,7 @@ def gap_command(
                 ", ".join(map(str, measured)),
             )
         pair = paired(*sides, simulation, text, seed)
-        made_folder(output)
+        checked_folder(made_folder(output), JSON, HTML)
         with progress() as track:
             findings = find(prepared(pair, question, simulation, extra(), model), simulation, track)
         write_report(output, findings, drawing, ending)

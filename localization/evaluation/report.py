@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...simulator.sweeps import whole_file
+from ...simulator.sweeps import made_folder, whole_file
 from ..inputs.targets import COORDINATES
 from ..trust.rates import rate_told
 from .confusion import write_csv
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 Figures = dict[str, tuple[float, float | None]]
 """Of each name the value, and its spread over folds if there are any."""
+WRITTEN = ("figures.csv", "confusion.*", "belief.*", "positions.*", "regions.*")
+"""Patterns of the names of what is written."""
 POSITIONS = [
     *(f"true_{name}" for name in COORDINATES),
     *COORDINATES,
@@ -65,7 +67,7 @@ def write_report(
     folder: made where it is not there. plan: of the skin that positions are on. ending: of the
     chart.
     """
-    folder.mkdir(exist_ok=True)
+    made_folder(folder)
     score = found.score
     table = [(name, *values) for name, values in found.figures.items()]
     write_table(folder / "figures.csv", ["figure", "value", "spread"], table)

@@ -22,7 +22,7 @@ def tell_what_is_logged(library: str) -> None:
     """From now on each line that a library logs for its users is a note."""
     handler, logger = logging.Handler(logging.INFO), logging.getLogger(library)
     handler.emit = lambda record: note(record.getMessage())
-    logger.addHandler(handler)
+    logger.handlers = [handler]
     logger.setLevel(logging.INFO)
 
 

@@ -92,10 +92,10 @@ def calibrate(
     from ..sweeps.same_skin import check_same_skin
     from .choice import Options
     from .prior import checked_kind
-    from .report import correlations, explanations, table, write_report
+    from .report import WRITTEN, correlations, explanations, table, write_report
     from .run import calibrate as calibrated
 
-    folder, ending = checked_folder(output), checked_ending(charts)
+    folder, ending = checked_folder(output, *WRITTEN), checked_ending(charts)
     options = Options(
         tuple(fit or ()),
         tuple(fix or ()),

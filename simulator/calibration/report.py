@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-import os
+import shutil
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..models.parameters import FACTORS
 from ..scene.files import scene_text
+from ..sweeps import made_folder, whole_file
 from .chart import draw_residuals
 from .sheets import MISMATCH, RATIO
 
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     from .estimates import Quantity
     from .run import Calibration
 
+WRITTEN = ("calibrated.toml", "calibration.json", "quantities.csv", "parameters.csv")
+WRITTEN += ("correlation.csv", "residuals-*")
+"""Patterns of the names of what is written."""
 COLUMNS = ("quantity", "unit", "scene", "fitted", "low_95", "high_95", "told_by")
 PARAMETER_COLUMNS = ("parameter", "counted", "value", "low_95", "high_95", "told_by")
 BY = {True: "data", False: "prior"}
@@ -40,7 +44,7 @@ def write_report(
 
     source: what was fitted to, in words. ending: of the charts.
     """
-    with TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}.") as unfinished:
+    with TemporaryDirectory() as unfinished:
         made = Path(unfinished)
         text = calibrated_text(calibration, source)
         (made / "calibrated.toml").write_text(text, encoding="utf-8")
@@ -55,10 +59,11 @@ def write_report(
         for k, interface in enumerate(calibration.fit.asked.measured.scene.interfaces):
             name = f"residuals-{_file_name(interface.name)}{ending}"
             draw_residuals(calibration, k, made / name)
-        folder.mkdir(exist_ok=True)
+        made_folder(folder)
         names = sorted(path.name for path in made.iterdir())
         for name in names:
-            os.replace(made / name, folder / name)
+            with whole_file(folder / name) as file:
+                shutil.copyfile(made / name, file)
     return names
 
 

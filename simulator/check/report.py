@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..charts import ENDINGS
-from ..sweeps import InputError, checked_folder, checked_output, whole_file
+from ..sweeps import InputError, checked_folder, checked_output, made_folder, whole_file
 from ..sweeps.laws.examination import Judgement
 from .residuals import draw_residuals
 
@@ -40,6 +40,9 @@ RESIDUALS = [
     "broken",
 ]
 
+WRITTEN = ("residuals.png", "verdicts.csv", "residuals.csv")
+"""Patterns of the names of what is written."""
+
 
 def checked_report(path: Path) -> Path:
     """The same path, if a report can be written there: a chart's name, or that of a folder.
@@ -47,7 +50,7 @@ def checked_report(path: Path) -> Path:
     Raises InputError where it has another ending or its folder does not exist.
     """
     if path.is_dir() or not path.suffix:
-        return checked_folder(path)
+        return checked_folder(path, *WRITTEN)
     if path.suffix not in ENDINGS:
         endings = ", ".join(ENDINGS)
         raise InputError(f"{path}: must end in {endings} or be a folder, got {path.suffix!r}")
@@ -59,7 +62,7 @@ def write_report(judgements: Sequence[Judgement], path: Path) -> None:
     if path.suffix in ENDINGS and not path.is_dir():
         draw_residuals(judgements, path)
         return
-    path.mkdir(exist_ok=True)
+    made_folder(path)
     draw_residuals(judgements, path / "residuals.png")
     _write_rows(path / "verdicts.csv", SUMMARY, map(_summary, judgements))
     rows = (row for judgement in judgements for row in _readings(judgement))

@@ -9,7 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from ..fem.factors import one_blas_thread
-from ..sweeps import whole_file
+from ..sweeps import kept_file
 from . import store
 from .layout import joined, values
 from .model import Family
@@ -67,7 +67,7 @@ def make_block(workshop: Workshop, block: int) -> int:
     here = plan.sweeps_of(block)
     arrays = joined([values(session) for session in drawn], here.stop - here.start)
     store.write(workshop.data, plan, block, arrays)
-    with whole_file(workshop.note(block)) as unfinished:
+    with kept_file(workshop.note(block)) as unfinished:
         audit = together(session.audit for session in drawn)
         unfinished.write_text(json.dumps(asdict(audit)), encoding="utf-8")
     return block

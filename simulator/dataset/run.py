@@ -6,15 +6,15 @@ All work happens in a hidden folder beside the output, which becomes the output 
 from __future__ import annotations
 
 import json
-import os
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 
 from ..models.reduced.indented.draws import spreading
-from ..sweeps import InputError, checked_output, whole_file
-from ..sweeps.files import locked
+from ..sweeps import InputError, kept_file
+from ..sweeps.files import checked_place, locked
+from ..sweeps.writing import check_free, named_failures, note_made, occasion, put, sync
 from . import store, workers
 from .block import PLAN_FILE, Workshop, audit_of
 from .model import REDUCED, Family, Training
@@ -40,7 +40,7 @@ def generate(
     that have become finished. Raises InputError where the output holds another plan, or another
     process is at work on it.
     """
-    output = checked_output(output, (ENDING,)).absolute()
+    output = checked_place(output, (ENDING,)).absolute()
     with _locked(output) as folder:
         if _complete(plan, output):
             return advance(plan.sweeps)
@@ -80,14 +80,22 @@ def _locked(output: Path) -> AbstractContextManager[Path]:
 
 
 def _complete(plan: Plan, output: Path) -> bool:
-    """Whether the output is there already; raises InputError where it is of another plan."""
+    """Whether the output is there already, of this plan.
+
+    Raises InputError where something else is there: even of this command, it may be days of work.
+    """
     if not output.exists():
         return False
     told = store.told(output)
     different = "no data set" if told is None else first_difference(plan.told, told)
-    if different is not None:
-        raise InputError(f"{output}: exists with {different}; remove it or write elsewhere")
-    return True
+    if different is None:
+        return True
+    check_free(output)
+    if not (occasion().overwrite or occasion().overwrite_measured):
+        raise InputError(
+            f"{output}: exists with {different}; --overwrite replaces it, or write elsewhere"
+        )
+    return False
 
 
 def _prepared(plan: Plan, workshop: Workshop, training: Training) -> Family:
@@ -99,7 +107,7 @@ def _prepared(plan: Plan, workshop: Workshop, training: Training) -> Family:
     workshop.note(0).parent.mkdir(exist_ok=True)
     family = training.train(plan.scene, plan.rtol)
     training.save(family, workshop.model_file)
-    with whole_file(workshop.plan_file) as unfinished:
+    with kept_file(workshop.plan_file) as unfinished:
         unfinished.write_text(plan.text(), encoding="utf-8")
     return family
 
@@ -130,7 +138,10 @@ def _finish(workshop: Workshop, plan: Plan, output: Path) -> None:
             **_of_cells(workshop, plan),
         },
     )
-    os.replace(workshop.data, output)
+    with named_failures(output):
+        sync(workshop.data)
+        put(workshop.data, output)
+    note_made(output, occasion().command)
     workshop.plan_file.unlink()
 
 

@@ -174,5 +174,6 @@ def _own_band(scene: Scene) -> tuple[float, float]:
 
 def _journal_of(output: Path) -> Path:
     from ..sweeps import checked_folder
+    from .report.folder import WRITTEN
 
-    return checked_folder(output).with_name(f".{output.name}.search")
+    return checked_folder(output, *WRITTEN).with_name(f".{output.name}.search")

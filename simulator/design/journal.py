@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..sweeps import InputError, whole_file
+from ..sweeps import InputError, kept_file
 
 Answer = dict[str, Any]
 DIGITS = 9
@@ -38,7 +38,7 @@ class Journal:
                 return json.loads(path.read_text(encoding="utf-8"))
             found = json.dumps(rounded(answer()))
             self._folder.mkdir(exist_ok=True)
-            with whole_file(path) as unfinished:
+            with kept_file(path) as unfinished:
                 unfinished.write_text(found, encoding="utf-8")
             return json.loads(found)
         except (OSError, json.JSONDecodeError) as error:

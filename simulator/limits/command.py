@@ -66,8 +66,8 @@ def limits(
     from ..charts import checked_ending
     from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
-    from ..sweeps import made_folder
-    from .findings import Findings
+    from ..sweeps import checked_folder, made_folder
+    from .findings import WRITTEN, Findings
     from .identity import Sampling, identity
     from .survey import (
         Question,
@@ -93,7 +93,7 @@ def limits(
         if accuracy is not None:
             _print_counts(loaded, accuracy, sampling, track)
         if accuracy is None or output is not None:
-            folder = made_folder(output or FOLDER)
+            folder = checked_folder(made_folder(output or FOLDER), *WRITTEN)
             variants = survey(loaded, question, resistances, n, track)
             told_apart = identity(loaded, sampling, track)
             laid = errors_of_survey(loaded, question)

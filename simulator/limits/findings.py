@@ -20,6 +20,8 @@ from .survey import Question, Variant
 
 MOST_ROWS = 14
 """Of the table on the terminal; all are in limits.json."""
+WRITTEN = ("limits.csv", "limits.json", "pixels.*")
+"""Patterns of the names of what is written."""
 ERROR = (
     "error: half of all lie nearer in the plane; a coordinate that is not told, or told worse than "
     "by chance, errs as chance does over the room there is"

@@ -43,12 +43,11 @@ def write_new(path: Path, like: str) -> None:
 
     Its description says what it was begun from.
 
-    Raises InputError for another ending, an absent folder, a file that is there, and another scene.
+    Raises InputError for another ending, an absent folder, a file that may not be replaced, and
+    another scene.
     """
     text = builtin_text(like)
-    if checked_output(path, (".toml",)).exists():
-        raise InputError(f"{path}: is there already, and is not overwritten")
-    with whole_file(path) as unfinished:
+    with whole_file(checked_output(path, (".toml",))) as unfinished:
         name = json.dumps(path.stem, ensure_ascii=False)
         own = f'name = {name}\ndescription = "begun from {like}"'
         unfinished.write_text(NAME.sub(lambda _: own, text, count=1), encoding="utf-8")

@@ -1,6 +1,6 @@
 """Sweeps: simulated and measured impedance spectra in one schema, and the files that hold them."""
 
-from .errors import InputError, ToleranceError
+from .errors import InputError, OutputError, ToleranceError
 from .files import (
     checked_folder,
     checked_output,
@@ -9,7 +9,6 @@ from .files import (
     made_folder,
     open_zarr,
     read,
-    whole_file,
     write,
 )
 from .impedance import branch_reactance, parallel_capacitance, series_capacitance
@@ -27,11 +26,13 @@ from .schema import (
     tabled,
 )
 from .table import Table
+from .writing import kept_file, whole_file
 
 __all__ = [
     "OPENING",
     "UNPRESSED",
     "InputError",
+    "OutputError",
     "Table",
     "ToleranceError",
     "Violation",
@@ -44,6 +45,7 @@ __all__ = [
     "concatenate",
     "counted",
     "impedance",
+    "kept_file",
     "loaded",
     "made_folder",
     "open_zarr",

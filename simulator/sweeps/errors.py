@@ -5,6 +5,10 @@ class InputError(ValueError):
     """Bad input, told in one line that names the file, the key, the value and what is allowed."""
 
 
+class OutputError(RuntimeError):
+    """What was to be written could not be, through no fault of the input; one line says why."""
+
+
 class ToleranceError(RuntimeError):
     """The asked tolerance is not reached, so nothing is answered.
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import atexit
+import errno
 import math
 import os
 import shutil
 import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +21,8 @@ from .formats.netcdf import DAMAGED, read_dataset, write_dataset, write_table
 from .needs import check_needs
 from .schema import QUANTITIES, check
 from .table import DIMENSIONS, Table
+from .writing import check_free, named_failures, whole_file
+from .writing.replacing import check_all_free
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -81,7 +82,19 @@ def read(path: str | Path) -> xr.Dataset:
 def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:
     """The same path, if such a file can be written there: to be asked before any work is done.
 
-    Raises InputError where the ending is another, the folder does not exist or the path is one.
+    Raises InputError as `checked_place`, and where what is there may not be replaced (see
+    `writing`).
+    """
+    path = checked_place(path, endings)
+    check_free(path)
+    return path
+
+
+def checked_place(path: str | Path, endings: Sequence[str]) -> Path:
+    """The same path, if such a file could be written there, whatever is there now.
+
+    Raises InputError where the ending is another, the folder does not exist or may not be written
+    to, the name is too long, or the path is a folder.
     """
     path = Path(path)
     if path.suffix not in endings:
@@ -94,14 +107,16 @@ def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:
     return path
 
 
-def checked_folder(path: Path) -> Path:
+def checked_folder(path: Path, *names: str) -> Path:
     """The same path, if it is a folder or can become one in a folder that exists.
 
-    Raises InputError.
+    names: patterns of what will be written in it. Raises InputError, also where a file of such a
+    name may not be replaced.
     """
     if path.exists() and not path.is_dir():
         raise InputError(f"{path}: is a file, not a folder")
     _check_parent(path)
+    check_all_free(path, names)
     return path
 
 
@@ -110,36 +125,22 @@ def made_folder(path: Path) -> Path:
 
     Raises InputError where it cannot be made.
     """
-    try:
+    with named_failures(path):
         path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be made: {error.strerror}") from error
     return path
 
 
+LONGER = 16
+"""Characters of names beside an output's that are longer than its own, such as a recording's."""
+
+
 def _check_parent(path: Path) -> None:
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: the folder {path.parent} does not exist")
-
-
-@contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
-    """A temporary name beside `path`, of a file or a folder, renamed to `path` at the block's end.
-
-    Nothing is renamed where the block ends with an error, and nothing is left of it, nor where the
-    process ends within it.
-    """
-    unfinished = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
-    remove = partial(_remove, unfinished)
-    atexit.register(remove)
-    try:
-        yield unfinished
-        if unfinished.is_dir() and path.is_dir():
-            shutil.rmtree(path)
-        os.replace(unfinished, path)
-    finally:
-        remove()
-        atexit.unregister(remove)
+    with named_failures(path):
+        if not path.parent.is_dir():
+            raise InputError(f"{path}: the folder {path.parent} does not exist")
+        path.with_name(f"{path.name}{LONGER * '_'}").exists()  # raises where that is too long
+        if not os.access(path.parent, os.W_OK | os.X_OK):
+            raise PermissionError(errno.EACCES, "", str(path))
 
 
 @contextmanager
@@ -152,7 +153,7 @@ def locked(folder: Path, begun: str, busy: str) -> Iterator[Path]:
     """
     from filelock import FileLock, Timeout
 
-    folder.mkdir(exist_ok=True)
+    made_folder(folder)
     file = folder / "lock"
     lock = FileLock(file)
     try:
@@ -171,13 +172,6 @@ def locked(folder: Path, begun: str, busy: str) -> Iterator[Path]:
             with suppress(OSError):  # another process has begun there
                 file.unlink(missing_ok=True)
                 folder.rmdir()
-
-
-def _remove(path: Path) -> None:
-    if path.is_dir():
-        shutil.rmtree(path)
-    else:
-        path.unlink(missing_ok=True)
 
 
 def _write_zarr(sweeps: xr.Dataset, path: Path) -> None:

@@ -6,6 +6,7 @@ from rcskin.hardware.cli import meter_app
 from rcskin.hardware.scene_data import SceneData
 from rcskin.hardware.virtual.simulation import Simulation
 from rcskin.hardware.virtual.skin import exact
+from rcskin.simulator.asked.replacing import with_replacing
 from rcskin.simulator.sweeps import InputError
 
 R, C = 10e3, 1e-9
@@ -61,6 +62,7 @@ def document(data, kind, nonce):
 
 simulation = Simulation(scene, skins, lambda data, seed: exact, document)
 app = meter_app(simulation)
+with_replacing(app, "meter")
 
 if __name__ == "__main__":
     app()

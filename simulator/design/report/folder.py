@@ -10,7 +10,7 @@ from typing import Any
 
 from ...scene.files import scene_text
 from ...scene.scene import Scene
-from ...sweeps import whole_file
+from ...sweeps import made_folder, whole_file
 from ..bench import Asking
 from ..flat import Along, along_all, worth
 from ..judged import Layout, designed
@@ -21,6 +21,8 @@ from .scale import Scale, scale_of
 from .wiring import Row, rows, write_wiring
 
 DESIGN = "design.toml"
+WRITTEN = (DESIGN, "design.json", "report.html", "wiring.*", "steps.png", "flat.png")
+"""Patterns of the names of what is written."""
 
 
 def scene_of(found: Found) -> Scene:
@@ -55,7 +57,7 @@ def write_folder(found: Found, asking: Asking, folder: Path) -> None:
     asking.tell("how flat it is")
     flat, lost = along_all(found.bench, layout), worth(found.bench, layout)
     scale = scale_of(found.bench.scene, asking.asked)
-    folder.mkdir(exist_ok=True)
+    made_folder(folder)
     with whole_file(folder / DESIGN) as unfinished:
         unfinished.write_text(scene_text(scene), encoding="utf-8")
     table = rows(scene, found.bench.wired, layout.readings)

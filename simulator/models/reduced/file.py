@@ -16,7 +16,7 @@ from ...mesh.arcs import Arcs
 from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import Resolution
 from ...scene.files import parse_scene, scene_text
-from ...sweeps import InputError, inputs, whole_file
+from ...sweeps import InputError, inputs, kept_file
 from ..varied.meshes import circuit_of
 from .families.family import Mesh, Triangulation
 from .indented.file import arrays_of, beside_from, with_beside
@@ -40,7 +40,7 @@ def save(reduced: Reduced, path: Path) -> None:
     }
     arrays = {name: getattr(reduced, name) for name in ARRAYS} | of_mesh
     arrays |= arrays_of(reduced) if isinstance(reduced, Indented) else {}
-    with whole_file(path) as unfinished, unfinished.open("wb") as file:
+    with kept_file(path) as unfinished, unfinished.open("wb") as file:
         np.savez(file, allow_pickle=False, told=json.dumps(told), **arrays)
 
 

@@ -14,6 +14,7 @@ from rcskin.hardware.meter.accuracy import read_table
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.record.checks import Limits
 from rcskin.hardware.steer import ask
+from rcskin.simulator.asked.replacing import with_replacing
 from typer.testing import CliRunner
 
 RIG = Path(__file__).with_name("live_rig.py")
@@ -71,6 +72,7 @@ def live(ports):
     """A function that runs the command in this process; gives the typer result."""
     app = typer.Typer()
     app.command("live")(_rig["command"])
+    with_replacing(app)
 
     def live(*arguments, model="m.skops"):
         words = ["--resource", ports.resource, "--model", model]

@@ -7,6 +7,7 @@ import numpy as np
 from rcskin.hardware.live.answer import answer_of_classes
 from rcskin.hardware.live.command import live_command
 from rcskin.hardware.meter.errors import MeterError
+from rcskin.simulator.asked.replacing import with_replacing
 from rcskin.simulator.cli import app, run
 from rcskin.simulator.sweeps import OPENING, InputError, impedance
 
@@ -117,4 +118,5 @@ command = live_command(load, document)
 
 if __name__ == "__main__":
     app.command("live")(command)
+    with_replacing(app)
     run((MeterError,))

@@ -40,7 +40,7 @@ def test_what_was_cut_off_is_not_written_over(answered, live, gather, tmp_path):
     with pytest.raises(InputError, match="holds a session that was cut off; `rcskin meter gather"):
         raise live("--sweeps", 1, "--log", log).exception
     assert len(Journal(log).entries(Journal(log).header())) == kept
-    assert live("--sweeps", 1, "--rest", 1, "--log", log, "--overwrite").exit_code == 0
+    assert live("--sweeps", 1, "--rest", 1, "--log", log, "--overwrite-measured").exit_code == 0
     assert read(log).sizes["sweep"] == 2
 
 
@@ -50,7 +50,7 @@ def test_a_log_is_not_written_over_another_file(live, tmp_path):
     with pytest.raises(InputError, match="run.nc: is there already with 4 sweeps"):
         raise live("--sweeps", 1, "--log", log).exception
     assert read(log).sizes["sweep"] == 4
-    assert live("--sweeps", 2, "--log", log, "--overwrite").exit_code == 0
+    assert live("--sweeps", 2, "--log", log, "--overwrite-measured").exit_code == 0
     assert read(log).sizes["sweep"] == 5
     assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
 

@@ -55,7 +55,7 @@ def test_a_csv_of_a_recording_holds_what_its_netcdf_does(record, command, tmp_pa
 def test_a_finished_recording_is_told_and_stays(record, tmp_path):
     record()
     before = (tmp_path / "a.nc").read_bytes()
-    told = "a.nc: is there already with 3 sweeps x 3 frequencies, begun 20.*--overwrite replaces"
+    told = "a.nc: is there already with 3 sweeps x 3 .* measured, begun 20.*--overwrite-measured"
     with pytest.raises(InputError, match=told):
         raise record().exception
     assert (tmp_path / "a.nc").read_bytes() == before
@@ -63,14 +63,14 @@ def test_a_finished_recording_is_told_and_stays(record, tmp_path):
 
 def test_any_other_file_is_told_and_stays(record, tmp_path):
     (tmp_path / "a.nc").write_text("diary")
-    with pytest.raises(InputError, match="a.nc: is there already and holds no sweeps"):
+    with pytest.raises(InputError, match="a.nc: is there already, and was not made by rcskin"):
         raise record().exception
     assert (tmp_path / "a.nc").read_text() == "diary"
 
 
 def test_overwriting_has_to_be_asked_for(record, tmp_path):
     record("--session", "monday")
-    assert record("--session", "tuesday", "--overwrite").exit_code == 0
+    assert record("--session", "tuesday", "--overwrite-measured").exit_code == 0
     assert json.loads(read(tmp_path / "a.nc").attrs["sessions"]) == {"0": "tuesday"}
 
 

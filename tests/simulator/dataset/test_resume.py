@@ -107,7 +107,7 @@ def test_a_whole_data_set_is_left_alone(make, toy):
 def test_what_is_no_data_set_is_never_replaced(make, toy, tmp_path):
     (tmp_path / "out.zarr").mkdir()
     (tmp_path / "out.zarr" / "kept.txt").write_text("mine")
-    with pytest.raises(InputError, match="exists with no data set; remove it"):
+    with pytest.raises(InputError, match="was not made by rcskin"):
         make("out", toy.small_plan(10))
     assert (tmp_path / "out.zarr" / "kept.txt").read_text() == "mine"
     assert [path.name for path in tmp_path.iterdir()] == ["out.zarr"]

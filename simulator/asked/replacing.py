@@ -1,0 +1,61 @@
+"""The options of every command that writes: what it may replace (see `sweeps.writing`)."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable
+from functools import wraps
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+OUTPUTS = ("output", "log")
+"""Parameters that name what a command writes."""
+OPTIONS = {
+    "overwrite": "Replace also what this command did not make.",
+    "overwrite_measured": "Replace even measured sweeps.",
+}
+
+
+def with_replacing(commands: typer.Typer, above: str = "") -> None:
+    """Give every command that writes the options of what it may replace.
+
+    above: the command that these are under, such as `meter`.
+    """
+    for each in commands.registered_commands:
+        callback = each.callback
+        if callback and {*OUTPUTS} & {*inspect.signature(callback).parameters}:
+            name = each.name or callback.__name__
+            each.callback = _on_occasion(callback, f"{above} {name}".strip())
+
+
+def _on_occasion(command: Callable[..., Any], name: str) -> Callable[..., Any]:
+    @wraps(command)
+    def run(*, overwrite: bool, overwrite_measured: bool, **given: Any) -> Any:
+        from ..sweeps.writing import Occasion, on_occasion
+
+        others = (value for key, value in given.items() if key not in OUTPUTS)
+        with on_occasion(Occasion(name, _paths(others), overwrite, overwrite_measured)):
+            return command(**given)
+
+    signature = inspect.signature(command, eval_str=True)
+    switches = {
+        option: Annotated[bool, typer.Option(f"--{option.replace('_', '-')}", help=told)]
+        for option, told in OPTIONS.items()
+    }
+    more = [
+        inspect.Parameter(option, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=kind)
+        for option, kind in switches.items()
+    ]
+    run.__annotations__ = {**command.__annotations__, **switches}
+    run.__dict__["__signature__"] = signature.replace(
+        parameters=[*signature.parameters.values(), *more]
+    )
+    return run
+
+
+def _paths(given: Iterable[Any]) -> tuple[Path, ...]:
+    """What may be files among the values of parameters."""
+    flat = (part for each in given for part in (each if isinstance(each, list) else [each]))
+    return tuple(Path(each) for each in flat if isinstance(each, str | Path) and each)

@@ -1,0 +1,21 @@
+"""Writing: files that appear whole or not at all, and the one rule of what may be replaced."""
+
+from .failures import named_failures
+from .output import whole_file
+from .register import note_made
+from .replacing import PYTHON, Occasion, check_free, occasion, on_occasion
+from .whole import kept_file, put, sync
+
+__all__ = [
+    "PYTHON",
+    "Occasion",
+    "check_free",
+    "kept_file",
+    "named_failures",
+    "note_made",
+    "occasion",
+    "on_occasion",
+    "put",
+    "sync",
+    "whole_file",
+]

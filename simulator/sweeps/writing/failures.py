@@ -1,0 +1,59 @@
+"""What the system says when it cannot write, in one line that says what to do."""
+
+from __future__ import annotations
+
+import errno
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..errors import InputError, OutputError
+
+PATHS = {
+    errno.EACCES: "the folder is not yours to write to; choose another one",
+    errno.EPERM: "the system does not permit it; choose another folder",
+    errno.EROFS: "the disk can only be read; choose another one",
+    errno.ENAMETOOLONG: "the name is too long; choose a shorter one",
+    errno.ENOENT: "the folder does not exist, or no longer; make it first",
+    errno.ENOTDIR: "a part of the path is a file, not a folder",
+    errno.EISDIR: "is a folder, not a file to write to",
+    errno.ELOOP: "symbolic links lead in a circle",
+    errno.EINVAL: "the system takes no such name",
+}
+"""Failures that another path mends."""
+DISKS = {
+    errno.ENOSPC: "the disk is full; make room or choose another one",
+    errno.EDQUOT: "your quota of the disk is used up; make room or choose another one",
+    errno.EFBIG: "a file may not become that large there; choose another disk",
+    errno.EIO: "the disk fails; choose another one",
+}
+"""Failures of what the path leads to."""
+
+
+@contextmanager
+def named_failures(path: Path) -> Iterator[None]:
+    """Failures to write within the block become one line that names `path`.
+
+    Raises InputError where another path mends it, OutputError where the disk is at fault. Other
+    errors, and those about files elsewhere, pass.
+    """
+    try:
+        yield
+    except OutputError as error:
+        told = str(error)
+        raise OutputError(told if told.startswith(str(path)) else f"{path}: {told}") from error
+    except OSError as error:
+        if error.errno in DISKS:
+            raise OutputError(f"{path}: cannot be written: {DISKS[error.errno]}") from error
+        if error.errno in PATHS and _near(error.filename, path):
+            raise InputError(f"{path}: cannot be written: {PATHS[error.errno]}") from error
+        raise
+
+
+def _near(filename: object, path: Path) -> bool:
+    """Whether a failure is about a name in the folder of `path`, or names nothing."""
+    if not isinstance(filename, str | bytes | Path):
+        return True
+    named = Path(filename.decode() if isinstance(filename, bytes) else filename).absolute()
+    folder = path.absolute().parent
+    return folder in (named, *named.parents) or path.resolve().parent in named.parents

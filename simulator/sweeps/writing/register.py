@@ -1,0 +1,77 @@
+"""What rcskin made, by path: which command, and what the file was like when it had been written.
+
+One small file for each output lies in the user's own state folder. Nothing depends on it but
+whether an output may be replaced without being asked: what is not known here may not.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+MOST = 2000
+"""Outputs that are remembered: of a user who writes more, the oldest are forgotten."""
+SMALL = 2**20
+"""Bytes of a file that are compared one by one; of longer ones the size and both ends."""
+
+
+def note_made(path: Path, command: str) -> None:
+    """Remember that a command made what is at `path` now, if the state folder can be written."""
+    from .whole import kept_file
+
+    entry = _entry(path)
+    with suppress(OSError, ValueError, RuntimeError):
+        entry.parent.mkdir(parents=True, exist_ok=True)
+        _forget_oldest(entry.parent)
+        with kept_file(entry) as unfinished:
+            told = {"path": str(path.resolve()), "command": command, "digest": digest(path)}
+            unfinished.write_text(json.dumps(told), encoding="utf-8")
+
+
+def made_by(path: Path) -> str | None:
+    """The command that made what is at `path`; None where it is another's, or was changed since."""
+    try:
+        told = json.loads(_entry(path).read_text(encoding="utf-8"))
+        return str(told["command"]) if told["digest"] == digest(path) else None
+    except (OSError, ValueError, TypeError, KeyError):
+        return None
+
+
+def digest(path: Path) -> str:
+    """Of the content of a file; of a folder, of the names and sizes of all its files."""
+    if path.is_dir():
+        return hashlib.sha256(repr(sorted(_sizes(path))).encode()).hexdigest()
+    size = path.stat().st_size
+    found = hashlib.sha256(str(size).encode())
+    with path.open("rb") as file:
+        found.update(file.read(SMALL))
+        file.seek(max(SMALL, size - SMALL))
+        found.update(file.read(SMALL))
+    return found.hexdigest()
+
+
+def _sizes(folder: Path) -> Iterator[tuple[str, int]]:
+    for place, _, names in os.walk(folder):
+        for name in names:
+            path = Path(place, name)
+            yield path.relative_to(folder).as_posix(), path.stat().st_size
+
+
+def _entry(path: Path) -> Path:
+    from platformdirs import user_state_path
+
+    place = os.path.normcase(os.path.realpath(path))
+    name = hashlib.sha256(place.encode(errors="surrogateescape")).hexdigest()[:32]
+    return user_state_path("rcskin", appauthor=False) / "made" / f"{name}.json"
+
+
+def _forget_oldest(folder: Path) -> None:
+    entries = list(folder.glob("*.json"))
+    if len(entries) > MOST:
+        entries.sort(key=lambda each: each.stat().st_mtime)
+        for entry in entries[: MOST // 10]:
+            entry.unlink(missing_ok=True)

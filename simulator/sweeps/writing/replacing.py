@@ -1,0 +1,104 @@
+"""The rule of what an output may replace.
+
+What the same command made before, and nobody changed since, is replaced with a note. Replaced only
+on demand is: what rcskin did not make, another command's result, and what the command reads
+itself. What was measured needs a demand of its own.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import InputError
+from .measured import measured
+from .register import made_by
+
+PYTHON = "Python"
+"""In place of a command: a script."""
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Occasion:
+    """Who writes, what is read for it, and what is demanded.
+
+    command: such as `sweep`, `meter record`, or PYTHON. inputs: paths that it reads. overwrite,
+    overwrite_measured: whether anything, and even what was measured, may be replaced.
+    """
+
+    command: str = PYTHON
+    inputs: tuple[Path, ...] = ()
+    overwrite: bool = False
+    overwrite_measured: bool = False
+
+    def option(self, name: str) -> str:
+        """How a demand is made."""
+        return f"{name}=True" if self.command == PYTHON else f"--{name.replace('_', '-')}"
+
+
+_now: ContextVar[Occasion] = ContextVar("occasion", default=Occasion())  # noqa: B039, frozen
+
+
+def occasion() -> Occasion:
+    """On which occasion outputs are written now."""
+    return _now.get()
+
+
+@contextmanager
+def on_occasion(now: Occasion) -> Iterator[None]:
+    """Within the block, outputs are written on that occasion."""
+    token = _now.set(now)
+    try:
+        yield
+    finally:
+        _now.reset(token)
+
+
+def check_free(path: Path) -> None:
+    """Raises InputError, saying what is there and what to do, where `path` may not be replaced."""
+    now = occasion()
+    if now.overwrite_measured or not path.exists():
+        return
+    maker = made_by(path)
+    if readings := measured(path, maker == now.command):
+        raise InputError(
+            f"{path}: is there already with {readings}; {now.option('overwrite_measured')} "
+            "replaces it, or give another name"
+        )
+    if now.overwrite:
+        return
+    if reason := _reason(path, maker, now):
+        raise InputError(
+            f"{path}: {reason}; {now.option('overwrite')} replaces it, or give another name"
+        )
+
+
+def check_all_free(folder: Path, patterns: Iterable[str]) -> None:
+    """As `check_free`, for what a report will write: all files in `folder` of these names."""
+    for pattern in patterns:
+        for path in sorted(folder.glob(pattern)):
+            check_free(path)
+
+
+def tell_replaced(path: Path) -> None:
+    """Log a note where something is about to be replaced."""
+    if path.exists():
+        log.info("%s: replaces what was there", path)
+
+
+def _reason(path: Path, maker: str | None, now: Occasion) -> str | None:
+    """Why it may not be replaced; None where it may."""
+    if any(each.exists() and os.path.samefile(each, path) for each in now.inputs):
+        return "is read by this command, too"
+    if maker is None:
+        return "is there already, and was not made by rcskin or was changed since"
+    if maker != now.command:
+        return f"is there already, made by {maker if maker == PYTHON else f'rcskin {maker}'}"
+    return None
