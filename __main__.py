@@ -181,7 +181,8 @@ def _plan(text: str) -> Plan | None:
     import numpy as np
 
     from .localization.evaluation.plan import Foil, Plan
-    from .simulator.scene.contacts import path
+    from .simulator.charts import foil_offset
+    from .simulator.scene.contacts import outwards, path
     from .simulator.scene.files import parse_scene
     from .simulator.scene.skin import curves
     from .simulator.sweeps import InputError
@@ -199,7 +200,11 @@ def _plan(text: str) -> Plan | None:
         1e3 * np.array([curve.at(mark) for mark in along])
         for curve, along in zip(curves(scene.skin), marks, strict=True)
     ]
-    foils = [Foil(each.electrode, 1e3 * path(each, scene.skin).T) for each in scene.contacts]
+    foils = []
+    for each in scene.contacts:
+        line, off = path(each, scene.skin), foil_offset(each.electrode, max(scene.skin.sides))
+        beside = line + off * outwards(line, scene.skin)
+        foils.append(Foil(each.electrode, 1e3 * beside.T))
     return Plan(outline, foils)
 
 

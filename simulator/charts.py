@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +12,7 @@ from .sweeps import InputError, checked_output, whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
     from matplotlib.ticker import Formatter
 
@@ -64,6 +66,21 @@ def logarithmic_axis(axes: Axes, label: str) -> None:
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(_between_decades())
     axes.set_xlabel(label)
+
+
+def unit_axis(axis: Axis, name: str, unit: str) -> None:
+    """A label of name and unit, with the prefix that suits the largest number; ticks are numbers.
+
+    axis: of a chart with all that is drawn on it, in the unit without a prefix.
+    """
+    from matplotlib.ticker import EngFormatter, FuncFormatter
+
+    largest = max(abs(end) for end in axis.get_view_interval())
+    prefixes = EngFormatter.ENG_PREFIXES
+    power = 3 * math.floor(math.log10(largest) / 3) if largest > 0 else 0
+    power = min(max(power, min(prefixes)), max(prefixes))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 10.0**power:g}"))
+    axis.set_label_text(f"{name} ({prefixes[power]}{unit})")
 
 
 def _between_decades() -> Formatter:

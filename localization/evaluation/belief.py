@@ -38,7 +38,7 @@ def draw_reliability(
     low, high = np.array([interval(int(right[each].sum()), each.size) for each in bins]).T
     bars = 100 * np.maximum([rate - low, high - rate], 0.0)
     axes.errorbar(100 * stated, 100 * rate, bars, color=FACT, marker="o", markersize=4, capsize=3)
-    lowest = 100 * min(stated.min(), low.min())
+    lowest = 100 * min(stated.min(), rate.min())
     _diagonal(axes, max(0.0, lowest - 3))
     axes.set_xlabel("Stated probability (%)")
     axes.set_ylabel("Right (%)")

@@ -12,12 +12,12 @@ if TYPE_CHECKING:
 
 FOIL = {"top": "#D55E00", "bottom": "#0072B2"}
 """Vermilion and blue of M. Okabe and K. Ito, "Color Universal Design" (2008)."""
-WIDTH = {"top": 6.0, "bottom": 3.0}
-"""Points: where foils of both sheets lie on each other, both are seen."""
+WIDTH = 3.0
+"""Of foils, points."""
 
 
 class Foil(NamedTuple):
-    """On which sheet, top or bottom, and its line in mm, shape (point, 2)."""
+    """On which sheet, top or bottom, and its line beside the edge in mm, shape (point, 2)."""
 
     electrode: str
     line: NDArray
@@ -31,15 +31,15 @@ class Plan(NamedTuple):
 
 
 def draw_plan(axes: Axes, plan: Plan) -> None:
-    """Draw the skin's outline and its foils, those of the top sheet broader."""
+    """Draw the skin's outline and its foils."""
     for line in plan.outline:
         axes.plot(*line.T, color="0.35", linewidth=1, zorder=0.5)
     named = set()
-    for foil in sorted(plan.foils, key=lambda each: each.electrode == "bottom"):
+    for foil in plan.foils:
         axes.plot(
             *foil.line.T,
             color=FOIL[foil.electrode],
-            linewidth=WIDTH[foil.electrode],
+            linewidth=WIDTH,
             solid_capstyle="butt",
             clip_on=False,
             zorder=0.7,

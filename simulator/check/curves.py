@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..charts import AT_REST, COLOURS, LINE_STYLES, chart, checked_chart, frequency_axis
+from ..charts import (
+    AT_REST,
+    COLOURS,
+    LINE_STYLES,
+    chart,
+    checked_chart,
+    frequency_axis,
+    unit_axis,
+)
 from ..sweeps import UNPRESSED, InputError
 from ..sweeps.schema import read_at
 
@@ -18,6 +26,8 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
     from numpy.typing import NDArray
 
+WIDTH = 1.4
+"""Of lines of the first rows, points."""
 FEW = 40
 """Sweeps whose curves are drawn opaque."""
 MOST_DRAWN = 400
@@ -76,20 +86,22 @@ def draw_curves(
     labels = labels_of(recordings)
     colours = colours_of(labels.values())
     of_press = {press: colours[label] for press, label in labels.items()}
+    rows = rows_of(recordings, labels)
     several = len({interface for _, interface in panels}) > 1
     down = -(-len(panels) // across)
     with chart(path, 1.6 + 3.3 * across, 0.6 + 2.5 * down) as figure:
         each = figure.subplots(down, across, squeeze=False).ravel()
         for axes, (shown, interface) in zip(each, panels, strict=False):
             for number, sweeps in enumerate(recordings):
-                style = LINE_STYLES[number % len(LINE_STYLES)]
                 alpha = 1.0 if sweeps.sizes["sweep"] <= FEW else 0.5
                 for press, x, y in courses(sweeps, interface, shown):
-                    axes.plot(x, y, color=of_press[press], linestyle=style, alpha=alpha)
+                    look = _look(rows.get(press, number + 1))
+                    axes.plot(x, y, color=of_press[press], alpha=alpha, **look)
             _dress(axes, shown, interface if several else "")
         for axes in each[len(panels) :]:
             axes.remove()
-        figure.legend(*_legend(colours, labels.values(), names), loc="outside right upper")
+        told = names or [f"row {row}" for row in range(1, max(rows.values(), default=0) + 1)]
+        figure.legend(*_legend(colours, labels.values(), told), loc="outside right upper")
     return path
 
 
@@ -170,6 +182,19 @@ def labels_of(recordings: Sequence[xr.Dataset]) -> dict[str, str]:
     }
 
 
+def rows_of(recordings: Sequence[xr.Dataset], labels: Mapping[str, str]) -> dict[str, int]:
+    """The row of each press that only its column names, so that lines of a column differ.
+
+    Empty for several recordings, whose lines differ by recording, and for a single row.
+    """
+    if len(recordings) > 1:
+        return {}
+    presses, rows = recordings[0]["press"].values.astype(str), recordings[0]["row"].values
+    found = dict(zip(presses.tolist(), rows.tolist(), strict=True))
+    found = {press: row for press, row in found.items() if labels[press].startswith("column ")}
+    return found if len(set(found.values())) > 1 else {}
+
+
 def colours_of(labels: Iterable[str]) -> dict[str, str]:
     """A colour for each label, at rest apart."""
     from matplotlib import colormaps
@@ -184,20 +209,18 @@ def colours_of(labels: Iterable[str]) -> dict[str, str]:
 
 
 def _dress(axes: Axes, shown: Shown, title: str) -> None:
-    from matplotlib.ticker import EngFormatter, MaxNLocator, NullFormatter
+    from matplotlib.ticker import MaxNLocator, NullFormatter
 
     axes.set_title(title)
     if shown is QUANTITIES["nyquist"]:
         axes.set_yscale("log", nonpositive="mask")
         axes.yaxis.set_minor_formatter(NullFormatter())
         axes.xaxis.set_major_locator(MaxNLocator(4))
-        axes.xaxis.set_major_formatter(EngFormatter("ohm"))
-        axes.set_xlabel("Rs")
+        unit_axis(axes.xaxis, "Rs", "ohm")
     else:
         frequency_axis(axes)
     if shown.unit in ("ohm", "F"):
-        axes.yaxis.set_major_formatter(EngFormatter(shown.unit))
-        axes.set_ylabel(shown.name)
+        unit_axis(axes.yaxis, shown.name, shown.unit)
     else:
         axes.set_ylabel(f"{shown.name} ({shown.unit})")
 
@@ -209,7 +232,11 @@ def _legend(
 
     told = list(dict.fromkeys(labels))
     handles = [Line2D([], [], color=colours[label]) for label in told]
-    styles = [
-        Line2D([], [], color="0.4", linestyle=s) for s, _ in zip(LINE_STYLES, names, strict=False)
-    ]
-    return handles + styles, [*told, *names[: len(styles)]]
+    styles = [Line2D([], [], color="0.4", **_look(k)) for k in range(1, len(names) + 1)]
+    return handles + styles, [*told, *names]
+
+
+def _look(number: int) -> dict[str, Any]:
+    """Style of the lines of a row, or of a recording, counted from 1; beyond the styles thinner."""
+    thinner, style = divmod(number - 1, len(LINE_STYLES))
+    return {"linestyle": LINE_STYLES[style], "linewidth": WIDTH / (1 + thinner)}

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..sweeps import check_needs, checked_output, whole_file
-from .curves import QUANTITIES, Shown, colours_of, courses, labels_of, panels_of
+from .curves import QUANTITIES, Shown, colours_of, courses, labels_of, panels_of, rows_of
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -58,13 +58,16 @@ def _traces(
     import plotly.graph_objects as go
 
     labels = labels_of(recordings)
+    rows = rows_of(recordings, labels)
     colours = colours_of(labels.values())
     traces = []
     for number, sweeps in enumerate(recordings):
         drawn = list(courses(sweeps, interface, shown))
-        for label in dict.fromkeys(labels[press] for press, _, _ in drawn):
-            own = [course for course in drawn if labels[course[0]] == label]
-            name = f"{label}, {names[number]}" if names else label
+        kinds = [(labels[press], rows.get(press, 0)) for press, _, _ in drawn]
+        for label, line in dict.fromkeys(kinds):
+            own = [each for each, kind in zip(drawn, kinds, strict=True) if kind == (label, line)]
+            told = f"{label}, row {line}" if line else label
+            name = f"{told}, {names[number]}" if names else told
             traces.append(
                 go.Scatter(
                     x=[each for _, x, _ in own for each in (*x.tolist(), None)],
@@ -76,7 +79,7 @@ def _traces(
                     marker={"size": 3},
                     line={
                         "color": colours[label],
-                        "dash": DASHES[number % len(DASHES)],
+                        "dash": DASHES[max(number, line - 1) % len(DASHES)],
                         "width": 1.4,
                     },
                 )

@@ -15,9 +15,9 @@ from ..charts import FOIL, chart, foil_offset
 from ..measure.symmetry import Pixel
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
-from ..scene.contacts import Contact, path
+from ..scene.contacts import Contact, outwards, path
 from ..scene.scene import Scene
-from ..scene.skin import Skin, curves, on_skin
+from ..scene.skin import curves
 from ..sweeps import checked_output
 from .apart import middle
 
@@ -233,7 +233,7 @@ def _ribbon(foil: Contact, scene: Scene) -> _Ribbon:
     if skin.mesh is not None:
         return _meshed(foil, scene)
     along = path(foil, skin)
-    return _Ribbon(along, _outwards(along, skin))
+    return _Ribbon(along, outwards(along, skin))
 
 
 def _meshed(foil: Contact, scene: Scene) -> _Ribbon:
@@ -243,13 +243,3 @@ def _meshed(foil: Contact, scene: Scene) -> _Ribbon:
     gaps = np.full((2, 1, facets.shape[2]), np.nan)
     path = np.concatenate([facets, gaps], axis=1).transpose(0, 2, 1).reshape(2, -1)
     return _Ribbon(path, np.zeros_like(path))
-
-
-def _outwards(path: Places, skin: Skin) -> Places:
-    """Unit vectors off the skin along a path on its edge."""
-    x, y = np.gradient(path, axis=1)
-    across = np.stack([y, -x]) / np.hypot(x, y)
-    step = 1e-4 * max(skin.sides)
-    middle = np.s_[:, path.shape[1] // 2]
-    within = on_skin(skin, (path + step * across)[middle])
-    return -across if within else across

@@ -53,6 +53,15 @@ def path(contact: Contact, skin: Skin, pieces: int = 64) -> NDArray[np.float64]:
     return np.array([curve.at(mark) for mark in np.linspace(*along[1:], pieces + 1)]).T
 
 
+def outwards(path: NDArray[np.float64], skin: Skin) -> NDArray[np.float64]:
+    """Unit vectors off the skin along a path on its edge, both of shape (2, point)."""
+    x, y = np.gradient(path, axis=1)
+    across = np.stack([y, -x]) / np.hypot(x, y)
+    step = 1e-4 * max(skin.sides)
+    middle = np.s_[:, path.shape[1] // 2]
+    return -across if on_skin(skin, (path + step * across)[middle]) else across
+
+
 def farthest(skin: Skin, contacts: Sequence[Contact], interfaces: Sequence[Interface]) -> float:
     """The largest distance of a place of the skin from all driven foils, m.
 

@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..charts import COLOURS, chart
+from ..charts import COLOURS, chart, unit_axis
 from .axis import Axis
 from .report import AS_GOOD, as_good, axis_label, best_index, named
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
-    from matplotlib.ticker import Formatter
 
 CONTOURS = {0.7: ":", 0.8: "--", 0.9: "-"}
 NOISE = 1.0
@@ -151,25 +150,19 @@ def _scale(panel: Axes, name: Literal["x", "y"], axis: Axis) -> None:
     from matplotlib.ticker import MaxNLocator
 
     ruler = panel.xaxis if name == "x" else panel.yaxis
-    told = _numbers(axis.key.unit)
-    ruler.set_major_formatter(told)
+    ruler.set_major_formatter("{x:g}")
     if axis.logarithmic:
-        _logarithmic(panel, name, told)
+        _logarithmic(panel, name)
     if axis.key.whole:
         ruler.set_major_locator(MaxNLocator(integer=True))
-    ruler.set_label_text(axis_label(axis.key))
+    label = axis_label(axis.key)
+    if axis.key.unit:
+        unit_axis(ruler, label, axis.key.unit)
+    else:
+        ruler.set_label_text(label)
 
 
-def _numbers(unit: str) -> Formatter:
-    """With prefixes where there is a unit; lengths in full, as m stands for milli as well."""
-    from matplotlib.ticker import EngFormatter, StrMethodFormatter
-
-    if not unit:
-        return StrMethodFormatter("{x:g}")
-    return EngFormatter(unit=unit if unit == "m" else "", sep=" ")
-
-
-def _logarithmic(panel: Axes, name: Literal["x", "y"], told: str | Formatter = "{x:g}") -> None:
+def _logarithmic(panel: Axes, name: Literal["x", "y"]) -> None:
     """A logarithmic axis with numbers as they are; at every tick where it spans few."""
     from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
@@ -177,7 +170,7 @@ def _logarithmic(panel: Axes, name: Literal["x", "y"], told: str | Formatter = "
     ruler, (low, high) = (
         (panel.xaxis, panel.get_xlim()) if name == "x" else (panel.yaxis, panel.get_ylim())
     )
-    ruler.set_major_formatter(told)
+    ruler.set_major_formatter("{x:g}")
     if high < FEW_DECADES * low:
         ruler.set_major_locator(FixedLocator(_within(low, high).tolist()))
         ruler.set_minor_locator(NullLocator())

@@ -101,8 +101,8 @@ def named(key: Key, value: float) -> str:
 
 
 def axis_label(key: Key) -> str:
-    """What an axis of a chart shows, with its unit."""
-    return LABELS.get(key.name, key.name) + (f" ({key.unit})" if key.unit else "")
+    """What an axis of a chart shows, without its unit."""
+    return LABELS.get(key.name, key.name)
 
 
 def experiment_told(table: Mapping[str, Any], axes: Sequence[Axis]) -> str:

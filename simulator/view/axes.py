@@ -30,6 +30,8 @@ BAR_WIDTH, BAR_ROOM = 0.13, 1.05
 NUMBER_COLOUR = "0.35"
 HALO_WIDTH, SHADE_WIDTH = 1.3, 0.6
 """Of the white and the black of a line between pixels, points."""
+MOST_NAMED = 12
+"""Pixels of a grid along a side up to which each is named."""
 FACING = 0.3
 """Of a normal towards the eye: pixels that show less of themselves are not named."""
 
@@ -85,11 +87,11 @@ def lines_between_pixels(axes: Axes, camera: Camera, marks: Marks) -> None:
 
 
 def pixel_names(axes: Axes, camera: Camera, skin: Surface, marks: Marks) -> None:
-    """Row,column on pixels that face the eye: those of a mesh all, else of one row and column."""
+    """Row,column on pixels that face the eye: of many pixels in a grid, on one row and column."""
     from matplotlib.patheffects import withStroke
 
     facing = _facing(camera, skin, marks.middles)
-    if marks.grid_lines:
+    if marks.grid_lines and max(facing.shape) > MOST_NAMED:
         kept = np.zeros_like(facing, dtype=bool)
         kept[0, :] = True
         kept[:, int(np.argmax(facing.sum(axis=0)))] = True

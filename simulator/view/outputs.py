@@ -190,7 +190,7 @@ def show(stage: Stage, what: str) -> None:
         add_all(plotter, panel.scenery, panel.shown, lit=not panel.camera.above, bar=True)
         shown = panel.shown
         told = "\n".join(filter(None, (shown.title, shown.moment, shown.note)))
-        plotter.add_text(told.replace("Ω", "ohm"), font_size=9, color="black")
+        plotter.add_text(told, font_size=9, color="black")
         _add_legend(plotter, panel.scenery.marks.foils)
         panel.camera.aim(plotter)
         width, height = plotter.window_size

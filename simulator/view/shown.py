@@ -146,7 +146,7 @@ def frequency_text(frequency: float) -> str:
 
 
 def impedance_text(Z: complex) -> str:
-    """Such as 21.3 − 105j kΩ, or 20.9 kΩ − 1.14j MΩ."""
+    """Such as 21.3 − 105j kohm, or 20.9 kohm − 1.14j Mohm."""
     real, unit = _in_ohm(Z.real)
     imaginary, other = _in_ohm(abs(Z.imag))
     sign = "−" if Z.imag < 0 else "+"
@@ -154,7 +154,7 @@ def impedance_text(Z: complex) -> str:
 
 
 def _in_ohm(value: float) -> tuple[str, str]:
-    factor, unit = prefix(abs(value), "Ω")
+    factor, unit = prefix(abs(value), "ohm")
     return f"{factor * value:.4g}".replace("-", "−"), unit
 
 

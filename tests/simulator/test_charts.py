@@ -2,7 +2,14 @@
 
 import pytest
 from matplotlib.figure import Figure
-from rcskin.simulator.charts import ENDINGS, chart, checked_chart, checked_ending, frequency_axis
+from rcskin.simulator.charts import (
+    ENDINGS,
+    chart,
+    checked_chart,
+    checked_ending,
+    frequency_axis,
+    unit_axis,
+)
 from rcskin.simulator.sweeps import InputError
 
 BEGINS = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
@@ -29,6 +36,28 @@ def test_charts_in_a_folder_have_the_ending_that_is_named():
     assert checked_ending("pdf") == ".pdf"
     with pytest.raises(InputError, match="--charts must be png or svg or pdf, got 'jpg'"):
         checked_ending("jpg")
+
+
+@pytest.mark.parametrize(
+    ("values", "label", "numbers"),
+    [
+        ([2e4, 9e4], "Rs (kohm)", (20, 90)),
+        ([1e-11, 9e-11], "Rs (pohm)", (10, 90)),
+        ([-4e6, 1.0], "Rs (Mohm)", (-4, 0)),
+        ([0.0, 0.0], "Rs (mohm)", (-60, 60)),
+    ],
+)
+def test_an_axis_has_its_unit_in_the_label_and_bare_numbers_at_ticks(values, label, numbers):
+    figure = Figure()
+    axes = figure.subplots()
+    axes.plot(values)
+    unit_axis(axes.yaxis, "Rs", "ohm")
+    figure.draw_without_rendering()
+    assert axes.get_ylabel() == label
+    shown = [
+        float(t.label1.get_text().replace("\u2212", "-")) for t in axes.yaxis.get_major_ticks()
+    ]
+    assert min(shown) <= numbers[0] and numbers[1] <= max(shown) < 1000
 
 
 @pytest.mark.parametrize("high, least, most", [(6.5, 4, 9), (15, 4, 11), (90, 2, 3), (1000, 3, 4)])

@@ -48,10 +48,10 @@ def _panel(axes: Axes, table: pd.DataFrame) -> None:
         axes.plot(scatter, group["score"], "o", ms=4, alpha=0.6, color=color, mew=0)
         axes.hlines(group["score"].median(), place - 0.3, place + 0.3, color="black", lw=2)
         axes.hlines(group["goal"].iloc[0], place - 0.4, place + 0.4, color=COLOURS[1], ls="--")
-        calibrated = f"\n{touches} touches" if touches else ""
+        calibrated = f", {touches} touches" if touches else ""
         of = trial.replace(", two interfaces", "")
-        names.append(f"{of}\n{localizer}{calibrated}")
-    axes.set_xticks(range(len(names)), names, rotation=60, ha="right", fontsize=7)
+        names.append(f"{of}: {localizer}{calibrated}")
+    axes.set_xticks(range(len(names)), names, rotation=90, fontsize=8)
     axes.grid(axis="y", color="0.88")
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)

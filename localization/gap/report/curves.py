@@ -29,7 +29,8 @@ UNITS = {
     "separations": "(class separations)",
 }
 LINEAR = {"meter_errors": 1.0, "percent": 1.0, "separations": 0.1}
-"""Distances up to which an axis is linear where it has to be logarithmic."""
+"""Distances that do not matter: an axis shows them at least, and is linear up to them where it has
+to be logarithmic."""
 FAR = 30
 """Times that, from which it has to be."""
 
@@ -75,6 +76,8 @@ def _draw_distance(
     if furthest > FAR * LINEAR[unit]:
         axes.set_yscale("symlog", linthresh=LINEAR[unit])
         axes.yaxis.set_major_formatter("{x:g}")
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, -LINEAR[unit]), max(high, LINEAR[unit]))
     axes.axhline(0, color="0.4", linewidth=0.8)
 
 

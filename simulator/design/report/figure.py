@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...charts import AT_REST, COLOURS, chart
-from ...scene.contacts import Interface, path
+from ...charts import AT_REST, COLOURS, chart, foil_offset
+from ...scene.contacts import Interface, outwards, path
 from ...scene.scene import Scene
 from ...scene.skin import curves
 from ..flat import Along
@@ -24,10 +24,14 @@ ALL = 100.0
 """Percent."""
 AROUND = 401
 """Places on an outline that is drawn."""
-OTHER = {"top": 0.0, "bottom": -0.035}
-"""How far outside its edge the foils of a sheet are drawn, over its sides."""
-LETTERS = {"top": 0.08, "bottom": -0.08}
-"""How far outside its foil a letter stands, over the skin's longer side."""
+LETTER_OFF = 0.11
+"""How far outside the edge letters stand, over the skin's longer side."""
+LETTER_AT = {"top": 0.35, "bottom": 0.65}
+"""Where along its foil the letter of each sheet stands, for both may lie on one edge."""
+WIDE, TITLE = 2.4, 0.5
+"""Inches of each skin with what is around it, and of its title."""
+AROUND_SKIN = 0.18
+"""Room around a skin, over its longer side."""
 
 
 def draw_steps(steps: Sequence[Step], wanted: float | None, scale: Scale, to: Path) -> None:
@@ -73,10 +77,14 @@ def draw_flat(found: Sequence[Along], scale: Scale, to: Path) -> None:
 
 
 def draw_wiring(scene: Scene, readings: Sequence[Interface], to: Path) -> None:
-    """The foils of a skin without mesh at each reading: H, L, or left open."""
+    """The foils of a skin without mesh at each reading: H, L, or left open, which is grey.
+
+    Foils of the bottom sheet are dashed, and outside those of the top sheet.
+    """
     rows = -(-len(readings) // IN_A_ROW)
     columns = min(len(readings), IN_A_ROW)
-    with chart(to, 2.1 * columns, 2.7 * rows) as figure:
+    length, width = (side + 2 * AROUND_SKIN * max(scene.skin.sides) for side in scene.skin.sides)
+    with chart(to, WIDE * columns, (WIDE * width / length + TITLE) * rows) as figure:
         grid = figure.subplots(rows, columns, squeeze=False).ravel()
         for axes in grid[len(readings) :]:
             axes.set_axis_off()
@@ -88,25 +96,24 @@ def _draw_reading(axes: Axes, scene: Scene, reading: Interface) -> None:
     longer = max(scene.skin.sides)
     for curve in curves(scene.skin):
         around = [curve.at(mark) for mark in np.linspace(0, curve.marks[-1], AROUND)]
-        axes.plot(*np.array(around).T, color="0.9", linewidth=1)
+        axes.plot(*np.array(around).T, color="0.6", linewidth=1)
     for contact in scene.contacts:
         side = "H" if contact.name in reading.high else "L" if contact.name in reading.low else ""
         colour = {"H": COLOURS[1], "L": COLOURS[0], "": "0.75"}[side]
-        x, y = path(contact, scene.skin)
-        centre = np.array(scene.skin.sides) / 2
-        shrunk = 1 + 2 * OTHER[contact.electrode]
-        x, y = (m + shrunk * (v - m) for v, m in zip((x, y), centre, strict=True))
+        along = path(contact, scene.skin)
+        out = outwards(along, scene.skin)
+        line = along + foil_offset(contact.electrode, longer) * out
         style = "-" if contact.electrode == "top" else (0, (2, 1))
-        axes.plot(x, y, color=colour, linewidth=3, linestyle=style, solid_capstyle="butt")
-        if side:
-            away = LETTERS[contact.electrode] * longer * np.sign([x.mean(), y.mean()] - centre)
-            at_x, at_y = [x.mean(), y.mean()] + away * (np.abs([np.ptp(y), np.ptp(x)]) > 0)
-            axes.annotate(side, (at_x, at_y), color=colour, ha="center", va="center")
+        axes.plot(*line, color=colour, linewidth=2.5, linestyle=style, solid_capstyle="butt")
+        at = int(LETTER_AT[contact.electrode] * along.shape[1])
+        where = along[:, at] + LETTER_OFF * longer * out[:, at]
+        axes.annotate(side, (where[0], where[1]), color=colour, ha="center", va="center")
     axes.set_aspect("equal")
     axes.grid(False)
     axes.set_xticks([])
     axes.set_yticks([])
     axes.spines[:].set_visible(False)
-    axes.set_xlim(-0.15 * longer, scene.skin.length + 0.15 * longer)
-    axes.set_ylim(-0.15 * longer, scene.skin.width + 0.15 * longer)
-    axes.set_title(reading.name.replace(" to ", "\nto "), fontsize=6)
+    room = AROUND_SKIN * longer
+    axes.set_xlim(-room, scene.skin.length + room)
+    axes.set_ylim(-room, scene.skin.width + room)
+    axes.set_title(reading.name.replace(" to ", "\nto "), fontsize=8)

@@ -49,6 +49,12 @@ def test_boasting_lies_below_it_and_is_told_in_the_title(axes):
     )
 
 
+def test_the_axes_begin_below_the_lowest_point_and_not_at_the_end_of_a_bar(axes):
+    """Of ten answers nearly sure and all wrong but one, a bar reaches down to nothing."""
+    draw_reliability(axes, np.repeat([0.6, 0.9], 10), np.arange(20) >= 4)
+    assert axes.get_xlim()[0] == axes.get_ylim()[0] == pytest.approx(57)
+
+
 @pytest.mark.parametrize("count", [1, 2, 15])
 def test_few_answers_are_drawn_too(axes, count):
     draw_reliability(axes, *stated(count))

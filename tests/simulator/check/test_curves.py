@@ -7,9 +7,11 @@ from rcskin.simulator.check.curves import (
     MOST_NAMED,
     QUANTITIES,
     _at_rest,
+    _look,
     colours_of,
     courses,
     labels_of,
+    rows_of,
 )
 from rcskin.simulator.sweeps import read, write
 
@@ -76,6 +78,22 @@ def test_many_presses_are_told_by_their_column(make_sweeps):
     assert list(dict.fromkeys(labels.values()))[-1] == "elsewhere"
     few = labels_of([sweeps.isel(sweep=slice(0, MOST_NAMED))])
     assert few["none"] == "at rest" and few["1,1"] == "1,1"
+
+
+def test_rows_of_a_column_have_lines_of_their_own(make_sweeps, run, tmp_path):
+    pixels = [(row, column) for row in range(1, 8) for column in range(1, 3)]
+    press = ["none", *(f"{row},{column}" for row, column in pixels)]
+    row, column = ([0, *each] for each in zip(*pixels, strict=True))
+    sweeps = make_sweeps(len(press), press=press, row=row, column=column)
+    rows = rows_of([sweeps], labels_of([sweeps]))
+    assert rows == {f"{i},{j}": i for i, j in pixels}
+    looks = [tuple(_look(each).values()) for each in range(1, 8)]
+    assert len(set(looks)) == 7
+    assert rows_of([sweeps, sweeps], labels_of([sweeps, sweeps])) == {}
+    write(sweeps, tmp_path / "run.nc")
+    for name in ("out.svg", "out.html"):
+        assert run("plot", tmp_path / "run.nc", "-o", tmp_path / name)[0] == 0
+        assert "row 7" in (tmp_path / name).read_text()
 
 
 def test_a_pixel_of_one_strength_is_the_same_press_without_it(make_sweeps):

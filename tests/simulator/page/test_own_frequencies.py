@@ -80,7 +80,7 @@ def impedances(sweeps):
 def numbers(page):
     """Rs in ohm and Cp in F, as they are shown."""
     text = page.text_content("#reading")
-    found = re.findall(r"(?:Rs|Cp) (-?[\d.]+) (\D?)(?:Ω|F)", text)
+    found = re.findall(r"(?:Rs|Cp) (-?[\d.]+) (\D?)(?:ohm|F)", text)
     return [float(number) * PREFIXES[prefix] for number, prefix in found]
 
 

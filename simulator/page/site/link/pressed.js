@@ -64,5 +64,5 @@ export class Pressed {
 /** @param {{frequency: number, Z: [number, number]}} reading */
 function inWords({ frequency, Z: [re, im] }) {
   const Cp = parallelCapacitance({ re, im }, frequency);
-  return `${withPrefix(frequency, "Hz")}, Rs ${withPrefix(re, "Ω")}, Cp ${withPrefix(Cp, "F")}`;
+  return `${withPrefix(frequency, "Hz")}, Rs ${withPrefix(re, "ohm")}, Cp ${withPrefix(Cp, "F")}`;
 }

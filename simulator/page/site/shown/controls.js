@@ -71,7 +71,7 @@ export class Controls {
     const { data } = this;
     const state = this.state();
     const [top, bottom] = [state.top, state.bottom].map((factor, k) =>
-      withPrefix(data.sheets[k] * factor, "Ω/sq"),
+      withPrefix(data.sheets[k] * factor, "ohm/sq"),
     );
     const told = {
       strength: `${state.strength.toFixed(2)} × C`,

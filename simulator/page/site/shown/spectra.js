@@ -23,7 +23,7 @@ export class SpectraCharts {
       {
         of: seriesResistance,
         turned: (/** @type {Complex} */ Z) => Math.abs(Z.im / Z.re),
-        itself: new Chart(canvas("Rs"), "Rs", "kΩ", 1e-3, true),
+        itself: new Chart(canvas("Rs"), "Rs", "kohm", 1e-3, true),
         change: new Chart(canvas("dRs"), "Rs against rest", "%", 100, false),
       },
       {
@@ -75,7 +75,7 @@ export class SpectraCharts {
   /** The readings at one frequency in words. @param {Spectra} spectra @param {number} at its number */
   told(spectra, at) {
     const [f, Z] = [this.frequencies[at], spectra.now[at]];
-    const [Rs, Cp] = [withPrefix(Z.re, "Ω"), withPrefix(parallelCapacitance(Z, f), "F")];
+    const [Rs, Cp] = [withPrefix(Z.re, "ohm"), withPrefix(parallelCapacitance(Z, f), "F")];
     return `At ${withPrefix(f, "Hz")}: Rs ${Rs}, Cp ${Cp}. Bands hold 19 of 20 readings.`;
   }
 }
