@@ -199,6 +199,7 @@ def _paged(
     localizer: Localizer, model: Path, make: MakeDocument, port: int
 ) -> Iterator[Sequence[Show]]:
     """A page of the localizer's skin, served beside. Raises InputError where there is none."""
+    from ..counting import counting
     from ..page.document import Document
     from ..page.thread import beside
     from ..scene_data import SceneData
@@ -213,7 +214,8 @@ def _paged(
         localizer.interfaces,
         of_each=localizer.of_each,
     )
-    with beside(Document.made(make, scene, "live"), port) as (address, post):
+    shown = counting(lambda text: typer.echo(f"rcskin: page: {text}", err=True))
+    with shown, beside(Document.made(make, scene, "live"), port) as (address, post):
         typer.echo(f"rcskin: page {address.url}", err=True)
         yield (Shown(localizer, post),)
 

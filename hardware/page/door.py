@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-import asyncio
-from typing import Any
+from typing import TYPE_CHECKING
 
-from websockets.asyncio.server import ServerConnection
+if TYPE_CHECKING:
+    from websockets.asyncio.server import ServerConnection
 
-MOST_CONNECTIONS, MOST_VIEWERS = 64, 16
+    from .guest import Guest
+
+MOST_CONNECTIONS, MOST_VIEWERS = 32, 16
+"""With those of the virtual meter below the 256 files of a process on macOS."""
 
 
 class Door:
@@ -38,21 +41,3 @@ class Door:
         """Put out everyone, at once."""
         for guest in self.guests:
             guest.transport.abort()
-
-
-class Guest(ServerConnection):
-    """A connection that the door knows of from its first byte to its last."""
-
-    def __init__(self, *given: Any, door: Door, **named: Any) -> None:
-        super().__init__(*given, **named)
-        self._door = door
-
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Has the door make room."""
-        super().connection_made(transport)
-        self._door.enter(self)
-
-    def connection_lost(self, exc: Exception | None) -> None:
-        """Tells the door."""
-        self._door.leave(self)
-        super().connection_lost(exc)

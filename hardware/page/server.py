@@ -18,10 +18,15 @@ from ...simulator.sweeps import InputError
 from .address import LINK, LOOPBACK, Address
 from .board import Board
 from .document import Document
-from .door import Door, Guest
+from .door import Door
+from .guest import Guest
 from .messages import LONGEST
 from .viewer import PressSkin, Viewer
 
+BACKLOG = 16
+"""Connections that are accepted at once, before the door puts others out."""
+SENDING = 60.0
+"""Seconds in which a document of 3 MB must be taken, over a slow tunnel too."""
 PARTING = 0.3
 """Seconds that viewers have to take leave."""
 ALWAYS = {
@@ -66,6 +71,8 @@ class Site:
                 server_header=None,
                 max_size=LONGEST,
                 max_queue=2,
+                open_timeout=SENDING,
+                backlog=BACKLOG,
                 logger=_quiet(),
                 create_connection=partial(Guest, door=self._door),  # type: ignore[arg-type]
             )
@@ -74,15 +81,26 @@ class Site:
 
     def _answered(self, connection: ServerConnection, request: Request) -> Response | None:
         """The answer to a request; None has a link opened."""
+        assert isinstance(connection, Guest)
+        connection.answered()
+        response = self._response(connection, request)
+        if response is not None and connection.bodiless:
+            response.body = b""
+        return response
+
+    def _response(self, guest: Guest, request: Request) -> Response | None:
         headers = request.headers
-        refusal = self._address.refusal(
+        refusal = guest.refused or self._address.refusal(
             request.path, headers.get_all("Host"), headers.get_all("Origin")
         )
+        link = urlsplit(request.path).path == LINK if refusal is None else False
+        if link and guest.bodiless:
+            refusal = HTTPStatus.METHOD_NOT_ALLOWED
+        elif link and self._door.full:
+            refusal = HTTPStatus.SERVICE_UNAVAILABLE
         if refusal is not None:
             return _response(refusal)
-        if urlsplit(request.path).path == LINK:
-            return _response(HTTPStatus.SERVICE_UNAVAILABLE) if self._door.full else None
-        return _response(HTTPStatus.OK, *self._document.sent())
+        return None if link else _response(HTTPStatus.OK, *self._document.sent())
 
     async def _converse(self, connection: ServerConnection) -> None:
         self._door.viewers.add(connection)
@@ -97,6 +115,8 @@ def _response(
 ) -> Response:
     text = f"{status} {status.phrase}\n".encode() if body is None else body
     plain = {"Content-Type": "text/plain; charset=utf-8"}
+    if status == HTTPStatus.METHOD_NOT_ALLOWED:
+        plain["Allow"] = "GET, HEAD"
     named = {"Content-Length": str(len(text)), **ALWAYS, **(headers or plain)}
     return Response(status, status.phrase, Headers(named), text)
 

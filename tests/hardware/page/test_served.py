@@ -18,6 +18,19 @@ OWN = {"hosts": ["127.0.0.1:8000"], "origins": ["http://127.0.0.1:8000"]}
 LATER = 100
 
 
+async def sent(page, *pieces, end=False):
+    """Status and all that the page's port answers to bytes."""
+    reader, writer = await asyncio.open_connection("127.0.0.1", page.address.port)
+    for piece in pieces:
+        writer.write(piece)
+        await asyncio.sleep(0.005)
+    if end:
+        writer.write_eof()
+    answer = await asyncio.wait_for(reader.read(), 5)
+    writer.close()
+    return int(answer.split(b" ", 2)[1]), answer
+
+
 async def got(page, target=None, **headers):
     """Status, headers and body that the page's port answers to a request."""
     reader, writer = await asyncio.open_connection("127.0.0.1", page.address.port)
@@ -55,6 +68,68 @@ async def got(page, target=None, **headers):
 )
 def test_who_is_refused(target, changed, status):
     assert Address(8000, "T").refusal(target, **{**OWN, **changed}) == status
+
+
+@pytest.mark.parametrize(
+    ("request_", "status"),
+    [
+        ("GET {good} HTTP/1.1|{host}||", 200),
+        ("HEAD {good} HTTP/1.1|{host}||", 200),
+        ("GET {good} HTTP/1.1|{host}|Content-Length: 0||", 200),
+        ("HEAD {link} HTTP/1.1|{host}|Origin: {origin}||", 405),
+        *((f"{method} {{good}} HTTP/1.1|{{host}}||", 405) for method in ("POST", "get", "BREW")),
+        ("POST {good} HTTP/1.1|{host}|Content-Length: 9||{{press}}", 405),
+        ("OPTIONS * HTTP/1.1|{host}||", 405),
+        ("CONNECT a:1 HTTP/1.1|{host}||", 405),
+        *((f"GET {{good}} HTTP/{number}|{{host}}||", 505) for number in ("1.0", "0.9", "2.0")),
+        ("GET {good}||", 400),
+        ("GET {good} HTTP/1.1 x|{host}||", 400),
+        ("GET  {good} HTTP/1.1|{host}||", 400),
+        ("GET {good}\0 HTTP/1.1|{host}||", 400),
+        ("GET {good}\xe9 HTTP/1.1|{host}||", 400),
+        ("GET x{good} HTTP/1.1|{host}||", 400),
+        ("GET {good} HTTP/1.1\n{host}\n\n", 400),
+        ("GET {good} HTTP/1.1|{host}|no header||", 400),
+        ("GET {good} HTTP/1.1|{host}| folded: x||", 400),
+        ("GET {good} HTTP/1.1|Host : x|{host}||", 400),
+        ("GET {good} HTTP/1.1|X: \1|{host}||", 400),
+        ("GET {good} HTTP/1.1||", 400),
+        ("GET {good} HTTP/1.1|{host}|{host}||", 400),
+        ("GET {good} HTTP/1.1|{host}|Content-Length: 5||hello", 400),
+        ("GET {good} HTTP/1.1|{host}|Transfer-Encoding: chunked||", 400),
+        ("GET {good} HTTP/1.1|Host: evil.example:80||", 403),
+        ("GET {good} HTTP/1.1|{host}|Origin: http://evil.example||", 403),
+        ("GET {good} HTTP/1.1|{host}|X: " + "x" * 9000 + "||", 431),
+        ("GET {good}" + "x" * 9000, 431),
+        ("GET {link} HTTP/1.1|{host}|Origin: {origin}||", 426),
+    ],
+)
+@pytest.mark.parametrize("how", ["whole", "in pieces", "half-closed"])
+def test_get_and_head_of_http_1_1_are_answered(served, request_, status, how):
+    async def act(page):
+        at = f"127.0.0.1:{page.address.port}"
+        good = f"/?token={page.address.token}"
+        names = {"good": good, "link": f"/link{good[1:]}", "host": f"Host: {at}"}
+        text = request_.format(**names, origin=f"http://{at}").replace("|", "\r\n")
+        data = text.encode("latin-1")
+        pieces = [data[:9], data[9:40], data[40:]] if how == "in pieces" else [data]
+        return await sent(page, *pieces, end=how == "half-closed")
+
+    answered, answer = served(act)
+    assert answered == status
+    head, _, body = answer.partition(b"\r\n\r\n")
+    assert (b"<title>" in body) == (status == 200 and request_.startswith("GET"))
+    assert (b"Allow: GET, HEAD" in head) == (status == 405)
+    assert not request_.startswith("HEAD") or (body == b"" and b"Content-Length: " in head)
+
+
+def test_a_head_that_comes_slowly_is_not_waited_for(served, monkeypatch):
+    monkeypatch.setattr("rcskin.hardware.page.guest.HEAD_SECONDS", 0.05)
+
+    async def act(page):
+        return await sent(page, b"GET / HTTP/1.1\r\n")
+
+    assert served(act)[0] == 408
 
 
 def test_every_run_has_a_token_that_is_not_guessed():

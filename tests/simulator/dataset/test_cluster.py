@@ -1,10 +1,14 @@
 """On a Dask cluster of processes, also where one of them is killed half way."""
 
 import os
+import re
 import signal
+from pathlib import Path
 
 import pytest
 from distributed import LocalCluster
+from distributed.cli import dask_scheduler, dask_worker
+from rcskin.simulator import dataset
 from rcskin.simulator.dataset.run import generate
 from rcskin.simulator.dataset.workers import MOST_TOGETHER, TASKS_EACH, tasks_of
 from rcskin.simulator.sweeps import InputError
@@ -74,3 +78,20 @@ def test_tasks_hold_every_block_once_and_leave_every_worker_enough(blocks, worke
 
 def test_many_blocks_go_into_one_task_of_a_large_data_set():
     assert len(tasks_of(range(1_000_000), 100)[0]) == MOST_TOGETHER
+
+
+COMMANDS = {"scheduler": dask_scheduler.main, "worker": dask_worker.main}
+STARTED = re.findall(
+    r"^dask (\w+) (.*?) &",
+    (Path(dataset.__file__).parent / "README.md").read_text(encoding="utf-8"),
+    re.MULTILINE,
+)
+
+
+@pytest.mark.parametrize(("part", "arguments"), STARTED)
+def test_what_the_page_starts_is_on_the_loopback_or_behind_tls(part, arguments):
+    """Also its pages on what goes on, which listen on all interfaces even with --no-dashboard."""
+    options = COMMANDS[part].make_context(part, arguments.split()).params
+    scheduler = options.get("scheduler") or ""
+    assert options["host"] == "127.0.0.1" or "tls" in (options["protocol"], scheduler[:3])
+    assert options["dashboard_address"].startswith("127.0.0.1:")

@@ -1,0 +1,60 @@
+"""The head of a request to a page's port: whether it is good HTTP/1.1 that asks for a page."""
+
+from __future__ import annotations
+
+import re
+from http import HTTPStatus
+
+LONGEST_HEAD = 8192
+"""Bytes of request line and headers: browsers send under 2 kB to an address without cookies."""
+METHODS = (b"GET", b"HEAD")
+WORD = rb"[!#$%&'*+.^_`|~0-9A-Za-z-]+"
+REQUEST = re.compile(rb"(%b) ([\x21-\x7e]+) HTTP/([0-9])\.([0-9])" % WORD)
+HEADER = re.compile(rb"(%b):[ \t]*([\x20-\x7e\x80-\xff\t]*)" % WORD)
+LINE, END = b"\r\n", b"\r\n\r\n"
+BARE = re.compile(rb"(?<!\r)\n")
+
+
+def decided(received: bytes) -> bool:
+    """Whether these first bytes of a connection hold a whole head, or surely no good one."""
+    line, ended, _ = received.partition(LINE)
+    return (
+        END in received
+        or len(received) > LONGEST_HEAD
+        or BARE.search(received) is not None
+        or (ended != b"" and _of_request(line) is not None)
+    )
+
+
+def refusal(head: bytes) -> HTTPStatus | None:
+    """Why a head up to its empty line is refused; None where it is not.
+
+    Only GET and HEAD without a body, in HTTP/1.1, with one Host (RFC 9112, sections 2 to 6).
+    """
+    line, *headers = head.removesuffix(END).split(LINE)
+    if len(head) > LONGEST_HEAD:
+        return HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE
+    sound = head.endswith(END) and _sound(headers)
+    return _of_request(line) or (None if sound else HTTPStatus.BAD_REQUEST)
+
+
+def _of_request(line: bytes) -> HTTPStatus | None:
+    request = REQUEST.fullmatch(line)
+    if request is None:
+        return HTTPStatus.BAD_REQUEST
+    if request[1] not in METHODS:
+        return HTTPStatus.METHOD_NOT_ALLOWED
+    if (request[3], request[4]) != (b"1", b"1"):
+        return HTTPStatus.HTTP_VERSION_NOT_SUPPORTED
+    return None if request[2].startswith(b"/") else HTTPStatus.BAD_REQUEST
+
+
+def _sound(lines: list[bytes]) -> bool:
+    """Whether header lines are well-formed, name one host, and promise no body."""
+    matches = [HEADER.fullmatch(line) for line in lines]
+    if not all(matches):
+        return False
+    fields = [(match[1].lower(), match[2].strip()) for match in matches if match]
+    bodies = ("transfer-encoding", "content-length")
+    promised = {value for name, value in fields if name.decode() in bodies}
+    return [name for name, _ in fields].count(b"host") == 1 and promised <= {b"0"}
