@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -78,6 +79,7 @@ def serve_command(simulation: Simulation) -> Callable[..., None]:
         meter = serving.instrument(exhibit, pace, accuracy or DERIVED)
         paging = _paging(simulation, exhibit, page, page_port)
         with counting(lambda text: typer.echo(f"rcskin: {text}", err=True)) as meter.report:
+            meter.tell = partial(meter.report, "failed readings")
             serving.serve(
                 meter,
                 pressing,

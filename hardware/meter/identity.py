@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from ...simulator.sweeps.reach import REACH
 from ...simulator.sweeps.schema import MEASURED, VIRTUAL
 
-MODELS = ("IM3523", "IM3533", "IM3536", "IM3570")
+MODELS = tuple(REACH)
 VIRTUAL_SERIAL = "000000000"
 """Serial number that the virtual meter answers with."""
 MODEL = re.compile(r"\b(" + "|".join(MODELS) + r")\b", re.IGNORECASE)

@@ -88,7 +88,7 @@ def record_command(
         checked_output(output)
         data = scene_data(scene, interface)
         if not (interface or switch or switch_with):
-            data = replace(data, interfaces=data.interfaces[:1])
+            _check_one_interface(data)
         table = read_table(accuracy or DERIVED)
         steps = _steps(order, data, repetitions)
         settings = _settings(speed, averaging, level, amplitude, range_, delay, cable)
@@ -115,6 +115,18 @@ def record_command(
             typer.echo("; ".join([f"{counted(sweeps.sizes)} -> {output}", *_remarkable(entries)]))
 
     return record
+
+
+def _check_one_interface(data: SceneData) -> None:
+    """Raises InputError where the scene has several, and nothing says which are measured."""
+    from ...simulator.sweeps import InputError
+
+    if len(data.interfaces) > 1:
+        raise InputError(
+            f"{data.name}: has the interfaces {', '.join(data.interfaces)}, and a meter is at one "
+            "at a time; --switch or --switch-with measures all in turn (--switch ask: you "
+            f"reconnect it), --interface {data.interfaces[0]} that one alone"
+        )
 
 
 def _steps(order: Path | None, data: SceneData, repetitions: int) -> list[Step]:

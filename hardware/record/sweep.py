@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.reach import beyond_reach
 from ..meter.hioki import Meter
 from ..meter.reading import BY_CODE, Reading
 from ..switch.switch import Switch
@@ -163,10 +164,9 @@ def measure_readings(
 
 def check_frequencies(meter: Meter, frequencies: Sequence[float]) -> None:
     """Raises InputError where the meter's model does not reach one of the frequencies in Hz."""
-    allowed = type(meter).frequency.allowed
-    for frequency in frequencies:
-        if allowed.write(frequency) is None:
-            raise InputError(f"an {meter.model} measures {allowed}, the scene asks {frequency:g}")
+    beyond = beyond_reach(meter.model, frequencies)
+    if beyond:
+        raise InputError(f"{beyond}; change `sweep.frequencies` of the scene")
 
 
 def _trace(meter: Meter, frequencies: Sequence[float], interface: str, watch: Watch) -> Trace:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
+from ...simulator.sweeps.reach import VIRTUAL_MODEL
 from ..counting import Report
 from ..meter.identity import VIRTUAL_SERIAL
 from .correcting import Corrections
@@ -35,12 +36,12 @@ class Instrument:
     """One meter; clients share it. pace: how long things take, 1 as long as a meter, 0 no time.
 
     skins: by interface, where a switch connects one of several; interface: the one it is at.
-    report: takes what clients cause, such as readings that the skin does not have, which a client
-    learns as a failure inside the meter.
+    tell: told why the skin has no reading, which a client learns as a failure inside the meter.
+    report: takes what clients of the ports do wrong.
     """
 
     bench: Bench
-    model: str = "IM3523"
+    model: str = VIRTUAL_MODEL
     serial: str = VIRTUAL_SERIAL
     pace: float = 1.0
     press: str = UNPRESSED
@@ -55,6 +56,7 @@ class Instrument:
     worker: Worker = field(default_factory=Worker)
     skins: Mapping[str, Skin] = field(default_factory=dict)
     interface: str = ""
+    tell: Callable[[str], None] = lambda text: None
     report: Report = lambda kind, text: None
 
     @property
@@ -96,8 +98,7 @@ class Instrument:
                 self.worker, pending.bench.measure, pending.press, pending.settings
             )
         except Exception as failure:
-            why = f"{failure} ({type(failure).__name__})"
-            self.report("failed readings", f"press {pending.press}: no reading: {why}")
+            self.tell(f"press {pending.press}: no reading: {failure} ({type(failure).__name__})")
             self.registers.note(Standard.DDE)
             result = NOTHING
         self._keep(replace(result, status=fault.status) if fault else result)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...simulator.sweeps import UNPRESSED, InputError
+from ...simulator.sweeps.reach import VIRTUAL_MODEL, beyond_reach
 from ..meter.accuracy import DERIVED, read_table
 from ..scene_data import SceneData
 from .control import Control
@@ -63,7 +64,10 @@ class Exhibit:
 
 
 def simulated(scene: SceneData, skins: Mapping[str, Skin], readout: Readout) -> Exhibit:
-    """The skin of a scene."""
+    """The skin of a scene. Raises InputError where the virtual meter lacks a frequency of it."""
+    beyond = beyond_reach(VIRTUAL_MODEL, scene.frequencies)
+    if beyond:
+        raise InputError(f"{scene.name}: {beyond}; change `sweep.frequencies`")
     return Exhibit(skins, readout, scene.rows, scene.columns, scene.frequencies[0], scene)
 
 

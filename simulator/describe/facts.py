@@ -18,11 +18,12 @@ from ..scene.maps import AnyMap
 from ..scene.planar import Circle, area
 from ..scene.scene import Scene
 from ..scene.skin import Sheet, Skin
+from ..sweeps.reach import REACH, VIRTUAL_MODEL, beyond_reach
+from ..sweeps.units import prefixed
 from .apart import told_apart
 
 LINES = 64
 """Along each side of the skin, at which maps are averaged."""
-PREFIXES = {0: "", 3: "k", 6: "M", 9: "G", -3: "m", -6: "u", -9: "n", -12: "p", -15: "f"}
 
 
 class Fact(NamedTuple):
@@ -70,13 +71,6 @@ def one_sheet(scene: Scene, interface: Interface) -> bool:
         {scene.contact(name).electrode for name in side} for side in (interface.high, interface.low)
     )
     return bool(high & low)
-
-
-def prefixed(value: float, unit: str) -> str:
-    """A number with its unit to three digits, with the prefix that suits it: 5.46 kHz."""
-    power = 3 * math.floor(math.log10(abs(value)) / 3 + 1e-12) if value else 0
-    power = min(max(power, min(PREFIXES)), max(PREFIXES))
-    return f"{value / 10.0**power:.3g} {PREFIXES[power]}{unit}"
 
 
 def _count(number: int, name: str) -> str:
@@ -200,7 +194,12 @@ def _press(scene: Scene) -> str:
 def _frequencies(scene: Scene) -> str:
     f = scene.frequencies
     first, last = (prefixed(each, "Hz") for each in f[[0, -1]])
-    return f"{len(f)}, from {first} to {last}" if len(f) > 1 else first
+    told = f"{len(f)}, from {first} to {last}" if len(f) > 1 else first
+    beyond = beyond_reach(VIRTUAL_MODEL, f)
+    if not beyond:
+        return told
+    others = [model for model in REACH if not beyond_reach(model, f)]
+    return f"{told}; {beyond}" + (f" (all are read by {' and '.join(others)})" if others else "")
 
 
 def _cut_off(scene: Scene) -> str:

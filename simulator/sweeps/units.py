@@ -52,3 +52,13 @@ def _power(unit: str) -> int | None:
         return 0
     prefix, base = unit[0], unit[1:]
     return PREFIXES.get(prefix) if base in ("", *BASES) else None
+
+
+SHOWN = {0: "", 3: "k", 6: "M", 9: "G", -3: "m", -6: "u", -9: "n", -12: "p", -15: "f"}
+
+
+def prefixed(value: float, unit: str) -> str:
+    """A number with its unit to three digits, with the prefix that suits it: 5.46 kHz."""
+    power = 3 * math.floor(math.log10(abs(value)) / 3 + 1e-12) if value else 0
+    power = min(max(power, min(SHOWN)), max(SHOWN))
+    return f"{value / 10.0**power:.3g} {SHOWN[power]}{unit}"

@@ -129,7 +129,7 @@ def _stage(
     tell: Tell,
 ) -> Stage:
     from ..asked.scene import asked_scene
-    from ..asked.telling import warn
+    from ..asked.telling import note, warn
     from ..models.fields import fields
     from ..press.press import press_on
     from ..scene.reading import frequencies_at
@@ -139,6 +139,9 @@ def _stage(
     scene = asked_scene(name)
     pressed = press_on(scene, press)
     chosen = checked_interface(interface, scene)
+    if interface is None and len(scene.interfaces) > 1:
+        names = ", ".join(each.name for each in scene.interfaces)
+        note(f"{name}: of the interfaces {names} this shows {chosen}; --interface shows another")
     frequencies = _frequencies(frequency, frequencies_at(scene, chosen).tolist(), every)
     for one_terminal in scene.driven_by_touch:
         if one_terminal.interface == chosen:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+from ....simulator.sweeps.reach import REACH, VIRTUAL_MODEL
 from ...meter.accuracy import RANGES
 from ..instrument import Instrument
 from ..measurement import PARAMETERS
@@ -113,7 +114,9 @@ STORED = (
     _stored(":HEADer", "header", _switch, _on_or_off),
     _stored(":MODE", "mode", _one_of("LCR", "CONTinuous")),
     _stored(":COMMand:COMPatible", "compatible", _switch, _on_or_off),
-    _stored(":FREQuency", "frequency", _rounded(40, 200e3, 5), lambda f: engineering(f, 5)),
+    _stored(
+        ":FREQuency", "frequency", _rounded(*REACH[VIRTUAL_MODEL], 5), lambda f: engineering(f, 5)
+    ),
     _stored(":LEVel", "level", _one_of("V", "CV", "CC")),
     _stored(":LEVel:VOLTage", "voltage", _rounded(5e-3, 5, 4), _volts),
     _stored(":LEVel:CVOLTage", "constant_voltage", _rounded(5e-3, 5, 4), _volts),

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from functools import cache
 
+from ....simulator.sweeps.reach import VIRTUAL_MODEL
 from .command import Command, forms
-
-SIMPLE = "IM3523"
 
 
 def find(words: tuple[str, ...], model: str, compatible: bool) -> Command | None:
     """The command that these words write in full or short form, on this model."""
     command = _commands().get(words)
-    if command and command.siblings_only and model == SIMPLE and not compatible:
+    if command and command.siblings_only and model == VIRTUAL_MODEL and not compatible:
         return None
     return command
 

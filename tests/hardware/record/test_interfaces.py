@@ -195,8 +195,11 @@ def test_a_person_is_asked_to_connect(recorded, ports, instrument, rig_skins, mo
     assert "press 2,1, interface bottom: done; against rest Rs" in recorded.output
 
 
-def test_without_a_switch_the_first_interface_is_recorded(recorded, control):
-    assert list(recorded(*control)["interface"].values) == ["left"]
+@pytest.mark.parametrize("more", [(), ("--unattended",), ("--settle", 0.1)])
+def test_no_interface_is_left_out_without_a_word(recorded, control, more):
+    with pytest.raises(InputError, match=r"left, bottom.*--switch.*--interface left that one"):
+        recorded(*control, *more)
+    assert list(recorded(*control, "--interface", "bottom")["interface"].values) == ["bottom"]
 
 
 def test_one_interface_may_be_switched_to(recorded, control, switch, rig_skins):

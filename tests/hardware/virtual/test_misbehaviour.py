@@ -1,5 +1,7 @@
 """Whatever a meter does wrong: the driver says so, and never takes a number for another."""
 
+from dataclasses import replace
+
 import pytest
 from rcskin.hardware.meter.errors import (
     GarbledError,
@@ -11,8 +13,11 @@ from rcskin.hardware.meter.errors import (
 )
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.meter.reading import Status
+from rcskin.hardware.record.sweep import check_frequencies
 from rcskin.hardware.steer import ask
 from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.serving import simulated
+from rcskin.hardware.virtual.skin import exact
 from rcskin.simulator.sweeps import InputError
 
 
@@ -101,3 +106,12 @@ def test_faults_are_asked_for_through_the_side_door(ports, meter):
 def test_misbehaviour_out_of_range_is_refused(ports, given, told):
     with pytest.raises(InputError, match=told):
         ask(f"127.0.0.1:{ports.control}", "misbehave", **given)
+
+
+@pytest.mark.parametrize("frequencies", [(1e3, 3e5), (39.9, 1e3), (1e-3, 8e6)])
+def test_a_scene_is_served_at_the_frequencies_that_are_recorded(scene, meter, frequencies):
+    outside = replace(scene, frequencies=frequencies)
+    with pytest.raises(InputError, match="IM3523 reads 40 Hz to 200 kHz; .* outside"):
+        simulated(outside, {}, exact)
+    with pytest.raises(InputError, match="IM3523 reads 40 Hz to 200 kHz; .* outside"):
+        check_frequencies(meter, frequencies)

@@ -57,6 +57,16 @@ def test_the_papers_sheet_in_words(run):
         ("skin", {"skin.stretch": {"x": 1.2}}, "stretched to 1.2 times its length and 0.913"),
         ("skin", {"skin.shape": {"kind": "sphere", "radius": 0.1}}, "on a sphere of radius 100 mm"),
         ("skin", L_SHAPE | {"skin.outline.holes": [HOLE]}, "cm², 1 hole"),
+        (
+            "frequencies",
+            {"sweep.frequencies": [1e3, 3e5]},
+            "meter IM3523 reads 40 Hz to 200 kHz; 300 kHz is outside (all are read by",
+        ),
+        (
+            "frequencies",
+            {"sweep.frequencies": [3.0, 1e3]},
+            "3 Hz is outside (all are read by",
+        ),
         ("top sheet", {"skin.top.piezoresistance": 2.0}, "resists 2 times the foam's strain more"),
         ("top sheet", {"skin.top.map": {"kind": "gradient", "x": 0.2}}, "by place: a gradient map"),
         (

@@ -1,0 +1,33 @@
+"""The frequencies that LCR meters read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from .units import prefixed
+
+REACH = {
+    "IM3523": (40.0, 200e3),
+    "IM3533": (1e-3, 200e3),
+    "IM3536": (4.0, 8e6),
+    "IM3570": (4.0, 5e6),
+}
+"""Lowest and highest frequency of each model in Hz, from Hioki's specifications."""
+VIRTUAL_MODEL = "IM3523"
+"""The model that the virtual meter answers as."""
+
+
+def beyond_reach(model: str, frequencies: Iterable[float]) -> str:
+    """The range of a model, and which frequencies in Hz lie outside; empty where none does."""
+    low, high = REACH[model]
+    outside = [each for each in frequencies if not low <= each <= high]
+    if not outside:
+        return ""
+    shown = ", ".join(_hertz(each) for each in outside[:3])
+    shown += f" and {len(outside) - 3} more" if len(outside) > 3 else ""
+    are = "is" if len(outside) == 1 else "are"
+    return f"meter {model} reads {_hertz(low)} to {_hertz(high)}; {shown} {are} outside"
+
+
+def _hertz(frequency: float) -> str:
+    return prefixed(frequency, "Hz")
