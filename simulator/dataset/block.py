@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from functools import lru_cache
 from pathlib import Path
 
@@ -51,7 +51,18 @@ class Workshop:
         return self.folder / "finished" / f"{block}.json"
 
     def finished(self, plan: Plan) -> set[int]:
-        """The blocks that are finished."""
+        """The blocks that are noted as finished, and are there as they were written."""
+        return {block for block in self.noted(plan) if self._is_whole(plan, block)}
+
+    def _is_whole(self, plan: Plan, block: int) -> bool:
+        try:
+            parts = json.loads(self.note(block).read_text(encoding="utf-8"))["parts"]
+            return store.are_whole(self.data, plan, parts)
+        except (OSError, ValueError, LookupError, TypeError, AttributeError):  # of a spoilt note
+            return False
+
+    def noted(self, plan: Plan) -> set[int]:
+        """The blocks that are noted as finished."""
         numbers = {int(note.stem) for note in (self.folder / "finished").glob("[0-9]*.json")}
         return numbers & set(range(plan.blocks))
 
@@ -66,17 +77,19 @@ def make_block(workshop: Workshop, block: int) -> int:
         drawn = drawn_sessions(plan, family, plan.sessions_of(block))
     here = plan.sweeps_of(block)
     arrays = joined([values(session) for session in drawn], here.stop - here.start)
-    store.write(workshop.data, plan, block, arrays)
+    parts = store.write(workshop.data, plan, block, arrays)
     with kept_file(workshop.note(block)) as unfinished:
         audit = together(session.audit for session in drawn)
-        unfinished.write_text(json.dumps(asdict(audit)), encoding="utf-8")
+        unfinished.write_text(json.dumps({**asdict(audit), "parts": parts}), encoding="utf-8")
     return block
 
 
 def audit_of(workshop: Workshop, plan: Plan) -> Audit:
     """The audit of the whole data set, once all its blocks are finished."""
     notes = (workshop.note(block).read_text(encoding="utf-8") for block in range(plan.blocks))
-    return together(Audit(**json.loads(note)) for note in notes)
+    names = [each.name for each in fields(Audit)]
+    told = ({name: json.loads(note)[name] for name in names} for note in notes)
+    return together(Audit(**each) for each in told)
 
 
 @lru_cache(maxsize=1)

@@ -6,14 +6,17 @@ The bytes are those that Zarr writes. Chunks appear whole or not at all.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
 
+Part = tuple[str, int, int]
+"""Of a chunk: the name of its file, its length in bytes and its CRC-32."""
 LEFT_OVER = "*.partial"
 SEPARATOR = "."
 """In a chunk's name: all chunks of an array are in one folder, as folders take time to make."""
@@ -25,11 +28,12 @@ CODECS = {
 """What readings lose by quicker codecs is little, for most of their digits are noise."""
 
 
-def put(folder: Path, number: int, values: NDArray, size: int) -> None:
+def put(folder: Path, number: int, values: NDArray, size: int) -> Part:
     """Write chunk `number` along the first dimension, of all that there is along the others.
 
     folder: of the array. values: of the array's type, or texts. size: of a chunk along the first
-    dimension; a last chunk that holds less is filled up with zeros or empty texts.
+    dimension; a last chunk that holds less is filled up with zeros or empty texts. Returns what
+    `is_whole` knows it by.
     """
     place = f"{folder}/{SEPARATOR.join(['c', str(number), *['0'] * (values.ndim - 1)])}"
     unfinished = f"{place}.{os.getpid()}.partial"
@@ -40,6 +44,17 @@ def put(folder: Path, number: int, values: NDArray, size: int) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         _write(unfinished, encoded)
     os.replace(unfinished, place)
+    return Path(place).name, len(encoded), crc32(encoded)
+
+
+def is_whole(folder: Path, part: Sequence[Any]) -> bool:
+    """Whether a chunk that was put into the folder of an array is there as it was put."""
+    name, length, checksum = part
+    try:
+        path = folder / name
+        return path.stat().st_size == length and crc32(path.read_bytes()) == checksum
+    except OSError:
+        return False
 
 
 def _write(path: str, content: bytes) -> None:
@@ -63,12 +78,16 @@ def _filled_up(values: NDArray, size: int) -> NDArray:
 
 
 def _encoded(values: NDArray) -> bytes:
+    """With the checksum that Zarr compares before it decodes: spoilt bytes end Blosc's process."""
+    from numcodecs.checksum32 import CRC32C
     from numcodecs.vlen import VLenUTF8
 
     if values.dtype == object:
-        return bytes(_blosc("str").encode(VLenUTF8().encode(values)))
-    plain = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
-    return bytes(_blosc(values.dtype.name).encode(plain))
+        packed = _blosc("str").encode(VLenUTF8().encode(values))
+    else:
+        plain = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
+        packed = _blosc(values.dtype.name).encode(plain)
+    return bytes(CRC32C(location="end").encode(packed))
 
 
 @lru_cache

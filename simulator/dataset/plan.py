@@ -19,7 +19,7 @@ from ..scene.files import parse_scene, scene_text
 from ..scene.scene import Scene
 from ..sweeps import InputError
 
-LAYOUT = 5
+LAYOUT = 6
 """To be raised whenever the same plan would give other bytes."""
 MOST_VALUES = 2**22
 """Readings of one quantity in a session."""

@@ -45,7 +45,7 @@ def generate(
         if _complete(plan, output):
             return advance(plan.sweeps)
         workshop = Workshop(folder, plan.digest, training.load)
-        missing = plan.blocks - len(workshop.finished(plan))
+        missing = plan.blocks - len(workshop.noted(plan))
         with workers.hired(min(processes, missing) if scheduler is None else 0) as hands:
             family = _prepared(plan, workshop, training)
             finished = workshop.finished(plan)
@@ -102,7 +102,7 @@ def _prepared(plan: Plan, workshop: Workshop, training: Training) -> Family:
     """Begin the folder of work, or take up what an earlier run left of it; the model."""
     if workshop.plan_file.exists():
         _take_up(workshop, plan)
-        return workshop.load(workshop.model_file)
+        return _loaded(workshop)
     shutil.rmtree(workshop.data, ignore_errors=True)
     workshop.note(0).parent.mkdir(exist_ok=True)
     family = training.train(plan.scene, plan.rtol)
@@ -112,15 +112,32 @@ def _prepared(plan: Plan, workshop: Workshop, training: Training) -> Family:
     return family
 
 
+def _loaded(workshop: Workshop) -> Family:
+    try:
+        return workshop.load(workshop.model_file)
+    except InputError as error:
+        raise InputError(f"{error}; {_anew(workshop)}") from error
+
+
+def _anew(workshop: Workshop) -> str:
+    return f"remove the folder {workshop.folder} to begin the data set anew"
+
+
 def _take_up(workshop: Workshop, plan: Plan) -> None:
-    told = json.loads(workshop.plan_file.read_text(encoding="utf-8"))
-    different = first_difference(plan.told, told)
+    try:
+        told = json.loads(workshop.plan_file.read_text(encoding="utf-8"))
+        different = first_difference(plan.told, dict(told))
+    except (OSError, ValueError, TypeError) as error:
+        raise InputError(
+            f"{workshop.plan_file}: cannot be read as the plan of a data set; {_anew(workshop)}"
+        ) from error
     if different is not None:
         raise InputError(
             f"{workshop.folder}: an unfinished data set has {different}; "
             "finish it with its own options or remove the folder"
         )
     store.clear_left_overs(workshop.data)
+    store.clear_metadata(workshop.data)
 
 
 def _finish(workshop: Workshop, plan: Plan, output: Path) -> None:

@@ -7,15 +7,16 @@ written, so that the same plan gives the same bytes.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..sweeps.digests import check_store, seal_store
 from ..sweeps.schema import DIMENSIONS, TAKEN
-from .chunks import LEFT_OVER, SEPARATOR, compression, put
+from .chunks import LEFT_OVER, SEPARATOR, Part, compression, is_whole, put
 from .layout import SESSION, SWEEP, Variable, sizes, variables
 from .plan import Plan
 
@@ -35,14 +36,22 @@ def create(folder: Path, plan: Plan, grid: tuple[int, int], waves: int) -> None:
         array(group, axis.name)[:] = along
 
 
-def write(folder: Path, plan: Plan, block: int, values: Mapping[str, NDArray]) -> None:
-    """Write the arrays of one block."""
+def write(folder: Path, plan: Plan, block: int, values: Mapping[str, NDArray]) -> dict[str, Part]:
+    """Write the arrays of one block; returns what `are_whole` knows them by."""
+    parts = {}
     extent, chunks = {SWEEP: plan.sweeps, SESSION: plan.sessions}, _chunks(plan)
     for variable in variables(plan):
         along = variable.dimensions[0]
         size = min(chunks[along], extent[along])
         here = _converted(values[variable.name], variable)
-        put(folder / variable.name, block, here, size)
+        parts[variable.name] = put(folder / variable.name, block, here, size)
+    return parts
+
+
+def are_whole(folder: Path, plan: Plan, parts: Mapping[str, Sequence[Any]]) -> bool:
+    """Whether all arrays of a block are there as they were written."""
+    names = {variable.name for variable in variables(plan)}
+    return parts.keys() == names and all(is_whole(folder / k, parts[k]) for k in names)
 
 
 def _chunks(plan: Plan) -> dict[str, int]:
@@ -61,12 +70,17 @@ def finish(folder: Path, attributes: Mapping[str, str | int | float]) -> None:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Consolidated metadata is currently not part")
         zarr.consolidate_metadata(str(folder))
+    seal_store(folder)
 
 
 def told(folder: Path) -> dict[str, Any] | None:
-    """Attributes of a finished data set, and how many `sweeps` it has; None where it is none."""
+    """Attributes of a finished data set, and how many `sweeps` it has; None where it is none.
+
+    Raises InputError where its metadata are spoilt.
+    """
     import zarr
 
+    check_store(folder)
     try:
         group = zarr.open_group(str(folder), mode="r")
         return {**group.attrs.asdict(), "sweeps": array(group, "touches").shape[0]}
@@ -78,6 +92,12 @@ def clear_left_overs(folder: Path) -> None:
     """Remove what killed processes and workers had begun to write."""
     for unfinished in folder.rglob(LEFT_OVER):
         unfinished.unlink(missing_ok=True)
+
+
+def clear_metadata(folder: Path) -> None:
+    """Remove what `create` makes anew: it may have been spoilt since."""
+    for metadata in folder.rglob("zarr.json"):
+        metadata.unlink(missing_ok=True)
 
 
 def _open(folder: Path, mode: Any) -> zarr.Group:
@@ -110,7 +130,7 @@ def _axes(plan: Plan) -> list[tuple[Variable, NDArray]]:
 def _create(
     group: zarr.Group, variable: Variable, extent: dict[str, int], chunks: dict[str, int]
 ) -> None:
-    from zarr.codecs import BloscCodec
+    from zarr.codecs import BloscCodec, Crc32cCodec
 
     text = variable.dtype == "str"
     size = 1 if text else np.dtype(variable.dtype).itemsize
@@ -122,7 +142,7 @@ def _create(
         dimension_names=variable.dimensions,
         attributes=dict(variable.attributes),
         chunk_key_encoding={"name": "default", "separator": SEPARATOR},
-        compressors=BloscCodec(**compression(variable.dtype), typesize=size),
+        compressors=(BloscCodec(**compression(variable.dtype), typesize=size), Crc32cCodec()),
         fill_value="" if text else np.dtype(variable.dtype).type(0),
         config={"write_empty_chunks": True},
     )

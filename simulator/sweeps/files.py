@@ -160,6 +160,10 @@ def locked(folder: Path, begun: str, busy: str) -> Iterator[Path]:
         lock.acquire(blocking=False)
     except Timeout:
         raise InputError(busy) from None
+    except OSError as error:
+        raise InputError(
+            f"{file}: cannot be used as a lock: {error.strerror}; remove it"
+        ) from error
     try:
         yield folder
     finally:

@@ -16,7 +16,7 @@ from ...mesh.arcs import Arcs
 from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import Resolution
 from ...scene.files import parse_scene, scene_text
-from ...sweeps import InputError, inputs, kept_file
+from ...sweeps import InputError, digests, inputs, kept_file
 from ..varied.meshes import circuit_of
 from .families.family import Mesh, Triangulation
 from .indented.file import arrays_of, beside_from, with_beside
@@ -40,35 +40,49 @@ def save(reduced: Reduced, path: Path) -> None:
     }
     arrays = {name: getattr(reduced, name) for name in ARRAYS} | of_mesh
     arrays |= arrays_of(reduced) if isinstance(reduced, Indented) else {}
-    with kept_file(path) as unfinished, unfinished.open("wb") as file:
-        np.savez(file, allow_pickle=False, told=json.dumps(told), **arrays)
+    with kept_file(path) as unfinished:
+        with unfinished.open("wb") as file:
+            np.savez(file, allow_pickle=False, told=json.dumps(told), **arrays)
+        digests.seal_archive(unfinished)
 
 
 def load(path: Path) -> Reduced:
-    """The model in a file. Raises InputError where that is none."""
+    """The model in a file.
+
+    Raises InputError where that is none, or not what its digest says, or its arrays do not fit.
+    """
     try:
         with inputs.check_input(path, inputs.MODEL).open("rb") as file:
             inputs.check_archive(path, file)
-        with np.load(path, allow_pickle=False) as archive:
-            told = json.loads(str(archive["told"]))
-            arrays: dict[str, Any] = {name: archive[name] for name in ARRAYS}
-            mesh = _mesh(told, archive)
-            beside = beside_from(archive)
+            digests.check_archive(path, file)
+        return _read(path)
     except InputError:
         raise
     except (
         OSError,
         ValueError,
-        KeyError,
+        LookupError,
+        TypeError,
+        AttributeError,
         MemoryError,
         RecursionError,
         zipfile.BadZipFile,
     ) as error:
         raise InputError(f"{path}: not a reduced model: {error}") from error
+
+
+def _read(path: Path) -> Reduced:
+    with np.load(path, allow_pickle=False) as archive:
+        told = json.loads(str(archive["told"]))
+        arrays: dict[str, Any] = {name: archive[name] for name in ARRAYS}
+        mesh = _mesh(told, archive)
+        beside = beside_from(archive)
+        _check_finite({name: archive[name] for name in archive.files if name != digests.MEMBER})
     scene = parse_scene(told["scene"], str(path))
     circuit = circuit_of(scene, told["fields"] == 1)
     if circuit.fields != told["fields"]:
         raise InputError(f"{path}: one field cannot tell what its scene's interfaces drive")
+    _check_sizes(arrays, circuit.fields)
     model = Reduced(
         scene=scene,
         circuit=circuit,
@@ -79,6 +93,30 @@ def load(path: Path) -> Reduced:
         **arrays,
     )
     return model if beside is None else with_beside(model, beside)
+
+
+def _check_finite(arrays: Mapping[str, NDArray]) -> None:
+    for name, array in arrays.items():
+        if array.dtype.kind == "f" and not np.isfinite(array).all():
+            raise ValueError(f"`{name}` must be finite everywhere")
+
+
+def _check_sizes(arrays: Mapping[str, NDArray], fields: int) -> None:
+    """Raises ValueError where arrays are not of the sizes that `Reduced` says."""
+    N, n = len(arrays["conductance"]), arrays["basis"].shape[1]
+    sizes = {
+        "terminal_field": (N,),
+        "conductance": (N, N),
+        "basis": (len(arrays["basis"]), n),
+        "stiffness": (len(arrays["stiffness"]), N + n, N + n),
+        "factors": (*arrays["factors"].shape[:2], N + n),
+    }
+    for name, size in sizes.items():
+        if arrays[name].shape != size:
+            raise ValueError(f"`{name}` has shape {arrays[name].shape}, where {size} belongs")
+    field = arrays["terminal_field"]
+    if not ((field >= 0) & (field < fields)).all():
+        raise ValueError(f"`terminal_field` must be from 0 on and < {fields}")
 
 
 def _told_mesh(mesh: Mesh) -> tuple[dict[str, Any], dict[str, NDArray]]:

@@ -1,14 +1,17 @@
 """Killed at any point and started again, a data set ends with the same bytes."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import pytest
 from rcskin.simulator.dataset.run import generate
-from rcskin.simulator.sweeps import InputError
+from rcskin.simulator.models.reduced.file import load
+from rcskin.simulator.sweeps import InputError, read
 
 RUN = [sys.executable, "-c", "import toy_family; toy_family.main()"]
 SWEEPS = 400
@@ -129,3 +132,62 @@ def test_what_is_left_of_half_a_write_does_not_stay(make, toy, tmp_path):
     chunks.mkdir(parents=True, exist_ok=True)
     (chunks / "0.6f1.partial").write_bytes(b"half")
     assert toy.bytes_of(make("out", plan)) == toy.bytes_of(make("whole", plan))
+
+
+def emptied(path):
+    path.write_bytes(b"")
+
+
+def flipped(path):
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize(
+    "spoils",
+    [
+        {"data.zarr/Rs/c.0.0.0": emptied},
+        {"data.zarr/press/c.0": flipped, "data.zarr/zarr.json": flipped},
+        {"finished/0.json": flipped, "data.zarr/Cp/zarr.json": emptied},
+    ],
+)
+def test_what_was_spoilt_since_it_was_finished_is_made_again(make, toy, tmp_path, spoils):
+    plan = toy.small_plan(60, block=2)
+    interrupted(toy, tmp_path / "out.zarr", plan)
+    for path, spoil in spoils.items():
+        spoil(tmp_path / ".out.zarr.unfinished" / path)
+    assert toy.bytes_of(make("out", plan)) == toy.bytes_of(make("whole", plan))
+
+
+def test_spoilt_files_of_the_work_are_told_with_what_to_do(make, toy, tmp_path):
+    plan = toy.small_plan(60, block=2)
+    interrupted(toy, tmp_path / "out.zarr", plan)
+    folder = tmp_path / ".out.zarr.unfinished"
+    sound = (folder / "plan.json").read_bytes()
+    for content in (b"", b"\xff", b"[1, 2]", sound[:-20]):
+        (folder / "plan.json").write_bytes(content)
+        with pytest.raises(InputError, match=r"plan\.json: .*; remove the folder \S+ to begin"):
+            make("out", plan)
+    (folder / "plan.json").write_bytes(sound)
+    (folder / "model.npz").write_bytes(b"")
+    training = replace(toy.training(), load=load)
+    with pytest.raises(InputError, match=r"model\.npz: not a reduced model: .*; remove the folder"):
+        generate(plan, tmp_path / "out.zarr", training=training)
+    (folder / "lock").unlink(missing_ok=True)
+    (folder / "lock").mkdir()
+    with pytest.raises(InputError, match=r"lock: cannot be used as a lock: .*; remove it"):
+        make("out", plan)
+    assert (folder / "data.zarr").exists()
+
+
+def test_a_finished_data_set_with_a_flipped_bit_is_refused(make, toy):
+    data = make("out", toy.small_plan(20))
+    for name in ("Rs/c.0.0.0", "press/c.0", "drawn_top/c.0.0", "zarr.json", "zarr.json.sha256"):
+        whole = (data / name).read_bytes()
+        flipped(data / name)
+        with pytest.raises(InputError, match=f"^{re.escape(str(data))}: "):
+            read(data)
+        (data / name).write_bytes(whole)
+    flipped(data / "Rs" / "zarr.json")  # gathered in that of the whole
+    assert read(data).sizes["sweep"] == 20

@@ -1,0 +1,44 @@
+"""A file of a reduced model with a flipped bit, or with arrays that do not fit, is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rcskin.simulator.models.reduced.file import load, save
+from rcskin.simulator.models.reduced.greedy import reduce
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.sweeps import InputError
+
+
+@pytest.fixture(scope="module")
+def model():
+    return reduce(load_scene("strip-1x3"), 1e-2)
+
+
+def test_a_flipped_bit_is_refused_or_changes_no_number(model, tmp_path):
+    path = tmp_path / "model.npz"
+    save(model, path)
+    whole, random = path.read_bytes(), np.random.default_rng(0)
+    refused = 0
+    for _ in range(60):
+        part, bit = bytearray(whole), int(random.integers(8 * len(whole)))
+        part[bit // 8] ^= 1 << bit % 8
+        path.write_bytes(part)
+        try:
+            again = load(path)
+        except InputError as error:
+            assert str(error).startswith(str(path)) and "\n" not in str(error)
+            refused += 1
+        else:
+            np.testing.assert_array_equal(again.stiffness, model.stiffness)
+    assert refused > 50
+
+
+@pytest.mark.parametrize("name", ["terminal_field", "conductance", "basis", "stiffness", "factors"])
+def test_arrays_that_do_not_fit_are_refused(model, tmp_path, name):
+    array = getattr(model, name)
+    spoilt = [array[..., :-1], array - 10**6 if name == "terminal_field" else array * np.nan]
+    for each in spoilt:
+        save(replace(model, **{name: each}), tmp_path / "model.npz")
+        with pytest.raises(InputError, match=r"model\.npz: not a reduced model: `"):
+            load(tmp_path / "model.npz")
