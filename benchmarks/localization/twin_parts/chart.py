@@ -50,8 +50,8 @@ def _panel(axes: Axes, table: pd.DataFrame) -> None:
         axes.hlines(group["goal"].iloc[0], place - 0.4, place + 0.4, color=COLOURS[1], ls="--")
         calibrated = f", {touches} touches" if touches else ""
         of = trial.replace(", two interfaces", "")
-        names.append(f"{of}: {localizer}{calibrated}")
-    axes.set_xticks(range(len(names)), names, rotation=90, fontsize=8)
+        names.append(f"{of}\n{localizer}{calibrated}")
+    axes.set_xticks(range(len(names)), names, rotation=90, ma="right", fontsize=8)
     axes.grid(axis="y", color="0.88")
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)

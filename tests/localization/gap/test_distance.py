@@ -1,5 +1,7 @@
 """Distances of mean sweeps, and the units they are counted in."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rcskin.localization.gap.distance import distances, meter_error, neighbours
@@ -66,6 +68,15 @@ def test_a_separation_is_the_distance_of_neighbouring_columns(quiet):
 def test_rows_that_cannot_be_told_apart_have_no_unit_of_separation(quiet):
     strip = quiet.isel(sweep=quiet["row"].values < 2)
     assert np.isnan(distances(strip, strip, None, "row", pressed=True)["Rs"].separations).all()
+
+
+def test_where_classes_lie_together_but_for_rounding_they_are_no_unit(quiet):
+    """As Cp at low frequency, which is the same whatever is pressed."""
+    found = distances(quiet, shifted(quiet, 1e3), None, "column", pressed=True)["Rs"]
+    apart = found.separation.copy()
+    apart[:, 0] = 1e-9 * apart.max()
+    told = replace(found, separation=apart).separations
+    assert np.isnan(told[:, 0]).all() and np.isfinite(told[:, 1:]).all()
 
 
 def test_neighbours_share_a_side_and_the_skin_at_rest_has_none():

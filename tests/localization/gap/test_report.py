@@ -135,7 +135,7 @@ def test_charts_stand_beside_the_page_where_that_is_asked_for(
 ):
     first = charts_of(findings, style)[:1]
     monkeypatch.setattr(report, "charts_of", lambda findings, style: first)
-    monkeypatch.setattr(report, "_rendered", lambda findings, drawn: "")
+    monkeypatch.setattr(report, "_rendered", lambda findings, drawn: "page")
     report.write_report(tmp_path, findings, style, ".svg")
     assert [path.stem for path in tmp_path.glob("*.svg")] == [first[0].name]
 
