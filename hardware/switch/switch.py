@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -116,13 +115,11 @@ class Turning(Generic[Position]):
             if self._device and self._found is not None and self._device.told() != self._found:
                 self._device.put(self._found)
         self._drop()
-        atexit.unregister(self.close)
 
     def _turned(self, name: str, before: str | None) -> bool:
         """Whether it had to turn."""
         if self._device is None:
             self._device = self.open()
-            atexit.register(self.close)  # where the process is ended by force
             self._found = self._device.told() if self._found is None else self._found
         device, position = self._device, self.positions[name]
         told = device.told()

@@ -18,6 +18,7 @@ from rcskin.hardware.virtual.interpreter import answer
 from rcskin.hardware.virtual.measurement import Bench
 from rcskin.hardware.virtual.server import running
 from rcskin.hardware.virtual.skin import exact
+from rcskin.hardware.virtual.state import PerRange, Settings
 from typer.testing import CliRunner
 from websockets.sync.client import connect
 
@@ -111,6 +112,29 @@ def make_instrument():
         return Instrument(Bench(skin or Pillow(), readout, read_table()), **{"pace": 0.0, **more})
 
     return make_instrument
+
+
+@pytest.fixture
+def as_found():
+    """Settings that no command here leaves untouched, each range with its own."""
+    each = {n: PerRange(("FAST", "SLOW")[n % 2], n, n / 10) for n in range(1, 11)}
+    return Settings(
+        header=True,
+        mode="CONTINUOUS",
+        frequency=2e3,
+        level="CC",
+        voltage=0.5,
+        constant_voltage=0.25,
+        constant_current=2e-3,
+        range=7,
+        auto_range=False,
+        parameters=("CP", "D"),
+        items=(1, 2),
+        valid=2,
+        each_range=each,
+        load_correction=True,
+        cable=1,
+    )
 
 
 @pytest.fixture

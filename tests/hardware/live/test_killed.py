@@ -1,5 +1,6 @@
 """A live session that is killed has every sweep on the disk that it had measured."""
 
+import copy
 import json
 
 import pytest
@@ -42,6 +43,18 @@ def test_what_was_cut_off_is_not_written_over(answered, live, gather, tmp_path):
     assert len(Journal(log).entries(Journal(log).header())) == kept
     assert live("--sweeps", 1, "--rest", 1, "--log", log, "--overwrite-measured").exit_code == 0
     assert read(log).sizes["sweep"] == 2
+
+
+def test_the_meter_is_put_back_by_the_next_session_of_that_log(
+    answered, live, instrument, tmp_path, caplog
+):
+    log, before = tmp_path / "run.nc", copy.deepcopy(instrument.settings)
+    answered(log, 1)
+    assert instrument.settings != before
+    assert live("--sweeps", 1, "--log", log, "--overwrite").exit_code == 0
+    assert instrument.settings == before
+    (told,) = (each.getMessage() for each in caplog.records)
+    assert "put back to what it was at first: header = False" in told
 
 
 def test_a_log_is_not_written_over_another_file(live, tmp_path):

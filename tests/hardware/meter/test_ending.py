@@ -1,0 +1,77 @@
+"""Signals end a command that works with a meter, once, and never while it puts things in order."""
+
+import ctypes
+import gc
+import os
+import signal
+import time
+from threading import Thread
+from types import SimpleNamespace
+
+import pytest
+from rcskin.hardware.meter.ending import Ending, ending_in_order, look, shielded
+
+
+class Deaf:
+    """Is interrupted where Python lets no error out."""
+
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGINT)
+        for _ in range(1000):
+            pass
+
+
+def test_a_ctrl_c_that_is_lost_in_a_library_is_raised_at_the_next_look(capfd):
+    lost = Deaf()
+    with pytest.raises(KeyboardInterrupt), ending_in_order():
+        del lost
+        gc.collect()
+        with shielded():
+            look()
+        look()
+    assert capfd.readouterr() == ("", "")
+
+
+def test_an_ignored_signal_stays_ignored(monkeypatch):
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with ending_in_order():
+            os.kill(os.getpid(), signal.SIGHUP)
+            look()
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+def test_who_insists_gets_out(monkeypatch, capfd):
+    ending = Ending(shields=1)
+    monkeypatch.setattr("rcskin.hardware.meter.ending._ending", ending)
+    for seconds, number in enumerate((15, 2, 15, 2, 15, 2), start=1):
+        with shielded() as insisting:
+            assert not insisting()
+        monkeypatch.setattr("rcskin.hardware.meter.ending.monotonic", lambda now=2 * seconds: now)
+        ending.hear(number, None)
+    with shielded() as insisting:
+        assert insisting()
+    assert "Ctrl-C 2 times more, a second apart, leaves it changed" in capfd.readouterr().err
+
+
+def test_a_console_of_windows_that_is_closed_is_kept_until_all_is_in_order(monkeypatch):
+    kernel, handlers = "rcskin.hardware.meter.console.sys", []
+    keep = lambda handler, add: (handlers.append if add else handlers.remove)(handler)  # noqa: E731
+    windll = SimpleNamespace(kernel32=SimpleNamespace(SetConsoleCtrlHandler=keep))
+    monkeypatch.setattr(kernel, SimpleNamespace(platform="win32"))
+    monkeypatch.setattr(signal, "SIGBREAK", signal.SIGUSR1, raising=False)
+    monkeypatch.setattr(ctypes, "windll", windll, raising=False)
+    monkeypatch.setattr(ctypes, "WINFUNCTYPE", lambda *types: lambda made: made, raising=False)
+    with pytest.raises(SystemExit) as ended, ending_in_order():
+        (closed,) = handlers
+        assert closed(0) == closed(1) == 0
+        system = Thread(target=closed, args=(2,))
+        system.start()
+        try:
+            time.sleep(5)
+        finally:
+            assert system.is_alive()
+    system.join(1)
+    assert not system.is_alive() and handlers == []
+    assert ended.value.code == 128 + signal.SIGUSR1

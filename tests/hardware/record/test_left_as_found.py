@@ -1,0 +1,137 @@
+"""A recording leaves the meter as it was found, however it ends, or says what it did not."""
+
+import copy
+import os
+import signal
+import time
+from threading import Thread
+
+import numpy as np
+import pytest
+from rcskin.hardware.record.journal import FOUND, Journal
+from rcskin.hardware.virtual.faults import Fault
+
+NOT_AS_FOUND = "the meter is not as it was found; not confirmed is what should be"
+ENDS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]
+
+
+@pytest.fixture
+def instrument(make_instrument, as_found):
+    return make_instrument(settings=copy.deepcopy(as_found))
+
+
+@pytest.fixture
+def recording(ports, tmp_path):
+    """A function of a number of sweeps: words of the command that records them in `run.nc`."""
+
+    def recording(sweeps):
+        order = tmp_path / "order.txt"
+        order.write_text("none\n" * sweeps)
+        where = ["--resource", ports.resource, "--order", order, "-o", tmp_path / "run.nc"]
+        return ["record", "pillow", *where, "--unattended", "--speed", "FAST", "--level", "V"]
+
+    return recording
+
+
+def test_a_recording_leaves_it_as_found(command, recording, instrument, as_found, tmp_path):
+    assert command(*recording(3)).exit_code == 0
+    assert instrument.settings == as_found
+    assert (tmp_path / "run.nc").exists()
+
+
+def test_a_good_recording_that_leaves_it_changed_says_so_in_its_code(
+    command, recording, instrument, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("rcskin.hardware.record.station.PARTING", 0.2)
+    keep = Journal.keep
+
+    def last(journal, number, entry):
+        keep(journal, number, entry)
+        instrument.faults.add(Fault("drop", times=10**6))
+
+    monkeypatch.setattr(Journal, "keep", last)
+    done = command(*recording(1))
+    assert done.exit_code == 3
+    assert f"rcskin: {NOT_AS_FOUND} header = True, " in done.stderr
+    assert "trigger = INTERNAL" in done.stderr and "speed = FAST SLOW FAST" not in done.stdout
+    assert (tmp_path / "run.nc").exists()
+
+
+@pytest.fixture
+def under_way(start_rig, recording, instrument, tmp_path):
+    """A function that gives a recording that has a sweep, as a process."""
+
+    def under_way(sweeps):
+        instrument.pace = 0.05
+        process = start_rig(*recording(sweeps))
+        while not (tmp_path / "run.nc.sweeps" / "000001.json").exists():
+            assert process.poll() is None, process.stderr.read()
+            time.sleep(0.01)
+        return process
+
+    return under_way
+
+
+@pytest.mark.parametrize("end", ENDS, ids=str)
+def test_a_recording_that_is_ended_leaves_it_as_found(
+    under_way, instrument, as_found, tmp_path, end
+):
+    process = under_way(5000)
+    process.send_signal(end)
+    _, err = process.communicate(timeout=30)
+    assert "Traceback" not in err
+    assert process.returncode != 0
+    assert instrument.settings == as_found
+    assert not (tmp_path / "run.nc").exists()
+
+
+def test_no_further_signal_ends_the_putting_back(under_way, instrument, as_found):
+    process = under_way(5000)
+    instrument.faults.add(Fault("late", times=10**6, seconds=0.04))
+    process.send_signal(signal.SIGTERM)
+    for each in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM) * 3:
+        time.sleep(0.15)
+        assert process.poll() is None
+        process.send_signal(each)
+    _, err = process.communicate(timeout=30)
+    assert "Traceback" not in err and process.returncode == 128 + signal.SIGTERM
+    assert instrument.settings == as_found
+
+
+def test_after_a_kill_the_same_command_puts_back_what_was_at_first(
+    under_way, recording, command, instrument, as_found, tmp_path
+):
+    process = under_way(6)
+    process.kill()
+    process.communicate()
+    assert instrument.settings.trigger == "EXTERNAL" and instrument.settings != as_found
+    found = tmp_path / "run.nc.sweeps" / FOUND
+    kept = found.read_text()
+    found.write_text("{}")
+    assert command(*recording(6)).exception.args[0].startswith(f"{found}: tells not how")
+    found.write_text(kept)
+    done = command(*recording(6))
+    assert done.exit_code == 0
+    assert instrument.settings == as_found
+    assert [path.name for path in tmp_path.glob("run*")] == ["run.nc"]
+
+
+def test_signals_at_any_moment_end_it_and_it_goes_on(
+    command, recording, instrument, as_found, tmp_path
+):
+    folder = Journal(tmp_path / "run.nc").folder
+
+    def send(kept, number, seconds):
+        while sum(1 for _ in folder.glob("0*.json")) <= kept:
+            time.sleep(0.005)
+        time.sleep(seconds)
+        os.kill(os.getpid(), number)
+
+    random = np.random.default_rng(1)
+    for number in [*ENDS, *ENDS]:
+        kept = sum(1 for _ in folder.glob("0*.json"))
+        sender = Thread(target=send, args=(kept, number, random.uniform(0, 0.1)))
+        sender.start()
+        assert command(*recording(5000)).exit_code != 0
+        sender.join()
+        assert instrument.settings == as_found
