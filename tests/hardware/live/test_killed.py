@@ -51,7 +51,7 @@ def test_the_meter_is_put_back_by_the_next_session_of_that_log(
     log, before = tmp_path / "run.nc", copy.deepcopy(instrument.settings)
     answered(log, 1)
     assert instrument.settings != before
-    assert live("--sweeps", 1, "--log", log, "--overwrite").exit_code == 0
+    assert live("--sweeps", 1, "--log", log, "--overwrite-measured").exit_code == 0
     assert instrument.settings == before
     (told,) = (each.getMessage() for each in caplog.records)
     assert "put back to what it was at first: header = False" in told
