@@ -63,9 +63,14 @@ def frequency_axis(axes: Axes) -> None:
 def logarithmic_axis(axes: Axes, label: str) -> None:
     """A logarithmic x axis in plain numbers."""
     axes.set_xscale("log")
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_minor_formatter(_between_decades())
+    plain_numbers(axes.xaxis)
     axes.set_xlabel(label)
+
+
+def plain_numbers(axis: Axis) -> None:
+    """Numbers such as 0.5 and 20 at the ticks of a logarithmic axis or colour bar."""
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(_between_decades())
 
 
 def unit_axis(axis: Axis, name: str, unit: str) -> None:

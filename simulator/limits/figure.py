@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.position import Bounds
-from ..charts import COLOURS, FOIL, LINE_STYLES, chart, foil_offset
+from ..charts import COLOURS, FOIL, LINE_STYLES, chart, foil_offset, plain_numbers
 from ..mesh.skin_mesh import domain
 from ..mesh.triangles import edges_of
 from ..press.press import Press
@@ -38,7 +38,6 @@ WIDTHS = {"top": 5.0, "bottom": 2.5}
 """Of foils on one edge of an outline, the bottom sheet's over the top's."""
 MARGIN = 0.08
 NOISE = 1.0
-FEW = 12.0
 LETTERS_PER_INCH = 11
 
 
@@ -95,8 +94,7 @@ def _draw_row(
         beside.text(*place, told, rotation=90, va="center", ha="left", transform=beside.transAxes)
         return
     bar = Colorbar(beside, ScalarMappable(norm, "viridis_r"), label=label)
-    bar.ax.yaxis.set_major_formatter("{x:g}")
-    bar.ax.yaxis.set_minor_formatter("{x:g}" if _few_decades(bar.ax) else "")
+    plain_numbers(bar.ax.yaxis)
 
 
 def _norm(values: Sequence[NDArray[np.float64]]) -> Normalize | None:
@@ -106,12 +104,6 @@ def _norm(values: Sequence[NDArray[np.float64]]) -> Normalize | None:
     if not told.size:
         return None
     return LogNorm(0.999 * float(told.min()), 1.001 * float(told.max()))
-
-
-def _few_decades(axes: Axes) -> bool:
-    """Whether a vertical scale has room for numbers at minor ticks."""
-    low, high = axes.get_ylim()
-    return high < FEW * low
 
 
 def _draw_map(
@@ -214,8 +206,7 @@ def _draw_lines(scene: Scene, variants: Sequence[Variant], title: str, path: Pat
         axes.set_xlim(0, 1e3 * scene.skin.length)
         axes.grid(False, axis="x")
         axes.set_yscale("log")
-        axes.yaxis.set_major_formatter("{x:g}")
-        axes.yaxis.set_minor_formatter("{x:g}" if _few_decades(axes) else "")
+        plain_numbers(axes.yaxis)
         axes.set_xlabel("Middle of the touch, x (mm); lines between pixels")
         axes.set_ylabel(QUANTITIES["x"][1])
         axes.legend()
@@ -244,5 +235,5 @@ def draw_distances(
         axes.set_ylabel("Pixel (row, column)")
         bar = figure.colorbar(image, ax=axes, pad=0.02)
         bar.set_label("Distance (meter's errors); grey: less than 0.1")
-        bar.ax.yaxis.set_major_formatter("{x:g}")
+        plain_numbers(bar.ax.yaxis)
         figure.suptitle(textwrap.fill(title, round(LETTERS_PER_INCH * width)))

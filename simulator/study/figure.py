@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..charts import COLOURS, chart, unit_axis
+from ..charts import COLOURS, chart, plain_numbers, unit_axis
 from .axis import Axis
 from .report import AS_GOOD, as_good, axis_label, best_index, named
 
@@ -129,7 +129,9 @@ def _map(
 ) -> None:
     edges = [_edges(axis) for axis in axes]
     mesh = panel.pcolormesh(*edges, values, cmap="viridis", **colours)  # pyright: ignore
-    panel.figure.colorbar(mesh, ax=panel, label=label, pad=0.02)
+    bar = panel.figure.colorbar(mesh, ax=panel, label=label, pad=0.02)
+    if colours.get("norm"):
+        plain_numbers(bar.ax.yaxis)
     panel.grid(False)
     _scale(panel, "x", axes[0])
 
