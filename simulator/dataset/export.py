@@ -13,6 +13,7 @@ from ..sweeps.digests import seal_binary, seal_text
 from ..sweeps.formats import netcdf
 from ..sweeps.formats.csv import append_csv
 from ..sweeps.schema import DIMENSIONS, QUANTITIES, TAKEN, taken_of
+from ..sweeps.writing import of_disk
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,6 +40,8 @@ def export(data: Path, output: Path) -> Mapping[str, int]:
         try:
             writers[output.suffix](sweeps, unfinished)
         except netcdf.DAMAGED as error:  # of what decompresses the data set
+            if of_disk(error):
+                raise
             raise InputError(f"{data}: damaged, cannot be read: {error}") from error
         return {name: sweeps.sizes[name] for name in DIMENSIONS}
 

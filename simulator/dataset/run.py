@@ -41,7 +41,7 @@ def generate(
     process is at work on it.
     """
     output = checked_place(output, (ENDING,)).absolute()
-    with _locked(output) as folder:
+    with named_failures(output), _locked(output) as folder:
         if _complete(plan, output):
             return advance(plan.sweeps)
         workshop = Workshop(folder, plan.digest, training.load)
@@ -155,9 +155,8 @@ def _finish(workshop: Workshop, plan: Plan, output: Path) -> None:
             **_of_cells(workshop, plan),
         },
     )
-    with named_failures(output):
-        sync(workshop.data)
-        put(workshop.data, output)
+    sync(workshop.data)
+    put(workshop.data, output)
     note_made(output, occasion().command)
     workshop.plan_file.unlink()
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..sweeps import whole_file
+from ..sweeps import OutputError, whole_file
 from .painting import PALER, ROLE_COLOURS, Image, under_grid
 
 FPS = 8
@@ -61,7 +62,7 @@ def _write_mp4(path: Path, frames: Iterable[Image]) -> None:
     from imageio_ffmpeg import write_frames
 
     frames = iter(frames)
-    first = next(frames)
+    first, count = next(frames), 1
     height, width, _ = first.shape
     writer = write_frames(
         str(path), (width, height), fps=FPS, quality=8, macro_block_size=2, output_params=["-an"]
@@ -71,5 +72,17 @@ def _write_mp4(path: Path, frames: Iterable[Image]) -> None:
         writer.send(first)
         for frame in frames:
             writer.send(frame)
+            count += 1
     finally:
         writer.close()
+    _check_movie(path, count)
+
+
+def _check_movie(path: Path, count: int) -> None:
+    """Raises OutputError where ffmpeg, which does not say so, could not write all frames."""
+    from imageio_ffmpeg import count_frames_and_secs
+
+    with suppress(RuntimeError):
+        if count_frames_and_secs(path)[0] == count:
+            return
+    raise OutputError("the movie could not be written whole; is the disk full?")

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from ..sweeps import whole_file
 
 if TYPE_CHECKING:
+    from pyvista import UnstructuredGrid
+
     from ..models.fields import Fields
     from .surface import Surface
 
@@ -68,7 +70,19 @@ def _write_vtu(path: Path, fields: Fields, skin: Surface, about: dict[str, str])
     grid.field_data["Z_re_ohm"], grid.field_data["Z_im_ohm"] = fields.Z.real, fields.Z.imag
     for name, text in about.items():
         grid.field_data[name] = [text]
-    grid.save(path)
+    path.write_text(_xml(grid), encoding="ascii")
+
+
+def _xml(grid: UnstructuredGrid) -> str:
+    """What VTK would write itself, if a full disk did not end the process within it."""
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetInputData(grid)
+    writer.SetDataModeToBinary()
+    writer.WriteToOutputStringOn()
+    writer.Write()
+    return writer.GetOutputString()
 
 
 def _write_xdmf(path: Path, fields: Fields, skin: Surface) -> None:

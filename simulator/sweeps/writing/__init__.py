@@ -1,6 +1,6 @@
 """Writing: files that appear whole or not at all, and the one rule of what may be replaced."""
 
-from .failures import named_failures
+from .failures import named_failures, of_disk
 from .output import whole_file
 from .register import note_made
 from .replacing import PYTHON, Occasion, check_free, occasion, on_occasion
@@ -14,6 +14,7 @@ __all__ = [
     "named_failures",
     "note_made",
     "occasion",
+    "of_disk",
     "on_occasion",
     "put",
     "sync",

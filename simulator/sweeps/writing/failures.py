@@ -29,6 +29,9 @@ DISKS = {
 }
 """Failures of what the path leads to."""
 
+OF_NETCDF = "NetCDF: "
+"""How messages of the NetCDF library begin, which does not hand on what the system says."""
+
 
 @contextmanager
 def named_failures(path: Path) -> Iterator[None]:
@@ -42,12 +45,18 @@ def named_failures(path: Path) -> Iterator[None]:
     except OutputError as error:
         told = str(error)
         raise OutputError(told if told.startswith(str(path)) else f"{path}: {told}") from error
-    except OSError as error:
-        if error.errno in DISKS:
-            raise OutputError(f"{path}: cannot be written: {DISKS[error.errno]}") from error
-        if error.errno in PATHS and _near(error.filename, path):
+    except (OSError, RuntimeError) as error:
+        if of_disk(error):
+            told = DISKS.get(getattr(error, "errno", None) or 0, f"{error}; is the disk full?")
+            raise OutputError(f"{path}: cannot be written: {told}") from error
+        if isinstance(error, OSError) and error.errno in PATHS and _near(error.filename, path):
             raise InputError(f"{path}: cannot be written: {PATHS[error.errno]}") from error
         raise
+
+
+def of_disk(error: Exception) -> bool:
+    """Whether an error is of a disk that did not take what was written."""
+    return getattr(error, "errno", None) in DISKS or str(error).startswith(OF_NETCDF)
 
 
 def _near(filename: object, path: Path) -> bool:

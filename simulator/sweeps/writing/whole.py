@@ -124,7 +124,7 @@ def _new(place: Path) -> Path:
 def _check_written(unfinished: Path) -> None:
     """Raises OutputError where a library wrote nothing and said nothing, as on a full disk."""
     if not unfinished.is_dir() and unfinished.stat().st_size == 0:
-        raise OutputError(f"{unfinished}: nothing could be written; is the disk full?")
+        raise OutputError("nothing could be written; is the disk full?")
 
 
 def _sync_file(path: Path) -> None:

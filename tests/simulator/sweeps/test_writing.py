@@ -153,17 +153,24 @@ from rcskin.simulator.sweeps import whole_file
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 with whole_file(Path(sys.argv[1])) as unfinished:
-    unfinished.write_text(5000 * "x")
+    if unfinished.suffix == ".nc":
+        from netCDF4 import Dataset
+        with Dataset(unfinished, "w") as file:
+            file.createDimension("x", 10**4)
+            file.createVariable("y", "f8", ("x",))[:] = 1.0
+    else:
+        unfinished.write_text(5000 * "x")
 """
 
 
 @posix
-def test_a_disk_that_takes_no_more_is_told_with_the_name_that_was_asked_for(tmp_path):
-    path = tmp_path / "out.csv"
+@pytest.mark.parametrize("name", ["out.csv", "out.nc"])
+def test_a_disk_that_takes_no_more_is_told_with_the_name_that_was_asked_for(tmp_path, name):
+    path = tmp_path / name
     words = [sys.executable, "-c", LIMITED, str(path)]
     done = subprocess.run(words, capture_output=True, text=True)
     assert f"{path}: cannot be written" in done.stderr.splitlines()[-1]
-    assert not [each for each in names(tmp_path) if "csv" in each]
+    assert not [each for each in names(tmp_path) if path.suffix in each]
 
 
 def test_what_a_library_did_not_write_is_no_result(tmp_path):
