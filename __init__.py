@@ -73,13 +73,14 @@ def sweep(
     of Cp. model: auto, lumped, line, sheet or reduced. Raises InputError for a press that does not
     fit the scene, ToleranceError where rtol cannot be kept.
     """
-    from .simulator.measure.simulate import simulate
+    from .simulator.measure.simulate import check_fits, simulate
     from .simulator.models.solver import Solver, checked_model
     from .simulator.press.press import every_press, press_on
 
     scene = _scene(scene)
     asked = every_press(scene) if presses is None else presses
     parsed = [press_on(scene, each) if isinstance(each, str) else each for each in asked]
+    check_fits(scene, len(parsed))
     return simulate(Solver(scene, rtol, checked_model(model)), parsed)
 
 

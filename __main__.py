@@ -17,6 +17,7 @@ from .hardware.virtual.simulation import Simulation
 from .localization.cli import add_commands
 from .localization.commands.gap import gap_command
 from .localization.gap import given as gap
+from .simulator.asked.numbers import with_ranges
 from .simulator.asked.replacing import with_replacing
 from .simulator.cli import app, run, with_examples
 from .simulator.progress import on_terminal
@@ -293,6 +294,8 @@ with_replacing(app)
 with_replacing(meter, "meter")
 with_examples(app, EXAMPLES)
 with_examples(meter, OF_THE_METER)
+with_ranges(app)
+with_ranges(meter)
 
 
 def main() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 import threading
@@ -26,6 +27,10 @@ from .page.command import page
 from .view.command import view
 
 BAD_INPUT, FAILURE = 2, 1
+OUT_OF_MEMORY = (
+    "the memory of this machine does not suffice: fewer pixels, frequencies, sweeps or processes "
+    "need less"
+)
 
 app = typer.Typer(
     name="rcskin",
@@ -152,18 +157,17 @@ def sweep(
     from .asked.durations import foretold
     from .asked.scene import asked_scene, warn_of_model
     from .asked.telling import written
-    from .asked.tolerance import checked_rtol
-    from .measure.simulate import answered, gather
+    from .measure.simulate import answered, check_fits, gather
     from .models.solver import Solver, checked_model
     from .press.press import every_press, press_on
     from .progress import on_terminal
     from .sweeps import checked_output, counted, write
 
     checked_output(output)
-    checked_rtol(rtol)
     loaded = asked_scene(scene)
     warn_of_model(scene, loaded)
     presses = [press_on(loaded, text) for text in press or []] or every_press(loaded)
+    check_fits(loaded, len(presses))
     solver = Solver(loaded, rtol, checked_model(model))
     with on_terminal() as track:
         patient = foretold(scene, track(presses, loaded.name), len(presses))
@@ -198,6 +202,7 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
 
     failures: further errors whose message says all there is to say.
     """
+    _take_any_terminal()
     tell_what_is_logged("rcskin")
     heard = threading.Event()
     try:
@@ -206,6 +211,14 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
         if heard.is_set():  # libraries' threads may keep or break the usual end
             leave(end.code if isinstance(end.code, int) else INTERRUPTED)
         raise
+
+
+def _take_any_terminal() -> None:
+    """Letters that a terminal has not are written as escapes; charts go to files, by no backend."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    os.environ["MPLBACKEND"] = "agg"
 
 
 def _run(failures: tuple[type[Exception], ...], heard: threading.Event) -> NoReturn:
@@ -242,6 +255,8 @@ def _end_as_told(error: Exception) -> NoReturn:
             _end(str(error), BAD_INPUT)
         case OutputError():
             _end(str(error), FAILURE)
+        case MemoryError():
+            _end(OUT_OF_MEMORY, FAILURE)
         case ToleranceError(times=None):
             _end(f"{error}; a larger --rtol would be kept", FAILURE)
         case ToleranceError(times=times):

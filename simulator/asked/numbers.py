@@ -1,19 +1,127 @@
-"""Numbers that commands are given beside a scene."""
+"""Numbers that commands are given as options: the range of each, checked before any work."""
 
 from __future__ import annotations
 
+import functools
+import inspect
+import math
+from collections.abc import Callable
+from typing import Annotated, Any, NamedTuple, get_args, get_origin
 
-def check_numbers(
-    *, draws: int = 2, against_rest: int = 0, seed: int = 0, n: int | None = None
-) -> None:
-    """Raises InputError where one is out of range."""
+import typer
+
+MOST_SEED = 2**32 - 1
+
+
+class Range(NamedTuple):
+    """From where to where numbers are accepted, both ends with them, and why."""
+
+    low: float
+    high: float
+    why: str
+
+
+RTOL = Range(1e-8, 1e-2, "what double precision and a meter leave of use")
+DRAWS = Range(2, 10**6, "two have a spread; a million tell an accuracy to 0.05 %")
+SECONDS = Range(1e-3, 1e6, "from a fast reading to days")
+PORT = Range(0, 65535, "what TCP has")
+SHARE = Range(0.0, 1.0, "a share")
+ERROR = Range(1e-9, 1.0, "a share of |Z|: from rounding to all of it")
+MILLIMETRES = Range(1e-3, 1e6, "mm: from a foam's cell to the longest skin")
+FACTOR = Range(1e-6, 1e6, "foam cannot be pressed or lifted further")
+SWEEPS = Range(1, 10**12, "a million meters would take a year")
+
+RANGES: dict[str, Range] = {
+    "rtol": RTOL,
+    "seed": Range(0, MOST_SEED, "seeds of scikit-learn end there"),
+    "session": Range(0, 2**31 - 1, "sessions are counted"),
+    "sweeps": SWEEPS,
+    "workers": Range(1, 256, "each is a process with its own copy of the skin"),
+    "draws": DRAWS,
+    "against_rest": Range(0, 10**6, "sweeps of days"),
+    "n": Range(1, 100, "more frequencies tell nothing new"),
+    "accuracy": Range(0.01, 0.999999, "a share of sweeps that is neither none nor all"),
+    "size": MILLIMETRES,
+    "within": MILLIMETRES,
+    "factor": FACTOR,
+    "noise": ERROR,
+    "tolerance": ERROR,
+    "certain": SHARE,
+    "drift": SHARE,
+    "repeatability": SHARE,
+    "folds": Range(2, 1000, "each is a training"),
+    "most": Range(1, 10**6, "kernels grow with the square of the sweeps"),
+    "touch_lasts": SECONDS,
+    "touch_every": SECONDS,
+    "touch_speed": Range(0.0, 1e6, "mm/s"),
+    "settle": Range(0.0, 3600.0, "s: an hour at most"),
+    "retries": Range(0, 1000, "then the meter is to be looked at"),
+    "calibration_touches": Range(0, 10**6, "pressed sweeps"),
+    "port": PORT,
+    "control_port": PORT,
+    "page_port": PORT,
+    "exaggerate": Range(0.0, 1e9, "times: a nanometre becomes a metre"),
+    "frequency": Range(1e-6, 1e12, "Hz: as in a scene"),
+    "max_frequency": Range(1e-6, 1e12, "Hz: as in a scene"),
+    "cells": Range(1, 6, "the page grows with their square"),
+}
+"""By the names of parameters; numbers of others are bounded by the scene's keys or where used."""
+OWN: dict[tuple[str, str], Range] = {
+    ("study", "draws"): Range(1, 1000, "each is a training"),
+    ("gap", "draws"): Range(1, 1000, "each is a training"),
+    ("localize", "pace"): SECONDS,
+}
+"""Where a command means something else by the same name."""
+
+
+def range_of(command: str, name: str) -> Range:
+    """The range of a command's parameter; any finite number where none is known."""
+    any_finite = Range(-float("inf"), float("inf"), "")
+    return OWN.get((command, name), RANGES.get(name, any_finite))
+
+
+def with_ranges(commands: typer.Typer) -> None:
+    """Have every command refuse numbers outside their ranges before it begins.
+
+    The callbacks raise InputError that names the option, the number and the range.
+    """
+    for each in commands.registered_commands:
+        assert each.callback is not None
+        each.callback = _checked(each.callback, each.name or each.callback.__name__)
+
+
+def _checked(callback: Callable[..., Any], command: str) -> Callable[..., Any]:
+    @functools.wraps(callback)
+    def checked(*arguments: Any, **given: Any) -> Any:
+        for name, value in given.items():
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                _check(callback, command, name, value)
+        return callback(*arguments, **given)
+
+    return checked
+
+
+def _check(callback: Callable[..., Any], command: str, name: str, value: float) -> None:
     from ..sweeps import InputError
 
-    for name, value, least, most in (
-        ("--draws", draws, 2, 10**6),
-        ("--against-rest", against_rest, 0, 10**6),
-        ("--seed", seed, 0, 2**63),
-        ("-n", 1 if n is None else n, 1, 100),
-    ):
-        if not least <= value <= most:
-            raise InputError(f"{name} must be from {least} to {most}, got {value}")
+    allowed = range_of(command, name)
+    finite = isinstance(value, int) or math.isfinite(value)
+    if finite and allowed.low <= value <= allowed.high:
+        return
+    if allowed.low == -float("inf"):
+        raise InputError(f"{_option(callback, name)} must be a finite number, got {value}")
+    told = f"from {_told(allowed.low)} to {_told(allowed.high)}"
+    raise InputError(f"{_option(callback, name)} must be {told}, got {value} ({allowed.why})")
+
+
+def _told(bound: float) -> str:
+    return str(bound) if isinstance(bound, int) else f"{bound:g}"
+
+
+def _option(callback: Callable[..., Any], name: str) -> str:
+    """How a parameter is written on the command line."""
+    annotation = inspect.signature(callback, eval_str=True).parameters[name].annotation
+    said = get_args(annotation)[1:] if get_origin(annotation) is Annotated else ()
+    names = [each for info in said for each in (info.default, *(info.param_decls or ()))]
+    written = [each for each in names if isinstance(each, str) and each.startswith("-")]
+    return written[0] if written else f"--{name.replace('_', '-')}"

@@ -2,83 +2,71 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from typing import NamedTuple
 
 from ..models.line import cut_off_frequency
 from ..scene.scene import Scene
-
-
-class Span(NamedTuple):
-    """The usual numbers of one kind, and those beyond which one is a slip.
-
-    factors: from other units of the same kind, the likeliest first.
-    """
-
-    unit: str
-    least: float
-    low: float
-    high: float
-    most: float
-    factors: tuple[float, ...]
-
-    def meant(self, value: float, near: float | None = None) -> float | None:
-        """A usual number that a slip was likely meant to be, that nearest to `near`."""
-        usual = [value * by for by in self.factors if self.low <= value * by <= self.high]
-        if near is not None and self.least <= near <= self.most:
-            usual.sort(key=lambda each: abs(math.log(each / near)))
-        return usual[0] if usual else None
-
-    def slip(self, key: str, value: float | None, near: float | None = None) -> Iterator[str]:
-        """What is told of a number; nothing where it may be one of a skin."""
-        if value is None or value == 0 or self.least <= value <= self.most:
-            return
-        meant = self.meant(value, near)
-        asked = "" if meant is None else f"; did you mean {meant:.6g}?"
-        usual = f"{self.least:g} to {self.most:g} {self.unit}"
-        yield f"{key} = {value:g} {self.unit}{asked} (skins have {usual})"
-
-
-MILLI, CENTI, MICRO, NANO, PICO = 1e-3, 1e-2, 1e-6, 1e-9, 1e-12
-SIDE = Span("m", 1e-3, 5e-3, 3.0, 4.0, (MILLI, CENTI, MICRO, 1 / MILLI))
-THICKNESS = Span("m", 1e-6, 1e-5, 3e-2, 0.2, (MILLI, MICRO, CENTI, 1 / MILLI))
-PER_AREA = Span("F/m²", 1e-10, 2e-10, 1e-6, 1e-4, (NANO, PICO, MICRO, 1 / MICRO, 1 / NANO))
-SHEET = Span("ohm/sq", 1e-3, 1e2, 1e7, 1e10, (1 / MILLI, 1 / MICRO, MILLI))
-FARAD = Span("F", 1e-16, 1e-14, 1e-8, 1e-6, (PICO, NANO, MICRO))
-HERTZ = Span("Hz", 1e-4, 1.0, 1e9, 1e9, (1 / MILLI, MILLI))
+from .usual import HERTZ, PER_AREA, SIDE, USUAL
 
 FAR = 1e4
 """Times that a cut-off may lie beyond either end of the sweep."""
 IN_KILO = 1e3
 """Hz, and ohm/sq: what sweeps end below, and sheets resist less, that are likely given in kilo."""
+NEARLY = 10.0
+"""Times that two sheets differ beside the thousand of a forgotten kilo."""
 APART = 10.0
 """Times that the cut-off then lies above the sweep."""
 
 
 def slips(scene: Scene) -> list[str]:
     """One line for each number far outside what skins have, with what was likely meant."""
-    skin, foam = scene.skin, scene.skin.foam
+    skin, frequencies = scene.skin, scene.sweep.frequencies
     of_all = (1 / (skin.length * skin.width), *PER_AREA.factors)
     per_area = PER_AREA._replace(factors=of_all)
     told = [
         *SIDE.slip("skin.length", skin.length, skin.width),
         *SIDE.slip("skin.width", skin.width, skin.length),
-        *THICKNESS.slip("skin.foam.thickness", foam.thickness),
-        *per_area.slip("skin.foam.capacitance_per_area", foam.capacitance_per_area),
-        *SHEET.slip("skin.top.sheet_resistance", skin.top.sheet_resistance),
-        *SHEET.slip("skin.bottom.sheet_resistance", skin.bottom.sheet_resistance),
-        *FARAD.slip("leads.stray_capacitance", scene.leads.stray_capacitance),
-        *HERTZ.slip("sweep.frequencies", scene.sweep.frequencies[0]),
-        *HERTZ.slip("sweep.frequencies", scene.sweep.frequencies[-1]),
+        *per_area.slip("skin.foam.capacitance_per_area", skin.foam.capacitance_per_area),
+        *HERTZ.slip("sweep.frequencies", frequencies[0]),
+        *(HERTZ.slip("sweep.frequencies", frequencies[-1]) if len(frequencies) > 1 else ()),
+        *_beyond_usual(scene.model_dump(by_alias=True, exclude_none=True)),
     ]
-    return told or list(_cut_off(scene))
+    return told or [*_one_sheet_in_kilo(scene), *_cut_off(scene)]
+
+
+def _beyond_usual(table: object, key: str = "", place: str = "") -> Iterator[str]:
+    """Of every number in a table that USUAL has. key: as USUAL names it; place: as files do."""
+    if isinstance(table, dict):
+        for name, value in table.items():
+            part = key if key in USUAL else f"{key}.{name}".lstrip(".")
+            yield from _beyond_usual(value, part, f"{place}.{name}".lstrip("."))
+    elif isinstance(table, list | tuple):
+        for number, value in enumerate(table, 1):
+            yield from _beyond_usual(value, key, f"{place}[{number}]")
+    elif key in USUAL and isinstance(table, int | float):
+        yield from USUAL[key].slip(place, table)
+
+
+def _one_sheet_in_kilo(scene: Scene) -> Iterator[str]:
+    """Where one sheet resists about a thousandth of the other, which metal and rubber do not.
+
+    Metal on one side of a skin has an ohm or less, some ten-thousandth of carbon-filled rubber.
+    """
+    top, bottom = scene.skin.sheet_resistances
+    less, more = sorted((top, bottom))
+    if not (IN_KILO / NEARLY <= more / less <= IN_KILO * NEARLY and less < IN_KILO):
+        return
+    low, high = ("top", "bottom") if top < bottom else ("bottom", "top")
+    yield (
+        f"skin.{low}.sheet_resistance = {less:g} ohm/sq beside skin.{high}.sheet_resistance = "
+        f"{more:g} ohm/sq; did you mean {IN_KILO * less:g}?"
+    )
 
 
 def _cut_off(scene: Scene) -> Iterator[str]:
     """What a cut-off frequency tells that lies far from the sweep."""
     start, stop = scene.sweep.frequencies[0], scene.sweep.frequencies[-1]
-    cut_off = cut_off_frequency(scene)
+    cut_off = max(cut_off_frequency(scene, each) for each in scene.interfaces)
     sheet = max(scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance)
     if stop <= IN_KILO and cut_off > APART * stop and start <= cut_off / IN_KILO <= stop:
         yield (

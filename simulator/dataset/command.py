@@ -41,19 +41,15 @@ def dataset(
     from ..asked.durations import tell_if_long
     from ..asked.scene import asked_scene, tell_if_noise_free
     from ..asked.telling import written
-    from ..asked.tolerance import checked_rtol
     from ..models.mechanics.in_depths import foldable
     from ..progress import finished_on_terminal
-    from ..sweeps import InputError, counted
+    from ..sweeps import counted
     from ..sweeps.errors import InterruptedWorkError
     from .layout import readings_along
     from .plan import Plan, readings
     from .run import generate
     from .store import told as told_of
 
-    if workers is not None and workers < 1:
-        raise InputError(f"--workers must be >= 1, got {workers}")
-    checked_rtol(rtol)
     loaded = asked_scene(scene)
     plan = Plan(foldable(loaded, "a data set"), sweeps, seed, rtol)
     tell_if_noise_free(scene, loaded)

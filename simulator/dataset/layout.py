@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..sweeps.schema import DIMENSIONS, LABELS, QUANTITIES
-from .plan import Plan
+from .plan import Plan, readings
 from .presses import MOST_TOUCHES
 from .session import Drawn
 
@@ -92,6 +92,12 @@ def readings_along(plan: Plan) -> dict[str, int]:
         "interface": len(plan.scene.interfaces),
         "frequency": len(plan.scene.frequencies),
     }
+
+
+def least_size(plan: Plan) -> float:
+    """Bytes that the readings of a data set take at least: noise leaves half after compression."""
+    of_each = [np.dtype(each.dtype).itemsize for each in variables(plan) if each.name in QUANTITIES]
+    return 0.5 * sum(of_each) * plan.sweeps * readings(plan.scene)
 
 
 def sizes(plan: Plan, grid: tuple[int, int], waves: int) -> dict[str, int]:

@@ -14,11 +14,13 @@ from pathlib import Path
 from ..models.reduced.indented.draws import spreading
 from ..sweeps import InputError, kept_file
 from ..sweeps.files import checked_place, locked
+from ..sweeps.space import check_disk
 from ..sweeps.writing import check_free, named_failures, note_made, occasion, put, sync
 from . import store, workers
 from .block import PLAN_FILE, Workshop, audit_of
+from .layout import least_size
 from .model import REDUCED, Family, Training
-from .plan import Plan, first_difference
+from .plan import Plan, first_difference, readings
 
 ENDING = ".zarr"
 Advance = Callable[[int], None]
@@ -46,6 +48,12 @@ def generate(
             return advance(plan.sweeps)
         workshop = Workshop(folder, plan.digest, training.load)
         missing = plan.blocks - len(workshop.noted(plan))
+        check_disk(
+            missing / plan.blocks * least_size(plan),
+            output,
+            f"{plan.sweeps} sweeps of {readings(plan.scene)} readings",
+            "give fewer --sweeps, or another disk",
+        )
         with workers.hired(min(processes, missing) if scheduler is None else 0) as hands:
             family = _prepared(plan, workshop, training)
             finished = workshop.finished(plan)

@@ -16,6 +16,7 @@ from ..press.pixels import pixels_with_skin
 from ..scene.contacts import Contact, Interface
 from ..scene.maps import AnyMap
 from ..scene.planar import Circle, area
+from ..scene.reading import frequencies_at
 from ..scene.scene import Scene
 from ..scene.skin import Sheet, Skin
 from ..sweeps.reach import REACH, VIRTUAL_MODEL, beyond_reach
@@ -59,7 +60,8 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     yield "pixels", f"{rows} x {columns}, {size} each"
     yield "press", _press(scene)
     yield "frequencies", _frequencies(scene)
-    yield "cut-off", _cut_off(scene)
+    for each in scene.interfaces:
+        yield "cut-off", _cut_off(scene, each)
     yield "told apart", told_apart(scene, pixels_with_skin(scene))
     yield "noise", _noise(scene)
     yield "assumed", ", ".join(assumed(scene)) or "nothing: the file says all"
@@ -202,16 +204,19 @@ def _frequencies(scene: Scene) -> str:
     return f"{told}; {beyond}" + (f" (all are read by {' and '.join(others)})" if others else "")
 
 
-def _cut_off(scene: Scene) -> str:
-    f, cut_off = scene.frequencies, cut_off_frequency(scene)
+def _cut_off(scene: Scene, interface: Interface) -> str:
+    """Of one interface: how far its field reaches is a matter of the foils that it drives."""
+    f, cut_off = frequencies_at(scene, interface.name), cut_off_frequency(scene, interface)
     above = int((f > cut_off).sum())
     seen = f"{above} of {len(f)} frequencies lie above it and see less than the whole skin"
     if above == 0:
         seen = "no frequency lies above it: all see the whole skin"
     elif above == len(f):
         seen = "all frequencies lie above it: none sees the whole skin"
-    far = 1e3 * electrical(scene).reach
-    return f"{prefixed(cut_off, 'Hz')} (Eq. 6, {far:.4g} mm from the foils): {seen}"
+    far = 1e3 * electrical(scene).reach(interface)
+    named = f"{interface.name}: " if len(scene.interfaces) > 1 else ""
+    told = f"Eq. 6, {far:.3g} mm from the foils"
+    return f"{named}{prefixed(cut_off, 'Hz')} ({told}): {seen}"
 
 
 def _noise(scene: Scene) -> str:

@@ -87,7 +87,6 @@ def design(
 
     A search that was killed goes on with the same command.
     """
-    from ..asked.numbers import check_numbers
     from ..asked.scene import asked_scene
     from ..models.plain import folded
     from ..progress import told_on_terminal
@@ -99,7 +98,6 @@ def design(
     from .search import search
 
     loaded = folded(asked_scene(scene), "a design")
-    check_numbers(draws=draws, seed=seed)
     given = {
         "target": target,
         "want": want,

@@ -60,7 +60,6 @@ def limits(
     With --accuracy: the largest number of pixels for it, by target, of grids
     in the proportion of the scene's rows and columns.
     """
-    from ..asked.numbers import check_numbers
     from ..asked.scene import asked_scene
     from ..bounds.position import chosen_touch
     from ..charts import checked_ending
@@ -79,7 +78,6 @@ def limits(
     )
 
     plain = foldable(asked_scene(scene), "a limit")
-    check_numbers(draws=draws, against_rest=against_rest, seed=seed, n=n)
     side = None if size is None else 1e-3 * size
     touch = chosen_touch(plain, side, factor)
     loaded = with_factor(with_interfaces(plain, interface or []), 1 + touch.rise)

@@ -53,7 +53,6 @@ def frequencies(
     """
     from rich.console import Console
 
-    from ..asked.numbers import check_numbers
     from ..asked.scene import asked_scene
     from ..bounds.position import chosen_touch
     from ..bounds.sets import chosen_band, frequencies_among
@@ -65,7 +64,6 @@ def frequencies(
 
     plain = foldable(asked_scene(scene), "a limit")
     loaded = with_interfaces(plain, interface or [])
-    check_numbers(against_rest=against_rest)
     chosen_from = frequencies_among(among, loaded)
     check_design(n, grid if chosen_from is None else len(chosen_from), repeats, grid)
     with on_terminal() as track:

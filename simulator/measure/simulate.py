@@ -15,12 +15,28 @@ from ..models.solver import Solver
 from ..press.press import Press, check_press, press_on
 from ..scene.files import parse_scene, scene_text
 from ..scene.reading import reading_at
+from ..scene.scene import Scene
 from ..sweeps import InputError, Table, concatenate, tabled
 from ..sweeps.restricting import all_of, restricted
+from ..sweeps.space import check_memory
 from .readout import read_out
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+BYTES_FOR_READING = 120
+"""Z and its errors as complex numbers, then Rs, X, Cp and theirs, once more while written."""
+
+
+def check_fits(scene: Scene, presses: int) -> None:
+    """Raises InputError where sweeps of so many presses would not fit in memory."""
+    readings = len(scene.interfaces) * len(scene.frequencies)
+    check_memory(
+        BYTES_FOR_READING * presses * readings,
+        f"{presses} sweeps of {readings} readings",
+        "ask for fewer presses, frequencies or interfaces",
+    )
 
 
 def simulate(solver: Solver, presses: Iterable[Press]) -> xr.Dataset:

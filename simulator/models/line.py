@@ -14,6 +14,7 @@ from ..fem.circuit import one_field
 from ..press.capacitance import lines, tile_map
 from ..press.pixels import pixel_lines
 from ..press.press import Press
+from ..scene.contacts import Interface
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -125,15 +126,16 @@ def interrogation_frequency(
     return constant / (R * C * np.asarray(x, dtype=float) ** 2)
 
 
-def cut_off_frequency(scene: Scene) -> float:
+def cut_off_frequency(scene: Scene, *interfaces: Interface) -> float:
     """Where the wave has fallen to half power at the place farthest from the driven foils, Hz.
 
-    f = 0.0382 / (R c x²): both sheets in series, the foam at rest, x the distance. Above it less
-    of the skin is seen. Maps, curvature and what presses do are left out. Source: paper Eq 6.
+    f = 0.0382 / (R c x²): both sheets in series, the foam at rest, x the distance from the foils
+    that these interfaces drive, all of the scene's where none is given. Above it less of the skin
+    is seen. Maps, curvature and what presses do are left out. Source: paper Eq 6.
     """
     even = electrical(scene)
     c = even.skin.foam.rest_capacitance_per_area
-    return float(interrogation_frequency(even.reach, even.skin.both_sheets, c))
+    return float(interrogation_frequency(even.reach(*interfaces), even.skin.both_sheets, c))
 
 
 def open_line_amplitude(

@@ -31,7 +31,6 @@ def page(
     """
     from ..asked.scene import asked_scene, tell_if_noise_free
     from ..asked.telling import note, written
-    from ..asked.tolerance import checked_rtol
     from ..models.plain import evenly_pressed
     from ..models.reduced.indented.draws import felt_beside
     from ..progress import told_on_terminal
@@ -40,7 +39,6 @@ def page(
     from .packed import packed, reduced_for_page
 
     checked_output(output, (".html",))
-    checked_rtol(rtol)
     asked = asked_scene(scene)
     skin = evenly_pressed(asked, "a page")
     tell_if_noise_free(scene, skin)

@@ -241,10 +241,12 @@ class Scene(Table):
         assert self.skin.foam.thickness is not None
         return self.skin.foam.thickness
 
-    @property
-    def reach(self) -> float:
-        """The largest distance of a place of the skin from all driven foils, m."""
-        return farthest(self.skin, self.contacts, self.interfaces)
+    def reach(self, *interfaces: Interface) -> float:
+        """The largest distance of a place of the skin from all foils that these interfaces drive.
+
+        In m; of all the scene's interfaces where none is given.
+        """
+        return farthest(self.skin, self.contacts, interfaces or self.interfaces)
 
     @property
     def driven_by_touch(self) -> list[DrivenByTouch]:
@@ -252,8 +254,9 @@ class Scene(Table):
         return driven_by_touch(self.contacts, self.interfaces, self.skin)
 
     def on_grid(self, rows: int, columns: int) -> Scene:
-        """The same skin with so many pixels, all alike."""
-        return self.model_copy(update={"pixels": Pixels(rows=rows, columns=columns)})
+        """The same skin with so many pixels, all alike; a file may not have as many."""
+        pixels = Pixels.model_construct(rows=rows, columns=columns)
+        return self.model_copy(update={"pixels": pixels})
 
     def divided(self, cells: int) -> Scene:
         """With each pixel cut into so many cells along each side; itself for 1."""

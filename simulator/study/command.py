@@ -85,7 +85,6 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         from ..asked.durations import tell_if_long
         from ..asked.scene import asked_scene
         from ..asked.telling import warn, written
-        from ..asked.tolerance import checked_rtol
         from ..charts import checked_chart
         from ..progress import on_terminal
         from ..sweeps import checked_output
@@ -99,8 +98,6 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
 
         beside = checked_output(output, ENDINGS).with_suffix(".png")
         picture = checked_chart(chart or beside)
-        if rtol is not None:
-            checked_rtol(rtol)
         workers = checked_workers(workers)
         asked_scene(scene)
         table = changed(scene_table(scene), max_frequency, repetitions, seed)

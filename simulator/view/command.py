@@ -65,10 +65,8 @@ def view(
 
     Potentials, currents and power are those of 1 V at the terminals.
     """
-    from ..asked.tolerance import checked_rtol
 
     _check(output, what, animate, exaggerate, interactive)
-    checked_rtol(rtol)
     every = animate == "frequency" or (output is not None and output.suffix in ALL_FREQUENCIES)
     from dataclasses import replace
 

@@ -163,8 +163,14 @@ def test_what_scikit_learn_warns_of_is_not_shown(run, make_sweeps, tmp_path):
         (["train", "known.nc", "--features", "Z", "-o", "m.skops"], "--features must be of"),
         (["train", "known.nc", "--interface", "up", "-o", "m.skops"], "no interface 'up'"),
         (["train", "pressed.nc", "--features", "dlnZ", "-o", "m.skops"], "no sweep of the skin at"),
-        (["train", "known.nc", "--most", "0", "-o", "m.skops"], "--most must be >= 1"),
-        (["train", "known.nc", "--certain", "2", "-o", "m.skops"], "--certain must be between"),
+        (
+            ["train", "known.nc", "--most", "0", "-o", "m.skops"],
+            "--most must be from 1 to",
+        ),
+        (
+            ["train", "known.nc", "--certain", "2", "-o", "m.skops"],
+            "--certain must be from 0 to",
+        ),
         (["evaluate", "a.skops", "known.nc"], "holds no model of rcskin"),
         (["localize", "none.skops", "known.nc"], "cannot be read"),
         (["localize", "good.skops", "other.nc"], "trained on 20 frequencies, the sweeps have 2"),

@@ -6,6 +6,8 @@ from rcskin.simulator.models.line import cut_off_frequency
 from rcskin.simulator.scene.files import BUILTIN, builtin_names, load_scene
 
 GLOVE = load_scene("glove")
+MECHANICS = {"porosity": 0.9, "solid_permittivity": 3.0, "modulus": 5e4}
+FOAM, STIFF = {"thickness": 3e-3, "mechanics": MECHANICS}, {**MECHANICS, "modulus": 50.0}
 MILLIMETRES = {"skin.length": 90.0, "skin.width": 60.0, "skin.foam.thickness": 3.0}
 
 
@@ -38,6 +40,28 @@ def test_skins_from_a_finger_tip_to_a_wall_are_free_of_slips(side, sheet, thickn
         ({"skin.width": 6e-5}, ["skin.width = 6e-05 m; did you mean 0.06?"]),
         ({"leads.stray_capacitance": 8.0}, ["leads.stray_capacitance = 8 F; did you mean 8e-12?"]),
         ({"sweep.frequencies": (1e3, 2e11)}, ["sweep.frequencies = 2e+11 Hz; did you mean 2e+08?"]),
+        (
+            {"readout": {"phase_noise": 0.15}},
+            ["readout.phase_noise = 0.15 rad; did you mean 0.00261"],
+        ),
+        ({"readout": {"phase_accuracy": 0.5}}, ["did you mean 0.00872665?"]),
+        ({"readout": {"magnitude_noise": 0.3}}, ["noise = 0.3 of |Z|; did you mean 0.003?"]),
+        ({"readout": {"magnitude_accuracy": 0.5}}, ["did you mean 0.005?"]),
+        ({"skin.top.sheet_resistance": 30.0}, ["skin.top.sheet_resistance = 30 ohm/sq beside"]),
+        ({"skin.bottom.sheet_resistance": 45.0}, ["= 20000 ohm/sq; did you mean 45000?"]),
+        ({"skin.foam.loss_tangent": 2.0}, ["skin.foam.loss_tangent = 2; did you mean 0.02?"]),
+        ({"press.capacitance_factor": 180.0}, ["did you mean 1.8?"]),
+        ({"press": {"force": 1962.0}, "skin.foam": FOAM}, ["did you mean 1.962?"]),
+        ({"press": {"depth": 0.5}, "skin.foam": FOAM}, ["did you mean 0.0005?"]),
+        ({"skin.foam": {**FOAM, "mechanics": STIFF}}, ["modulus = 50 Pa; did you mean 50000?"]),
+        ({"skin.top.anisotropy": {"ratio": 2, "angle": 45.0}}, ["did you mean 0.785398?"]),
+        ({"skin.shape": {"kind": "cylinder", "radius": 40.0}}, ["did you mean 0.04?"]),
+        ({"leads.inductance": 0.8}, ["leads.inductance = 0.8 H; did you mean 8e-07?"]),
+        (
+            {"contact.1.resistance": 2e6},
+            ["contact[1].resistance = 2e+06 ohm m; did you mean 2?"],
+        ),
+        ({"design": {"within": 8.0, "target": "position"}}, ["within = 8 m; did you mean 0.008?"]),
         ({"sweep.frequencies": (1.0, 200.0)}, ["did you mean 1000 to 200000 Hz?"]),
         ({"skin.sheet_resistance": 50.0}, ["sheet_resistance = 50 ohm/sq puts the cut-off"]),
         ({"sweep.frequencies": (5e8, 1e9)}, ["lies far below the sweep of 5e+08 to 1e+09 Hz"]),
@@ -70,14 +94,14 @@ def test_commands_warn_in_one_line_and_go_on(run, tmp_path):
 
 def test_the_cut_off_is_that_of_the_paper_at_the_far_end():
     strip = load_scene("strip-1x5")
-    assert strip.reach == pytest.approx(strip.skin.length)
+    assert strip.reach() == pytest.approx(strip.skin.length)
     assert cut_off_frequency(strip) == pytest.approx(strip.frequencies[0], rel=1e-3)
 
 
 def test_the_farthest_place_is_where_no_driven_foil_is_near():
     crossed, two = (load_scene(f"sheet-5x5{kind}") for kind in ("", "-two-interfaces"))
-    assert crossed.reach == pytest.approx(0.12)
+    assert crossed.reach() == pytest.approx(0.12)
     everywhere = {"skin.outline": {"circle": [0.06, 0.06, 0.06]}, "contact.1.edge": "outline"}
     disc = crossed.with_({**everywhere, "contact.2.edge": "outline"})
-    assert disc.reach == pytest.approx(0.06, rel=1e-3)
-    assert two.reach < crossed.reach * 2**0.5
+    assert disc.reach() == pytest.approx(0.06, rel=1e-3)
+    assert two.reach() < crossed.reach() * 2**0.5

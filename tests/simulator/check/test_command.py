@@ -68,8 +68,8 @@ def test_the_table_of_another_tool_is_checked_as_it_is(run, tmp_path):
     [
         (["absent.nc"], "absent.nc: no such file"),
         (["absent.csv"], "absent.csv: cannot be read: No such file"),
-        (["SWEEPS", "--noise", "-1"], "`noise` must be finite and > 0, got -1.0"),
-        (["SWEEPS", "--tolerance", "0"], "`tolerance` must be finite and > 0, got 0.0"),
+        (["SWEEPS", "--noise", "-1"], "--noise must be from 1e-09 to 1, got -1.0"),
+        (["SWEEPS", "--tolerance", "0"], "--tolerance must be from 1e-09 to 1, got 0.0"),
         (
             ["SWEEPS", "-o", "report.html"],
             "must end in .png, .svg, .pdf or be a folder",

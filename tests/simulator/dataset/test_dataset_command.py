@@ -72,7 +72,10 @@ def test_what_was_certified_is_told_beside_the_sessions_that_it_was_drawn_from(
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["sheet-3x3", "--sweeps", 0, "-o", "out.zarr"], "`sweeps` must be >= 1, got 0"),
+        (
+            ["sheet-3x3", "--sweeps", 0, "-o", "out.zarr"],
+            "--sweeps must be from 1 to 1000",
+        ),
         (["sheet-3x3", "--sweeps", 5, "-o", "out.nc"], "out.nc: must end in .zarr, got '.nc'"),
         (["sheet-9x9", "--sweeps", 5, "-o", "out.zarr"], "sheet-9x9: no such file"),
         (
@@ -81,7 +84,7 @@ def test_what_was_certified_is_told_beside_the_sessions_that_it_was_drawn_from(
         ),
         (
             ["sheet-3x3", "--sweeps", 5, "--workers", 0, "-o", "out.zarr"],
-            "--workers must be >= 1, got 0",
+            "--workers must be from 1 to 256, got 0",
         ),
     ],
 )

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.describe.apart import alike, told_apart
 from rcskin.simulator.describe.facts import assumed, facts, prefixed
+from rcskin.simulator.models.line import cut_off_frequency
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.pixels import pixels_with_skin
 from rcskin.simulator.press.press import Press
@@ -184,3 +185,13 @@ def test_a_drawing_names_foils_and_pixels(run, tmp_path, kind, ending):
 def test_another_ending_is_refused_before_any_work(run):
     code, _, err = run("describe", "no-such-scene", "-o", "out.bmp")
     assert code == 2 and "must end in .png or .svg or .pdf" in err
+
+
+def test_each_interface_has_the_cut_off_of_its_own_foils():
+    """The place farthest from the foils of one pair is nearer to those of another."""
+    long = load_scene("sheet-5x5-two-interfaces").with_({"skin.length": 0.18, "skin.width": 0.07})
+    left, bottom = (each.told for each in facts(long) if each.about == "cut-off")
+    assert left.startswith("left: ") and "180 mm from the foils" in left
+    assert bottom.startswith("bottom: ") and "70 mm from the foils" in bottom
+    both = [cut_off_frequency(long, each) for each in long.interfaces]
+    assert both[1] / both[0] == pytest.approx((0.18 / 0.07) ** 2, rel=1e-3)

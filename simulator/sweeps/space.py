@@ -1,0 +1,101 @@
+"""Whether what is asked for fits in the memory and on the disk that are there, before it begins."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from pathlib import Path
+
+from .errors import InputError
+
+SHARE = 0.9
+"""Of what is free, that one piece of work may take: the rest is for all that is not counted."""
+PREFIXES = ("bytes", "kB", "MB", "GB", "TB", "PB")
+CONTROL_GROUP = Path("/sys/fs/cgroup")
+"""Where Linux says what a container may take."""
+
+
+def check_memory(needed: float, what: str, instead: str) -> None:
+    """Raises InputError where so many bytes are more than the memory that is free.
+
+    what: is to be held in memory, in plural. instead: what to do.
+    """
+    free = SHARE * free_memory()
+    if needed > free:
+        raise InputError(
+            f"{what} would need {amount(needed)} of memory; at most {amount(free)} are free here: "
+            f"{instead}"
+        )
+
+
+def check_disk(needed: float, path: Path, what: str, instead: str) -> None:
+    """Raises InputError where so many bytes are more than the disk of a path has free."""
+    folder = path.absolute().parent
+    free = SHARE * shutil.disk_usage(folder).free if folder.is_dir() else needed
+    if needed > free:
+        raise InputError(
+            f"{path}: {what} need {amount(needed)}; at most {amount(free)} are free on that disk: "
+            f"{instead}"
+        )
+
+
+def amount(size: float) -> str:
+    """A number of bytes as people say it."""
+    power = 0
+    while size >= 1000 and power < len(PREFIXES) - 1:
+        size, power = size / 1000, power + 1
+    return f"{size:.2g} {PREFIXES[power]}" if size < 100 else f"{size:.0f} {PREFIXES[power]}"
+
+
+def free_memory() -> float:
+    """Bytes that may still be taken without swapping, as the system estimates them."""
+    if sys.platform == "win32":
+        return _free_on_windows()
+    found = [each for each in (_free_on_linux(), _free_in_group(), _limit()) if each is not None]
+    return min(found, default=_all_memory())
+
+
+def _free_on_linux() -> float | None:
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+    except OSError:
+        return None
+    told = [line.split()[1] for line in lines if line.startswith("MemAvailable:")]
+    return 1024.0 * int(told[0]) if told else None
+
+
+def _free_in_group() -> float | None:
+    try:
+        most, used = ((CONTROL_GROUP / f"memory.{name}").read_text() for name in ("max", "current"))
+        return max(0.0, float(most) - float(used))
+    except (OSError, ValueError):  # no such group, or "max": no limit
+        return None
+
+
+def _limit() -> float | None:
+    """What `ulimit -v` allows."""
+    import resource
+
+    soft, _ = resource.getrlimit(resource.RLIMIT_AS)
+    return None if soft == resource.RLIM_INFINITY else float(soft)
+
+
+def _all_memory() -> float:
+    """Of the whole machine: macOS does not say what is free."""
+    return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+
+
+def _free_on_windows() -> float:
+    """As GlobalMemoryStatusEx has it."""
+    import ctypes
+
+    class Status(ctypes.Structure):
+        _fields_ = [("length", ctypes.c_ulong), ("load", ctypes.c_ulong)] + [
+            (name, ctypes.c_ulonglong)
+            for name in ("total", "free", "page_total", "page_free", "all", "virtual", "extended")
+        ]
+
+    status = Status(length=ctypes.sizeof(Status))
+    ctypes.windll.kernel32.GlobalMemoryStatusEx(ctypes.byref(status))  # pyright: ignore
+    return float(status.free)

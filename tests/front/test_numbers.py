@@ -1,0 +1,61 @@
+"""Every number that any command takes as an option is checked before the command does anything."""
+
+import inspect
+import math
+from typing import get_args
+
+import pytest
+from rcskin.__main__ import app
+from rcskin.simulator.asked.numbers import range_of
+from rcskin.simulator.sweeps import InputError
+
+BY_THE_SCENE = {"want", "wires", "readings", "frequencies", "seconds", "sheet_ratio", "grading"}
+BY_THE_SCENE |= {"casts", "repetitions", "grid"}
+"""Keys of a scene, and what is chosen from: they have their ranges there."""
+BY_THE_METER = {"timeout", "baud", "averaging", "amplitude", "range_", "delay", "cable", "pace"}
+BY_THE_METER |= {"patience", "random", "rest", "times", "seconds", "status"}
+
+
+def commands(group, path=()):
+    """Every command with its callback."""
+    for each in group.registered_commands:
+        yield (*path, each.name or each.callback.__name__), each.callback
+    for each in group.registered_groups:
+        yield from commands(each.typer_instance, (*path, each.name))
+
+
+def kinds(annotation):
+    parts = get_args(annotation)
+    return {annotation} if not parts else {kind for part in parts for kind in kinds(part)}
+
+
+def numeric(annotation):
+    return kinds(get_args(annotation)[0] if get_args(annotation) else annotation) & {int, float}
+
+
+EVERY = [
+    (path, callback, name, int if int in numeric(each.annotation) else float)
+    for path, callback in commands(app)
+    for name, each in inspect.signature(callback, eval_str=True).parameters.items()
+    if numeric(each.annotation)
+]
+NAMES = [" ".join((*path, name)) for path, _, name, _ in EVERY]
+
+
+@pytest.mark.parametrize(("path", "callback", "name", "kind"), EVERY, ids=NAMES)
+def test_numbers_outside_their_range_end_in_a_line(path, callback, name, kind):
+    low, high, _ = range_of(path[-1], name)
+    extremes = [math.nan, math.inf, -math.inf] if kind is float else []
+    if math.isfinite(low):
+        extremes += [low - 1, high + 1, -(10**30), 10**30, *([] if kind is int else [1e300])]
+    else:
+        assert name in BY_THE_SCENE | BY_THE_METER
+    for value in extremes:
+        with pytest.raises(InputError) as refused:
+            callback(**{name: value})
+        line = str(refused.value)
+        assert line.startswith("-") and " must be " in line and f"got {value}" in line
+
+
+def test_there_are_all_commands():
+    assert len(EVERY) > 90 and ("meter", "record") in {path for path, *_ in EVERY}

@@ -1,0 +1,63 @@
+"""What does not fit in memory or on disk is refused before it begins, with how much there is."""
+
+import shutil
+
+import pytest
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Touch
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.sweeps import InputError, space
+
+CORNER = Press((Touch(1, 1, 2.0),))
+
+
+@pytest.fixture
+def machine(monkeypatch):
+    """A machine with so many bytes of memory and of disk free."""
+
+    def machine(memory=1e12, disk=1e12):
+        usage = type(shutil.disk_usage("."))
+        monkeypatch.setattr(space, "free_memory", lambda: memory)
+        monkeypatch.setattr(space.shutil, "disk_usage", lambda path: usage(2 * disk, disk, disk))
+
+    return machine
+
+
+def test_memory_that_is_free_is_a_number_of_this_machine():
+    assert 1e7 < space.free_memory() < 1e15
+
+
+@pytest.mark.parametrize(
+    ("size", "told"), [(0, "0 bytes"), (999, "999 bytes"), (4.2e10, "42 GB"), (5e20, "500000 PB")]
+)
+def test_amounts_are_told_as_people_say_them(size, told):
+    assert space.amount(size) == told
+
+
+def test_pixels_that_need_more_than_there_is_are_refused_at_once(machine):
+    machine(memory=16e9)
+    many = load_scene("glove").with_({"pixels": {"rows": 1000, "columns": 1000}})
+    with pytest.raises(InputError, match=r"1000 x 1000 cells would need \d+ GB.*at most 14 GB"):
+        Solver(many, 1e-2).solve(CORNER)
+
+
+def test_the_same_pixels_are_solved_where_memory_suffices(machine):
+    few = load_scene("sheet-3x3")
+    machine(memory=1e5)
+    with pytest.raises(InputError, match="of memory"):
+        Solver(few, 1e-2).solve(CORNER)
+    machine()
+    assert Solver(few, 1e-2).solve(CORNER).Z.shape == (1, 20)
+
+
+def test_commands_say_that_memory_or_disk_are_too_small(run, tmp_path, machine):
+    machine(memory=1e3, disk=1e9)
+    code, _, err = run("sweep", "strip-1x3", "-o", tmp_path / "out.nc")
+    assert code == 2 and "4 sweeps of 3 readings would need 1.4 kB of memory" in err
+    machine(disk=1e9)
+    out = tmp_path / "data.zarr"
+    code, _, err = run("dataset", "glove", "--sweeps", 10**12, "-o", out)
+    assert code == 2 and not out.exists() and not list(tmp_path.iterdir())
+    last = err.splitlines()[-1]
+    assert "1000000000000 sweeps" in last and "at most 900 MB are free" in last
