@@ -32,6 +32,12 @@ OUT_OF_MEMORY = (
     "need less"
 )
 
+OUT_OF_RANGE = (
+    "the numbers of the scene or of the options lie too far apart for double precision: "
+    "bring sizes, resistances, capacitances and frequencies nearer to those of a skin "
+    "(RCSKIN_DEBUG=1 shows where)"
+)
+
 app = typer.Typer(
     name="rcskin",
     help="Simulate a capacitive soft sensor skin and localize touches on it.",
@@ -257,6 +263,8 @@ def _end_as_told(error: Exception) -> NoReturn:
             _end(str(error), FAILURE)
         case MemoryError():
             _end(OUT_OF_MEMORY, FAILURE)
+        case ArithmeticError() | RecursionError() if "RCSKIN_DEBUG" not in os.environ:
+            _end(OUT_OF_RANGE, FAILURE)
         case ToleranceError(times=None):
             _end(f"{error}; a larger --rtol would be kept", FAILURE)
         case ToleranceError(times=times):

@@ -94,8 +94,9 @@ def _checked(callback: Callable[..., Any], command: str) -> Callable[..., Any]:
     @functools.wraps(callback)
     def checked(*arguments: Any, **given: Any) -> Any:
         for name, value in given.items():
-            if isinstance(value, int | float) and not isinstance(value, bool):
-                _check(callback, command, name, value)
+            for each in value if isinstance(value, list) else [value]:
+                if isinstance(each, int | float) and not isinstance(each, bool):
+                    _check(callback, command, name, each)
         return callback(*arguments, **given)
 
     return checked

@@ -64,7 +64,7 @@ class Workshop:
     def noted(self, plan: Plan) -> set[int]:
         """The blocks that are noted as finished."""
         numbers = {int(note.stem) for note in (self.folder / "finished").glob("[0-9]*.json")}
-        return numbers & set(range(plan.blocks))
+        return {number for number in numbers if number < plan.blocks}
 
 
 def make_block(workshop: Workshop, block: int) -> int:

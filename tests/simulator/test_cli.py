@@ -234,12 +234,35 @@ def test_wrong_use_ends_with_one_line_and_code_2(run, arguments):
     assert err.count("\n") == 1
 
 
-def test_an_unexpected_failure_is_one_line_and_code_1(run, monkeypatch, tmp_path):
+@pytest.mark.parametrize(
+    ("failure", "told"),
+    [
+        (RuntimeError("the sheet does not fit"), "the sheet does not fit (RuntimeError;"),
+        (MemoryError(), "the memory of this machine does not suffice"),
+        (ZeroDivisionError("division by zero"), "the numbers of the scene or of the options lie"),
+        (OverflowError("cannot convert"), "the numbers of the scene or of the options lie"),
+    ],
+)
+def test_an_unexpected_failure_is_one_line_and_code_1(run, monkeypatch, tmp_path, failure, told):
     def fail(*_):
-        raise MemoryError("the sheet does not fit")
+        raise failure
 
     monkeypatch.setattr("rcskin.simulator.models.solver.Solver.solve", fail)
     code, _, err = run("sweep", "strip-1x3", "-o", tmp_path / "out.csv")
     assert code == 1
-    assert err.startswith("rcskin: the sheet does not fit (MemoryError;")
+    assert err.startswith(f"rcskin: {told}")
     assert err.count("\n") == 1
+
+
+def test_any_terminal_and_any_matplotlib_backend_will_do(tmp_path):
+    """An ascii terminal has no m², and charts go to files whatever draws on the screen."""
+    poor = {"PYTHONIOENCODING": "ascii", "MPLBACKEND": "nonsense", "LC_ALL": "C"}
+    told = subprocess.run(
+        [sys.executable, "-m", "rcskin", "describe", "glove", "-o", tmp_path / "glove.png"],
+        env={**os.environ, **poor},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (told.returncode, told.stderr) == (0, "")
+    assert "nF/m" in told.stdout and (tmp_path / "glove.png").exists()
