@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -13,13 +13,13 @@ from ..sweeps.digests import seal_binary, seal_text
 from ..sweeps.formats import netcdf
 from ..sweeps.formats.csv import append_csv
 from ..sweeps.schema import DIMENSIONS, QUANTITIES, TAKEN, taken_of
-from ..sweeps.writing import of_disk
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
 VALUES_AT_ONCE = 2**20
+Part = TypeVar("Part", "xr.Dataset", "xr.Variable")
 
 
 def export(data: Path, output: Path) -> Mapping[str, int]:
@@ -37,12 +37,7 @@ def export(data: Path, output: Path) -> Mapping[str, int]:
         check_needs(output, "scale", "pyarrow")
     opened = open_zarr(data) if data.suffix == ".zarr" else read(data)
     with opened as sweeps, whole_file(output) as unfinished:
-        try:
-            writers[output.suffix](sweeps, unfinished)
-        except netcdf.DAMAGED as error:  # of what decompresses the data set
-            if of_disk(error):
-                raise
-            raise InputError(f"{data}: damaged, cannot be read: {error}") from error
+        writers[output.suffix](sweeps, unfinished, data)
         return {name: sweeps.sizes[name] for name in DIMENSIONS}
 
 
@@ -78,22 +73,31 @@ def _spectrum(name: str, quantity: xr.DataArray, taken: np.ndarray | None) -> di
     }
 
 
-def _parts(sweeps: xr.Dataset) -> Iterator[tuple[int, xr.Dataset]]:
+def _in_memory(part: Part, data: Path) -> Part:
+    """A part of a data set, read. Raises InputError naming the data set where it is spoilt."""
+    try:
+        return part.load()
+    except netcdf.DAMAGED as error:
+        told = " ".join(str(error).split())
+        raise InputError(f"{data}: damaged, cannot be read: {told}; use another copy") from error
+
+
+def _parts(sweeps: xr.Dataset, data: Path) -> Iterator[tuple[int, xr.Dataset]]:
     """The number of the first sweep of each part, and the part, in memory."""
     chunk = sweeps["Rs"].encoding.get("preferred_chunks", {}).get("sweep", VALUES_AT_ONCE)
     for first in range(0, sweeps.sizes["sweep"], chunk):
-        yield first, sweeps.isel(sweep=slice(first, first + chunk)).load()
+        yield first, _in_memory(sweeps.isel(sweep=slice(first, first + chunk)), data)
 
 
-def _write_csv(sweeps: xr.Dataset, path: Path) -> None:
+def _write_csv(sweeps: xr.Dataset, path: Path, data: Path) -> None:
     told = (*QUANTITIES, TAKEN)
     kept = sweeps.drop_vars([name for name in sweeps.data_vars if name not in told])
-    for first, part in _parts(kept):
+    for first, part in _parts(kept, data):
         append_csv(part, path, first)
     seal_text(path)
 
 
-def _write_parquet(sweeps: xr.Dataset, path: Path) -> None:
+def _write_parquet(sweeps: xr.Dataset, path: Path, data: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -101,7 +105,7 @@ def _write_parquet(sweeps: xr.Dataset, path: Path) -> None:
     told = {key: str(value) for key, value in sweeps.attrs.items()}
     writer = None
     try:
-        for _, part in _parts(kept):
+        for _, part in _parts(kept, data):
             table = pa.Table.from_pandas(wide_table(part), preserve_index=False)
             table = table.replace_schema_metadata({**(table.schema.metadata or {}), **told})
             writer = writer or pq.ParquetWriter(path, table.schema, compression="zstd")
@@ -111,7 +115,7 @@ def _write_parquet(sweeps: xr.Dataset, path: Path) -> None:
             writer.close()
 
 
-def _write_netcdf(sweeps: xr.Dataset, path: Path) -> None:
+def _write_netcdf(sweeps: xr.Dataset, path: Path, data: Path) -> None:
     """Variable by variable and chunk by chunk."""
     import netCDF4
 
@@ -120,17 +124,17 @@ def _write_netcdf(sweeps: xr.Dataset, path: Path) -> None:
         for name, size in sweeps.sizes.items():
             file.createDimension(str(name), size)
         for name, variable in sweeps.variables.items():
-            _copy(file, str(name), variable, _labels(sweeps, str(name)))
+            _copy(file, str(name), variable, _labels(sweeps, str(name)), data)
     seal_binary(path)
 
 
-def _copy(file: Any, name: str, variable: xr.Variable, labels: str) -> None:
+def _copy(file: Any, name: str, variable: xr.Variable, labels: str, data: Path) -> None:
     text = variable.dtype.kind in "OUT"
     target = netcdf.created(file, name, variable.dtype, variable.dims)
     target.setncatts(_plain(variable.attrs) | ({"coordinates": labels} if labels else {}))
     rows = max(1, VALUES_AT_ONCE * variable.shape[0] // max(1, variable.size))
     for first in range(0, variable.shape[0], rows):
-        part = variable[first : first + rows].values
+        part = _in_memory(variable[first : first + rows], data).values
         target[first : first + rows] = part.astype(object) if text else part
 
 

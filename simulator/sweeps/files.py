@@ -232,7 +232,10 @@ def loaded(stored: xr.Dataset, path: Path) -> xr.Dataset:
     try:
         return stored.load()
     except DAMAGED as error:
-        raise InputError(f"{path}: damaged, cannot be read as .zarr: {error}") from error
+        told = " ".join(str(error).split())
+        raise InputError(
+            f"{path}: damaged, cannot be read as .zarr: {told}; use another copy"
+        ) from error
 
 
 def _check_whole(path: Path, names: Iterable[str]) -> None:
