@@ -6,10 +6,9 @@ gone once the output is written.
 
 from __future__ import annotations
 
-import json
 import logging
-from collections.abc import Mapping
-from contextlib import AbstractContextManager, suppress
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import asdict, dataclass, field, fields
 from datetime import datetime
 from pathlib import Path
@@ -17,6 +16,7 @@ from typing import Any
 
 from ...simulator.sweeps import InputError, kept_file
 from ...simulator.sweeps.clock import SLACK
+from ...simulator.sweeps.digests import sealed_json, unsealed_json
 from ...simulator.sweeps.files import locked
 from .sweep import Sweep, Trace
 
@@ -99,7 +99,10 @@ class Journal:
     def header(self) -> Header | None:
         """What was recorded here so far, None where nothing was. Raises InputError."""
         path = self.folder / HEADER
-        return _header(_read(path), path) if path.exists() else None
+        if not path.exists():
+            return None
+        with _parsing(path):
+            return _header(_read(path), path)
 
     def begin(self, header: Header) -> None:
         """Put the header on the disk; sweeps of anything before it are gone."""
@@ -119,10 +122,11 @@ class Journal:
         Raises InputError.
         """
         numbers = sorted(int(path.stem) for path in self.folder.glob(SWEEPS))
-        return {
-            number: _entry(_read(path), path, header.order[number : number + 1])
-            for number, path in ((number, self._path(number)) for number in numbers)
-        }
+        found = {}
+        for number in numbers:
+            with _parsing(path := self._path(number)):
+                found[number] = _entry(_read(path), path, header.order[number : number + 1])
+        return found
 
     def keep_found(self, meter: str, settings: Mapping[str, Any]) -> None:
         """Put on the disk how a meter was found, which answers so to `*IDN?`."""
@@ -172,17 +176,31 @@ def differences(header: Header, now: Mapping[str, Any]) -> list[str]:
 
 def _write(path: Path, content: dict[str, Any]) -> None:
     with kept_file(path) as unfinished, unfinished.open("w", encoding="utf-8") as file:
-        json.dump(content, file, allow_nan=False)
+        file.write(sealed_json(content, allow_nan=False))
 
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        return unsealed_json(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read as part of a recording: {error}") from error
-    if not isinstance(content, dict):
-        raise InputError(f"{path}: is no part of a recording")
-    return content
+        raise _no_part(path, error) from error
+
+
+def _no_part(path: Path, error: Exception) -> InputError:
+    told = " ".join(str(error).split())
+    return InputError(
+        f"{path}: cannot be read as part of a recording: {told}; move it away to record that anew"
+    )
+
+
+@contextmanager
+def _parsing(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except InputError:
+        raise
+    except (TypeError, ValueError, LookupError, AttributeError) as error:
+        raise _no_part(path, error) from error
 
 
 def _header(content: dict[str, Any], path: Path) -> Header:

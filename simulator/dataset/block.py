@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ..fem.factors import one_blas_thread
 from ..sweeps import kept_file
+from ..sweeps.digests import sealed_json, unsealed_json
 from . import store
 from .layout import joined, values
 from .model import Family
@@ -56,7 +57,7 @@ class Workshop:
 
     def _is_whole(self, plan: Plan, block: int) -> bool:
         try:
-            parts = json.loads(self.note(block).read_text(encoding="utf-8"))["parts"]
+            parts = unsealed_json(self.note(block).read_text(encoding="utf-8"))["parts"]
             return store.are_whole(self.data, plan, parts)
         except (OSError, ValueError, LookupError, TypeError, AttributeError):  # of a spoilt note
             return False
@@ -80,7 +81,7 @@ def make_block(workshop: Workshop, block: int) -> int:
     parts = store.write(workshop.data, plan, block, arrays)
     with kept_file(workshop.note(block)) as unfinished:
         audit = together(session.audit for session in drawn)
-        unfinished.write_text(json.dumps({**asdict(audit), "parts": parts}), encoding="utf-8")
+        unfinished.write_text(sealed_json({**asdict(audit), "parts": parts}), encoding="utf-8")
     return block
 
 

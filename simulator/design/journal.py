@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..sweeps import InputError, kept_file
+from ..sweeps.digests import sealed_json, unsealed_json
 
 Answer = dict[str, Any]
 DIGITS = 9
@@ -35,14 +36,19 @@ class Journal:
         path = self._folder / f"{hashlib.sha256(text.encode()).hexdigest()[:24]}.json"
         try:
             if path.exists():
-                return json.loads(path.read_text(encoding="utf-8"))
-            found = json.dumps(rounded(answer()))
+                return unsealed_json(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise InputError(
+                f"{path}: cannot be used as a journal: {error}; remove it to have it found again"
+            ) from error
+        found = sealed_json(rounded(answer()))
+        try:
             self._folder.mkdir(exist_ok=True)
             with kept_file(path) as unfinished:
                 unfinished.write_text(found, encoding="utf-8")
-            return json.loads(found)
-        except (OSError, json.JSONDecodeError) as error:
+        except OSError as error:
             raise InputError(f"{path}: cannot be used as a journal: {error}") from error
+        return unsealed_json(found)
 
     def done(self) -> None:
         """Nothing needs to be taken up again."""

@@ -8,10 +8,12 @@ no checksum of ours).
 from __future__ import annotations
 
 import hashlib
+import json
 import re
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
-from typing import IO, BinaryIO
+from typing import IO, Any, BinaryIO
 
 from .errors import InputError
 
@@ -125,6 +127,29 @@ def check_store(folder: Path) -> bool:
             f"another copy, or remove {OF_STORE} if you changed it"
         )
     return True
+
+
+def sealed_json(content: Mapping[str, Any], *, allow_nan: bool = True) -> str:
+    """An object as JSON, with the digest of what it says. Raises as json.dumps."""
+    return json.dumps({**content, MEMBER: _of_json(content)}, allow_nan=allow_nan)
+
+
+def unsealed_json(text: str) -> dict[str, Any]:
+    """The object that a text holds, without its digest; one that never had any is as it stands.
+
+    Raises ValueError where it is no object, or not what its digest says.
+    """
+    content = json.loads(text)
+    if not isinstance(content, dict):
+        raise ValueError("it is no object")
+    told = content.pop(MEMBER, None)
+    if told is not None and told != _of_json(content):
+        raise ValueError("it is not what its checksum says")
+    return content
+
+
+def _of_json(content: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 
 def _of_rest(file: BinaryIO, end: int | None = None) -> str:

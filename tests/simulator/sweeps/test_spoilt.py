@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 import zarr
 from rcskin.simulator.sweeps import InputError, parallel_capacitance, read, write
+from rcskin.simulator.sweeps.digests import sealed_json, unsealed_json
 from rcskin.simulator.sweeps.imports import import_file
 from rcskin.simulator.sweeps.laws.examination import examine
 
@@ -147,3 +148,13 @@ def test_threads_read_and_write_netcdf_in_turn(make_sweeps, tmp_path):
     for thread in threads:
         thread.join()
     assert found == [True] * 24
+
+
+@pytest.mark.parametrize("text", ["", "[1]", "{", "5", '{"a": 1, "sha256": "0"}'])
+def test_what_is_kept_as_json_is_read_only_as_it_was_written(text):
+    content = {"sweep": [1.5, None], "press": "1,1:2.0", "µ": {"a": 1e-12}}
+    assert unsealed_json(sealed_json(content)) == content
+    with pytest.raises(ValueError, match=r"\w"):
+        unsealed_json(text)
+    with pytest.raises(ValueError, match="not what its checksum says"):
+        unsealed_json(sealed_json(content).replace("1.5", "1.7"))
