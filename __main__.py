@@ -21,6 +21,7 @@ from .simulator.asked.numbers import with_ranges
 from .simulator.asked.replacing import with_replacing
 from .simulator.cli import app, run, with_examples
 from .simulator.progress import on_terminal
+from .simulator.shown import terminal
 from .simulator.study.command import study_command
 
 if TYPE_CHECKING:
@@ -48,7 +49,6 @@ def reproduce(
     charts: Annotated[str, typer.Option(help="Figures besides: svg or pdf.")] = "png",
 ) -> None:
     """Reproduce the paper: its figures and confusion matrices, and its numbers beside ours."""
-    from rich.console import Console
     from sklearn import config_context
 
     from .localization.evaluation.confusion import write_csv
@@ -70,7 +70,7 @@ def reproduce(
     with on_terminal() as track, config_context(**UNCHECKED):
         claims = reproduce_paper(output, localizer, track, ending)
     agreeing = sum(claim.agrees for claim in claims)
-    Console().print(
+    terminal().print(
         f"{agreeing} of the paper's {len(claims)} statements agree; see {output / 'report.html'}",
         soft_wrap=True,
     )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..simulator.shown import say
 from .options import Accuracy, Baud, ControlAddress, Interfaces, Resource, Timeout, complete_scene
 from .record.command import record_command
 from .record.output import gather_command
@@ -78,12 +79,12 @@ def serve_command(simulation: Simulation) -> Callable[..., None]:
         pressing = serving.routines(exhibit, script, random, seed)
         meter = serving.instrument(exhibit, pace, accuracy or DERIVED)
         paging = _paging(simulation, exhibit, page, page_port)
-        with counting(lambda text: typer.echo(f"rcskin: {text}", err=True)) as meter.report:
+        with counting(lambda text: say(f"rcskin: {text}", err=True)) as meter.report:
             meter.tell = partial(meter.report, "failed readings")
             serving.serve(
                 meter,
                 pressing,
-                lambda ports: typer.echo(f"{ports.resource}  control 127.0.0.1:{ports.control}"),
+                lambda ports: say(f"{ports.resource}  control 127.0.0.1:{ports.control}"),
                 host,
                 port,
                 control_port,
@@ -106,9 +107,9 @@ def identify(
     names = resources or found_resources()
     answers = [(name, answering(name, timeout, baud)) for name in names]
     for name, answer in answers:
-        typer.echo(answer.failure or f"{name}  {answer.identity}")
+        say(answer.failure or f"{name}  {answer.identity}")
     if not names:
-        typer.echo("no resource is found; a TCP socket must be named", err=True)
+        say("no resource is found; a TCP socket must be named", err=True)
     if not any(answer.identity for _, answer in answers):
         raise typer.Exit(1)
 
@@ -134,7 +135,7 @@ def correct(
             state = meter.open_correction, meter.short_correction
         finally:
             station.leave()
-        typer.echo(f"open correction {state[0]}, short correction {state[1]}")
+        say(f"open correction {state[0]}, short correction {state[1]}")
 
 
 def press(
@@ -144,7 +145,7 @@ def press(
     """Press the skin of a virtual meter that is being served, until the next press."""
     from .steer import ask
 
-    typer.echo(ask(control, "press", press=press))
+    say(ask(control, "press", press=press))
 
 
 def select(
@@ -154,7 +155,7 @@ def select(
     """Connect a virtual meter to another interface of its skin."""
     from .steer import ask
 
-    typer.echo(ask(control, "select", interface=interface))
+    say(ask(control, "select", interface=interface))
 
 
 def misbehave(
@@ -209,4 +210,4 @@ def _paging(
     if exhibit.scene is None:
         raise InputError("--page is of a simulated skin: it needs --scene, not --recorded")
     document = Document.made(simulation.document, exhibit.scene, "skin")
-    return serving.Paging(document, port or 0, lambda address: typer.echo(f"page  {address.url}"))
+    return serving.Paging(document, port or 0, lambda address: say(f"page  {address.url}"))

@@ -24,6 +24,7 @@ from .interrupt import INTERRUPTED, ending_soon, leave
 from .limits.command import limits
 from .limits.frequencies_command import frequencies
 from .page.command import page
+from .shown import say, terminal
 from .view.command import view
 
 BAD_INPUT, FAILURE = 2, 1
@@ -52,7 +53,7 @@ def _told_version(asked: bool) -> None:
     if asked:
         from importlib.metadata import version
 
-        typer.echo(f"rcskin {version('rcskin')}")
+        say(f"rcskin {version('rcskin')}")
         raise typer.Exit
 
 
@@ -86,7 +87,6 @@ def scenes(
     ] = None,
 ) -> None:
     """List the built-in scenes, or show the file of one."""
-    from rich.console import Console
     from rich.table import Column, Table
 
     from .scene.files import builtin_names, builtin_text, load_scene
@@ -104,7 +104,7 @@ def scenes(
             f"{len(f)}, {f[0] / 1e3:.3g}-{f[-1] / 1e3:.3g} kHz",
             scene.description,
         )
-    Console().print(table)
+    terminal().print(table)
 
 
 @app.command()
@@ -129,7 +129,7 @@ def new(
     from .scene.files import write_new
 
     write_new(output, like)
-    typer.echo(f"{output}: begun from {like}; rcskin sweep {output} -o all.nc simulates it")
+    say(f"{output}: begun from {like}; rcskin sweep {output} -o all.nc simulates it")
 
 
 @app.command()
@@ -182,9 +182,9 @@ def sweep(
     write(sweeps, output)
     if explain:
         for one_terminal in loaded.driven_by_touch:
-            typer.echo(f"wiring: {one_terminal}")
+            say(f"wiring: {one_terminal}")
         for asked, answer in found:
-            typer.echo(solver.explain(asked, answer))
+            say(solver.explain(asked, answer))
     written(counted(sweeps.sizes), output)
 
 
@@ -302,5 +302,5 @@ def with_examples(commands: typer.Typer, examples: Mapping[str, str]) -> None:
 
 def _end(message: str, code: int) -> NoReturn:
     if message:
-        typer.echo(f"rcskin: {' '.join(message.split())}", err=True)
+        say(f"rcskin: {' '.join(message.split())}", err=True)
     sys.exit(code)

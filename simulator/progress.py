@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
+from .shown import terminal
+
 if TYPE_CHECKING:
     from rich.progress import Progress, ProgressColumn
 
@@ -122,11 +124,10 @@ def finished_on_terminal(about: str, count: int, unit: str) -> Iterator[Callable
 
 def _bar(*columns: ProgressColumn, transient: bool = False) -> Progress:
     """With these beside the bar."""
-    from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn
 
-    named = TextColumn("{task.description}"), BarColumn()
-    return Progress(*named, *columns, console=Console(stderr=True), transient=transient)
+    named = TextColumn("{task.description}", markup=False), BarColumn()
+    return Progress(*named, *columns, console=terminal(stderr=True), transient=transient)
 
 
 def _time_left() -> tuple[ProgressColumn, ...]:

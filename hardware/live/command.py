@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
+from ...simulator.shown import say, terminal
 from ..options import (
     Accuracy,
     Baud,
@@ -150,7 +151,7 @@ def live_command(
                     _run(Session(localizer, link, at_rest, show, kept, key), sweeps)
         finally:
             if kept.told:
-                typer.echo(kept.told, err=True)
+                say(kept.told, err=True)
 
     return live
 
@@ -214,9 +215,9 @@ def _paged(
         localizer.interfaces,
         of_each=localizer.of_each,
     )
-    shown = counting(lambda text: typer.echo(f"rcskin: page: {text}", err=True))
+    shown = counting(lambda text: say(f"rcskin: page: {text}", err=True))
     with shown, beside(Document.made(make, scene, "live"), port) as (address, post):
-        typer.echo(f"rcskin: page {address.url}", err=True)
+        say(f"rcskin: page {address.url}", err=True)
         yield (Shown(localizer, post),)
 
 
@@ -226,14 +227,12 @@ def _showing(
 ) -> Iterator[tuple[Show, Callable[[], str]]]:
     import sys
 
-    from rich.console import Console
-
     from .keys import keys
     from .plain import Plain
     from .screen import Screen
     from .shown import Together
 
-    console = Console()
+    console = terminal()
     if plain or not console.is_terminal:
         yield Together((Plain(sys.stdout, sys.stderr), *others)), lambda: ""
         return

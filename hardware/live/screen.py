@@ -71,6 +71,7 @@ class Screen:
         """All of it, as it is now."""
         from rich.console import Group
         from rich.panel import Panel
+        from rich.text import Text
 
         localizer = self._localizer
         width = min(self._console.width, WIDEST)
@@ -78,7 +79,7 @@ class Screen:
         grid = fitting(localizer.rows, localizer.columns, localizer.size, room)
         current = None if self._why or not self._moment else self._moment.answer
         parts = [grid.draw(current), self._words(), *self._figures(), self._beside()]
-        return Panel(Group(*parts), title=f"rcskin live: {localizer.target}", width=width)
+        return Panel(Group(*parts), title=Text(f"rcskin live: {localizer.target}"), width=width)
 
     def _words(self) -> Text:
         from rich.text import Text

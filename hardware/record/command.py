@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ...simulator.shown import say, terminal
 from ..options import (
     Accuracy,
     Baud,
@@ -112,7 +113,7 @@ def record_command(
             with screen:
                 header, entries = record_task(replace(task, tell=tell), operator)
             sweeps = finish(journal, header, dict(enumerate(entries)))
-            typer.echo("; ".join([f"{counted(sweeps.sizes)} -> {output}", *_remarkable(entries)]))
+            say("; ".join([f"{counted(sweeps.sizes)} -> {output}", *_remarkable(entries)]))
 
     return record
 
@@ -174,13 +175,12 @@ def _operator(
     several: bool,
 ) -> tuple[Screen, Operator, Callable[[str], None] | None]:
     """Where it is shown, who presses, and a person who connects interfaces, where one is there."""
-    from rich.console import Console
 
     from ...simulator.sweeps import InputError
     from .operators import Machine, pressing_by_command, pressing_virtually
     from .terminal import Person, Screen
 
-    console = Console(stderr=True, highlight=False)
+    console = terminal(stderr=True, highlight=False)
     if control and press_with:
         raise InputError("`control` and `press-with` cannot both press the skin")
     if not (control or press_with or unattended):
@@ -213,7 +213,7 @@ def _how_to_go_on(task: Task) -> Iterator[None]:
         journal = Journal(task.output)
         header = journal.header()
         if header is not None:
-            typer.echo(
+            say(
                 f"rcskin: {len(journal.entries(header))} of {len(header.order)} sweeps are "
                 f"kept in {journal.folder}; the same command goes on after them",
                 err=True,

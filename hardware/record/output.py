@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ...simulator.shown import say
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -43,7 +45,7 @@ def gather_command(
     path = checked_output(output or recording)
     sweeps = write_all(path, header, entries)
     whole = f" of {len(header.order)}" if header.order else ""
-    typer.echo(f"{len(entries)}{whole} sweeps: {counted(sweeps.sizes)} -> {path}")
+    say(f"{len(entries)}{whole} sweeps: {counted(sweeps.sizes)} -> {path}")
 
 
 def write_all(output: Path, header: Header, entries: Mapping[int, Entry]) -> xr.Dataset:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ...simulator.shown import say
 from . import options
 
 BESIDE = ("calibration error", "median error, mm", "90 % error, mm")
@@ -71,8 +72,8 @@ def adapt_command(
             raise InputError(f"{files} for {model}: {error}") from error
         save(output, found.model)
         for line in _told(found):
-            typer.echo(line)
-        typer.echo(f"model: adapted by {len(samples.X)} sweeps -> {output}")
+            say(line)
+        say(f"model: adapted by {len(samples.X)} sweeps -> {output}")
 
     return adapt
 

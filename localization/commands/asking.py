@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
+from ...simulator.shown import say
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,7 +36,7 @@ def model_for(
     model = load(path, estimators(extra))
     if model.scene and not sweeps.attrs.get("scene"):
         names = ", ".join(map(str, files))
-        typer.echo(f"rcskin: note: {names}: stores no scene, so its skin is not checked", err=True)
+        say(f"rcskin: note: {names}: stores no scene, so its skin is not checked", err=True)
     tell_age(model, path)
     return model.insisting() if anyway else model
 
@@ -54,4 +54,4 @@ def told_for(target: str, sweeps: xr.Dataset, factors: Factors) -> xr.Dataset:
 def tell_age(model: Model, path: Path) -> None:
     """A note where the model was trained with other versions than those here."""
     if model.aged:
-        typer.echo(f"rcskin: note: {path}: was trained with {model.aged}", err=True)
+        say(f"rcskin: note: {path}: was trained with {model.aged}", err=True)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ...simulator.shown import say
 from . import options
 
 if TYPE_CHECKING:
@@ -93,11 +94,11 @@ def evaluate_command(
                     samples, name, extra(), certain=certain, tune=tune, folds=folds, track=track
                 )
         for line in lines_of(found):
-            typer.echo(line)
+            say(line)
         if folder is not None:
             text = str(sweeps.attrs.get("scene", ""))
             write_report(folder, found, plan(text), ending)
-            typer.echo(f"evaluation: {len(found.score.truth)} sweeps -> {folder}")
+            say(f"evaluation: {len(found.score.truth)} sweeps -> {folder}")
 
     return evaluate
 
@@ -111,7 +112,7 @@ def _tell_known(model: Model, sweeps: xr.Dataset, path: Path) -> None:
     known = int(np.isin(marks_of(sweeps), model.marks).sum())
     if known:
         told = f"{known} of these {sweeps.sizes['sweep']} sweeps are of its training"
-        typer.echo(f"rcskin: note: {path}: {told}; on others it is right less often", err=True)
+        say(f"rcskin: note: {path}: {told}; on others it is right less often", err=True)
 
 
 def _by_model(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -> Found:

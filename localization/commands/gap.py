@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ...simulator.shown import terminal
 from . import options
 from .options import Progress, as_typed
 
@@ -126,7 +127,6 @@ def gap_command(
 
 
 def _show(findings: Findings, report: Path) -> None:
-    from rich.console import Console
     from rich.table import Table
 
     from ..gap.report.telling import cause_told, heads, rows_of, summary
@@ -134,7 +134,7 @@ def _show(findings: Findings, report: Path) -> None:
     table = Table("trained on", *heads(findings), box=None)
     for row in rows_of(findings):
         table.add_row(row.trained, *row.cells)
-    console = Console()
+    console = terminal()
     console.print(table)
     for line in (
         *summary(findings),

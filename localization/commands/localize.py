@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ...simulator.shown import say
 from . import options
 
 if TYPE_CHECKING:
@@ -64,10 +65,10 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         if output is not None:
             write_table(output, header, rows)
             silent = sum(row[2] == CANNOT_TELL for row in rows)
-            typer.echo(f"answers: {len(rows)} sweeps, {silent} cannot be told -> {output}")
+            say(f"answers: {len(rows)} sweeps, {silent} cannot be told -> {output}")
             return
         for row in (header, *rows):
-            typer.echo(",".join(f'"{cell}"' if "," in cell else cell for cell in row))
+            say(",".join(f'"{cell}"' if "," in cell else cell for cell in row))
 
     return localize
 
@@ -82,7 +83,7 @@ def _tell_unguarded(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -
     unguarded = 0 if changes is None else len(changes) - known_at_rest(changes).size
     if unguarded:
         why = "no skin at rest before them; two touches may pass for one, which --rest guards from"
-        typer.echo(f"rcskin: note: {unguarded} sweeps have {why}", err=True)
+        say(f"rcskin: note: {unguarded} sweeps have {why}", err=True)
 
 
 def _followed(
@@ -121,7 +122,7 @@ def _table(
     early = sweeps.sizes["sweep"] - model.told(sweeps, rest)[1].size
     if early:
         why = "nothing at rest was measured before them in their session; --rest can tell it"
-        typer.echo(
+        say(
             f"rcskin: note: {early} sweep{'' if early == 1 else 's'} cannot be told: {why}",
             err=True,
         )

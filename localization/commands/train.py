@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ...simulator.shown import say
 from . import options
 
 if TYPE_CHECKING:
@@ -69,8 +70,8 @@ def train_command(
             )
         save(output, model)
         for line in [*_told(model), *_hints(model, known)]:
-            typer.echo(f"{output}: {line}")
-        typer.echo(f"model: {_size(model)} -> {output}")
+            say(f"{output}: {line}")
+        say(f"model: {_size(model)} -> {output}")
 
     return train
 

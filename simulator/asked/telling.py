@@ -5,17 +5,17 @@ from __future__ import annotations
 import logging
 from pathlib import Path
 
-import typer
+from ..shown import say
 
 
 def warn(text: str) -> None:
     """One line on standard error: what may be wrong."""
-    typer.echo(f"rcskin: warning: {text}", err=True)
+    say(f"rcskin: warning: {text}", err=True)
 
 
 def note(text: str) -> None:
     """One line on standard error: what is good to know."""
-    typer.echo(f"rcskin: note: {text}", err=True)
+    say(f"rcskin: note: {text}", err=True)
 
 
 def tell_what_is_logged(library: str) -> None:
@@ -28,4 +28,4 @@ def tell_what_is_logged(library: str) -> None:
 
 def written(what: str, *paths: Path) -> None:
     """One line on standard output: what was written where."""
-    typer.echo(f"{what} -> {', '.join(map(str, paths))}")
+    say(f"{what} -> {', '.join(map(str, paths))}")

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from ..asked.options import Charts, SceneName
+from ..shown import terminal
 
 
 def calibrate(
@@ -80,7 +81,6 @@ def calibrate(
     allow for what the data do not tell: sheets that one field sees are told
     by their sum, and their ratio is assumed from the scene.
     """
-    from rich.console import Console
 
     from ..asked.scene import asked_scene
     from ..charts import checked_ending
@@ -114,10 +114,10 @@ def calibrate(
     with told_on_terminal() as tell:
         calibration = calibrated(start, sweeps, options, tell=tell)
     written = write_report(calibration, names, folder, ending)
-    console = Console()
+    console = terminal()
     console.print(table(calibration))
     if len(calibration.intervals) > 1:
         console.print(correlations(calibration, console))
     for line in explanations(calibration):
-        console.print(line, soft_wrap=True, markup=False, highlight=False)
-    console.print(f"{folder}: {', '.join(written)}", soft_wrap=True, markup=False, highlight=False)
+        console.print(line, soft_wrap=True, highlight=False)
+    console.print(f"{folder}: {', '.join(written)}", soft_wrap=True, highlight=False)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..shown import say, terminal
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -69,7 +71,7 @@ def import_sweeps(
     sweeps = import_files(files, _defaults(len(files), press, interface, session), branch)
     write(sweeps, output)
     if "branch_rule" in sweeps.attrs:
-        typer.echo(f"{output}: {sweeps.attrs['branch_rule']}")
+        say(f"{output}: {sweeps.attrs['branch_rule']}")
     if "branch_doubt" in sweeps.attrs:
         warn(f"{output}: {sweeps.attrs['branch_doubt']}; --branch chooses one")
     written(counted(sweeps.sizes), output)
@@ -121,7 +123,6 @@ def check(
     the nearest sum of R, L, C and RC elements, all >= 0, follows every reading
     within the noise (Kramers-Kronig).
     """
-    from rich.console import Console
 
     from ..asked.telling import warn
     from ..sweeps import InputError
@@ -138,10 +139,10 @@ def check(
         raise InputError(f"{', '.join(map(str, files))}: {error}") from error
     for each in set_back(sweeps):
         warn(each)
-    console = Console()
+    console = terminal()
     console.print(verdict_table(judgements))
     for line in explanations(judgements):
-        console.print(line, soft_wrap=True, markup=False, highlight=False)
+        console.print(line, soft_wrap=True, highlight=False)
     if report is not None:
         write_report(judgements, report)
     flagged = sum(bool(each.broken) for each in judgements)

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from ..asked.options import SceneName
+from ..shown import say
 
 READINGS_A_SECOND = 6e5
 """About, of one process: sweeps of 20 frequencies, 32 800 a second."""
@@ -62,23 +63,23 @@ def dataset(
     except KeyboardInterrupt:
         raise InterruptedWorkError("the same command goes on from here") from None
     told = told_of(output) or {}
-    typer.echo(
+    say(
         f"{output}: certified {told['audit_sample']} of the "
         f"{plan.sessions * plan.session_sweeps} sweeps of whole sessions, largest bound on the "
         f"relative error {told['audit_bound']:.1e}; {told['fallbacks']} solved in full"
     )
     if "cells_error" in told:
-        typer.echo(
+        say(
             f"{output}: touches are laid on cells, which changes Rs and Cp by up to "
             f"{told['cells_error']:.1e}; more cells_per_pixel change less"
         )
     if "deflection_error" in told:
-        typer.echo(
+        say(
             f"{output}: how the foam gives way is solved on a lattice; of that change it makes up "
             f"to {told['deflection_error']:.1e}"
         )
     if plan.sessions == 1:
-        typer.echo(
+        say(
             f"{output}: all of one skin, for a session is {plan.session_sweeps} sweeps; "
             f"--sweeps {20 * plan.session_sweeps} draws 20 skins to train on"
         )

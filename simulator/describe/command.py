@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from ..asked.options import SceneName
+from ..shown import say
 
 
 def describe(
@@ -36,8 +37,8 @@ def describe(
     told = facts(loaded)
     room = max(len(each.about) for each in told) + 2
     about = f": {loaded.description}" if loaded.description else ""
-    typer.echo(f"{loaded.name}{about}")
+    say(f"{loaded.name}{about}")
     for each in told:
-        typer.echo(f"  {each.about:{room}}{each.told}")
+        say(f"  {each.about:{room}}{each.told}")
     if output is not None:
         written("drawing", draw_scene(loaded, pixels_with_skin(loaded), output))

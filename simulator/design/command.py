@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..asked.options import SceneName
+from ..shown import say
 
 if TYPE_CHECKING:
     from ..scene.design import Design
@@ -126,8 +127,8 @@ def design(
         found = search(bare, asking)
         write_folder(found, asking, output)
     journal.done()
-    typer.echo(answer(found, asking))
-    typer.echo(f"design, wiring and report in {output}")
+    say(answer(found, asking))
+    say(f"design, wiring and report in {output}")
 
 
 def _asked(scene: Scene, given: dict[str, object]) -> Design:

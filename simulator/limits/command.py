@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..asked.options import AgainstRest, Charts, Interfaces, SceneName, TouchFactor, TouchSide
+from ..shown import say
 
 if TYPE_CHECKING:
     from ..progress import Track
@@ -129,7 +130,7 @@ def _print_counts(scene: Scene, accuracy: float, sampling: Sampling, track: Trac
             f"± {100 * each.accuracy.error:.1f} %"
             for each in found
         )
-        typer.echo(
+        say(
             f"{target}: {told} for {100 * accuracy:g} % (rows x columns, in the proportion "
             f"{rows}:{columns} of the scene; tried {tried})"
         )

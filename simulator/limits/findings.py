@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from rich.console import Console
 from rich.table import Table
 
 from ..bounds.touches.errors import LaidErrors
 from ..measure.symmetry import repeated_told
 from ..scene.reading import frequencies_of_each
 from ..scene.scene import Scene
+from ..shown import terminal
 from .figure import draw_distances, draw_maps
 from .identity import Identity
 from .report import summary, write_distances, write_places, write_summary
@@ -70,7 +70,7 @@ class Findings(NamedTuple):
             numbers = summary(variant)
             cells = [str(numbers[key]) for key in COLUMNS.values()]
             table.add_row(variant.comparison, variant.name, *cells)
-        console = Console()
+        console = terminal()
         console.print(f"of a touch: {self.question.told}", soft_wrap=True, highlight=False)
         if self.laid is not None:
             console.print(f"  {self.laid.told}", soft_wrap=True, highlight=False)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..asked.options import AgainstRest, Interfaces, SceneName, TouchFactor, TouchSide
+from ..shown import say, terminal
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -51,7 +52,6 @@ def frequencies(
     shows; sets are compared by the rms bound. In a pipe one frequency in Hz a
     line; the comparison then goes to standard error.
     """
-    from rich.console import Console
 
     from ..asked.scene import asked_scene
     from ..bounds.position import chosen_touch
@@ -79,14 +79,14 @@ def frequencies(
             among=chosen_from,
             track=track,
         )
-    console = Console()
+    console = terminal()
     if console.is_terminal:
         console.print(_table(found))
         return
     for frequency in found.best:
-        typer.echo(f"{frequency:.6g}")
+        say(f"{frequency:.6g}")
     for name in found.sets:
-        typer.echo(f"{name}: {found.comparison(name)}", err=True)
+        say(f"{name}: {found.comparison(name)}", err=True)
 
 
 def _table(found: Design) -> Table:

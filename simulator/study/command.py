@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..asked.options import SceneName
+from ..shown import say
 
 if TYPE_CHECKING:
     from .point import CrossValidate
@@ -114,7 +115,7 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         write_table(findings, output)
         draw_study(findings, axes, experiment_told(table, axes), picture)
         for line in (*screenful(answers(findings, axes), output), spacing(axes)):
-            typer.echo(line)
+            say(line)
         written(f"{len(scenes)} points", output, picture)
 
     return study

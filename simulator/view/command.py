@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..asked.options import SceneName
+from ..shown import say
 
 if TYPE_CHECKING:
     from ..progress import Tell
@@ -178,7 +179,7 @@ def _interact(stage: Stage, what: str, output: Path | None) -> None:
     if page != output:
         write_turnable(page, stage, what)
     _open(page)
-    typer.echo(page.resolve())
+    say(page.resolve())
 
 
 def _temporary_page() -> Path:

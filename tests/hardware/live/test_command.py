@@ -193,7 +193,7 @@ def test_a_rest_of_other_frequencies_is_refused(live, tmp_path):
         (["--patience", "0"], "`patience` must be in (0, 1e6] s, got 0"),
         (["--log", "a.xlsx"], "must end in .nc or .csv"),
         (["--rest-file", "absent.nc"], "absent.nc: no such file"),
-        (["--accuracy", "absent.toml"], "absent.toml: cannot be read"),
+        (["--accuracy", "absent.toml"], "absent.toml: no such file"),
         (["--timeout", "0", "--sweeps", "1"], "`timeout` must be in (0, 3600] s, got 0"),
     ],
 )

@@ -172,7 +172,7 @@ def test_what_scikit_learn_warns_of_is_not_shown(run, make_sweeps, tmp_path):
             "--certain must be from 0 to",
         ),
         (["evaluate", "a.skops", "known.nc"], "holds no model of rcskin"),
-        (["localize", "none.skops", "known.nc"], "cannot be read"),
+        (["localize", "none.skops", "known.nc"], "none.skops: no such file"),
         (["localize", "good.skops", "other.nc"], "trained on 20 frequencies, the sweeps have 2"),
         (["evaluate", "known.nc", "--folds", "1"], "--folds must be from 2 to"),
         (

@@ -67,7 +67,7 @@ def test_the_table_of_another_tool_is_checked_as_it_is(run, tmp_path):
     ("arguments", "told"),
     [
         (["absent.nc"], "absent.nc: no such file"),
-        (["absent.csv"], "absent.csv: cannot be read: No such file"),
+        (["absent.csv"], "absent.csv: no such file"),
         (["SWEEPS", "--noise", "-1"], "--noise must be from 1e-09 to 1, got -1.0"),
         (["SWEEPS", "--tolerance", "0"], "--tolerance must be from 1e-09 to 1, got 0.0"),
         (

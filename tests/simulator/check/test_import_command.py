@@ -72,7 +72,7 @@ def test_the_branch_rule_stands_in_the_help(run):
     ("arguments", "told"),
     [
         (["a.txt", "-o", "out.xlsx"], "must end in .nc or .csv"),
-        (["absent.txt", "-o", "out.nc"], "absent.txt: cannot be read: No such file"),
+        (["absent.txt", "-o", "out.nc"], "absent.txt: no such file"),
         (["bad.txt", "-o", "out.nc"], "bad.txt: line 3: `X` must be a finite number, got ''"),
         (["a.txt", "b.txt", "c.txt", "--press", "x", "--press", "y", "-o", "out.nc"],
          "--press must be given once or 3 times, got 2"),
