@@ -25,8 +25,8 @@ INSISTS = 3
 NOT_AS_FOUND = 3
 """Exit code of a command that did its work and could not leave the meter as it was found."""
 SHIELDED = (
-    "rcskin: the meter's settings are being put back; Ctrl-C {left} times more, a second apart, "
-    "leaves it changed\n"
+    "rcskin: the meter's settings are being put back; Ctrl-C {left} more, a second apart, leaves "
+    "them changed\n"
 )
 
 
@@ -64,8 +64,9 @@ class Ending:
         self.insisted += number == signal.SIGINT
         left = INSISTS - self.insisted
         if left > 0:
+            times = f"{left} times" if left > 1 else "once"
             with suppress(OSError):  # no print: a signal may come in the midst of another one
-                os.write(2, SHIELDED.format(left=left).encode())
+                os.write(2, SHIELDED.format(left=times).encode())
 
 
 _ending = Ending()

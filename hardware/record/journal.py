@@ -154,6 +154,7 @@ class Journal:
 
     def remove(self) -> None:
         """End it, as all of it is in the output; the folder goes when its lock is given back."""
+        self.drop_found()  # what is not put back by now was told
         for path in (self.folder / HEADER, *self.folder.glob(SWEEPS)):
             path.unlink()
 

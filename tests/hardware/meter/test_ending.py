@@ -52,7 +52,8 @@ def test_who_insists_gets_out(monkeypatch, capfd):
         ending.hear(number, None)
     with shielded() as insisting:
         assert insisting()
-    assert "Ctrl-C 2 times more, a second apart, leaves it changed" in capfd.readouterr().err
+    err = capfd.readouterr().err
+    assert "Ctrl-C 2 times more, a second apart, leaves them changed" in err and "once more" in err
 
 
 def test_a_console_of_windows_that_is_closed_is_kept_until_all_is_in_order(monkeypatch):

@@ -54,7 +54,7 @@ def test_a_good_recording_that_leaves_it_changed_says_so_in_its_code(
     assert done.exit_code == 3
     assert f"rcskin: {NOT_AS_FOUND} header = True, " in done.stderr
     assert "trigger = INTERNAL" in done.stderr and "speed = FAST SLOW FAST" not in done.stdout
-    assert (tmp_path / "run.nc").exists()
+    assert [path.name for path in tmp_path.glob("run*")] == ["run.nc"]
 
 
 @pytest.fixture
