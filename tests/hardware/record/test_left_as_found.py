@@ -116,9 +116,11 @@ def test_after_a_kill_the_same_command_puts_back_what_was_at_first(
     assert [path.name for path in tmp_path.glob("run*")] == ["run.nc"]
 
 
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_signals_at_any_moment_end_it_and_it_goes_on(
     command, recording, instrument, as_found, tmp_path
 ):
+    """Also between the opening of a file and the block that closes it: Python then warns of it."""
     folder = Journal(tmp_path / "run.nc").folder
 
     def send(kept, number, seconds):
