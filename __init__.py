@@ -77,11 +77,19 @@ def sweep(
     from .simulator.models.solver import Solver, checked_model
     from .simulator.press.press import every_press, press_on
 
+    _check("sweep", {"rtol": rtol})
     scene = _scene(scene)
     asked = every_press(scene) if presses is None else presses
     parsed = [press_on(scene, each) if isinstance(each, str) else each for each in asked]
     check_fits(scene, len(parsed))
     return simulate(Solver(scene, rtol, checked_model(model)), parsed)
+
+
+def _check(command: str, options: dict[str, Any]) -> None:
+    """Raises InputError for numbers that the command line would not take either."""
+    from .simulator.asked.numbers import check_numbers
+
+    check_numbers(command, options)
 
 
 def read(path: str | Path) -> xr.Dataset:
@@ -146,6 +154,7 @@ def train(sweeps: xr.Dataset, target: str = "column", **options: Any) -> Model:
     """
     from .localization.model.training import train as trained
 
+    _check("train", options)
     return trained(_told_for(target, sweeps), target, **options)
 
 
@@ -174,6 +183,7 @@ def reduce(scene: Scene | str | Path, rtol: float = 1e-4) -> Reduced:
     """
     from .simulator.models.reduced.greedy import reduce as reduced
 
+    _check("reduce", {"rtol": rtol})
     return reduced(_scene(scene), rtol)
 
 
@@ -187,6 +197,7 @@ def limits(
     """
     from .simulator.limits import bayes_accuracy
 
+    _check("limits", options)
     return bayes_accuracy(_scene(scene), target, **options)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, NamedTuple, get_args, get_origin
 
 import typer
@@ -93,26 +93,35 @@ def with_ranges(commands: typer.Typer) -> None:
 def _checked(callback: Callable[..., Any], command: str) -> Callable[..., Any]:
     @functools.wraps(callback)
     def checked(*arguments: Any, **given: Any) -> Any:
-        for name, value in given.items():
-            for each in value if isinstance(value, list) else [value]:
-                if isinstance(each, int | float) and not isinstance(each, bool):
-                    _check(callback, command, name, each)
+        check_numbers(command, given, lambda name: _option(callback, name))
         return callback(*arguments, **given)
 
     return checked
 
 
-def _check(callback: Callable[..., Any], command: str, name: str, value: float) -> None:
+def check_numbers(
+    command: str, given: Mapping[str, Any], written: Callable[[str], str] = "`{}`".format
+) -> None:
+    """Raises InputError for the first number among these that is outside its range.
+
+    written: a parameter's name as the user writes it.
+    """
+    for name, value in given.items():
+        for each in value if isinstance(value, list) else [value]:
+            if isinstance(each, int | float) and not isinstance(each, bool):
+                _check(range_of(command, name), each, lambda name=name: written(name))
+
+
+def _check(allowed: Range, value: float, name: Callable[[], str]) -> None:
     from ..sweeps import InputError
 
-    allowed = range_of(command, name)
     finite = isinstance(value, int) or math.isfinite(value)
     if finite and allowed.low <= value <= allowed.high:
         return
     if allowed.low == -float("inf"):
-        raise InputError(f"{_option(callback, name)} must be a finite number, got {value}")
+        raise InputError(f"{name()} must be a finite number, got {value}")
     told = f"from {_told(allowed.low)} to {_told(allowed.high)}"
-    raise InputError(f"{_option(callback, name)} must be {told}, got {value} ({allowed.why})")
+    raise InputError(f"{name()} must be {told}, got {value} ({allowed.why})")
 
 
 def _told(bound: float) -> str:

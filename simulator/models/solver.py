@@ -299,6 +299,7 @@ class Solver:
 def _checked_frequencies(frequency: ArrayLike) -> NDArray[np.float64]:
     """The same as an array, shape (frequency,). Raises InputError where they are none."""
     asked = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    if asked.ndim > 1 or not asked.size or not (asked > 0).all() or (np.diff(asked) <= 0).any():
-        raise InputError(f"`frequency` must be ascending and > 0 (Hz), got {frequency}")
+    finite = np.isfinite(asked).all() and (asked > 0).all()
+    if asked.ndim > 1 or not asked.size or not finite or (np.diff(asked) <= 0).any():
+        raise InputError(f"`frequency` must be ascending and > 0 (Hz), and finite, got {frequency}")
     return asked

@@ -16,8 +16,10 @@ SYNTAX = (
     "of FACTOR, touches joined by '+', or 'none'"
 )
 
-MOST_FACTOR = 1e6
-"""Times the capacitance at rest: far beyond what foam can be pressed to."""
+LEAST_FACTOR, MOST_FACTOR = 1e-6, 1e6
+"""Times the capacitance at rest: far beyond what foam can be lifted or pressed to."""
+MOST_FORCE = 1e6
+"""N: a locomotive's weight."""
 
 JOINT = re.compile(r"(?<!\de)\+", re.IGNORECASE)
 TOUCH = re.compile(
@@ -133,15 +135,21 @@ def _strength(given: str, text: str) -> WrittenStrength:
     match = MEASURED.fullmatch(given)
     if match is None:
         factor = _positive(given, "FACTOR", text)
-        if factor > MOST_FACTOR:
-            raise InputError(
-                f"press {text!r}: FACTOR must be <= {MOST_FACTOR:g}, got {given.strip()}"
-            )
+        _check_most(factor, "FACTOR", MOST_FACTOR, given, text)
+        if factor < LEAST_FACTOR:
+            raise InputError(f"press {text!r}: FACTOR must be >= {LEAST_FACTOR:g}, got {factor:g}")
         return WrittenStrength(factor, "")
     if match["unit"] == "N":
-        return WrittenStrength(_positive(match["number"], "force in N", text), "N")
+        force = _positive(match["number"], "force in N", text)
+        _check_most(force, "force in N", MOST_FORCE, given, text)
+        return WrittenStrength(force, "N")
     depth = _positive(match["number"], f"depth in {match['unit']}", text)
     return WrittenStrength(depth / PER_M[match["unit"]], "m")
+
+
+def _check_most(value: float, name: str, most: float, given: str, text: str) -> None:
+    if value > most:
+        raise InputError(f"press {text!r}: {name} must be <= {most:g}, got {given.strip()}")
 
 
 def _positive(given: str, name: str, text: str) -> float:

@@ -5,10 +5,15 @@ import math
 from typing import get_args
 
 import pytest
+import rcskin
 from rcskin.__main__ import app
 from rcskin.simulator.asked.numbers import range_of
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.sweeps import InputError
 
+GLOVE = load_scene("glove")
 BY_THE_SCENE = {"want", "wires", "readings", "frequencies", "seconds", "sheet_ratio", "grading"}
 BY_THE_SCENE |= {"casts", "repetitions", "grid"}
 """Keys of a scene, and what is chosen from: they have their ranges there."""
@@ -59,3 +64,24 @@ def test_numbers_outside_their_range_end_in_a_line(path, callback, name, kind):
 
 def test_there_are_all_commands():
     assert len(EVERY) > 90 and ("meter", "record") in {path for path, *_ in EVERY}
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (lambda: rcskin.sweep("strip-1x3", rtol=math.inf), "`rtol` must be from 1e-08 to 0.01"),
+        (lambda: rcskin.reduce("strip-1x3", math.nan), "`rtol` must be from 1e-08 to 0.01"),
+        (lambda: rcskin.limits("glove", seed=-1), "`seed` must be from 0 to 4294967295, got -1"),
+        (lambda: rcskin.limits("glove", draws=10**9), "`draws` must be from 2 to 1000000"),
+        (
+            lambda: Solver(GLOVE).solve(Press(), [1e3, math.inf]),
+            "`frequency` must be ascending and > 0 (Hz), and finite",
+        ),
+        (lambda: GLOVE.with_({"skin.length": math.inf}), "`skin.length` must be from 1e-5 to"),
+        (lambda: rcskin.sweep(GLOVE, ["1,1:inf"]), "FACTOR must be finite"),
+    ],
+)
+def test_scripts_are_told_of_numbers_in_the_same_words(call, told):
+    with pytest.raises(InputError) as refused:
+        call()
+    assert told in str(refused.value) and "\n" not in str(refused.value)

@@ -6,11 +6,12 @@ from rcskin.simulator.press.press import Press, check_press, order, parse_press,
 from rcskin.simulator.press.touch import Depth, Disc, Force, Indentation, Polygon, Rectangle, Touch
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.sweeps import InputError
-from rcskin.simulator.sweeps.press_text import MOST_FACTOR
+from rcskin.simulator.sweeps.press_text import LEAST_FACTOR, MOST_FACTOR, MOST_FORCE
 
 PLACE = st.floats(-1e3, 1e3)
 POSITIVE = st.floats(min_value=0, exclude_min=True, allow_infinity=False)
-FACTOR = st.floats(min_value=0, max_value=MOST_FACTOR, exclude_min=True)
+FACTOR = st.floats(min_value=LEAST_FACTOR, max_value=MOST_FACTOR)
+FORCE = st.floats(min_value=0, max_value=MOST_FORCE, exclude_min=True)
 pixels = st.builds(Touch, st.integers(1, 1000), st.integers(1, 1000), FACTOR)
 rectangles = st.builds(Rectangle, PLACE, PLACE, POSITIVE, POSITIVE, FACTOR)
 discs = st.builds(Disc, PLACE, PLACE, POSITIVE, FACTOR)
@@ -21,9 +22,7 @@ places = st.one_of(
     st.builds(Rectangle, PLACE, PLACE, POSITIVE, POSITIVE, st.just(1.0)),
     st.builds(Disc, PLACE, PLACE, POSITIVE, st.just(1.0)),
 )
-indentations = st.builds(
-    Indentation, places, st.builds(Depth, POSITIVE) | st.builds(Force, POSITIVE)
-)
+indentations = st.builds(Indentation, places, st.builds(Depth, POSITIVE) | st.builds(Force, FORCE))
 presses = st.builds(
     lambda *touches: Press(tuple(sorted(sum(touches, []), key=order))),
     st.lists(pixels, unique_by=lambda touch: (touch.row, touch.column)),
@@ -151,6 +150,8 @@ def test_a_depth_has_no_factor():
         ("1.5,2", "must be ROW,COLUMN"),
         ("1,2:", "must be ROW,COLUMN"),
         ("1,2+", "must be ROW,COLUMN"),
+        ("1,2:1e-9", "FACTOR must be >= 1e-06, got 1e-09"),
+        ("1,2:1e300N", "force in N must be <= 1e"),
         ("1,2:0", "FACTOR must be finite and > 0, got 0"),
         ("1,2:-1", "FACTOR must be finite and > 0, got -1"),
         ("1,2:nan", "FACTOR must be finite and > 0, got nan"),
