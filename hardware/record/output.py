@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from .journal import Entry, Header, Journal
+
+LOG = logging.getLogger(__name__)
 
 
 def finish(journal: Journal, header: Header, entries: Mapping[int, Entry]) -> xr.Dataset:
@@ -46,6 +50,22 @@ def gather_command(
     sweeps = write_all(path, header, entries)
     whole = f" of {len(header.order)}" if header.order else ""
     say(f"{len(entries)}{whole} sweeps: {counted(sweeps.sizes)} -> {path}")
+    _tell_if_changed(journal)
+
+
+def _tell_if_changed(journal: Journal) -> None:
+    """Log how a meter should be that a command which was killed left changed."""
+    from ...simulator.sweeps import InputError
+    from ..meter.putting_back import written
+
+    with suppress(InputError), journal.lock():  # else it is under way
+        if found := journal.found():
+            LOG.warning(
+                "%s: a command that was cut off left the meter changed; the same command puts it "
+                "back to what it was at first: %s",
+                journal.folder,
+                written(found[1]),
+            )
 
 
 def write_all(output: Path, header: Header, entries: Mapping[int, Entry]) -> xr.Dataset:

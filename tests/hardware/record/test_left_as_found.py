@@ -99,7 +99,7 @@ def test_no_further_signal_ends_the_putting_back(under_way, instrument, as_found
 
 
 def test_after_a_kill_the_same_command_puts_back_what_was_at_first(
-    under_way, recording, command, instrument, as_found, tmp_path
+    under_way, recording, command, instrument, as_found, tmp_path, caplog
 ):
     process = under_way(6)
     process.kill()
@@ -110,8 +110,11 @@ def test_after_a_kill_the_same_command_puts_back_what_was_at_first(
     found.write_text("{}")
     assert command(*recording(6)).exception.args[0].startswith(f"{found}: tells not how")
     found.write_text(kept)
+    assert command("gather", tmp_path / "run.nc", "-o", tmp_path / "part.nc").exit_code == 0
     done = command(*recording(6))
     assert done.exit_code == 0
+    told = [each.getMessage() for each in caplog.records]
+    assert len(told) == 2 and all("at first: header = True" in each for each in told)
     assert instrument.settings == as_found
     assert [path.name for path in tmp_path.glob("run*")] == ["run.nc"]
 
