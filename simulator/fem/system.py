@@ -96,17 +96,25 @@ class PixelSystem(System):
         return self.pattern.matrix(values)
 
 
+def check_grid_fits(scene: Scene, circuit: Circuit, along: int) -> None:
+    """Raises InputError where elements on a scene's grid of pixels would not fit in memory.
+
+    along: unknowns along each side of a pixel.
+    """
+    unknowns = math.prod(scene.pixels.shape) * along**2 * len(circuit.conductance)
+    check_memory(
+        BYTES_FOR_UNKNOWN * unknowns,
+        "a grid of {} x {} cells".format(*scene.pixels.shape),
+        "give fewer `pixels`",
+    )
+
+
 def build_system(scene: Scene, circuit: Circuit, resolution: Resolution) -> PixelSystem:
     """The system of a scene's circuit at a resolution: all that does not depend on the press.
 
     Raises InputError where its factors would not fit in memory.
     """
-    fewest = math.prod(scene.pixels.shape) * (resolution.cells * resolution.order) ** 2
-    check_memory(
-        BYTES_FOR_UNKNOWN * fewest * len(circuit.conductance),
-        "a grid of {} x {} cells".format(*scene.pixels.shape),
-        "give fewer `pixels`",
-    )
+    check_grid_fits(scene, circuit, resolution.cells * resolution.order)
     pixels = pixel_mesh(scene, circuit.contacts, resolution)
     trial = quadrilateral_trial(pixels.mesh, resolution.order)
     unknowns = numbered(circuit, trial, pixels.facets)

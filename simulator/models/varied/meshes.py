@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.circuit import Circuit, one_field, two_fields
+from ...fem.system import check_grid_fits
 from ...press.press import Press
 from ...progress import Tell, tell_nothing
 from ...scene.scene import Scene
@@ -102,6 +103,10 @@ def indented(
     return (press.sharp, found) if found.sharp is None else (found.sharp, None)
 
 
+FEWEST_ALONG = 2
+"""Unknowns along a pixel of the coarsest elements."""
+
+
 def meshes(
     scene: Scene, press: Press, pressed: Pressed | None, rtol: float, place: Place | None = None
 ) -> Meshes:
@@ -116,6 +121,8 @@ def meshes(
     if pressed is not None:
         first = Triangles(scene, circuit, press, rtol, pressed)
         return Spread(place or Place(), first, pressed, rtol)
+    if rectangular:
+        check_grid_fits(scene, circuit, FEWEST_ALONG)
     triangles = Triangles(scene, circuit, press, rtol)
     if rectangular and press.plain:
         return InTurn(Squares(scene, circuit, press, rtol), triangles)

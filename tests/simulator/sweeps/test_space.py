@@ -42,6 +42,14 @@ def test_pixels_that_need_more_than_there_is_are_refused_at_once(machine):
         Solver(many, 1e-2).solve(CORNER)
 
 
+def test_what_varies_by_place_is_refused_as_soon(machine):
+    machine(memory=16e9)
+    varied = {"skin.top.map": {"kind": "gradient", "x": 0.1}}
+    many = load_scene("glove").with_({"pixels": {"rows": 1000, "columns": 1000}, **varied})
+    with pytest.raises(InputError, match=r"1000 x 1000 cells would need \d+ GB.*at most 14 GB"):
+        Solver(many, 1e-2).solve(CORNER)
+
+
 def test_the_same_pixels_are_solved_where_memory_suffices(machine):
     few = load_scene("sheet-3x3")
     machine(memory=1e5)
