@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...simulator.shown import say
+from ...simulator.sweeps.cells import guarded
 from . import options
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
             say(f"answers: {len(rows)} sweeps, {silent} cannot be told -> {output}")
             return
         for row in (header, *rows):
-            say(",".join(f'"{cell}"' if "," in cell else cell for cell in row))
+            say(",".join(f'"{cell}"' if "," in cell else cell for cell in map(guarded, row)))
 
     return localize
 

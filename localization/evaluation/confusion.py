@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from sklearn.metrics import confusion_matrix
 from sklearn.pipeline import Pipeline
 
 from ...simulator.sweeps import checked_output, whole_file
+from ...simulator.sweeps.cells import Writer
 
 HEADER = ("target", "output", "count")
 
@@ -71,7 +71,7 @@ def write_csv(confusion: Confusion, path: str | Path) -> None:
         whole_file(checked_output(path, (".csv",))) as unfinished,
         unfinished.open("w", newline="", encoding="utf-8") as file,
     ):
-        writer = csv.writer(file, lineterminator="\n")
+        writer = Writer(file)
         writer.writerow(HEADER)
         writer.writerows(confusion.table())
 

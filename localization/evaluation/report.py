@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...simulator.sweeps import made_folder, whole_file
+from ...simulator.sweeps.cells import Writer
 from ..inputs.targets import COORDINATES
 from ..trust.rates import rate_told
 from .confusion import write_csv
@@ -89,7 +89,7 @@ def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[objec
         whole_file(path) as unfinished,
         unfinished.open("w", newline="", encoding="utf-8") as file,
     ):
-        writer = csv.writer(file, lineterminator="\n")
+        writer = Writer(file)
         writer.writerow(header)
         writer.writerows(rows)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import shutil
 from collections.abc import Iterable, Sequence
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from ..models.parameters import FACTORS
 from ..scene.files import scene_text
 from ..sweeps import made_folder, whole_file
+from ..sweeps.cells import Writer
 from .chart import draw_residuals
 from .sheets import MISMATCH, RATIO
 
@@ -246,6 +246,6 @@ def _file_name(interface: str) -> str:
 
 def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
+        writer = Writer(file)
         writer.writerow(header)
         writer.writerows(rows)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +10,7 @@ import numpy as np
 
 from ..charts import ENDINGS
 from ..sweeps import InputError, checked_folder, checked_output, made_folder, whole_file
+from ..sweeps.cells import Writer
 from ..sweeps.laws.examination import Judgement
 from .residuals import draw_residuals
 
@@ -140,6 +140,6 @@ def _readings(judgement: Judgement) -> Iterable[list[object]]:
 
 def _write_rows(path: Path, header: list[str], rows: Iterable[Sequence[object]]) -> None:
     with whole_file(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
+        writer = Writer(file)
         writer.writerow(header)
         writer.writerows(rows)

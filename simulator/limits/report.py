@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import json
 import math
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..sweeps import whole_file
+from ..sweeps.cells import Writer
 from .survey import Variant
 
 NOT_TOLD = "not told"
@@ -36,7 +36,7 @@ def told(value: float, unit: float = 1.0, digits: int = 4) -> float | str:
 def write_places(variants: Sequence[Variant], path: Path) -> None:
     """Every place of every variant as a line of a CSV."""
     with whole_file(path) as unfinished, unfinished.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
+        writer = Writer(file)
         writer.writerow(HEADER)
         for variant in variants:
             own = variant.bounds
@@ -50,7 +50,7 @@ def write_places(variants: Sequence[Variant], path: Path) -> None:
 def write_distances(apart: NDArray[np.float64], names: Sequence[str], path: Path) -> None:
     """How far each two pixels' sweeps lie apart as a CSV, a line for each pair."""
     with whole_file(path) as unfinished, unfinished.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
+        writer = Writer(file)
         writer.writerow(["pixel", "other", "distance_errors"])
         for i, j in itertools.combinations(range(len(names)), 2):
             writer.writerow([names[i], names[j], told(apart[i, j])])

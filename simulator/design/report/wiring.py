@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -11,6 +10,7 @@ from ...scene.contacts import Interface
 from ...scene.scene import Scene
 from ...scene.wiring import joined
 from ...sweeps import whole_file
+from ...sweeps.cells import Writer
 
 
 class Row(NamedTuple):
@@ -41,6 +41,6 @@ def rows(scene: Scene, wired: Sequence[str], readings: Sequence[Interface]) -> l
 def write_wiring(table: Sequence[Row], path: Path) -> None:
     """As CSV."""
     with whole_file(path) as unfinished, unfinished.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
+        writer = Writer(file)
         writer.writerow(Row._fields)
         writer.writerows(table)

@@ -6,7 +6,6 @@ them out with `comment="#"`.
 
 from __future__ import annotations
 
-import csv
 import io
 import json
 import tomllib
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import inputs
+from ..cells import Writer, as_given, guarded_comment
 from ..digests import OWN_KEYS, UNSEALED, check_text, seal_text
 from ..errors import InputError
 from ..impedance import UNRELATED, branch_reactance, contradicting, parallel_capacitance, unlike
@@ -35,6 +35,8 @@ SECONDS = "time_s"
 LABELS = ("press", "row", "column", "session")
 HEADER = ["sweep", *LABELS, SECONDS, "interface", "frequency_Hz", *QUANTITIES]
 TOLD = ("Rs", "X", "Cp", *LABELS, TIME, "interface", "frequency", TAKEN)
+NAMED = ("press", "session", "interface")
+"""Columns of text."""
 UNLABELLED = {
     "sweep": "0",
     "press": "unknown",
@@ -82,7 +84,7 @@ def _append(sweeps: Table, path: Path, first: int) -> None:
     }
     columns = [name for name in HEADER if name in table]
     with path.open("w" if first == 0 else "a", encoding="utf-8", newline="") as file:
-        rows = csv.writer(file, lineterminator="\n")
+        rows = Writer(file)
         if first == 0:
             file.write(UNSEALED + _commented(sweeps.attrs))
             rows.writerow(columns)
@@ -146,7 +148,7 @@ def _commented(attributes: Mapping[Any, Any]) -> str:
         for name, value in attributes.items()
     }
     readable = not any("\r" in str(value) for value in plain.values())
-    text = tomli_w.dumps(plain, multiline_strings=readable)
+    text = guarded_comment(tomli_w.dumps(plain, multiline_strings=readable))
     return "".join(f"# {line}\n" for line in text.split("\n")[:-1])
 
 
@@ -205,7 +207,9 @@ def _text(path: Path, content: bytes, above: int) -> pd.DataFrame:
         raise InputError(f"{path}: column `{absent[0]}` is missing; found {', '.join(table)}")
     if table.empty:
         raise InputError(f"{path}: holds no sweep")
-    return table.assign(**{name: text for name, text in UNLABELLED.items() if name not in table})
+    named = {name: table[name].map(as_given) for name in NAMED if name in table}
+    absent_ones = {name: text for name, text in UNLABELLED.items() if name not in table}
+    return table.assign(**named, **absent_ones)
 
 
 def _numbers(path: Path, table: pd.DataFrame) -> pd.DataFrame:
