@@ -27,8 +27,9 @@ class Answer:
     label: in words. probability: of the label, None where it is not known. pixels: probability that
     a pixel is pressed, shape (row, column), row 1 first. position: x, y in mm. deviation: its
     standard deviations, mm. region: how likely places x, y in mm are, from 0 outside of the region
-    that holds 95 % to 1. remark: what to know about it. Raises ValueError where a number is none or
-    no probability.
+    that holds 95 % to 1. remark: what to know about it. shared: "column" or "row" where its pixels
+    are pressed together and share one probability. Raises ValueError where a number is none or no
+    probability.
     """
 
     label: str
@@ -38,6 +39,7 @@ class Answer:
     deviation: tuple[float, float] | None = None
     region: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]] | None = None
     remark: str = ""
+    shared: str = ""
 
     def __post_init__(self) -> None:
         probabilities = np.append(
@@ -173,7 +175,8 @@ def answer_of_classes(
     if target != "touches":
         pressed = np.array([_pressed(target, each, shape) for each in classes])
         pixels = np.tensordot(probabilities, pressed, 1)
-    return Answer(_in_words(target, label), known.get(label), pixels)
+    shared = target if target in ("column", "row") else ""
+    return Answer(_in_words(target, label), known.get(label), pixels, shared=shared)
 
 
 def _in_words(target: str, label: str) -> str:

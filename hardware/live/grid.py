@@ -54,19 +54,30 @@ class Grid:
 
     def _draw_line(self, text: Text, row: int, line: int, answer: Answer | None) -> None:
         if answer is not None and answer.pixels is not None:
-            self._draw_pixels(text, answer.pixels[row - 1], line)
+            numbered = self._numbered(row, answer.shared)
+            self._draw_pixels(text, answer.pixels[row - 1], line, numbered)
         elif answer is not None and answer.position is not None:
             down = (self.rows - row) * self.high + line
             self._draw_position(text, down, answer.position, answer.region)
         else:
             text.append(" " * (self.wide * self.columns), _style(0))
 
-    def _draw_pixels(self, text: Text, probabilities: NDArray, line: int) -> None:
+    def _numbered(self, row: int, shared: str) -> range:
+        """Columns of a row, from 0, that show their probability.
+
+        All do; where a whole column or row shares one, its pixel in the middle does.
+        """
+        if shared == "column" and row != (self.rows + 1) // 2:
+            return range(0)
+        middle = (self.columns - 1) // 2
+        return range(middle, middle + 1) if shared == "row" else range(self.columns)
+
+    def _draw_pixels(self, text: Text, probabilities: NDArray, line: int, numbered: range) -> None:
         """One line of a row of pixels, with a gap of half a line below the row."""
-        numbered = line == self.high // 2 and self.wide >= NUMBERED
+        room = line == self.high // 2 and self.wide >= NUMBERED
         last = line > 0 and line == self.high - 1
-        for p in probabilities.tolist():
-            shown = f"{100 * p:.0f}" if numbered else ""
+        for column, p in enumerate(probabilities.tolist()):
+            shown = f"{100 * p:.0f}" if room and column in numbered else ""
             if last:
                 text.append("▀" * (self.wide - 1), _hex(p))
             else:

@@ -117,6 +117,7 @@ def _told(answer: Answer) -> dict[str, Any]:
         "label": answer.label,
         "words": answer.words,
         "pixels": None if answer.pixels is None else np.clip(answer.pixels, 0, 1).tolist(),
+        "shared": answer.shared,
         "position": answer.position,
         "deviation": answer.deviation,
     }

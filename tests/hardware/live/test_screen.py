@@ -56,6 +56,19 @@ def grid():
     return Grid(ROWS, COLUMNS, SIZE)
 
 
+@pytest.mark.parametrize(("rows", "columns"), [(5, 5), (2, 6), (1, 3), (4, 1)])
+@pytest.mark.parametrize("target", ["column", "row"])
+def test_what_shares_a_probability_shows_it_once(target, rows, columns):
+    count = columns if target == "column" else rows
+    chances = np.full(count + 1, 0.5 / count)
+    chances[1] += 0.5
+    classes = [str(n) for n in range(count + 1)]
+    answer = answer_of_classes(target, "1", classes, chances, (rows, columns))
+    shown = Grid(rows, columns, SIZE).draw(answer).plain.splitlines()[:-1]
+    numbers = [int(n) for line in shown for n in re.findall(r"\d+", line[4:])]
+    assert sorted(numbers) == sorted(round(100 * p) for p in chances[1:])
+
+
 @pytest.mark.parametrize("pixel", [(0, 0), (0, 2), (1, 1)])
 def test_the_pressed_pixel_is_the_brightest_in_its_place(grid, pixel):
     probabilities = np.full(SHAPE, 0.02)

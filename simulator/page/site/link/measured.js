@@ -53,7 +53,7 @@ export class Measured {
     const { held } = skin.outline;
     const chances = held.map(({ row, column }) => answer?.pixels?.[row - 1][column - 1] ?? 0);
     fit(canvas, data.skin);
-    drawBelief(canvas, skin, held, Float64Array.from(chances));
+    drawBelief(canvas, skin, held, Float64Array.from(chances), answer?.shared ?? "");
     if (answer?.position) drawPlace(canvas, data, answer.position, answer.deviation);
     canvas.setAttribute("aria-label", answer?.words ?? "no answer");
   }

@@ -137,8 +137,8 @@ function arrows(context, plan, data, top, phase) {
   }
 }
 
-/** Where the localizer believes a touch, pixel by pixel. @param {HTMLCanvasElement} canvas @param {Skin} skin @param {{row: number, column: number}[]} classes @param {Float64Array} chances */
-export function drawBelief(canvas, skin, classes, chances) {
+/** Where the localizer believes a touch, pixel by pixel. Pixels of a column or row that share a chance show it once, in their middle. @param {HTMLCanvasElement} canvas @param {Skin} skin @param {{row: number, column: number}[]} classes @param {Float64Array} chances @param {"column" | "row" | ""} shared */
+export function drawBelief(canvas, skin, classes, chances, shared = "") {
   const context = prepared(canvas);
   if (!context) return;
   const { data, outline } = skin;
@@ -155,8 +155,11 @@ export function drawBelief(canvas, skin, classes, chances) {
   });
   context.restore();
   grid(context, plan, outline, style);
-  classes.forEach(({ row, column }, k) => {
+  classes.forEach((pixel, k) => {
+    const { row, column } = pixel;
     if (row === 0 || chances[k] < 0.005) return;
+    const same = shared ? classes.filter((each) => each[shared] === pixel[shared]) : [pixel];
+    if (same[same.length >> 1] !== pixel) return;
     const [right, down] = plan.seen(...outline.middle(row, column));
     context.fillStyle = ink(sequential(chances[k]));
     context.fillText(`${Math.round(100 * chances[k])} %`, right, down + 5);
