@@ -122,6 +122,15 @@ def _skins(data: SceneData) -> Mapping[str, Skin]:
     return {name: whole.at(name) for name in data.interfaces}
 
 
+def _depths(data: SceneData, press: str) -> str:
+    from .simulator.models.mechanics.in_depths import depths_in_words
+    from .simulator.press.press import press_on
+    from .simulator.scene.files import parse_scene
+
+    scene = parse_scene(data.text, data.name)
+    return "; ".join(depths_in_words(scene, [press_on(scene, press)]))
+
+
 def _readout(data: SceneData, seed: int) -> Readout:
     from .simulator.asked.scene import tell_if_noise_free
     from .simulator.measure.specimen import SessionErrors
@@ -226,7 +235,7 @@ def _linked_page(data: SceneData, kind: str, nonce: str) -> str:
 
 add_commands(app, on_terminal, _plan, _checked_ending, _factors, _model_based)
 app.command("live")(live_command(_live_localizer, _linked_page))
-meter = meter_app(Simulation(_scene_data, _skins, _readout, _linked_page))
+meter = meter_app(Simulation(_scene_data, _skins, _readout, _linked_page, _depths))
 app.add_typer(meter, name="meter")
 
 

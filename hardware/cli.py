@@ -78,6 +78,8 @@ def serve_command(simulation: Simulation) -> Callable[..., None]:
         exhibit = _exhibit(simulation, scene, recorded, interface, seed)
         pressing = serving.routines(exhibit, script, random, seed)
         meter = serving.instrument(exhibit, pace, accuracy or DERIVED)
+        if exhibit.scene is not None:
+            meter.depths = partial(simulation.depths, exhibit.scene)
         paging = _paging(simulation, exhibit, page, page_port)
         with counting(lambda text: say(f"rcskin: {text}", err=True)) as meter.report:
             meter.tell = partial(meter.report, "failed readings")
@@ -146,6 +148,8 @@ def press(
     from .steer import ask
 
     say(ask(control, "press", press=press))
+    if depths := ask(control, "depths"):
+        say(f"rcskin: note: {depths}", err=True)
 
 
 def select(

@@ -162,8 +162,9 @@ def sweep(
     """Simulate sweeps, noise-free, and write them with their estimated errors."""
     from .asked.durations import foretold
     from .asked.scene import asked_scene, warn_of_model
-    from .asked.telling import written
+    from .asked.telling import note, written
     from .measure.simulate import answered, check_fits, gather
+    from .models.mechanics.in_depths import depths_in_words
     from .models.solver import Solver, checked_model
     from .press.press import every_press, press_on
     from .progress import on_terminal
@@ -185,6 +186,8 @@ def sweep(
             say(f"wiring: {one_terminal}")
         for asked, answer in found:
             say(solver.explain(asked, answer))
+    for line in depths_in_words(loaded, presses):
+        note(line)
     written(counted(sweeps.sizes), output)
 
 

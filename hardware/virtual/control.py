@@ -2,7 +2,8 @@
 
 One JSON object a line, each answered by one: {"do": "press", "press": "2,3"}, {"do": "select",
 "interface": "left"}, {"do": "misbehave", "kind": "late", "times": 2, "seconds": 1.5},
-{"do": "state"}. Each has the key "token" besides, and whoever does not know it is hung up.
+{"do": "depths"} of the press, {"do": "state"}. Each has the key "token" besides, and whoever does
+not know it is hung up.
 """
 
 from __future__ import annotations
@@ -82,11 +83,14 @@ class Control:
             fault = Fault(**given)
             self.instrument.faults.add(fault)
             return fault.kind
+        if do == "depths":
+            loop, meter = asyncio.get_running_loop(), self.instrument
+            return await loop.run_in_executor(meter.worker, meter.depths, meter.press)
         if do == "state":
             return self.state()
         if do == "select":
             return self._select(**given)
-        raise InputError(f"`do` must be press, select, misbehave or state, got {do!r}")
+        raise InputError(f"`do` must be press, depths, select, misbehave or state, got {do!r}")
 
     def _select(self, interface: str) -> str:
         """Have the switch turn, which is told by the state once it has."""

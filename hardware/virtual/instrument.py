@@ -36,6 +36,7 @@ class Instrument:
     """One meter; clients share it. pace: how long things take, 1 as long as a meter, 0 no time.
 
     skins: by interface, where a switch connects one of several; interface: the one it is at.
+    depths: that the forces of a press take, in words.
     tell: told why the skin has no reading, which a client learns as a failure inside the meter.
     report: takes what clients of the ports do wrong.
     """
@@ -56,6 +57,7 @@ class Instrument:
     worker: Worker = field(default_factory=Worker)
     skins: Mapping[str, Skin] = field(default_factory=dict)
     interface: str = ""
+    depths: Callable[[str], str] = lambda press: ""
     tell: Callable[[str], None] = lambda text: None
     report: Report = lambda kind, text: None
 

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 class Simulation:
     """scene: by name or path, at interfaces (None: all). skins: of each. readout: by seed.
 
-    document: of the page on which a skin is pressed.
+    document: of the page on which a skin is pressed. depths: that the forces of a press take, in
+    words, empty where it has none.
 
     Each raises InputError where it is given what does not exist.
     """
@@ -26,3 +27,4 @@ class Simulation:
     skins: Callable[[SceneData], Mapping[str, Skin]]
     readout: Callable[[SceneData, int], Readout]
     document: MakeDocument
+    depths: Callable[[SceneData, str], str] = lambda scene, press: ""

@@ -19,6 +19,7 @@ from ..scene.planar import Circle, area
 from ..scene.reading import frequencies_at
 from ..scene.scene import Scene
 from ..scene.skin import Sheet, Skin
+from ..sweeps.errors import InputError
 from ..sweeps.reach import REACH, VIRTUAL_MODEL, beyond_reach
 from ..sweeps.units import prefixed
 from .apart import told_apart
@@ -186,11 +187,20 @@ def _press(scene: Scene) -> str:
     if press.depth is not None:
         return f"{1e3 * press.depth:.4g} mm deep"
     if press.force is not None:
-        return f"by {press.force:.4g} N"
+        return f"by {press.force:.4g} N, {_depths(scene)}"
     spread = (
         f", its rise varies by {100 * press.factor_spread:.3g} %" if press.factor_spread else ""
     )
     return f"{press.capacitance_factor:g} times the capacitance at rest{spread}"
+
+
+def _depths(scene: Scene) -> str:
+    from ..models.mechanics.in_depths import depths_of_pixels
+
+    try:
+        return depths_of_pixels(scene)
+    except InputError as error:
+        return f"which it does not take: {error}"
 
 
 def _frequencies(scene: Scene) -> str:

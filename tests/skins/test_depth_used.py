@@ -1,6 +1,8 @@
 """Skins pressed by depth or force at the command line: trained on, evaluated, told live."""
 
 import logging
+import re
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,7 +13,9 @@ from rcskin.hardware.virtual.server import running
 from rcskin.hardware.virtual.serving import instrument, simulated
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.under_touches import factors_under
-from rcskin.simulator.models.mechanics.in_depths import in_depths
+from rcskin.simulator.models.mechanics.in_depths import depths_in_words, in_depths
+from rcskin.simulator.models.mechanics.indentation import pressed
+from rcskin.simulator.press.press import press_on
 from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import InputError, concatenate, read, write
@@ -120,3 +124,34 @@ def test_scenes_pressed_by_force_are_drawn_and_calibrated(tmp_path):
 def test_a_force_that_closes_the_cells_is_refused_in_a_line():
     with pytest.raises(InputError, match="force must leave the depth"):
         in_depths(strip(force=1e4))
+
+
+@pytest.mark.parametrize(("tension", "force"), [(0.0, 4.0), (20.0, 4.0), (20.0, 1.5)])
+def test_every_command_says_how_deep_a_force_goes(tmp_path, tension, force):
+    """As deep as the press that takes this force."""
+    scene, path = strip(tension, force=force), tmp_path / "strip.toml"
+    path.write_text(scene_text(scene), encoding="utf-8")
+    done = run("sweep", path, "--press", "1,2", "--press", "none", "-o", tmp_path / "a.nc")
+    (depth,) = re.findall(rf"note: press 1,2:{force}N: ([\d.]+) mm deep", done.stderr)
+    back = pressed(scene, press_on(scene, f"1,2:{depth}mm"), 1e-2).force
+    assert back == pytest.approx([force], rel=0.02)
+    assert len(re.findall(r" mm deep", done.stderr)) == 1
+    low, high = re.search(
+        rf"by {force:g} N, ([\d.]+) to ([\d.]+) mm deep", run("describe", path).stdout
+    ).groups()
+    assert float(low) <= float(depth) <= float(high)
+    data = rcskin._scene_data(str(path), None)
+    meter = instrument(simulated(data, rcskin._skins(data), rcskin._readout(data, 7)), pace=0)
+    meter.depths = partial(rcskin._depths, data)
+    with running(meter, Control(meter, ())) as ports:
+        control = f"127.0.0.1:{ports.control}"
+        assert f"{depth} mm deep" in run("meter", "press", "1,2", "--control", control).stderr
+        assert run("meter", "press", "1,2:1mm", "--control", control).stderr == ""
+
+
+def test_many_presses_by_a_force_are_told_in_one_line():
+    scene = strip(0.0, force=4.0)
+    presses = [press_on(scene, f"1,1:{force}N") for force in np.linspace(1, 5, 40)]
+    (line,) = depths_in_words(scene, presses)
+    assert re.fullmatch(r"40 presses by force are [\d.]+ to [\d.]+ mm deep .*", line)
+    assert depths_in_words(scene, [press_on(scene, "none"), press_on(scene, "1,1:1mm")]) == []

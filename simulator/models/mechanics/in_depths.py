@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
 
@@ -21,6 +22,8 @@ SAMPLE = 9
 ANY = Sheet(sheet_resistance=1.0)
 FACTOR_RTOL = 1e-3
 """Of the deflection beside applicators, which tells how deep a force goes."""
+SHOWN_RTOL = 0.05
+"""The same for depths that are shown with three digits: these were off by 2e-5 at most."""
 
 
 def foldable(scene: Scene, what: str) -> Scene:
@@ -50,12 +53,8 @@ def _median(scene: Scene) -> float:
     """Of the depths that its force takes in pixels, m."""
     from .indentation import pressed
 
-    pixels, force = pixels_with_skin(scene), scene.press.force
-    assert force is not None
-    some = [
-        pixels[k] for k in np.unique(np.linspace(0, len(pixels) - 1, SAMPLE).round().astype(int))
-    ]
-    presses = [Press((Indentation(Touch(i, j, 1.0), Force(force)),)) for i, j in some]
+    force = scene.press.force
+    presses = _some(_in_pixels(scene), SAMPLE)
     depths = [pressed(scene, press, FACTOR_RTOL).depth[0] for press in presses]
     median = float(np.median(depths))
     LOG.info(
@@ -65,6 +64,62 @@ def _median(scene: Scene) -> float:
     return median
 
 
+def _in_pixels(scene: Scene) -> list[Press]:
+    """Each pixel pressed by the scene's force."""
+    force = scene.press.force
+    assert force is not None
+    touches = [Touch(i, j, 1.0) for i, j in pixels_with_skin(scene)]
+    return [Press((Indentation(touch, Force(force)),)) for touch in touches]
+
+
+def _some(presses: list[Press], count: int) -> list[Press]:
+    """At most so many, spread over them all."""
+    chosen = np.linspace(0, len(presses) - 1, min(count, len(presses))).round().astype(int)
+    return [presses[k] for k in np.unique(chosen)]
+
+
+def depths_of_pixels(scene: Scene) -> str:
+    """The depths that the scene's force takes in a corner and in the middle, in words.
+
+    Raises InputError where the foam cannot give way so far.
+    """
+    return _range([_reached(_bare(scene), press) for press in _some(_in_pixels(scene), 3)])
+
+
+def depths_in_words(scene: Scene, presses: Iterable[Press]) -> list[str]:
+    """A line for each press by a force with its depths, or one line for more than SAMPLE of them.
+
+    Raises InputError and ToleranceError as `pressed`.
+    """
+    by_force = [press for press in dict.fromkeys(presses) if _forced(press)]
+    bare, some = _bare(scene), _some(by_force, SAMPLE) if by_force else []
+    if len(some) < len(by_force):
+        told = _range([_reached(bare, press) for press in some])
+        return [f"{len(by_force)} presses by force are {told} (found from {len(some)} of them)"]
+    return [f"press {press}: {_and(_reached(bare, press))} mm deep" for press in some]
+
+
+@lru_cache(maxsize=64)
+def _reached(bare: Scene, press: Press) -> tuple[float, ...]:
+    """Depths in m of the touches that have a depth or a force."""
+    from .indentation import pressed
+
+    return pressed(bare, press, SHOWN_RTOL).depth
+
+
+def _forced(press: Press) -> bool:
+    return any(isinstance(touch.by, Force) for touch in press.indented)
+
+
+def _range(depths: list[tuple[float, ...]]) -> str:
+    all_ = [depth for each in depths for depth in each]
+    return f"{1e3 * min(all_):.3g} to {1e3 * max(all_):.3g} mm deep"
+
+
+def _and(depths: tuple[float, ...]) -> str:
+    return " and ".join(f"{1e3 * depth:.3g}" for depth in depths)
+
+
 def settled(scene: Scene, press: Press) -> Press:
     """The press with its forces as the depths that they take.
 
@@ -72,7 +127,7 @@ def settled(scene: Scene, press: Press) -> Press:
     """
     from .indentation import pressed
 
-    if not any(isinstance(touch.by, Force) for touch in press.indented):
+    if not _forced(press):
         return press
     depths = pressed(scene, press, FACTOR_RTOL).depth
     by_depth = [
