@@ -83,7 +83,7 @@ def depths_of_pixels(scene: Scene) -> str:
 
     Raises InputError where the foam cannot give way so far.
     """
-    return _range([_reached(_bare(scene), press) for press in _some(_in_pixels(scene), 3)])
+    return _range([_reached(scene, press) for press in _some(_in_pixels(scene), 3)])
 
 
 def depths_in_words(scene: Scene, presses: Iterable[Press]) -> list[str]:
@@ -92,16 +92,20 @@ def depths_in_words(scene: Scene, presses: Iterable[Press]) -> list[str]:
     Raises InputError and ToleranceError as `pressed`.
     """
     by_force = [press for press in dict.fromkeys(presses) if _forced(press)]
-    bare, some = _bare(scene), _some(by_force, SAMPLE) if by_force else []
+    some = _some(by_force, SAMPLE) if by_force else []
     if len(some) < len(by_force):
-        told = _range([_reached(bare, press) for press in some])
+        told = _range([_reached(scene, press) for press in some])
         return [f"{len(by_force)} presses by force are {told} (found from {len(some)} of them)"]
-    return [f"press {press}: {_and(_reached(bare, press))} mm deep" for press in some]
+    return [f"press {press}: {_and(_reached(scene, press))} mm deep" for press in some]
+
+
+def _reached(scene: Scene, press: Press) -> tuple[float, ...]:
+    """Depths in m of the touches that have a depth or a force."""
+    return _reached_in(_bare(scene), press)  # pyright: ignore[reportArgumentType]
 
 
 @lru_cache(maxsize=64)
-def _reached(bare: Scene, press: Press) -> tuple[float, ...]:
-    """Depths in m of the touches that have a depth or a force."""
+def _reached_in(bare: Scene, press: Press) -> tuple[float, ...]:
     from .indentation import pressed
 
     return pressed(bare, press, SHOWN_RTOL).depth
