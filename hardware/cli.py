@@ -78,6 +78,12 @@ def serve_command(simulation: Simulation) -> Callable[..., None]:
         exhibit = _exhibit(simulation, scene, recorded, interface, seed)
         pressing = serving.routines(exhibit, script, random, seed)
         meter = serving.instrument(exhibit, pace, accuracy or DERIVED)
+        if len(exhibit.skins) > 1:
+            typer.echo(
+                f"rcskin: note: connected to interface {meter.interface} of "
+                f"{', '.join(exhibit.skins)}; `rcskin meter select` or --switch takes another",
+                err=True,
+            )
         if exhibit.scene is not None:
             meter.depths = partial(simulation.depths, exhibit.scene)
         paging = _paging(simulation, exhibit, page, page_port)

@@ -68,3 +68,12 @@ def test_a_port_in_use_is_told(command):
         port = taken.getsockname()[1]
         with pytest.raises(InputError, match=f"port {port} of 127.0.0.1 cannot be had"):
             raise command("serve", *ANYWHERE, "--page", "--page-port", port).exception
+
+
+@pytest.mark.parametrize(
+    ("scene", "noted"), [("pillow", ""), ("quilt", "interface left of left, ")]
+)
+def test_which_of_several_interfaces_is_connected_is_said(command, monkeypatch, scene, noted):
+    monkeypatch.setattr("rcskin.hardware.virtual.serving.serve", lambda *_: None)
+    said = command("serve", "--scene", scene).stderr
+    assert noted in said and bool(noted) == bool(said)
