@@ -79,7 +79,7 @@ def serve_command(simulation: Simulation) -> Callable[..., None]:
         pressing = serving.routines(exhibit, script, random, seed)
         meter = serving.instrument(exhibit, pace, accuracy or DERIVED)
         if len(exhibit.skins) > 1:
-            typer.echo(
+            say(
                 f"rcskin: note: connected to interface {meter.interface} of "
                 f"{', '.join(exhibit.skins)}; `rcskin meter select` or --switch takes another",
                 err=True,
