@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import os
 import sys
-import threading
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, NoReturn
@@ -20,7 +19,7 @@ from .check.join_command import join
 from .dataset.command import dataset, export
 from .describe.command import describe
 from .design.command import design
-from .interrupt import INTERRUPTED, ending_soon, leave
+from .interrupt import Heard, ending_soon, leave
 from .limits.command import limits
 from .limits.frequencies_command import frequencies
 from .page.command import page
@@ -213,12 +212,12 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
     """
     _take_any_terminal()
     tell_what_is_logged("rcskin")
-    heard = threading.Event()
+    heard = Heard()
     try:
         _run(failures, heard)
     except SystemExit as end:
         if heard.is_set():  # libraries' threads may keep or break the usual end
-            leave(end.code if isinstance(end.code, int) else INTERRUPTED)
+            leave(end.code if isinstance(end.code, int) else heard.code)
         raise
 
 
@@ -230,27 +229,27 @@ def _take_any_terminal() -> None:
     os.environ["MPLBACKEND"] = "agg"
 
 
-def _run(failures: tuple[type[Exception], ...], heard: threading.Event) -> NoReturn:
+def _run(failures: tuple[type[Exception], ...], heard: Heard) -> NoReturn:
     try:
         with ending_soon(heard):
             code = app(standalone_mode=False)
     except typer.TyperException as error:
         _end(error.format_message() + _example(error), BAD_INPUT)
     except (KeyboardInterrupt, typer.Abort):
-        _end("interrupted", INTERRUPTED)
+        _end("interrupted", heard.code)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(FAILURE)
     except failures as error:
         _end(str(error), FAILURE)
     except Exception as error:
-        _end_as_told(error)
-    if code == INTERRUPTED:  # typer takes Ctrl-C for an answer
-        _end("interrupted", INTERRUPTED)
+        _end_as_told(error, heard)
+    if code == Heard().code:  # typer takes Ctrl-C for an answer
+        _end("interrupted", heard.code)
     sys.exit(code or 0)
 
 
-def _end_as_told(error: Exception) -> NoReturn:
+def _end_as_told(error: Exception, heard: Heard) -> NoReturn:
     """What only work that has gone wrong can have raised: what raises it is loaded by then."""
     from .sweeps.errors import (
         InputError,
@@ -273,7 +272,7 @@ def _end_as_told(error: Exception) -> NoReturn:
         case ToleranceError(times=times):
             _end(f"{error}; {times:.1g} times that --rtol would be kept", FAILURE)
         case InterruptedWorkError():
-            _end(f"interrupted; {error}", INTERRUPTED)
+            _end(f"interrupted; {error}", heard.code)
     if "RCSKIN_DEBUG" in os.environ:
         raise error
     _end(f"{error} ({type(error).__name__}; RCSKIN_DEBUG=1 shows where)", FAILURE)

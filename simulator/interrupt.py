@@ -1,4 +1,4 @@
-"""Ctrl-C ends a command soon, also within a library that does not hear of it for long."""
+"""Ctrl-C and its like end a command soon, also within a library that hears of it late."""
 
 from __future__ import annotations
 
@@ -8,67 +8,96 @@ import signal
 import socket
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from time import monotonic
+from types import FrameType
 from typing import NoReturn
 
 PATIENCE, UNWOUND, LEAVE = 0.8, 1.4, 0.4
-"""Seconds from a Ctrl-C until it must have been heard of, and what is unfinished have ended; and
+"""Seconds from a signal until it must have been heard of, and what is unfinished have ended; and
 that what is left to do at exit may take."""
 SHOWN_CURSOR = "\x1b[?25h"
 """What gives a terminal its cursor back, which a progress bar had hidden."""
 ENDING = f"{__package__}.sweeps.ending"
-INTERRUPTED = 130
-"""Exit code of what Ctrl-C ends."""
+SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
+"""Ctrl-C; told to end; the terminal is closed or the line to it lost; Ctrl-Break on Windows."""
+
+Handler = Callable[[int, FrameType | None], object] | int | None
+
+
+class Heard(threading.Event):
+    """Set by a signal that ends the command."""
+
+    number = int(signal.SIGINT)
+
+    @property
+    def code(self) -> int:
+        """Exit code of what the signal ends, as shells give it."""
+        return 128 + self.number
+
+    def hear(self, number: int, frame: FrameType | None) -> None:
+        """Raise KeyboardInterrupt, whatever the signal; a second one only where it is Ctrl-C."""
+        if self.is_set() and number != signal.SIGINT:
+            return
+        self.number = number
+        self.set()
+        raise KeyboardInterrupt
 
 
 @contextmanager
-def ending_soon(heard: threading.Event | None = None) -> Iterator[None]:
-    """Ctrl-C raises KeyboardInterrupt; it ends the process where that takes too long.
+def ending_soon(heard: Heard | None = None) -> Iterator[None]:
+    """Each of SIGNALS raises KeyboardInterrupt, and ends the process where that takes too long.
 
     Python raises it between two of its own instructions, which a fit in C may keep waiting for
     minutes, and threads of a fit may keep what unwinds it waiting. Blocks `waited_for` are. What is
-    unfinished on disk is removed before such an end. heard: is set by a Ctrl-C.
+    unfinished on disk is removed before such an end. A signal that is ignored or handled otherwise
+    stays so. heard: is set by a signal.
     """
-    usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    if not usual or threading.current_thread() is not threading.main_thread():
+    before = _usual()
+    if not before or threading.current_thread() is not threading.main_thread():
         yield
         return
-    heard, over = heard or threading.Event(), threading.Event()
-
-    def interrupt(number: int, frame: object) -> None:
-        heard.set()
-        raise KeyboardInterrupt
-
+    heard, over = heard or Heard(), threading.Event()
     ours, theirs = socket.socketpair()
     theirs.setblocking(False)
-    before = signal.set_wakeup_fd(theirs.fileno(), warn_on_full_buffer=False)
-    signal.signal(signal.SIGINT, interrupt)
-    threading.Thread(target=_watch, args=(ours, heard, over), daemon=True).start()
+    woken = signal.set_wakeup_fd(theirs.fileno(), warn_on_full_buffer=False)
+    for number in before:
+        signal.signal(number, heard.hear)
+    threading.Thread(target=_watch, args=(ours, {*before}, heard, over), daemon=True).start()
     try:
         yield
     finally:
         over.set()
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        signal.set_wakeup_fd(before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        signal.set_wakeup_fd(woken)
         theirs.close()
 
 
-def _watch(signals: socket.socket, heard: threading.Event, over: threading.Event) -> None:
-    """Ends the process where a Ctrl-C does not end the block; ends itself at the block's end."""
+def _usual() -> dict[int, Handler]:
+    """Those of SIGNALS that this system has and that do what they do by themselves, and what."""
+    numbers = [getattr(signal, name) for name in SIGNALS if hasattr(signal, name)]
+    usual = (signal.default_int_handler, signal.SIG_DFL)
+    handlers = {number: signal.getsignal(number) for number in numbers}
+    return {number: handler for number, handler in handlers.items() if handler in usual}
+
+
+def _watch(signals: socket.socket, ends: set[int], heard: Heard, over: threading.Event) -> None:
+    """Ends the process where a signal does not end the block; ends itself at the block's end."""
     with signals:
         while number := signals.recv(1):
-            if number[0] != signal.SIGINT:
+            if number[0] not in ends:
                 continue
             last = monotonic() + UNWOUND
-            told = heard.wait(PATIENCE)
+            told = heard.wait(PATIENCE) or over.is_set()
             if ENDING in sys.modules:  # else nothing can be in such a block
                 told = sys.modules[ENDING].wait() or told
             if not (told and over.wait(max(last - monotonic(), LEAVE))):
-                cursor = SHOWN_CURSOR if sys.stderr.isatty() else ""
-                sys.stderr.write(f"{cursor}rcskin: interrupted\n")
-                leave(INTERRUPTED)
+                with suppress(OSError, ValueError):  # the terminal may be closed
+                    cursor = SHOWN_CURSOR if sys.stderr.isatty() else ""
+                    sys.stderr.write(f"{cursor}rcskin: interrupted\n")
+                leave(128 + number[0])
 
 
 def leave(code: int) -> NoReturn:
@@ -79,5 +108,5 @@ def leave(code: int) -> NoReturn:
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError):
             stream.flush()
-    atexit._run_exitfuncs()
+    atexit._run_exitfuncs()  # no documented call has this done while the main thread is deaf
     os._exit(code)

@@ -12,6 +12,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 from ..models.reduced.indented.draws import spreading
+from ..processes import hired
 from ..sweeps import InputError, kept_file
 from ..sweeps.files import checked_place, locked
 from ..sweeps.space import check_disk
@@ -54,12 +55,13 @@ def generate(
             f"{plan.sweeps} sweeps of {readings(plan.scene)} readings",
             "give fewer --sweeps, or another disk",
         )
-        with workers.hired(min(processes, missing) if scheduler is None else 0) as hands:
+        hands = min(processes, missing) if scheduler is None else 0
+        with hired(hands, workers.NEEDED, workers.GOES_ON) as pool:
             family = _prepared(plan, workshop, training)
             finished = workshop.finished(plan)
             advance(sum(_size(plan, block) for block in finished))
             blocks = [block for block in range(plan.blocks) if block not in finished]
-            made = _at_work(workshop, blocks, hands, scheduler)
+            made = _at_work(workshop, blocks, pool and workers.Processes(pool, hands), scheduler)
             store.create(workshop.data, plan, family.grid, family.modes)  # while others work
             for block in made:
                 advance(_size(plan, block))

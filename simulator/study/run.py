@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from ..fem.factors import one_blas_thread
 from ..measure.symmetry import Pixel
 from ..models.mechanics.in_depths import foldable
 from ..models.validity import warnings
+from ..processes import each_of, hired
 from ..progress import Track
 from ..scene.files import scene_text
 from ..scene.scene import Scene
@@ -26,6 +30,8 @@ if TYPE_CHECKING:
 
 Given = TypeVar("Given")
 Made = TypeVar("Made")
+NEEDED = ("rcskin.simulator.cli", "rcskin.simulator.study.run")
+"""What starts the command and what every task needs, imported once for all processes."""
 NOISE_SHARE, LOOSEST, TIGHTEST = 0.1, 1e-4, 1e-7
 VARIABLES = {
     "accuracy": ("share of presses whose class is told right, mean of draws", "1"),
@@ -83,9 +89,10 @@ def study(
     Raises ToleranceError where the tolerance is not reached.
     """
     rtol = fitting_rtol(scenes) if rtol is None else rtol
-    curves, solves = _solved(scenes, trial, rtol, track, workers)
-    jobs = [(scene, trial, curves[point], cross_validate) for point, scene in enumerate(scenes)]
-    findings = list(_spread(_judge, jobs, "accuracy", track, workers))
+    with hired(workers, NEEDED, "too little memory may be the cause; fewer --workers") as pool:
+        curves, solves = _solved(scenes, trial, rtol, track, pool)
+        jobs = [(scene, trial, curves[point], cross_validate) for point, scene in enumerate(scenes)]
+        findings = list(_spread(_judge, jobs, "accuracy", track, pool))
     attributes = {
         "scene": scene_text(scenes[0]),
         "target": trial.target,
@@ -98,14 +105,18 @@ def study(
 
 
 def _solved(
-    scenes: Sequence[Scene], trial: Trial, rtol: float, track: Track, workers: int
+    scenes: Sequence[Scene],
+    trial: Trial,
+    rtol: float,
+    track: Track,
+    pool: ProcessPoolExecutor | None,
 ) -> tuple[list[dict[Pixel, Curve]], int]:
     """Curves of every pixel at every point, and how many solves they took."""
     found = families(scenes)
     work = [(k, task) for k, each in enumerate(found) for task in tasks(each, scenes, trial, rtol)]
     solved: list[dict[Pixel, Curve]] = [{} for _ in found]
     solves = 0
-    each_solution = _spread(solve, [task for _, task in work], "solves", track, workers)
+    each_solution = _spread(solve, [task for _, task in work], "solves", track, pool)
     for (family, _), solution in zip(work, each_solution, strict=True):
         solved[family] |= solution.curves
         solves += solution.solves
@@ -127,15 +138,17 @@ def _spread(
     given: Sequence[Given],
     description: str,
     track: Track,
-    workers: int,
+    pool: ProcessPoolExecutor | None,
 ) -> Iterator[Made]:
-    """The function of each item, in order."""
-    from joblib import Parallel, delayed
-
-    parallel: Any = Parallel(n_jobs=workers, return_as="generator")
-    made = parallel(delayed(function)(each) for each in given)
+    """The function of each item, in order; on one thread, as results must not depend on `pool`."""
+    made = each_of(pool, partial(_on_one_thread, function), given)
     for _, result in zip(track(given, description), made, strict=True):
         yield result
+
+
+def _on_one_thread(function: Callable[[Given], Made], given: Given) -> Made:
+    with one_blas_thread():
+        return function(given)
 
 
 def _dataset(

@@ -74,9 +74,11 @@ def _free_in_group() -> float | None:
 
 
 def _limit() -> float | None:
-    """What `ulimit -v` allows."""
-    import resource
-
+    """What `ulimit -v` allows, where the system has that."""
+    try:
+        import resource
+    except ImportError:
+        return None
     soft, _ = resource.getrlimit(resource.RLIMIT_AS)
     return None if soft == resource.RLIM_INFINITY else float(soft)
 

@@ -1,4 +1,4 @@
-"""One Ctrl-C ends a command: within a library that does not hear of it, and with its workers."""
+"""One signal ends a command: within a library that does not hear of it, and with its workers."""
 
 import os
 import pty
@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -76,25 +77,30 @@ def start():
 
 
 def members(group):
-    """How many processes are in a group."""
-    return sum(_group_of(int(name)) == group for name in os.listdir("/proc") if name.isdigit())
+    """How many processes are at work in a group."""
+    return sum(_works_in(group, int(name)) for name in os.listdir("/proc") if name.isdigit())
 
 
-def _group_of(process):
+def _works_in(group, process):
     try:
-        return os.getpgid(process)
-    except ProcessLookupError:
-        return None
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+        return os.getpgid(process) == group and state != "Z"
+    except (ProcessLookupError, FileNotFoundError):
+        return False
 
 
-@pytest.mark.parametrize("work", [DEAF, SLOW_TO_UNWIND], ids=["deaf", "slow to unwind"])
-def test_work_that_goes_on_is_ended_and_leaves_nothing_unfinished(start, tmp_path, work):
+@pytest.mark.parametrize(
+    ("work", "number"),
+    [(DEAF, signal.SIGINT), (SLOW_TO_UNWIND, signal.SIGTERM)],
+    ids=["deaf", "slow to unwind"],
+)
+def test_work_that_goes_on_is_ended_and_leaves_nothing_unfinished(start, tmp_path, work, number):
     process = start("-c", work, tmp_path / "out.csv")
     assert process.stdout.readline() == "at work\n"
     time.sleep(0.5)
-    os.killpg(process.pid, signal.SIGINT)
+    process.send_signal(number)
     _, err = process.communicate(timeout=30)
-    assert (process.returncode, err) == (130, "rcskin: interrupted\n")
+    assert (process.returncode, err) == (128 + number, "rcskin: interrupted\n")
     assert not [*tmp_path.iterdir()]
 
 
@@ -120,12 +126,49 @@ def test_a_terminal_has_its_cursor_back_even_so(start, tmp_path):
 
 
 @pytest.mark.slow
-def test_workers_of_a_study_end_with_it(start, tmp_path):
+@pytest.mark.parametrize("to_all", [True, False], ids=["Ctrl-C", "told to end"])
+def test_workers_of_a_study_end_with_it(start, tmp_path, to_all):
     process = start("-m", "rcskin", *STUDY, "-o", tmp_path / "study.csv")
     while process.poll() is None and members(process.pid) < 4:
         time.sleep(0.05)
     time.sleep(1)
-    os.killpg(process.pid, signal.SIGINT)
+    if to_all:
+        os.killpg(process.pid, signal.SIGINT)
+    else:
+        process.terminate()
     _, err = process.communicate(timeout=30)
-    assert process.returncode == 130 and err.splitlines()[-1] == "rcskin: interrupted"
+    assert process.returncode == (130 if to_all else 143)
+    note, last = err.splitlines()
+    assert note.startswith("rcskin: note: ") and last == "rcskin: interrupted"
+    assert not members(process.pid)
     assert not [*tmp_path.iterdir()]
+
+
+HIRED = """
+import time
+from rcskin.simulator.interrupt import ending_soon
+from rcskin.simulator.processes import hired
+
+if __name__ == "__main__":
+    with ending_soon(), hired(2, ["imported_for_long"], ""):
+        time.sleep(20)
+"""
+
+
+@pytest.mark.parametrize("to_all", [True, False], ids=["Ctrl-C", "told to end"])
+def test_what_workers_are_copies_of_ends_while_it_still_imports(
+    start, tmp_path, monkeypatch, to_all
+):
+    """Without a word of its own, whether all are told to end or this process alone."""
+    begun = tmp_path / "begun"
+    slow = f"import pathlib, time\npathlib.Path({str(begun)!r}).touch()\ntime.sleep(30)\n"
+    (tmp_path / "imported_for_long.py").write_text(slow)
+    (tmp_path / "hired.py").write_text(HIRED)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    process = start(tmp_path / "hired.py")
+    while process.poll() is None and not begun.exists():
+        time.sleep(0.02)
+    (os.killpg if to_all else os.kill)(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=10)
+    assert err.count("Traceback") == 1 and "forkserver" not in err
+    assert not members(process.pid)

@@ -96,9 +96,12 @@ def test_bad_input_ends_with_one_line_and_code_2(run, tmp_path, monkeypatch, arg
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
-def test_ctrl_c_ends_with_one_line_and_leaves_a_data_set_that_goes_on(
-    scene_file, tmp_path, workers
+@pytest.mark.parametrize(
+    ("workers", "number"),
+    [(1, signal.SIGTERM), pytest.param(2, signal.SIGINT, marks=pytest.mark.slow)],
+)
+def test_a_signal_ends_with_one_line_and_leaves_a_data_set_that_goes_on(
+    scene_file, tmp_path, workers, number
 ):
     work = tmp_path / ".out.zarr.unfinished"
     dataset = ["dataset", scene_file, "--sweeps", "9000000", "--workers", str(workers)]
@@ -112,9 +115,9 @@ def test_ctrl_c_ends_with_one_line_and_leaves_a_data_set_that_goes_on(
     )
     while process.poll() is None and not list(work.glob("finished/*.json")):
         time.sleep(0.02)
-    os.killpg(process.pid, signal.SIGINT)
+    os.killpg(process.pid, number)
     _, err = process.communicate()
-    assert process.returncode == 130
+    assert process.returncode == 128 + number
     assert err == "rcskin: interrupted; the same command goes on from here\n"
     assert (work / "plan.json").exists() and (work / "model.npz").exists()
 
