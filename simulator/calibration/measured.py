@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -28,7 +29,8 @@ if TYPE_CHECKING:
 class Reading:
     """One press in one session.
 
-    Z: ohm, shape (interface, frequency), 1 where nothing was read. deviation: sample standard
+    Z: ohm, shape (interface, frequency), 1 where nothing was read. fixed: which of the meter's
+    fixed errors of a session each reading has, by number, same shape. deviation: sample standard
     deviation of `observed` over the sweeps that were averaged, shape (2 * Z.size,), None where
     there was one.
     """
@@ -36,6 +38,7 @@ class Reading:
     press: Press
     session: int
     Z: NDArray[np.complex128]
+    fixed: NDArray[np.int64]
     averaged: int = 1
     deviation: NDArray[np.float64] | None = None
 
@@ -63,6 +66,11 @@ class Measured:
     def numbers(self) -> int:
         """How many numbers were measured: two for every reading."""
         return 2 * len(self.readings) * int(self.read.sum())
+
+    @cached_property
+    def fixed(self) -> int:
+        """How many fixed errors of one kind the meter has in a session."""
+        return 1 + max(int(reading.fixed.max()) for reading in self.readings)
 
     @cached_property
     def first(self) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
@@ -98,7 +106,8 @@ def measured(
     sessions = [int(each) for each in sweeps["session"].values]
     Z = impedance(sweeps)
     known = Z if bare.taken is None else np.where(bare.taken, Z, 1.0)
-    readings = tuple(_readings(known, presses, sessions))
+    fixed = _fixed(known, sweeps.attrs.get("settings"))
+    readings = tuple(_readings(known, fixed, presses, sessions))
     if not readings:
         raise InputError(f"no sweep can be used: {'; '.join(left_out) or 'there is none'}")
     return Measured(bare, readings, left_out)
@@ -162,22 +171,40 @@ def _whole_pixels(scene: Scene, text: str) -> Press:
     return press
 
 
+def _fixed(Z: NDArray[np.complex128], settings: str | None) -> NDArray[np.int64]:
+    """Number of the fixed error of a session that each reading has, shape of Z.
+
+    settings: of the meter that recorded the sweeps, as JSON. A meter has one error in each of its
+    ranges, the same at all interfaces; its automatic range is the lowest decade that holds |Z|.
+    Without a meter (None) each interface has its own, as `readout.read_out` draws them.
+    """
+    if settings is None:
+        return np.broadcast_to(np.arange(Z.shape[1])[:, None], Z.shape)
+    if not json.loads(settings).get("auto_range", True):
+        return np.zeros(Z.shape, dtype=np.int64)
+    decades = np.ceil(np.log10(np.abs(Z)))
+    return np.unique(decades, return_inverse=True)[1].reshape(Z.shape)
+
+
 def _readings(
-    Z: NDArray[np.complex128], presses: Sequence[Press | None], sessions: Sequence[int]
+    Z: NDArray[np.complex128],
+    fixed: NDArray[np.int64],
+    presses: Sequence[Press | None],
+    sessions: Sequence[int],
 ) -> Iterator[Reading]:
     at_rest: dict[int, list[int]] = {}
     for k, (press, session) in enumerate(zip(presses, sessions, strict=True)):
         if press is not None and not press.touches:
             at_rest.setdefault(session, []).append(k)
     for session, members in at_rest.items():
-        yield _averaged(Z[members], session)
+        yield _averaged(Z[members], fixed[members[0]], session)
     for k, (press, session) in enumerate(zip(presses, sessions, strict=True)):
         if press is not None and press.touches:
-            yield Reading(press, session, Z[k])
+            yield Reading(press, session, Z[k], fixed[k])
 
 
-def _averaged(Z: NDArray[np.complex128], session: int) -> Reading:
+def _averaged(Z: NDArray[np.complex128], fixed: NDArray[np.int64], session: int) -> Reading:
     """Of the skin at rest, in ln |Z| and phase."""
     mean = Z[0] * np.exp(np.log(Z / Z[0]).mean(axis=0))
     deviation = observed(Z / mean).std(axis=0, ddof=1) if len(Z) > 1 else None
-    return Reading(Press(), session, mean.astype(np.complex128), len(Z), deviation)
+    return Reading(Press(), session, mean.astype(np.complex128), fixed, len(Z), deviation)

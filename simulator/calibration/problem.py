@@ -69,13 +69,8 @@ class Asked:
 
     @property
     def errors(self) -> int:
-        """Fixed errors of the meter: of |Z| and phase, for each session and interface."""
-        return len(self.accuracy) * len(self.measured.sessions) * self.interfaces
-
-    @property
-    def interfaces(self) -> int:
-        """How many ways the meter was connected."""
-        return len(self.measured.scene.interfaces)
+        """Fixed errors of the meter: of |Z| and phase, for each session."""
+        return len(self.accuracy) * len(self.measured.sessions) * self.measured.fixed
 
     @cached_property
     def accuracy(self) -> dict[int, float]:
@@ -200,13 +195,13 @@ class Problem:
             spread[:, None] * observed_slope(response.Z, response.by_cell[..., touch])
             for touch, spread in enumerate(spreads.T)
         ]
-        errors = np.broadcast_to(self._errors, (len(group), *self._errors.shape))
+        errors = self._errors[group]
         stacked = [np.stack(each, axis=2) for each in (touches, parameters) if each]
         slopes = np.concatenate([*stacked, errors], axis=2)
         columns = self._columns(group, readings)
-        of_errors = columns[:, columns.shape[1] - self._errors.shape[1] :]
+        of_errors = columns[:, columns.shape[1] - errors.shape[2] :]
         measured = np.stack([reading.Z for reading in readings])
-        off = difference(response.Z, measured) + u[of_errors] @ self._errors.T
+        off = difference(response.Z, measured) + np.einsum("kre,ke->kr", errors, u[of_errors])
         deviation = self._deviation[group][:, :, None]
         return Block(
             group, columns, len(touches), response.Z, off / deviation[..., 0], slopes / deviation
@@ -214,7 +209,7 @@ class Problem:
 
     def _columns(self, group: NDArray[np.int64], readings: Sequence[Reading]) -> NDArray[np.int64]:
         """Unknowns that each reading depends on: its touches, parameters, errors of its session."""
-        asked, count = self.asked, self._errors.shape[1]
+        asked, count = self.asked, self._errors.shape[2]
         size = len(asked.fitted) + asked.touches + asked.errors
         sessions = [asked.measured.sessions.index(reading.session) for reading in readings]
         touches = len(asked.spreads[group[0]])
@@ -228,14 +223,15 @@ class Problem:
 
     @cached_property
     def _errors(self) -> NDArray[np.float64]:
-        """The meter's fixed errors of a session enter as they are, shape (2 * readings, error)."""
-        interfaces, frequencies = self.asked.measured.readings[0].Z.shape
-        halves = [
-            spread * np.kron(np.eye(2)[:, [half]], np.eye(interfaces))
-            for half, spread in self.asked.accuracy.items()
-        ]
-        found = np.hstack([np.zeros((2 * interfaces, 0)), *halves])
-        return np.repeat(found, frequencies, axis=0).astype(np.float64)
+        """How the meter's fixed errors of a session enter, shape (reading, 2 * Z.size, error)."""
+        asked = self.asked
+        which = np.stack([reading.fixed.ravel() for reading in asked.measured.readings])
+        own = np.eye(asked.measured.fixed)[which]
+        found = np.zeros((len(which), 2, which.shape[1], 0))
+        for half, spread in asked.accuracy.items():
+            entering = spread * np.eye(2)[half][:, None, None] * own[:, None]
+            found = np.concatenate([found, entering], axis=-1)
+        return found.reshape(len(which), 2 * which.shape[1], -1)
 
 
 def deviation_of(asked: Asked, reading: Reading) -> NDArray[np.float64]:
