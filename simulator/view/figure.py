@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..charts import STYLE, chart
+from ..charts import STYLE, chart, take_text_as_it_is
 from .axes import (
     NUMBERS_WIDTH,
     colour_bar,
@@ -69,6 +69,7 @@ def rendered(rows: Sequence[Sequence[Panel]], title: str, dpi: int) -> Image:
         figure = Figure(figsize=_size(rows), dpi=dpi, layout="constrained")
         canvas = FigureCanvasAgg(figure)
         compose(figure, rows, title)
+        take_text_as_it_is(figure)
         canvas.draw()
     image = np.asarray(canvas.buffer_rgba())[..., :3]
     height, width = (side - side % 2 for side in image.shape[:2])

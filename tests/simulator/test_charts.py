@@ -10,6 +10,7 @@ from rcskin.simulator.charts import (
     frequency_axis,
     unit_axis,
 )
+from rcskin.simulator.shown import shown
 from rcskin.simulator.sweeps import InputError
 
 BEGINS = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
@@ -73,3 +74,15 @@ def test_a_frequency_axis_has_plain_labels_enough_to_read_and_few_enough(high, l
     labels = [each for each in told if each]
     assert least <= len(labels) <= most
     assert all(float(each) > 0 for each in labels)
+
+
+@pytest.mark.parametrize("name", [r"$\frac{$", "a$b$c", r"\x", "\x1b[31mred", "100 $"])
+def test_names_stand_in_charts_as_they_are(tmp_path, name):
+    with chart(tmp_path / "named.svg", 3, 2) as figure:
+        axes = figure.subplots()
+        axes.plot([1, 10], [1, 10], label=name)
+        axes.set(title=name, xlabel=name, yscale="log")
+        axes.set_xticks([1, 5], [name.lstrip("\x1b")] * 2)
+        axes.legend()
+    texts = [each.get_text() for each in (axes.title, axes.xaxis.label)]
+    assert texts == [shown(name)] * 2
