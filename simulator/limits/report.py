@@ -35,7 +35,7 @@ def told(value: float, unit: float = 1.0, digits: int = 4) -> float | str:
 
 def write_places(variants: Sequence[Variant], path: Path) -> None:
     """Every place of every variant as a line of a CSV."""
-    with whole_file(path) as unfinished, unfinished.open("w", newline="") as file:
+    with whole_file(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
         writer = Writer(file)
         writer.writerow(HEADER)
         for variant in variants:
@@ -49,7 +49,7 @@ def write_places(variants: Sequence[Variant], path: Path) -> None:
 
 def write_distances(apart: NDArray[np.float64], names: Sequence[str], path: Path) -> None:
     """How far each two pixels' sweeps lie apart as a CSV, a line for each pair."""
-    with whole_file(path) as unfinished, unfinished.open("w", newline="") as file:
+    with whole_file(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
         writer = Writer(file)
         writer.writerow(["pixel", "other", "distance_errors"])
         for i, j in itertools.combinations(range(len(names)), 2):
@@ -77,4 +77,6 @@ def summary(variant: Variant) -> dict[str, Any]:
 def write_summary(content: Mapping[str, Any], path: Path) -> None:
     """The numbers as JSON."""
     with whole_file(path) as unfinished:
-        unfinished.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n")
+        unfinished.write_text(
+            json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8"
+        )

@@ -67,7 +67,8 @@ def write_folder(found: Found, asking: Asking, folder: Path) -> None:
     draw_wiring(scene, layout.readings, folder / "wiring.png")
     numbers = _numbers(found, flat, lost, scale)
     with whole_file(folder / "design.json") as unfinished:
-        unfinished.write_text(json.dumps(numbers, indent=2, allow_nan=False) + "\n")
+        text = json.dumps(numbers, indent=2, allow_nan=False) + "\n"
+        unfinished.write_text(text, encoding="utf-8")
     _write_report(found, asking, (flat, lost), scale, table, folder)
 
 

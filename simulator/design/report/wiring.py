@@ -40,7 +40,7 @@ def rows(scene: Scene, wired: Sequence[str], readings: Sequence[Interface]) -> l
 
 def write_wiring(table: Sequence[Row], path: Path) -> None:
     """As CSV."""
-    with whole_file(path) as unfinished, unfinished.open("w", newline="") as file:
+    with whole_file(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
         writer = Writer(file)
         writer.writerow(Row._fields)
         writer.writerows(table)
