@@ -6,6 +6,12 @@
     sweeps = rcskin.sweep(scene, ["2,3", "none"], rtol=1e-6)
     rcskin.plot(sweeps, "sweeps.png")
 
+    recorded = rcskin.measured(sweeps, seed=1)  # with the meter's noise
+    skins = rcskin.dataset(scene, 2000)
+    model = rcskin.train(skins)  # or rcskin.load_model("columns.skops")
+    rcskin.evaluate(model, recorded)["accuracy"]
+    rcskin.localize(model, recorded).labels
+
 Nothing is imported before it is used.
 """
 
@@ -16,9 +22,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    __version__: str
     import xarray as xr
     from numpy.typing import NDArray
 
+    from .localization.learners.registry import Registry
     from .localization.model.model import Model
     from .localization.trust.answers import Answers
     from .simulator.calibration.run import Calibration
@@ -27,11 +35,16 @@ if TYPE_CHECKING:
     from .simulator.scene.scene import Scene
 
 __all__ = [
+    "__version__",
     "calibrate",
+    "dataset",
+    "evaluate",
     "features",
     "limits",
     "load",
+    "load_model",
     "localize",
+    "measured",
     "plot",
     "read",
     "reduce",
@@ -43,6 +56,15 @@ __all__ = [
 
 def __dir__() -> list[str]:
     return __all__
+
+
+def __getattr__(name: str) -> str:
+    """The version, which is looked up where it is asked for."""
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("rcskin")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def load(scene: str | Path) -> Scene:
@@ -92,6 +114,37 @@ def _check(command: str, options: dict[str, Any]) -> None:
     check_numbers(command, options)
 
 
+def measured(sweeps: xr.Dataset, seed: int = 1) -> xr.Dataset:
+    """Simulated sweeps as the meter of their scene shows them, with its noise, session by session.
+
+    seed: of the noise. Raises InputError where the sweeps store no scene.
+    """
+    from .simulator.measure.simulate import read_by_meter
+    from .simulator.sweeps import InputError
+
+    text = str(sweeps.attrs.get("scene", ""))
+    if not text:
+        raise InputError("the sweeps store no scene, whose `readout` says how the meter errs")
+    return read_by_meter(sweeps, text, seed)
+
+
+def dataset(
+    scene: Scene | str | Path, sweeps: int = 2000, *, seed: int = 1, rtol: float = 1e-4
+) -> xr.Dataset:
+    """Simulated sweeps of random skins and presses, with the meter's noise, to train or test on.
+
+    scene: or its name or path, as for `load`; its tables `dataset.press` and `dataset.session` say
+    what is drawn. sweeps: how many, all in memory. seed: of all random numbers. rtol: the largest
+    relative error of Rs and of Cp before the noise. Raises InputError where a number is out of
+    range, ToleranceError where rtol cannot be kept.
+    """
+    from .simulator.dataset.memory import in_memory
+    from .simulator.dataset.plan import Plan
+    from .simulator.models.mechanics.in_depths import foldable
+
+    return in_memory(Plan(foldable(_scene(scene), "a data set"), sweeps, seed, rtol))
+
+
 def read(path: str | Path) -> xr.Dataset:
     """Sweeps from a file, simulated or measured; raises InputError in one line."""
     from .simulator.sweeps import read as read_sweeps
@@ -130,32 +183,54 @@ def plot(sweeps: xr.Dataset, path: str | Path) -> Path:
 
 
 def features(
-    sweeps: xr.Dataset, target: str = "column", quantities: Sequence[str] | None = None
+    sweeps: xr.Dataset, target: str = "column", quantities: str | Sequence[str] | None = None
 ) -> tuple[NDArray[Any], NDArray[Any]]:
     """Features X, shape (sweep, feature), and targets y, (sweep,) or (sweep, 3) for positions.
 
     Of the sweeps whose press has such a target. target: column, row, pixel, pair, touches or
-    position. quantities: what is looked at, by default Rs and Cp. Raises InputError where these
-    cannot be had.
+    position. quantities: such as "dlnZ,dphase", in one text or one by one; by default changes from
+    the unpressed skin or, where most presses have no sweep of it before them, Rs and Cp. Raises
+    InputError where these cannot be had.
     """
-    from .localization.inputs.features import DEFAULT_QUANTITIES
     from .localization.inputs.samples import samples_of
 
-    told = _told_for(target, sweeps)
-    samples = samples_of(told, target, quantities or DEFAULT_QUANTITIES)
+    samples = samples_of(_told_for(target, sweeps), target, quantities)
     return samples.X, samples.y
 
 
 def train(sweeps: xr.Dataset, target: str = "column", **options: Any) -> Model:
-    """A model that tells of sweeps like these what `target` asks for.
+    """A model that finds the `target` of sweeps like these.
 
-    options: as of `rcskin.localization.model.model.train`. Raises InputError where these cannot be
-    had, or the sweeps are of one class.
+    options: as of `rcskin.localization.model.training.train`; features by default as of `features`.
+    Raises InputError where these cannot be had, or the sweeps are of one class.
     """
     from .localization.model.training import train as trained
 
     _check("train", options)
-    return trained(_told_for(target, sweeps), target, **options)
+    return trained(_told_for(target, sweeps), target, **{"registry": _registry(), **options})
+
+
+def load_model(path: str | Path) -> Model:
+    """The model in a file that `rcskin train` or `rcskin adapt` wrote.
+
+    Raises InputError in one line where the file holds none.
+    """
+    from .localization.model.file import load as loaded
+
+    return loaded(path, _registry())
+
+
+def _registry() -> Registry:
+    """All estimators, those that invert the simulator too."""
+    from .localization.inversion.registered import model_based
+    from .localization.learners.registry import estimators
+    from .simulator.inversion.tables import templates
+
+    return estimators(model_based(templates))
+
+
+def _model(given: Model | str | Path) -> Model:
+    return load_model(given) if isinstance(given, str | Path) else given
 
 
 def _told_for(target: str, sweeps: xr.Dataset) -> xr.Dataset:
@@ -166,13 +241,31 @@ def _told_for(target: str, sweeps: xr.Dataset) -> xr.Dataset:
     return told_for(target, sweeps, factors_under)
 
 
-def localize(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Answers:
+def localize(
+    model: Model | str | Path, sweeps: xr.Dataset, rest: xr.Dataset | None = None
+) -> Answers:
     """The class or "cannot tell" of each sweep, how probable it is, and whether it is a novelty.
 
-    rest: sweeps of the skin at rest, where the model needs them and they are not among `sweeps`.
-    Raises InputError for sweeps unlike those trained on.
+    model: or the path of its file. rest: sweeps of the unpressed skin, where the model needs them
+    and they are not among `sweeps`. Raises InputError for sweeps unlike those trained on.
     """
-    return model.answers(sweeps, rest)
+    return _model(model).answers(sweeps, rest)
+
+
+def evaluate(
+    model: Model | str | Path, sweeps: xr.Dataset, rest: xr.Dataset | None = None
+) -> dict[str, float]:
+    """How often a model is right about sweeps whose presses are known: figures by their names.
+
+    Such as "accuracy", the share of sweeps whose class was found, or "median error, mm" of
+    positions. model, rest: as of `localize`. Sweeps that the model was trained or adapted on make
+    the figures too good. Raises InputError for sweeps unlike those trained on.
+    """
+    from .localization.evaluation.evaluation import score
+
+    model = _model(model)
+    samples = model.samples(_told_for(model.target, sweeps), rest)
+    return score(model.learned, samples).figures()
 
 
 def reduce(scene: Scene | str | Path, rtol: float = 1e-4) -> Reduced:

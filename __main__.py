@@ -54,6 +54,7 @@ def reproduce(
     from .localization.evaluation.confusion import write_csv
     from .localization.evaluation.evaluation import cross_validate
     from .localization.evaluation.plot import draw_confusion
+    from .localization.inputs.features import PAPER
     from .localization.model.file import save
     from .localization.model.training import train
     from .simulator.charts import checked_ending
@@ -62,10 +63,10 @@ def reproduce(
 
     ending = checked_ending(charts)
     localizer = Localizer(
-        cross_validate=cross_validate,
+        cross_validate=partial(cross_validate, quantities=PAPER),
         draw=draw_confusion,
         write=write_csv,
-        save=lambda sweeps, path: save(path, train(sweeps)),
+        save=lambda sweeps, path: save(path, train(sweeps, quantities=PAPER)),
     )
     with on_terminal() as track, config_context(**UNCHECKED):
         claims = reproduce_paper(output, localizer, track, ending)

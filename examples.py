@@ -19,7 +19,7 @@ EXAMPLES = {
     "design": "rcskin design sheet-5x5-two-interfaces --want 0.9 -o designed",
     "calibrate": "rcskin calibrate sheet-5x5 run.nc -o found",
     "gap": "rcskin gap all.nc run.nc -o gap",
-    "train": "rcskin train skins.zarr --features dlnZ,dphase -o columns.skops",
+    "train": "rcskin train skins.zarr -o columns.skops",
     "adapt": "rcskin adapt columns.skops run.nc -o better.skops",
     "evaluate": "rcskin evaluate columns.skops all.nc -o found",
     "localize": "rcskin localize columns.skops all.nc",

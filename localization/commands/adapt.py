@@ -70,7 +70,7 @@ def adapt_command(
         except InputError as error:
             files = ", ".join(map(str, touches))
             raise InputError(f"{files} for {model}: {error}") from error
-        save(output, found.model)
+        save(output, found.model.marked(known.isel(sweep=samples.rows)))
         for line in _told(found):
             say(line)
         say(f"model: adapted by {len(samples.X)} sweeps -> {output}")

@@ -55,3 +55,28 @@ def tell_age(model: Model, path: Path) -> None:
     """A note where the model was trained with other versions than those here."""
     if model.aged:
         say(f"rcskin: note: {path}: was trained with {model.aged}", err=True)
+
+
+def tell_features(asked: str | None, used: Sequence[str]) -> None:
+    """A note where features were not chosen, and the sweeps have none of the default ones."""
+    from ..inputs.features import AGAINST_REST
+
+    if asked is None and tuple(used) != AGAINST_REST:
+        say(
+            f"rcskin: note: --features {','.join(used)} is taken, for most presses have no sweep "
+            "of the unpressed skin before them in their session; with such sweeps, "
+            f"{','.join(AGAINST_REST)} mostly finds more",
+            err=True,
+        )
+
+
+def tell_known(model: Model, sweeps: xr.Dataset, path: Path) -> None:
+    """A note where the model was trained or adapted on some of these sweeps."""
+    import numpy as np
+
+    from ..inputs.marks import marks_of
+
+    known = int(np.isin(marks_of(sweeps), model.marks).sum())
+    if known:
+        told = f"{known} of these {sweeps.sizes['sweep']} sweeps taught it, in `train` or `adapt`"
+        say(f"rcskin: note: {path}: {told}; on others it is right less often", err=True)

@@ -47,7 +47,7 @@ def evaluate_command(
         rest: options.Rest = None,
         target: options.Target = "column",
         name: options.Name = None,
-        quantities: options.Quantities = options.PAPER,
+        quantities: options.Quantities = None,
         interface: options.Interfaces = None,
         certain: options.Certain = None,
         tune: options.Tune = False,
@@ -69,7 +69,7 @@ def evaluate_command(
         from ..inputs.reading import read_some
         from ..inputs.samples import samples_of
         from ..model.file import ENDING
-        from .asking import model_for, told_for
+        from .asking import model_for, tell_features, tell_known, told_for
 
         by_model = files[0].suffix == ENDING
         recordings = files[by_model:]
@@ -84,11 +84,11 @@ def evaluate_command(
         if by_model:
             model = model_for(sweeps, recordings, files[0], extra(), anyway=anyway)
             found = _by_model(model, told_for(model.target, sweeps, factors), resting)
-            _tell_known(model, sweeps, files[0])
+            tell_known(model, sweeps, files[0])
         else:
-            asked = quantities.split(",")
             told = told_for(target, sweeps, factors)
-            samples = samples_of(told, target, asked, interfaces=interface, rest=resting)
+            samples = samples_of(told, target, quantities, interfaces=interface, rest=resting)
+            tell_features(quantities, samples.problem.quantities)
             with progress() as track:
                 found = _by_folds(
                     samples, name, extra(), certain=certain, tune=tune, folds=folds, track=track
@@ -101,18 +101,6 @@ def evaluate_command(
             say(f"evaluation: {len(found.score.truth)} sweeps -> {folder}")
 
     return evaluate
-
-
-def _tell_known(model: Model, sweeps: xr.Dataset, path: Path) -> None:
-    """A note where the model is asked about sweeps that it was trained on."""
-    import numpy as np
-
-    from ..inputs.marks import marks_of
-
-    known = int(np.isin(marks_of(sweeps), model.marks).sum())
-    if known:
-        told = f"{known} of these {sweeps.sizes['sweep']} sweeps are of its training"
-        say(f"rcskin: note: {path}: {told}; on others it is right less often", err=True)
 
 
 def _by_model(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -> Found:

@@ -50,7 +50,7 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         from ..evaluation.report import write_table
         from ..inputs.reading import read_some
         from ..trust.answers import CANNOT_TELL
-        from .asking import model_for
+        from .asking import model_for, tell_known
 
         if output is not None:
             checked_output(output, (".csv",))
@@ -63,6 +63,7 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         else:
             header, rows = _table(told, asked, resting)
         _tell_unguarded(told, asked, resting)
+        tell_known(told, asked, model)
         if output is not None:
             write_table(output, header, rows)
             silent = sum(row[2] == CANNOT_TELL for row in rows)

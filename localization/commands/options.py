@@ -13,7 +13,6 @@ from typing import Annotated, Any
 import typer
 
 MOST_SWEEPS = 20_000
-PAPER = "Rs,Cp"
 SWEEPS = "Sweeps: FILE.nc, FILE.zarr or FILE.csv; several are joined."
 MOST = "Take the first so many sweeps, of whole sessions."
 REST = "Sweeps of the skin at rest, where SWEEPS has none and the model is to be told them."
@@ -60,11 +59,12 @@ Name = Annotated[
     ),
 ]
 Quantities = Annotated[
-    str,
+    str | None,
     typer.Option(
         "--features",
-        help="Of Rs, X, Cp, lnZ, phase and, against the skin at rest in the same session, dlnZ "
-        "and dphase; of the skin at rest itself, lnZ0 and phase0; joined by ','.",
+        help="Of Rs, X, Cp, lnZ, phase and, against the unpressed skin in the same session, dlnZ "
+        "and dphase; of the unpressed skin itself, lnZ0 and phase0; joined by ','. Without it "
+        "dlnZ,dphase or, where the unpressed skin was not measured, Rs,Cp.",
     ),
 ]
 Interfaces = Annotated[

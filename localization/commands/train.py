@@ -33,7 +33,7 @@ def train_command(
         output: Annotated[Path, typer.Option("--output", "-o", help="MODEL.skops.")],
         target: options.Target = "column",
         name: options.Name = None,
-        quantities: options.Quantities = options.PAPER,
+        quantities: options.Quantities = None,
         interface: options.Interfaces = None,
         certain: options.Certain = None,
         tune: options.Tune = False,
@@ -51,7 +51,7 @@ def train_command(
         from ..learners.registry import estimators
         from ..model.file import ENDING, save
         from ..model.training import train as train_model
-        from .asking import told_for
+        from .asking import tell_features, told_for
 
         checked_output(output, (ENDING,))
         given = read_some(sweeps, most, in_parts=True)
@@ -61,7 +61,7 @@ def train_command(
                 known,
                 target,
                 name,
-                quantities=quantities.split(","),
+                quantities=quantities,
                 interfaces=interface,
                 certain=certain,
                 tune=tune,
@@ -69,6 +69,7 @@ def train_command(
                 track=track,
             )
         save(output, model)
+        tell_features(quantities, model.quantities)
         for line in [*_told(model), *_hints(model, known)]:
             say(f"{output}: {line}")
         say(f"model: {_size(model)} -> {output}")

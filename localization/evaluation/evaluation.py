@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..inputs.features import DEFAULT_QUANTITIES, features
+from ..inputs.features import Quantities, chosen_quantities, told_features
 from ..inputs.samples import Samples
 from ..inputs.targets import labels
 from ..inversion.region import Region, region_of
@@ -189,16 +189,19 @@ def cross_validate(
     *,
     folds: int = 5,
     grouping: str | None = None,
-    quantities: Sequence[str] = DEFAULT_QUANTITIES,
+    quantities: Quantities | None = None,
     seed: int = 0,
 ) -> Confusion:
     """Train on all folds but one and predict that one, in turn: every sweep is predicted once.
 
-    target, quantities: as of `labels` and `features`. classifier: a name in CLASSIFIERS. folds,
-    grouping, seed: as of `folds_of`. Raises InputError as these do.
+    Sweeps before the first of the unpressed skin are left out where features need it. target,
+    quantities: as of `samples_of`. classifier: a name in CLASSIFIERS. folds, grouping, seed: as of
+    `folds_of`. Raises InputError as these do.
     """
-    X, y = features(sweeps, quantities), labels(sweeps, target)
-    splits = folds_of(sweeps, y, folds=folds, grouping=grouping, seed=seed)
+    X, rows = told_features(sweeps, chosen_quantities(quantities, sweeps))
+    told = sweeps.isel(sweep=rows)
+    y = labels(told, target)
+    splits = folds_of(told, y, folds=folds, grouping=grouping, seed=seed)
     untrained = pipeline(classifier, features=X.shape[1])
     return over_folds(untrained, X, y, splits)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...simulator.sweeps import InputError, impedance
 from ...simulator.sweeps.schema import taken_of
-from .rest import check_told, log_at_rest
+from .rest import check_told, has_rest_before, log_at_rest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,15 +25,30 @@ errors of the session, and most of what differs between skins, drop out of."""
 AT_REST = ("lnZ0", "phase0")
 """Those of the skin at rest at the opening of the session: they tell which skin it is."""
 QUANTITIES = (*READ, *ABSOLUTE, *AGAINST_REST, *AT_REST)
-DEFAULT_QUANTITIES = ("Rs", "Cp")
-"""The paper's."""
+PAPER = ("Rs", "Cp")
+"""The paper's choice, and the default where the unpressed skin was not measured."""
 BLOCK = 10_000
 """Sweeps whose features are found together, about: on the way they take ten times the room."""
 
 
+Quantities = str | Sequence[str]
+"""Names of QUANTITIES, in one text joined by commas or one by one."""
+
+
+def usual_quantities(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> tuple[str, ...]:
+    """The default features: changes from the unpressed skin, where most presses can have them.
+
+    AGAINST_REST where sweeps of the unpressed skin are given by `rest`, or come in the same session
+    before more than half of the pressed sweeps. PAPER otherwise.
+    """
+    pressed = sweeps["row"].values != 0
+    known = has_rest_before(sweeps)[pressed]
+    return AGAINST_REST if rest is not None or 2 * known.sum() > known.size else PAPER
+
+
 def features(
     sweeps: xr.Dataset,
-    quantities: Sequence[str] = DEFAULT_QUANTITIES,
+    quantities: Quantities = PAPER,
     *,
     interfaces: Sequence[str] | None = None,
     rest: xr.Dataset | None = None,
@@ -50,7 +65,7 @@ def features(
 
 def told_features(
     sweeps: xr.Dataset,
-    quantities: Sequence[str] = DEFAULT_QUANTITIES,
+    quantities: Quantities = PAPER,
     *,
     interfaces: Sequence[str] | None = None,
     rest: xr.Dataset | None = None,
@@ -175,14 +190,23 @@ def seen_from(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> xr.Datase
     return sweeps.isel(interface=[there.index(name) for name in interfaces])
 
 
-def checked_quantities(quantities: Sequence[str]) -> tuple[str, ...]:
-    """The same quantities, if they can be features; raises InputError as `features` does."""
+def checked_quantities(quantities: Quantities) -> tuple[str, ...]:
+    """The names one by one, if they can be features; raises InputError as `features` does."""
+    if isinstance(quantities, str):
+        quantities = [name.strip() for name in quantities.split(",")]
     for name in quantities:
         if name not in QUANTITIES:
             raise InputError(f"`quantities` must be of {', '.join(QUANTITIES)}, got {name!r}")
     if not quantities or len(set(quantities)) < len(quantities):
         raise InputError(f"`quantities` must name each once, at least one, got {list(quantities)}")
     return tuple(quantities)
+
+
+def chosen_quantities(
+    quantities: Quantities | None, sweeps: xr.Dataset, rest: xr.Dataset | None = None
+) -> tuple[str, ...]:
+    """As `checked_quantities`; those of `usual_quantities` for None."""
+    return usual_quantities(sweeps, rest) if quantities is None else checked_quantities(quantities)
 
 
 def needs_rest(quantities: Sequence[str]) -> bool:

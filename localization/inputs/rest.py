@@ -74,12 +74,29 @@ def check_told(sweeps: xr.Dataset, rows: NDArray[np.intp]) -> None:
         )
 
 
-def _before(sweeps: xr.Dataset, absolute: NDArray[np.complex128]) -> Iterator[AtRest]:
+def has_rest_before(sweeps: xr.Dataset) -> NDArray[np.bool_]:
+    """Whether each sweep has the unpressed skin measured before it in its session, (sweep,)."""
+    known = np.zeros(sweeps.sizes["sweep"], dtype=bool)
+    for here, moments, count in _resting(sweeps):
+        known[here[moments[count - 1] + 1 :]] = True
+    return known
+
+
+def _resting(
+    sweeps: xr.Dataset,
+) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp], int]]:
+    """The sweeps of each session with rest in the order of time, which of these are at rest, and
+    how many of the latest are averaged."""
     session, unpressed = sweeps["session"].values, sweeps["row"].values == 0
     for each in np.unique(session[unpressed]):
         here = _in_time(sweeps, np.flatnonzero(session == each))
         moments = np.flatnonzero(unpressed[here])
-        count = max(FEWEST, np.count_nonzero(moments[:RECENT] < EARLY * here.size))
+        count = max(FEWEST, int(np.count_nonzero(moments[:RECENT] < EARLY * here.size)))
+        yield here, moments, count
+
+
+def _before(sweeps: xr.Dataset, absolute: NDArray[np.complex128]) -> Iterator[AtRest]:
+    for here, moments, count in _resting(sweeps):
         told = np.arange(moments[count - 1] + 1, here.size)
         rows, known = here[told], np.searchsorted(moments, told)
         at_rest = absolute[here[moments]]

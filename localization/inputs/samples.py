@@ -11,9 +11,9 @@ import numpy as np
 from ...simulator.sweeps import InputError
 from .features import (
     AGAINST_REST,
-    DEFAULT_QUANTITIES,
+    Quantities,
     changes_from_rest,
-    checked_quantities,
+    chosen_quantities,
     packed,
     seen_from,
     taken_rows,
@@ -198,20 +198,21 @@ def drawn(groups: NDArray, count: int, seed: int = 0) -> NDArray[np.intp]:
 def samples_of(
     sweeps: xr.Dataset,
     target: str,
-    quantities: Sequence[str] = DEFAULT_QUANTITIES,
+    quantities: Quantities | None = None,
     *,
     interfaces: Sequence[str] | None = None,
     rest: xr.Dataset | None = None,
 ) -> Samples:
     """Features and targets of the sweeps that have both; the others are counted.
 
-    Arguments as of `told_features` and `has_target`; raises InputError as these do, and where no
-    sweep is left.
+    Arguments as of `told_features` and `has_target`; quantities by default `usual_quantities`.
+    Raises InputError as these do, and where no sweep is left.
     """
     fitting = has_target(sweeps, target)
     if not fitting.any():
         raise InputError(f"no sweep has a press that `target` {target} can be told of")
-    X, rows = told_features(sweeps, quantities, interfaces=interfaces, rest=rest)
+    asked = chosen_quantities(quantities, sweeps, rest)
+    X, rows = told_features(sweeps, asked, interfaces=interfaces, rest=rest)
     usable = rows[fitting[rows]]
     if not usable.size:
         check_told(sweeps, rows)
@@ -220,7 +221,7 @@ def samples_of(
     problem = Problem(
         target=target,
         features=X.shape[1],
-        quantities=checked_quantities(quantities),
+        quantities=asked,
         interfaces=tuple(str(name) for name in seen["interface"].values),
         frequencies=tuple(float(f) for f in seen["frequency"].values),
         scene=str(sweeps.attrs.get("scene", "")),

@@ -12,6 +12,7 @@ from sklearn.pipeline import Pipeline
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.same_skin import check_same_skin
 from ..inputs.features import changes_from_rest, seen_from, taken_rows, told_features
+from ..inputs.marks import marks_of
 from ..inputs.rest import check_told
 from ..inputs.samples import Problem, Samples, samples_of
 from ..inversion.region import Region
@@ -52,7 +53,7 @@ class Model:
     left_out: str
     """Which sweeps were left out, as text."""
     marks: NDArray[np.uint64] = field(compare=False)
-    """Of the sweeps that it was trained on, see `marks_of`."""
+    """Of the sweeps that it was trained or adapted on, see `marks_of`."""
     gate: Model | None = None
     """Of positions: tells how many touches there are; None where the training showed only one."""
     anyway: bool = False
@@ -71,6 +72,10 @@ class Model:
     def insisting(self) -> Model:
         """The same model, which answers sweeps of another skin too."""
         return replace(self, anyway=True, gate=self.gate and self.gate.insisting())
+
+    def marked(self, sweeps: xr.Dataset) -> Model:
+        """The same model, whose `marks` hold those of sweeps that it was adapted on, too."""
+        return replace(self, marks=np.concatenate([self.marks, marks_of(sweeps)]))
 
     @property
     def pipeline(self) -> Pipeline:

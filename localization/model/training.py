@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..inputs.features import DEFAULT_QUANTITIES
+from ..inputs.features import Quantities
 from ..inputs.marks import marks_of
 from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import has_target, labels
@@ -25,7 +25,7 @@ def train(
     target: str = "column",
     estimator: str | None = None,
     *,
-    quantities: Sequence[str] = DEFAULT_QUANTITIES,
+    quantities: Quantities | None = None,
     interfaces: Sequence[str] | None = None,
     rest: xr.Dataset | None = None,
     certain: float | None = None,

@@ -3,10 +3,12 @@
 import inspect
 import subprocess
 import sys
+from importlib.metadata import version
 
 import numpy as np
 import pytest
 import rcskin
+from rcskin.localization.model.file import save
 from rcskin.simulator.sweeps import InputError
 
 
@@ -85,6 +87,62 @@ def test_features_train_and_localize(scene):
     assert len(X) == len(y) == 27 and set(y) == {1, 2, 3}
     told = rcskin.localize(rcskin.train(known, "column"), known)
     assert np.mean(told.labels.astype(str) == y.astype(str)) > 0.9
+
+
+@pytest.fixture(scope="module")
+def skins():
+    """Sweeps of two sessions on random skins, to learn from, and of another one."""
+    strip = rcskin.load("strip-1x3").with_({"dataset.session.sweeps_per_session": 100})
+    return rcskin.dataset(strip, 200, seed=1), rcskin.dataset(strip, 100, seed=2)
+
+
+def test_a_model_is_trained_in_memory_and_on_disk_and_asked_by_its_path(skins, tmp_path):
+    known, unseen = skins
+    model = rcskin.train(known)
+    assert model.quantities == ("dlnZ", "dphase")
+    path = tmp_path / "m.skops"
+    save(path, model)
+    labels = rcskin.localize(path, unseen).labels
+    np.testing.assert_array_equal(labels, rcskin.localize(str(path), unseen).labels)
+    np.testing.assert_array_equal(labels, rcskin.localize(rcskin.load_model(path), unseen).labels)
+    figures = rcskin.evaluate(path, unseen)
+    assert figures == rcskin.evaluate(model, unseen) and figures["accuracy"] > 0.9
+    assert rcskin.train(known, estimator="model-based").target == "column"
+
+
+def test_a_data_set_in_memory_is_the_one_on_disk(run, tmp_path):
+    told = ("--sweeps", 40, "--seed", 3, "--workers", 1)
+    run("dataset", "strip-1x3", *told, "-o", tmp_path / "a.zarr")
+    stored, made = rcskin.read(tmp_path / "a.zarr"), rcskin.dataset("strip-1x3", 40, seed=3)
+    np.testing.assert_array_equal(made["press"], stored["press"])
+    np.testing.assert_allclose(made["Cp"], stored["Cp"], rtol=1e-6)
+    np.testing.assert_allclose(made["touch_x"], stored["touch_x"], rtol=1e-6)
+
+
+def test_features_are_named_as_on_the_command_line(skins):
+    known, _ = skins
+    by_default, y = rcskin.features(known)
+    for named in ("dlnZ,dphase", ("dlnZ", "dphase")):
+        X, again = rcskin.features(known, quantities=named)
+        np.testing.assert_array_equal(X, by_default)
+        np.testing.assert_array_equal(again, y)
+    pressed = known.isel(sweep=known["row"].values > 0)
+    as_read = rcskin.features(pressed, quantities="Rs,Cp")[0]
+    np.testing.assert_array_equal(rcskin.features(pressed)[0], as_read)
+
+
+def test_noise_is_the_meters_of_the_scene(scene, sweeps):
+    shown = rcskin.measured(sweeps, seed=3)
+    off = np.log(np.hypot(shown["Rs"], shown["X"]) / np.hypot(sweeps["Rs"], sweeps["X"]))
+    deviation = off.values.std()
+    assert deviation == pytest.approx(scene.readout.magnitude_noise, rel=0.3)
+    assert rcskin.measured(sweeps, seed=3).identical(shown)
+    with pytest.raises(InputError, match="store no scene"):
+        rcskin.measured(sweeps.drop_attrs())
+
+
+def test_the_version_is_that_of_the_package():
+    assert rcskin.__version__ == version("rcskin")
 
 
 def test_files_come_back_as_they_went(sweeps, tmp_path):

@@ -37,7 +37,7 @@ def model(files):
 def saved(run, files, tmp_path):
     """Of that skin, on disk."""
     path = tmp_path / "m.skops"
-    assert run("train", files / "own.nc", "-o", path)[0] == 0
+    assert run("train", files / "own.nc", "--features", "Rs,Cp", "-o", path)[0] == 0
     return path
 
 

@@ -129,6 +129,13 @@ def test_the_examples_run_one_after_the_other(page, tmp_path, monkeypatch):
     assert names
 
 
+def test_the_shell_block_of_the_front_page_can_be_pasted():
+    """Line by line it is commands of rcskin, and what a shell takes for comments."""
+    (block,) = blocks("README.md", "")
+    words = [shlex.split(line, comments=True) for line in block.splitlines()]
+    assert [shlex.join(each) for each in words] == commands("README.md")
+
+
 def missing_inputs(line, made):
     """Scenes and files that a command takes, and that are neither built in nor made before."""
     command, *words = shlex.split(line.partition(" &")[0])[1:]

@@ -156,6 +156,16 @@ def test_figures_before_and_after_are_told(run, folder, tmp_path):
     assert last == f"model: adapted by 38 sweeps -> {out}"
 
 
+@pytest.mark.parametrize("command", ["evaluate", "localize"])
+def test_sweeps_that_a_model_was_adapted_on_are_not_taken_for_others(run, folder, other, command):
+    out = folder / f"{command}.skops"
+    assert run("adapt", folder / "m.skops", folder / "touches.nc", "-o", out)[0] == 0
+    _, _, err = run(command, out, folder / "touches.nc")
+    assert f"note: {out}: 38 of these 40 sweeps taught it, in `train` or `adapt`" in err
+    write(other(4).isel(sweep=slice(40, None)), folder / "unseen.nc")
+    assert "taught it" not in run(command, out, folder / "unseen.nc")[2]
+
+
 def test_figures_of_places_before_and_after_are_told_and_the_model_is_read_back(run, folder):
     out = folder / "placed.skops"
     code, told, err = run("adapt", folder / "p.skops", folder / "strip.nc", "-o", out)

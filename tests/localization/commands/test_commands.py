@@ -27,7 +27,7 @@ def files(make_sweeps, tmp_path_factory):
 @pytest.mark.usefixtures("unpainted")
 def test_a_model_is_trained_evaluated_and_asked(run, files, tmp_path):
     model = tmp_path / "m.skops"
-    code, out, err = run("train", files / "known.nc", "--features", "dlnZ,dphase", "-o", model)
+    code, out, err = run("train", files / "known.nc", "-o", model)
     assert (code, err) == (0, "")
     assert "column by ksvm-ovo from dlnZ, dphase at left" in out
     assert "whole sessions held out: accuracy 100 % (69 of 69, at least 95 % with 95 % confi" in out
@@ -100,7 +100,7 @@ def test_three_touches_at_once_are_left_out_and_counted(run, make_sweeps, tmp_pa
     three = sweeps.assign_coords(press=("sweep", press)).assign_attrs(scene=SCENE)
     write(three, tmp_path / "three.nc")
     for target in ("touches", "pair", "position"):
-        asked = ("--target", target, "-o", tmp_path / "m.skops")
+        asked = ("--target", target, "--features", "Rs,Cp", "-o", tmp_path / "m.skops")
         code, out, _ = run("train", tmp_path / "three.nc", *asked)
         assert (
             code == 0 and f"{7 if target == 'position' else 1} without a {target} left out" in out
@@ -119,37 +119,47 @@ def test_a_model_never_shown_rest_says_so(run, files, tmp_path):
     assert code == 0 and "cannot tell that nothing is pressed" in out
 
 
+@pytest.mark.parametrize("command", ["train", "evaluate"])
+def test_without_the_unpressed_skin_readings_are_taken_as_they_stand(run, files, tmp_path, command):
+    output = ("-o", tmp_path / "m.skops") if command == "train" else ()
+    code, _, err = run(command, files / "pressed.nc", *output)
+    assert code == 0 and err.startswith("rcskin: note: --features Rs,Cp is taken, for most")
+    assert run(command, files / "pressed.nc", "--features", "Rs,Cp", *output)[2] == ""
+
+
 def test_raw_readings_of_several_skins_are_advised_against(run, files, tmp_path):
     advised = "mostly tell more: --features dlnZ,dphase"
     model = ("-o", tmp_path / "m.skops")
-    assert advised in run("train", files / "known.nc", *model)[1]
-    assert advised not in run("train", files / "known.nc", "--features", "dlnZ,dphase", *model)[1]
+    assert advised in run("train", files / "known.nc", "--features", "Rs,Cp", *model)[1]
+    assert advised not in run("train", files / "known.nc", *model)[1]
     assert advised not in run("train", files / "pressed.nc", *model)[1]
 
 
 def test_raw_readings_without_rest_are_answered_with_a_note(run, files, tmp_path):
     model, known = tmp_path / "m.skops", read(files / "known.nc")
     write(known.isel(sweep=known["row"].values == 0), tmp_path / "rest.nc")
-    assert run("train", files / "known.nc", "-o", model)[0] == 0
+    assert run("train", files / "known.nc", "--features", "Rs,Cp", "-o", model)[0] == 0
     code, out, err = run("localize", model, files / "pressed.nc")
-    assert code == 0 and err == (
+    *_, unguarded, taught = err.splitlines(keepends=True)
+    assert taught.startswith(f"rcskin: note: {model}: 54 of these 54 sweeps taught it")
+    assert code == 0 and unguarded == (
         "rcskin: note: 54 sweeps have no skin at rest before them; two touches may pass for one, "
         "which --rest guards from\n"
     )
     code, guarded, err = run(
         "localize", model, files / "pressed.nc", "--rest", tmp_path / "rest.nc"
     )
-    assert (code, err) == (0, "") and "cannot tell" not in out + guarded
+    assert (code, err) == (0, taught) and "cannot tell" not in out + guarded
 
 
 def test_only_so_many_sweeps_are_taken_and_whole_sessions_of_them(run, files, tmp_path):
     code, out, _ = run("train", files / "known.nc", "--most", 50, "-o", tmp_path / "m.skops")
-    assert code == 0 and "; 48 sweeps" in out
+    assert code == 0 and "; 46 sweeps" in out
 
 
 def test_what_scikit_learn_warns_of_is_not_shown(run, make_sweeps, tmp_path):
     write(make_sweeps(rows=4, columns=6, repetitions=2), tmp_path / "few.nc")
-    asked = ("--target", "pixel", "-o", tmp_path / "m.skops")
+    asked = ("--target", "pixel", "--features", "Rs,Cp", "-o", tmp_path / "m.skops")
     code, _, err = run("train", tmp_path / "few.nc", *asked)
     assert (code, err) == (0, "")
 
@@ -176,7 +186,7 @@ def test_what_scikit_learn_warns_of_is_not_shown(run, make_sweeps, tmp_path):
         (["localize", "good.skops", "other.nc"], "trained on 20 frequencies, the sweeps have 2"),
         (["evaluate", "known.nc", "--folds", "1"], "--folds must be from 2 to"),
         (
-            ["train", "known.nc", "--estimator", "model-based", "-o", "m.skops"],
+            ["train", "pressed.nc", "--estimator", "model-based", "-o", "m.skops"],
             "takes the features dlnZ,dphase",
         ),
     ],

@@ -17,7 +17,7 @@ def folds(sweeps, **kwargs):
 @pytest.mark.parametrize("grouping", [None, "press"])
 @pytest.mark.parametrize("target", ["column", "row"])
 def test_every_sweep_is_counted_once_under_its_own_class(sheet, grouping, target):
-    confusion = cross_validate(sheet, target, folds=3, grouping=grouping)
+    confusion = cross_validate(sheet, target, folds=3, grouping=grouping, quantities="Rs,Cp")
     classes, sizes = np.unique(labels(sheet, target), return_counts=True)
     assert confusion.labels == tuple(classes)
     np.testing.assert_array_equal(confusion.counts.sum(axis=1), sizes)
@@ -25,6 +25,13 @@ def test_every_sweep_is_counted_once_under_its_own_class(sheet, grouping, target
 
 def test_a_strip_of_three_pixels_and_no_press_are_told_apart(strip):
     assert cross_validate(strip).accuracy == 1.0
+
+
+def test_sweeps_before_the_first_of_the_unpressed_skin_are_left_out_where_it_is_needed(sheet):
+    by_default, as_read = cross_validate(sheet), cross_validate(sheet, quantities="Rs,Cp")
+    assert by_default.total == as_read.total - 2
+    by_changes = cross_validate(sheet, quantities=("dlnZ", "dphase"))
+    np.testing.assert_array_equal(by_default.counts, by_changes.counts)
 
 
 def test_columns_near_the_contact_are_told_apart_best(make_sweeps):
@@ -91,8 +98,8 @@ def test_a_strip_cannot_be_grouped_by_press(strip):
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
-        ({"folds": 7}, "`folds` must be from 2 to the 6 sweeps of class 0, got 7"),
-        ({"folds": 1}, "`folds` must be from 2 to the 6 sweeps of class 0, got 1"),
+        ({"folds": 7}, "`folds` must be from 2 to the 5 sweeps of class 0, got 7"),
+        ({"folds": 1}, "`folds` must be from 2 to the 5 sweeps of class 0, got 1"),
         ({"grouping": "session"}, "`folds` must be at most the number of groups, 1, got 5"),
         ({"grouping": "day"}, "must be none, press or session, got 'day'"),
         ({"target": "row", "classifier": "knn"}, "`classifier` must be one of"),

@@ -5,7 +5,7 @@ from zipfile import ZipFile
 import numpy as np
 import pytest
 import skops.io
-from rcskin.localization.inputs.features import features
+from rcskin.localization.inputs.features import PAPER, features
 from rcskin.localization.learners.classifiers import CLASSIFIERS
 from rcskin.localization.model.fields import fields_of
 from rcskin.localization.model.file import load, save
@@ -31,7 +31,7 @@ def rewrite(source, target, change):
 @pytest.mark.parametrize("classifier", [*CLASSIFIERS, "gaussian"])
 @pytest.mark.parametrize("target", ["column", "pixel"])
 def test_a_model_read_back_is_the_same_model(sheet, tmp_path, classifier, target):
-    model = train(sheet, target, classifier)
+    model = train(sheet, target, classifier, quantities=PAPER)
     save(tmp_path / "model.skops", model)
     again = load(tmp_path / "model.skops")
     X = features(sheet)

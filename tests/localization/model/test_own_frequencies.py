@@ -37,7 +37,7 @@ def test_features_are_those_of_what_was_read(sheet, thinned, taken, quantities):
 @pytest.mark.parametrize("estimator", ["ksvm-ovo", "gaussian"])
 def test_a_model_of_them_is_kept_and_takes_no_others(sheet, thinned, taken, estimator, tmp_path):
     sweeps = thinned(taken)
-    model = train(sweeps, "column", estimator)
+    model = train(sweeps, "column", estimator, quantities="Rs,Cp")
     save(tmp_path / "own.skops", model)
     again = load(tmp_path / "own.skops")
     assert again.problem == model.problem and again.problem.taken

@@ -1,0 +1,47 @@
+"""A data set in memory: for studies, and for scripts whose sweeps need no disk."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..fem.factors import one_blas_thread
+from ..scene.files import scene_text
+from ..sweeps import build
+from .layout import TOUCHES, joined, values
+from .model import Family, reduced
+from .plan import Plan
+from .session import drawn_sessions
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def in_memory(plan: Plan, family: Family | None = None) -> xr.Dataset:
+    """The sweeps that `rcskin dataset` writes by this plan, with the numbers of their touches.
+
+    family: the skins that the plan draws from, trained here where it is absent. Raises
+    ToleranceError where the plan's tolerance is not reached.
+    """
+    family = reduced(plan.scene, plan.rtol) if family is None else family
+    with one_blas_thread():
+        drawn = drawn_sessions(plan, family, range(plan.sessions))
+    arrays = joined([values(session) for session in drawn], plan.sweeps)
+    sweeps = build(
+        arrays["Rs"] + 1j * arrays["X"],
+        plan.scene.frequencies,
+        interface=[each.name for each in plan.scene.interfaces],
+        press=arrays["press"].tolist(),
+        **{name: arrays[name].tolist() for name in ("row", "column", "session")},
+        Cp=arrays["Cp"],
+        taken=plan.scene.taken,
+        attributes={
+            "scene": scene_text(plan.scene),
+            "model": "reduced",
+            "rtol": plan.rtol,
+            "seed": plan.seed,
+            "readout": plan.scene.readout.model_dump_json(),
+            "software": plan.software,
+        },
+    )
+    numbers = {each.name: (each.dimensions, arrays[each.name]) for each in TOUCHES}
+    return sweeps.assign(numbers)
