@@ -286,12 +286,14 @@ def limits(
     """Share of sweeps that the best classifier of a known skin gets right, and its standard error.
 
     scene: or its name or path. target: column, row, pixel, pair or touches. options: as of
-    `rcskin.simulator.limits.bayes_accuracy`. Raises InputError for a meter without noise.
+    `rcskin.simulator.limits.bayes_accuracy`, against the mean of three sweeps of the unpressed skin
+    by default. Raises InputError for a meter without noise.
     """
     from .simulator.limits import bayes_accuracy
+    from .simulator.sweeps.meaning import RESTS
 
     _check("limits", options)
-    return bayes_accuracy(_scene(scene), target, **options)
+    return bayes_accuracy(_scene(scene), target, **{"against_rest": RESTS, **options})
 
 
 def calibrate(

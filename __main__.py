@@ -77,16 +77,16 @@ def reproduce(
     )
 
 
-def _accuracy(sweeps: xr.Dataset, *, target: str, folds: int, seed: int) -> float:
+def _accuracies(sweeps: xr.Dataset, target: str) -> list[float]:
     from sklearn import config_context
 
-    from .localization.evaluation.evaluation import cross_validate
+    from .localization.evaluation.evaluation import held_out
 
     with config_context(**UNCHECKED):
-        return cross_validate(sweeps, target, folds=folds, seed=seed).accuracy
+        return held_out(sweeps, target)
 
 
-app.command("study")(study_command(_accuracy))
+app.command("study")(study_command(_accuracies))
 
 
 def _scene_data(name: str, interfaces: list[str] | None) -> SceneData:

@@ -11,6 +11,7 @@ from ...simulator.shown import say
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ..inputs.samples import Problem
     from ..inputs.touches import Factors
     from ..learners.registry import Estimator
     from ..model.model import Model
@@ -55,6 +56,16 @@ def tell_age(model: Model, path: Path) -> None:
     """A note where the model was trained with other versions than those here."""
     if model.aged:
         say(f"rcskin: note: {path}: was trained with {model.aged}", err=True)
+
+
+def looked_at(problem: Problem, judged: str) -> str:
+    """What an accuracy is of, in one line. judged: of which sweeps, as of `accuracy_means`."""
+    from ...simulator.sweeps.meaning import CHANGES, accuracy_means
+    from ..inputs.features import AGAINST_REST
+
+    used = ", ".join(problem.quantities)
+    features = CHANGES if problem.quantities == AGAINST_REST else used
+    return accuracy_means(problem.target, features, judged)
 
 
 def tell_features(asked: str | None, used: Sequence[str]) -> None:

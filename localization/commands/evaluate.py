@@ -69,7 +69,7 @@ def evaluate_command(
         from ..inputs.reading import read_some
         from ..inputs.samples import samples_of
         from ..model.file import ENDING
-        from .asking import model_for, tell_features, tell_known, told_for
+        from .asking import looked_at, model_for, tell_features, tell_known, told_for
 
         by_model = files[0].suffix == ENDING
         recordings = files[by_model:]
@@ -84,16 +84,19 @@ def evaluate_command(
         if by_model:
             model = model_for(sweeps, recordings, files[0], extra(), anyway=anyway)
             found = _by_model(model, told_for(model.target, sweeps, factors), resting)
+            problem, judged = model.problem, "those given"
             tell_known(model, sweeps, files[0])
         else:
             told = told_for(target, sweeps, factors)
             samples = samples_of(told, target, quantities, interfaces=interface, rest=resting)
             tell_features(quantities, samples.problem.quantities)
+            problem, judged = samples.problem, "not trained on"
             with progress() as track:
                 found = _by_folds(
                     samples, name, extra(), certain=certain, tune=tune, folds=folds, track=track
                 )
-        for line in lines_of(found):
+        meaning = [] if problem.continuous else [looked_at(problem, judged)]
+        for line in (*lines_of(found), *meaning):
             say(line)
         if folder is not None:
             text = str(sweeps.attrs.get("scene", ""))

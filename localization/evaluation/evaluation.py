@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..inputs.features import Quantities, chosen_quantities, told_features
-from ..inputs.samples import Samples
+from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import labels
 from ..inversion.region import Region, region_of
 from ..inversion.regions import PROBABILITY, places_of
@@ -204,6 +204,22 @@ def cross_validate(
     splits = folds_of(told, y, folds=folds, grouping=grouping, seed=seed)
     untrained = pipeline(classifier, features=X.shape[1])
     return over_folds(untrained, X, y, splits)
+
+
+def held_out(sweeps: xr.Dataset, target: str = "column") -> list[float]:
+    """The accuracies that `train` states by default, one for each part that is held out in turn.
+
+    Whole sessions are held out where there are two. Raises InputError as `samples_of` and
+    `splits_of`.
+    """
+    samples = samples_of(sweeps, target)
+    splits = splits_of(samples.strata, samples.sessions)
+    X, y = samples.X, samples.y
+    learned = (
+        (pipeline(REFERENCE, features=X.shape[1]).fit(X[train], y[train]), test)
+        for train, test in splits
+    )
+    return [float(np.mean(each.predict(X[test]) == y[test])) for each, test in learned]
 
 
 def joined(folds: Sequence[Score]) -> Score:

@@ -93,6 +93,7 @@ def design(
     from ..progress import told_on_terminal
     from ..scene.files import scene_text
     from ..scene.frequency import parse_band
+    from ..sweeps.meaning import bound_means
     from .bench import Asking
     from .journal import Journal
     from .report.folder import answer, write_folder
@@ -128,6 +129,9 @@ def design(
         write_folder(found, asking, output)
     journal.done()
     say(answer(found, asking))
+    if asked.target != "position":
+        skins = f"each of {asked.casts} known casts" if asked.casts else "a known skin"
+        say(bound_means(asked.against_rest, skins))
     say(f"design, wiring and report in {output}")
 
 

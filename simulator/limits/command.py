@@ -9,6 +9,7 @@ import typer
 
 from ..asked.options import AgainstRest, Charts, Interfaces, SceneName, TouchFactor, TouchSide
 from ..shown import say
+from ..sweeps.meaning import RESTS
 
 if TYPE_CHECKING:
     from ..progress import Track
@@ -34,7 +35,7 @@ def limits(
     ] = None,
     size: TouchSide = None,
     factor: TouchFactor = None,
-    against_rest: AgainstRest = 0,
+    against_rest: AgainstRest = RESTS,
     unknown_skin: Annotated[
         bool,
         typer.Option("--unknown-skin", help="Skins differ as `dataset.session` of the scene says."),

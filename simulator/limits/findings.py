@@ -13,6 +13,7 @@ from ..measure.symmetry import repeated_told
 from ..scene.reading import frequencies_of_each
 from ..scene.scene import Scene
 from ..shown import terminal
+from ..sweeps.meaning import bound_means
 from .figure import draw_distances, draw_maps
 from .identity import Identity
 from .report import summary, write_distances, write_places, write_summary
@@ -78,7 +79,8 @@ class Findings(NamedTuple):
         left = len(self.variants) - MOST_ROWS
         more = [f"  {left} more rows in {folder / 'limits.json'}"] if left > 0 else []
         repeated = [f"  {line}" for line in repeated_told(self.scene)]
-        told = *more, f"  {ERROR}", *repeated, *self.told_apart.lines()
+        meaning = f"  {bound_means(self.question.against_rest, 'a known skin')}"
+        told = *more, f"  {ERROR}", *repeated, *self.told_apart.lines(), meaning
         for line in (*told, f"maps and tables in {folder}"):
             console.print(line, soft_wrap=True, highlight=False)
 

@@ -8,6 +8,7 @@ import typer
 
 from ..asked.options import AgainstRest, Interfaces, SceneName, TouchFactor, TouchSide
 from ..shown import say, terminal
+from ..sweeps.meaning import RESTS
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -40,7 +41,7 @@ def frequencies(
     interface: Interfaces = None,
     size: TouchSide = None,
     factor: TouchFactor = None,
-    against_rest: AgainstRest = 0,
+    against_rest: AgainstRest = RESTS,
     repeats: Annotated[
         bool, typer.Option("--repeats", help="A frequency may be read more than once.")
     ] = False,

@@ -16,7 +16,7 @@ SYNTAX = (
     "KEY=START:STOP:POINTS[:log|linear] for real numbers, KEY=START:STOP for whole ones, or "
     "KEY=VALUE,VALUE,..."
 )
-READY_MADE = (f"{BOTH_SHEETS}=1e3:1e6:25:log", f"{ALL_PIXELS}=2:10")
+READY_MADE = (f"{BOTH_SHEETS}=1e3:1e6:13:log", f"{ALL_PIXELS}=2:10")
 MOST_VALUES, MOST_POINTS = 1000, 10_000
 
 

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from .point import CrossValidate
 
 
-SECONDS_A_POINT = 0.25
-"""About, of one process: 225 points of the paper's sheets with three draws."""
+SECONDS_A_POINT = 1.0
+"""About, of one process: a reduced model of the paper's sheets, 2000 sweeps, four trainings."""
 
 
 def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
@@ -34,7 +34,7 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
                 help="KEY=START:STOP:POINTS[:log|linear], of whole numbers KEY=START:STOP, or "
                 "KEY=VALUE,VALUE,...; once or twice. Real numbers are spaced logarithmically "
                 "unless :linear is said. Without it: skin.sheet_resistance="
-                "1e3:1e6:25:log and pixels=2:10."
+                "1e3:1e6:13:log and pixels=2:10."
             ),
         ] = None,
         chart: Annotated[
@@ -54,10 +54,11 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
             ),
         ] = "column",
         draws: Annotated[
-            int, typer.Option(help="How often presses and readings are drawn anew.")
-        ] = 3,
+            int, typer.Option(help="How often skins, presses and readings are drawn anew.")
+        ] = 1,
         repetitions: Annotated[
-            int | None, typer.Option(help="Presses of each pixel in a draw; the scene's if absent.")
+            int | None,
+            typer.Option(help="Presses of each pixel in a draw; else 2000 sweeps in all."),
         ] = None,
         seed: Annotated[
             int | None, typer.Option(help="Of all random numbers; the scene's if absent.")
@@ -79,9 +80,10 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         readout.phase_noise; skin.sheet_resistance stands for both sheets,
         pixels for rows and columns.
 
-        At each point: the cross-validated accuracy of the localizer, the
-        distance between classes in units of the meter's error, and the band of
-        frequencies that tells neighbours best.
+        At each point: the accuracy that `rcskin train` reaches on a data set of
+        the scene (random skins, presses as strong as the scene says, the meter's
+        noise), on skins not trained on; the distance between classes in units of
+        the meter's error; and the band of frequencies that tells neighbours best.
         """
         from ..asked.durations import tell_if_long
         from ..asked.scene import asked_scene
@@ -89,6 +91,7 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         from ..charts import checked_chart
         from ..progress import on_terminal
         from ..sweeps import checked_output
+        from ..sweeps.meaning import CHANGES, accuracy_means
         from . import run
         from .axis import READY_MADE, parse_axes
         from .figure import draw_study
@@ -103,7 +106,8 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         asked_scene(scene)
         table = changed(scene_table(scene), max_frequency, repetitions, seed)
         axes = parse_axes(vary or READY_MADE, table)
-        trial = Trial(target, draws)
+        varied = [place[0] for axis in axes for place in axis.key.places]
+        trial = Trial(target, draws, repetitions is not None or "experiment" in varied)
         scenes = run.scenes_of(table, axes, trial)
         for warning in run.warnings_of(scenes):
             warn(f"{scene}: {warning}")
@@ -114,7 +118,8 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
             )
         write_table(findings, output)
         draw_study(findings, axes, experiment_told(table, axes), picture)
-        for line in (*screenful(answers(findings, axes), output), spacing(axes)):
+        meaning = accuracy_means(target, CHANGES, "on skins not trained on", scene)
+        for line in (*screenful(answers(findings, axes), output), meaning, spacing(axes)):
             say(line)
         written(f"{len(scenes)} points", output, picture)
 

@@ -23,8 +23,6 @@ Place = tuple[str | int, ...]
 
 BOTH_SHEETS, ALL_PIXELS = "skin.sheet_resistance", "pixels"
 SHORTHANDS = {name: tuple(tuple(key.split(".")) for key in keys) for name, keys in BOTH.items()}
-OF_NO_STUDY = {"dataset"}
-"""Tables that say how training data vary, not what is measured at a point."""
 NO_UNITS = ("(", "of ", "times ")
 """How what is no unit begins, but is told as one."""
 
@@ -50,7 +48,7 @@ class Key:
 
 
 def scene_table(name_or_path: str) -> dict[str, Any]:
-    """A scene as the nested tables of its file, with defaults filled in, but for OF_NO_STUDY.
+    """A scene as the nested tables of its file, with defaults filled in.
 
     A grid of frequencies stays start, stop and points. Raises InputError as `load_scene` does.
     """
@@ -58,7 +56,7 @@ def scene_table(name_or_path: str) -> dict[str, Any]:
     builtin = name_or_path in builtin_names()
     path = BUILTIN / f"{name_or_path}.toml" if builtin else Path(name_or_path)
     frequencies = tomllib.loads(path.read_text(encoding="utf-8"))["sweep"]["frequencies"]
-    table = scene.model_dump(mode="json", by_alias=True, exclude_none=True, exclude=OF_NO_STUDY)
+    table = scene.model_dump(mode="json", by_alias=True, exclude_none=True)
     if isinstance(frequencies, dict):
         grid = FrequencyGrid.model_validate(frequencies)
         table["sweep"]["frequencies"] = grid.model_dump(mode="json")

@@ -1,85 +1,126 @@
-"""One point of a study: its experiment drawn several times, read out, and judged."""
+"""One point of a study: a localizer judged on a data set, and how far pixels lie apart."""
 
 from __future__ import annotations
 
-from collections import defaultdict
+import math
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.experiment import METER, PRESSES, planned_presses
-from ..measure.readout import read_out
+from ..dataset.memory import in_memory
+from ..dataset.model import Family, reduced
+from ..dataset.plan import Plan
+from ..dataset.presses import FIRST_RESTS
+from ..measure.experiment import own_presses
 from ..measure.symmetry import Pixel
+from ..press.pixels import pixels_with_skin
 from ..press.press import Press, every_press, pressed_factor
-from ..scene.scene import Scene
-from ..sweeps import InputError, build
+from ..scene.meter import Experiment, Readout
+from ..scene.randomisation import DrawnPress
+from ..scene.scene import Pressing, Scene
+from ..sweeps import InputError
 from .curve import Curve
 from .separation import TARGETS, Label, Separation, in_units_of_error, label_of, separation
 
 if TYPE_CHECKING:
     import xarray as xr
 
-FOLDS = 5
+FOLDS, LOOSEST = 5, 1e-4
+
+
+SWEEPS = 2000
+"""Of a draw: those of the data sets that the pages train on."""
+SESSIONS = 4
+"""Skins of a draw at least: one is told apart by what three others taught."""
+KEPT = 4
+"""Families of skins that a process keeps for further points."""
+REST_EVERY = 5
+"""Presses from one sweep of the unpressed skin to the next, in draws of few presses."""
 
 
 class CrossValidate(Protocol):
-    """The fraction of sweeps whose class is told right when they are not trained on."""
+    """The shares of sweeps whose class is found, by a localizer that `rcskin train` makes by
+    default, one for each part that it was not trained on: whole sessions where there are two."""
 
-    def __call__(self, sweeps: xr.Dataset, *, target: str, folds: int, seed: int) -> float: ...
+    def __call__(self, sweeps: xr.Dataset, target: str, /) -> Sequence[float]: ...
 
 
 @dataclass(frozen=True)
 class Trial:
-    """How the experiment of every point is done.
+    """What every point is judged by: sweeps as `rcskin dataset` draws them.
 
-    target: "column", "row" or "pixel". draws: how often presses and meter are drawn anew.
+    target: "column", "row" or "pixel". draws: how often skins, presses and noise are drawn anew.
+    repeated: whether the scene's `experiment.repetitions` says how many presses of each pixel there
+    are; else a draw is SWEEPS.
     """
 
     target: str = "column"
-    draws: int = 3
+    draws: int = 1
+    repeated: bool = False
 
     def check(self, scene: Scene) -> None:
-        """Raises InputError where a scene's experiment cannot be judged."""
+        """Raises InputError where a scene's presses cannot be drawn, or judged."""
         if self.target not in TARGETS:
             raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {self.target!r}")
         if not 1 <= self.draws <= 1000:
             raise InputError(f"`draws` must be from 1 to 1000, got {self.draws}")
         in_units_of_error(np.ones((1, 1, 1), dtype=complex), scene.readout)
-        sizes = defaultdict(int)
-        for press in self.planned(scene, 0):
-            sizes[label_of(press.pixel, self.target)] += 1
+        nominal = self.nominal(scene)
+        sizes = Counter(label_of(press.pixel, self.target) for press in nominal)
         if len(sizes) < 2:
             raise InputError(f"need at least 2 classes of `target` {self.target}, got {len(sizes)}")
-        if min(sizes.values()) < FOLDS:
+        least = min(sizes.values()) * scene.experiment.repetitions
+        if self.repeated and least < FOLDS:
             raise InputError(
                 f"`experiment.repetitions` must give at least {FOLDS} presses of each class of "
-                f"`target` {self.target}, got {min(sizes.values())}"
+                f"`target` {self.target}, got {least}"
             )
+        self.plan(scene, 0, LOOSEST)
 
-    def planned(self, scene: Scene, draw: int) -> list[Press]:
-        """The presses of one draw. Raises InputError where a factor of 0 or less could be drawn."""
-        random = np.random.default_rng([scene.experiment.seed, PRESSES, draw])
-        return planned_presses(scene, random)
+    def plan(self, scene: Scene, draw: int, rtol: float) -> Plan:
+        """The data set of one draw, on as many skins as `dataset.session` makes of it, SESSIONS at
+        least. Presses are as strong as the scene's `press` says, of which `limits` is the bound,
+        unless `dataset.press` says it. Raises InputError as `Plan`."""
+        drawn, sweeps = scene.dataset, SWEEPS
+        every = drawn.session.rest_every
+        if self.repeated:
+            share = drawn.press.touches[1] if len(drawn.press.touches) > 1 else 0.0
+            pressed = scene.experiment.repetitions * len(pixels_with_skin(scene))
+            every = every or REST_EVERY
+            sweeps = math.ceil(pressed / max(share, 0.1) * (1 + 1 / every)) + SESSIONS * FIRST_RESTS
+        session = {
+            "sweeps_per_session": min(drawn.session.sweeps_per_session, -(-sweeps // SESSIONS)),
+            "rest_every": every,
+        }
+        unstated = drawn.press.factor == DrawnPress().factor and drawn.press.depth is None
+        press = {"factor": own_presses(scene)} if unstated else {}
+        own = drawn.model_copy(
+            update={
+                "session": drawn.session.model_copy(update=session),
+                "press": drawn.press.model_copy(update=press),
+            }
+        )
+        changed = scene.model_copy(update={"dataset": own})
+        return Plan(changed, sweeps, scene.experiment.seed + draw, rtol)
 
     def nominal(self, scene: Scene) -> list[Press]:
         """One press of the nominal strength for each pixel on the skin; rest if that is a class."""
         return every_press(scene)[0 if scene.experiment.unpressed else 1 :]
 
     def factors(self, scene: Scene) -> dict[Pixel, set[float]]:
-        """Every strength at which each pixel is pressed."""
-        found: dict[Pixel, set[float]] = defaultdict(set)
-        draws = (self.planned(scene, draw) for draw in range(self.draws))
-        for press in [*self.nominal(scene), *(press for draw in draws for press in draw)]:
-            found[press.pixel].add(strength(scene, press))
-        return found
+        """Every strength at which each pixel is solved."""
+        return {press.pixel: {strength(scene, press)} for press in self.nominal(scene)}
 
 
 @dataclass(frozen=True)
 class Findings:
-    """What was found at a point: the fraction told right at each draw, and the separation."""
+    """What was found at a point: the shares of classes found, of each part that was held out in
+    each draw, and the separation."""
 
     accuracies: tuple[float, ...]
     separation: Separation
@@ -91,25 +132,43 @@ def strength(scene: Scene, press: Press) -> float:
 
 
 def judge(
-    scene: Scene, trial: Trial, curves: Mapping[Pixel, Curve], cross_validate: CrossValidate
+    scene: Scene,
+    trial: Trial,
+    curves: Mapping[Pixel, Curve],
+    rtol: float,
+    cross_validate: CrossValidate,
 ) -> Findings:
-    """Draw, read out and cross-validate a scene's experiment, and separate its nominal presses.
+    """Draw a scene's sweeps and cross-validate a localizer on them; separate its nominal presses.
 
-    curves: Z of every pixel at the scene's frequencies.
+    curves: Z of every pixel at the scene's frequencies. rtol: of the sweeps. Raises InputError
+    where a draw has too few sweeps of a class.
     """
     nominal = trial.nominal(scene)
     labels: list[Label] = [label_of(press.pixel, trial.target) for press in nominal]
     Z = impedances(scene, nominal, curves)
     readings = in_units_of_error(Z, scene.readout, scene.taken)
+    plans = [trial.plan(scene, draw, rtol) for draw in range(trial.draws)]
+    family = _family(_unread(plans[0].scene), rtol)  # pyright: ignore[reportArgumentType]
+    shares = [cross_validate(in_memory(plan, family), trial.target) for plan in plans]
     return Findings(
-        tuple(
-            cross_validate(
-                _measured(scene, trial, draw, curves), target=trial.target, folds=FOLDS, seed=draw
-            )
-            for draw in range(trial.draws)
-        ),
+        tuple(share for each in shares for share in each),
         separation(readings, labels, scene.frequencies),
     )
+
+
+def _unread(scene: Scene) -> Scene:
+    """The scene without what its family of skins does not depend on."""
+    plain = {"press": Pressing(capacitance_factor=2.0)} if scene.press.plain else {}
+    press = {"press": DrawnPress(place="pixel", touches=scene.dataset.press.touches)}
+    same = scene.dataset.press.place == "pixel" and scene.dataset.press.offset == 0
+    drawn = scene.dataset.model_copy(update=press if plain and same else {})
+    rest = {"name": "", "description": "", "readout": Readout(), "experiment": Experiment()}
+    return scene.model_copy(update={**rest, **plain, "dataset": drawn})
+
+
+@lru_cache(maxsize=KEPT)
+def _family(scene: Scene, rtol: float) -> Family:
+    return reduced(scene, rtol)
 
 
 def impedances(
@@ -124,20 +183,3 @@ def impedances(
     for pixel, indices in places.items():
         Z[indices] = curves[pixel].impedance([strength(scene, presses[index]) for index in indices])
     return Z
-
-
-def _measured(scene: Scene, trial: Trial, draw: int, curves: Mapping[Pixel, Curve]) -> xr.Dataset:
-    presses = trial.planned(scene, draw)
-    rows, columns = zip(*(press.pixel for press in presses), strict=True)
-    exact = build(
-        impedances(scene, presses, curves),
-        scene.frequencies,
-        interface=[interface.name for interface in scene.interfaces],
-        press=[str(press) for press in presses],
-        row=rows,
-        column=columns,
-        taken=scene.taken,
-    )
-    return read_out(
-        exact, scene.readout, np.random.default_rng([scene.experiment.seed, METER, draw])
-    )

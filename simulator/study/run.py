@@ -22,7 +22,7 @@ from ..scene.scene import Scene
 from .axis import Axis
 from .curve import Curve
 from .keys import with_values
-from .point import CrossValidate, Findings, Trial, judge
+from .point import LOOSEST, CrossValidate, Findings, Trial, judge
 from .sharing import families, member_curves, solve, tasks
 
 if TYPE_CHECKING:
@@ -32,10 +32,10 @@ Given = TypeVar("Given")
 Made = TypeVar("Made")
 NEEDED = ("rcskin.simulator.cli", "rcskin.simulator.study.run")
 """What starts the command and what every task needs, imported once for all processes."""
-NOISE_SHARE, LOOSEST, TIGHTEST = 0.1, 1e-4, 1e-7
+NOISE_SHARE, TIGHTEST = 0.1, 1e-7
 VARIABLES = {
-    "accuracy": ("share of presses whose class is told right, mean of draws", "1"),
-    "accuracy_sd": ("standard deviation of the accuracy between draws", "1"),
+    "accuracy": ("share of sweeps whose class is found, on skins not trained on", "1"),
+    "accuracy_sd": ("standard deviation of the accuracy between the parts held out", "1"),
     "least_separation": ("distance of the nearest two classes over the meter's error", "1"),
     "median_separation": ("distance of two classes over the meter's error, median", "1"),
     "band_start": ("lowest frequency of the band that tells neighbours best", "Hz"),
@@ -91,7 +91,10 @@ def study(
     rtol = fitting_rtol(scenes) if rtol is None else rtol
     with hired(workers, NEEDED, "too little memory may be the cause; fewer --workers") as pool:
         curves, solves = _solved(scenes, trial, rtol, track, pool)
-        jobs = [(scene, trial, curves[point], cross_validate) for point, scene in enumerate(scenes)]
+        jobs = [
+            (scene, trial, curves[point], rtol, cross_validate)
+            for point, scene in enumerate(scenes)
+        ]
         findings = list(_spread(_judge, jobs, "accuracy", track, pool))
     attributes = {
         "scene": scene_text(scenes[0]),
@@ -128,7 +131,7 @@ def _solved(
 
 
 def _judge(
-    job: tuple[Scene, Trial, Mapping[Pixel, Curve], CrossValidate],
+    job: tuple[Scene, Trial, Mapping[Pixel, Curve], float, CrossValidate],
 ) -> Findings:
     return judge(*job)
 

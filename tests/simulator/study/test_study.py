@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.__main__ import _accuracy
-from rcskin.simulator.measure.experiment import METER, PRESSES, planned_presses
-from rcskin.simulator.measure.readout import read_out
-from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.solver import Solver
+import rcskin
+from rcskin.__main__ import _accuracies
+from rcskin.localization.model.training import train
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.progress import silent
 from rcskin.simulator.study.axis import parse_axes
@@ -20,8 +18,10 @@ from rcskin.simulator.study.run import scenes_of, study
 def run_study():
     """Runs a study of a built-in scene over axes in their syntax; gives findings, scenes, axes."""
 
-    def run_study(name, *vary, draws=2, target="column", cross_validate=_accuracy, **more):
-        trial = Trial(target, draws)
+    def run_study(
+        name, *vary, draws=1, target="column", repeated=True, cross_validate=_accuracies, **more
+    ):
+        trial = Trial(target, draws, repeated)
         table = scene_table(name)
         axes = parse_axes(vary, table)
         scenes = scenes_of(table, axes, trial)
@@ -31,40 +31,44 @@ def run_study():
     return run_study
 
 
-def never_asked(sweeps, *, target, folds, seed):
+def never_asked(sweeps, target):
     """Stands for a localizer where separation alone is looked at."""
-    return 0.5
+    return [0.5]
 
 
-def test_a_point_is_as_if_simulated_and_cross_validated_by_itself(run_study):
-    """Two sheet resistances from one solve: five strengths on 6 of 9 pixels, and rest."""
-    found, scenes, _ = run_study("sheet-3x3", "skin.sheet_resistance=2e3,50e3", draws=1)
-    assert found.attrs["solves"] == 5 * 6 + 1
-    for scene, accuracy in zip(scenes, found["accuracy"].values, strict=True):
-        seed = scene.experiment.seed
-        presses = planned_presses(scene, np.random.default_rng([seed, PRESSES, 0]))
-        meter = np.random.default_rng([seed, METER, 0])
-        measured = read_out(simulate(Solver(scene), presses), scene.readout, meter)
-        expected = _accuracy(measured, target="column", folds=5, seed=0)
-        assert accuracy == pytest.approx(expected, abs=0.02)
+def test_a_point_is_a_data_set_of_its_scene_as_train_is_judged_by_it(run_study):
+    """Of presses as strong as the scene says, on the skins that a data set draws."""
+    found, (scene,), _ = run_study("sheet-4x4", "skin.foam.loss_tangent=0.01", repeated=False)
+    own = {"distribution": "normal", "mean": 2.0, "deviation": 0.1}
+    judged = train(rcskin.dataset(scene.with_({"dataset.press.factor": own}), 2000, seed=1))
+    assert judged.learned.held_out > 1400 and "4 folds, whole sessions" in judged.validation
+    accuracy = judged.learned.right / judged.learned.held_out
+    assert float(found["accuracy"][0]) == pytest.approx(accuracy, abs=0.005)
+    assert accuracy <= sum(rcskin.limits(scene, draws=500, against_rest=3))
 
 
-def test_the_exact_sweeps_given_to_the_localizer_are_those_of_a_direct_solve(run_study):
-    """With next to no noise and six digits displayed, Rs and Cp are the solver's own."""
+def test_the_sweeps_given_to_the_localizer_are_of_several_skins_and_of_its_own_presses(run_study):
     seen = []
 
-    def look(sweeps, **_):
+    def look(sweeps, _):
         seen.append(sweeps)
-        return 1.0
+        return [1.0]
 
-    noise = ("readout.magnitude_noise=1e-9", "readout.phase_noise=1e-9")
-    _, (scene,), _ = run_study("strip-1x3", *noise, draws=1, cross_validate=look, rtol=1e-6)
-    presses = planned_presses(scene, np.random.default_rng([scene.experiment.seed, PRESSES, 0]))
-    assert list(seen[0]["press"].values) == [str(press) for press in presses]
-    exact = simulate(Solver(scene), presses)
-    measured, true = (sweeps["Rs"] + 1j * sweeps["X"] for sweeps in (seen[0], exact))
-    session = (measured / true).values
-    np.testing.assert_allclose(session, np.broadcast_to(session[0, 0, 0], session.shape), rtol=3e-5)
+    run_study(
+        "strip-1x3", "press.capacitance_factor=1.5,3", draws=2, repeated=False, cross_validate=look
+    )
+    for factor, draw in zip((1.5, 1.5, 3, 3), seen, strict=True):
+        assert draw.sizes["sweep"] == 2000 and np.unique(draw["session"]).size == 4
+        single = draw["touches"].values == 1
+        assert np.median(draw["touch_factor"].values[single, 0]) == pytest.approx(factor, rel=0.01)
+    assert not np.array_equal(seen[0]["Cp"], seen[1]["Cp"])
+
+
+def test_presses_of_a_data_set_that_are_stated_are_taken():
+    table = scene_table("strip-1x3")
+    table["dataset"]["press"]["factor"] = {"distribution": "fixed", "value": 2.5}
+    (scene,) = scenes_of(table, parse_axes(["pixels.rows=1"], table), Trial())
+    assert Trial().plan(scene, 0, 1e-4).scene.dataset.press.factor.low == 2.5
 
 
 def test_half_the_noise_doubles_the_separation_and_asks_for_no_further_solve(run_study):
@@ -82,7 +86,7 @@ def test_half_the_noise_doubles_the_separation_and_asks_for_no_further_solve(run
 
 
 def test_more_pixels_are_harder_to_tell_apart(run_study):
-    found, *_ = run_study("sheet-5x5", "pixels=2:5")
+    found, *_ = run_study("sheet-5x5", "pixels=2,6", repeated=False)
     assert (np.diff(found["accuracy"]) <= 0.01).all()
     assert found["accuracy"][0] == 1 and found["accuracy"][-1] < 0.97
     for name in ("least_separation", "median_separation"):

@@ -1,0 +1,35 @@
+"""What an accuracy is of, in one line that every command prints beside its figure."""
+
+from __future__ import annotations
+
+RESTS = 3
+"""Sweeps of the unpressed skin that changes are told from, as localizers take them."""
+CHANGES = "changes from the unpressed skin"
+FOUND = {
+    "pair": "none to two pixels were all found",
+    "touches": "number of touches was found",
+}
+
+
+def bound_means(against_rest: int, skins: str) -> str:
+    """The line beside a bound. against_rest: sweeps of the unpressed skin, 0 for none. skins: which
+    are known."""
+    features = (
+        f"{CHANGES} (mean of {against_rest} sweeps)"
+        if against_rest
+        else "readings as they stand, with the meter's errors of a session"
+    )
+    return (
+        f"at most means: share of presses that the best localizer of {skins} finds, from "
+        f"{features}, with the meter's noise; reached on skins not trained on: rcskin study"
+    )
+
+
+def accuracy_means(target: str, features: str, judged: str, scene: str = "SCENE") -> str:
+    """The line. features: what was looked at. judged: which sweeps, such as "not
+    trained on". scene: its name or path, for the command that gives the bound."""
+    found = FOUND.get(target, f"{target} was found")
+    return (
+        f"accuracy means: share of sweeps, {judged}, whose {found}, from {features}, with the "
+        f"meter's noise; bound for a known skin: rcskin limits {scene}"
+    )
