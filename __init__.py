@@ -289,8 +289,8 @@ def limits(
     `rcskin.simulator.limits.bayes_accuracy`, against the mean of three sweeps of the unpressed skin
     by default. Raises InputError for a meter without noise.
     """
+    from .simulator.asked.options import RESTS
     from .simulator.limits import bayes_accuracy
-    from .simulator.sweeps.meaning import RESTS
 
     _check("limits", options)
     return bayes_accuracy(_scene(scene), target, **{"against_rest": RESTS, **options})

@@ -7,9 +7,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..asked.options import AgainstRest, Charts, Interfaces, SceneName, TouchFactor, TouchSide
+from ..asked.options import (
+    RESTS,
+    AgainstRest,
+    Charts,
+    Interfaces,
+    SceneName,
+    TouchFactor,
+    TouchSide,
+)
 from ..shown import say
-from ..sweeps.meaning import RESTS
 
 if TYPE_CHECKING:
     from ..progress import Track

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..asked.options import AgainstRest, Interfaces, SceneName, TouchFactor, TouchSide
+from ..asked.options import RESTS, AgainstRest, Interfaces, SceneName, TouchFactor, TouchSide
 from ..shown import say, terminal
-from ..sweeps.meaning import RESTS
 
 if TYPE_CHECKING:
     from rich.table import Table

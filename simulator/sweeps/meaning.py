@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-RESTS = 3
-"""Sweeps of the unpressed skin that changes are told from, as localizers take them."""
 CHANGES = "changes from the unpressed skin"
 FOUND = {
     "pair": "none to two pixels were all found",

@@ -44,10 +44,11 @@ def test_sweeps_are_simulated_learned_from_and_localized(tmp_path):
     presses = " ".join(f"--press {press}" for press in pressed)
     done = lean(
         f"sweep strip-1x3 {presses} -o {sweeps}",
-        f"train {sweeps} -o {model}",
+        f"train {sweeps} --features Rs,Cp -o {model}",
         f"localize {model} {sweeps} -o {tmp_path / 'told.csv'}",
     )
-    assert (done.returncode, done.stderr) == (0, "")
+    (note,) = done.stderr.splitlines()
+    assert done.returncode == 0 and "15 of these 15 sweeps taught it" in note
     assert len((tmp_path / "told.csv").read_text().splitlines()) == 1 + len(pressed)
 
 

@@ -175,7 +175,7 @@ def test_what_cannot_be_varied_is_told_in_one_line(run, tmp_path, vary, told):
         (["--vary", "pixels=2", "--vary", "pixels.rows=2"], "set the same number of the scene"),
         (["--vary", "pixels=2"] * 3, "--vary must be given once or twice, got 3 times"),
         (["--target", "corner"], "`target` must be one of column, row, pixel, got 'corner'"),
-        (["--draws", "0"], "`draws` must be from 1 to 1000, got 0"),
+        (["--draws", "0"], "--draws must be from 1 to 1000, got 0"),
         (["--workers", "0"], "--workers must be from 1 to 256, got 0"),
         (["--repetitions", "0"], "`experiment.repetitions` must be >= 1, got 0"),
         (["--max-frequency", "500"], "--max-frequency must be finite and > 1000 Hz"),
