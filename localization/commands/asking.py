@@ -58,14 +58,15 @@ def tell_age(model: Model, path: Path) -> None:
         say(f"rcskin: note: {path}: was trained with {model.aged}", err=True)
 
 
-def looked_at(problem: Problem, judged: str) -> str:
-    """What an accuracy is of, in one line. judged: of which sweeps, as of `accuracy_means`."""
+def looked_at(problem: Problem, judged: str, sweeps: xr.Dataset) -> str:
+    """What an accuracy of sweeps is of, in one line. judged: as of `accuracy_means`."""
     from ...simulator.sweeps.meaning import CHANGES, accuracy_means
     from ..inputs.features import AGAINST_REST
 
     used = ", ".join(problem.quantities)
     features = CHANGES if problem.quantities == AGAINST_REST else used
-    return accuracy_means(problem.target, features, judged)
+    noisy = "rtol" not in sweeps.attrs or "readout" in sweeps.attrs
+    return accuracy_means(problem.target, features, judged, noisy=noisy)
 
 
 def tell_features(asked: str | None, used: Sequence[str]) -> None:

@@ -95,7 +95,7 @@ def evaluate_command(
                 found = _by_folds(
                     samples, name, extra(), certain=certain, tune=tune, folds=folds, track=track
                 )
-        meaning = [] if problem.continuous else [looked_at(problem, judged)]
+        meaning = [] if problem.continuous else [looked_at(problem, judged, sweeps)]
         for line in (*lines_of(found), *meaning):
             say(line)
         if folder is not None:

@@ -70,7 +70,7 @@ def train_command(
             )
         save(output, model)
         tell_features(quantities, model.quantities)
-        for line in [*_told(model), *_meaning(model), *_hints(model, known)]:
+        for line in [*_told(model), *_meaning(model, known), *_hints(model, known)]:
             say(f"{output}: {line}")
         say(f"model: {_size(model)} -> {output}")
 
@@ -93,13 +93,13 @@ def _told(model: Model) -> list[str]:
     return lines
 
 
-def _meaning(model: Model) -> list[str]:
+def _meaning(model: Model, sweeps: xr.Dataset) -> list[str]:
     """What the accuracy is of, where one is stated."""
     from .asking import looked_at
 
     if model.target == "position":
         return []
-    return [looked_at(model.problem, "not trained on")]
+    return [looked_at(model.problem, "not trained on", sweeps)]
 
 
 def _hints(model: Model, sweeps: xr.Dataset) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 CHANGES = "changes from the unpressed skin"
+NOISE, NOISE_FREE = "with the meter's noise", "free of noise (a meter finds fewer)"
 FOUND = {
     "pair": "none to two pixels were all found",
     "touches": "number of touches was found",
@@ -23,11 +24,14 @@ def bound_means(against_rest: int, skins: str) -> str:
     )
 
 
-def accuracy_means(target: str, features: str, judged: str, scene: str = "SCENE") -> str:
+def accuracy_means(
+    target: str, features: str, judged: str, scene: str = "SCENE", *, noisy: bool = True
+) -> str:
     """The line. features: what was looked at. judged: which sweeps, such as "not
-    trained on". scene: its name or path, for the command that gives the bound."""
+    trained on". scene: its name or path, for the command that gives the bound. noisy: whether a
+    meter, real or simulated, read the sweeps."""
     found = FOUND.get(target, f"{target} was found")
     return (
-        f"accuracy means: share of sweeps, {judged}, whose {found}, from {features}, with the "
-        f"meter's noise; bound for a known skin: rcskin limits {scene}"
+        f"accuracy means: share of sweeps, {judged}, whose {found}, from {features}, "
+        f"{NOISE if noisy else NOISE_FREE}; bound for a known skin: rcskin limits {scene}"
     )

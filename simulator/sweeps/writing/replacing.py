@@ -12,7 +12,7 @@ import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..errors import InputError
@@ -30,20 +30,22 @@ class Occasion:
     """Who writes, what is read for it, and what is demanded.
 
     command: such as `sweep`, `meter record`, or PYTHON. inputs: paths that it reads. overwrite,
-    overwrite_measured: whether anything, and even what was measured, may be replaced.
+    overwrite_measured: whether anything, and even what was measured, may be replaced. noted:
+    folders in which a note has told that something is replaced.
     """
 
     command: str = PYTHON
     inputs: tuple[Path, ...] = ()
     overwrite: bool = False
     overwrite_measured: bool = False
+    noted: set[Path] = field(default_factory=set, compare=False)
 
     def option(self, name: str) -> str:
         """How a demand is made."""
         return f"{name}=True" if self.command == PYTHON else f"--{name.replace('_', '-')}"
 
 
-_now: ContextVar[Occasion] = ContextVar("occasion", default=Occasion())  # noqa: B039, frozen
+_now: ContextVar[Occasion] = ContextVar("occasion", default=Occasion())  # noqa: B039
 
 
 def occasion() -> Occasion:
@@ -88,8 +90,10 @@ def check_all_free(folder: Path, patterns: Iterable[str]) -> None:
 
 
 def tell_replaced(path: Path) -> None:
-    """Log a note where something is about to be replaced."""
-    if path.exists():
+    """Log a note where something is about to be replaced, one for the files of a folder."""
+    noted = occasion().noted
+    if path.exists() and path.parent not in noted:
+        noted.add(path.parent)
         log.info("%s: replaces what was there", path)
 
 
