@@ -74,4 +74,4 @@ def test_a_pace_of_nothing_is_refused(run, hands, tmp_path):
     code, out, err = run(
         "localize", tmp_path / "m.skops", hands / "hands.nc", "--filter", "--pace", 0
     )
-    assert (code, out) == (2, "") and "--pace must be above 0 s, got 0" in err
+    assert (code, out) == (2, "") and "--pace must be from 0.001 to 1e+06, got 0" in err
