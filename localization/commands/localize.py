@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...simulator.shown import say
-from ...simulator.sweeps.cells import guarded
 from . import options
 
 if TYPE_CHECKING:
@@ -47,6 +46,7 @@ def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., 
         standard deviations, where there is one touch to place. --filter takes any model.
         """
         from ...simulator.sweeps import checked_output
+        from ...simulator.sweeps.cells import guarded
         from ..evaluation.report import write_table
         from ..inputs.reading import read_some
         from ..trust.answers import CANNOT_TELL
