@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ...simulator.sweeps import UNPRESSED, InputError, inputs
 from ...simulator.sweeps.press_text import parse_touches, written_pixel
+from ...simulator.sweeps.space import check_memory
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,8 @@ class Step:
 
 REST = Step(UNPRESSED, 0, 0)
 FIRST_RESTS = 3
+BYTES_FOR_STEP = 300
+"""Of a step, its text and its place in the order."""
 UNKNOWN = "?"
 """The press of a sweep that a localizer is asked of."""
 
@@ -48,6 +51,11 @@ def standard_order(
     """
     if not 1 <= repetitions <= 10_000:
         raise InputError(f"`repetitions` must be in 1..10000, got {repetitions}")
+    check_memory(
+        BYTES_FOR_STEP * rows * columns * repetitions,
+        f"{repetitions} sweeps of each of {rows} x {columns} pixels",
+        "ask for fewer --repetitions, or fewer `pixels`",
+    )
     every = product(range(1, rows + 1), range(1, columns + 1))
     pixels = [Step(f"{i},{j}", i, j) for i, j in every if (i, j) not in without]
     return [REST] * (FIRST_RESTS - 1) + [REST, *pixels] * repetitions + [REST]

@@ -38,6 +38,7 @@ RANGES: dict[str, Range] = {
     "sweeps": SWEEPS,
     "workers": Range(1, 256, "each is a process with its own copy of the skin"),
     "draws": DRAWS,
+    "repetitions": Range(1, 10**6, "a press a second for eleven days"),
     "against_rest": Range(0, 10**6, "sweeps of days"),
     "n": Range(1, 100, "more frequencies tell nothing new"),
     "accuracy": Range(0.01, 0.999999, "a share of sweeps that is neither none nor all"),

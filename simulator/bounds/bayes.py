@@ -108,7 +108,7 @@ def templates(
         found.append(readings.of(each.pixels, every.factor))
         chance.append(each.chance * every.weight)
     answers = [each.answer for each in among]
-    first = [k for k, answer in enumerate(answers) if answer not in answers[:k]]
+    first = [k for k, answer in enumerate(answers) if answers[max(k - 1, 0)] != answer or k == 0]
     sizes = np.cumsum([0, *(len(each) for each in chance)])
     return _in_few_numbers(np.concatenate(found), np.concatenate(chance), sizes[first])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -23,12 +24,16 @@ from ..scene.frequency import laplace_variable
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
+from ..sweeps.space import check_memory
 from .touches.about_pixels import AboutPixels, DeepOnes, about_pixels
 from .touches.errors import LaidErrors, laid_errors, some
 
 TARGETS = ("column", "row", "pixel", "pair", "touches")
 
 Pixel = tuple[int, int]
+
+BYTES_FOR_HYPOTHESIS = 400
+"""Of the pair, of what holds it and of its answer, as Python keeps them."""
 
 NONE = (-1, -1)
 """What counts as row and column 0: the skin at rest."""
@@ -60,10 +65,11 @@ def hypotheses(scene: Scene, target: str) -> list[Hypothesis]:
 
 
 def _pressed(scene: Scene, target: str, pixels: list[Pixel]) -> list[Hypothesis]:
-    pairs = list(itertools.combinations(pixels, 2))
     if target == "pair":
+        pairs = _pairs(pixels)
         return [Hypothesis(pair, (number,), 1 / len(pairs)) for number, pair in enumerate(pairs)]
     if target == "touches":
+        pairs = _pairs(pixels)
         kinds = [[()], [(pixel,) for pixel in pixels], pairs]
         return [
             Hypothesis(pressed, (count,), 1 / (len(kinds) * len(kind)))
@@ -73,6 +79,13 @@ def _pressed(scene: Scene, target: str, pixels: list[Pixel]) -> list[Hypothesis]
     pressed = [((), _answer(target, NONE))] if scene.experiment.unpressed else []
     pressed += [((pixel,), _answer(target, pixel)) for pixel in pixels]
     return [Hypothesis(each, answer, 1 / len(pressed)) for each, answer in pressed]
+
+
+def _pairs(pixels: list[Pixel]) -> list[tuple[Pixel, ...]]:
+    """Any two of these pixels. Raises InputError where all of them do not fit in memory."""
+    count = math.comb(len(pixels), 2)
+    check_memory(BYTES_FOR_HYPOTHESIS * count, f"{count} pairs of pixels", "give fewer `pixels`")
+    return list(itertools.combinations(pixels, 2))
 
 
 def _answer(target: str, pixel: Pixel) -> tuple[int, ...]:

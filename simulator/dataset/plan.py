@@ -180,15 +180,20 @@ def _check_presses(scene: Scene) -> None:
             f"`dataset.press.touches` allows {press.most_touches} touches at once, "
             f"but {scene.name} has {pixels} pixel"
         )
-    along = press.cells * max(scene.pixels.rows, scene.pixels.columns)
-    if along > MOST_CELLS:
-        raise InputError(
-            f"`dataset.press.cells_per_pixel` must leave at most {MOST_CELLS} cells along "
-            f"{scene.name}, got {along}"
-        )
+    check_cells(scene)
     side = min(scene.skin.length, scene.skin.width)
     if press.place == "anywhere" and press.size.high > side:
         raise InputError(
             f"`dataset.press.size` must be <= {side:g} m, the skin's shorter side, "
             f"in every draw, got {press.size.high:g}"
+        )
+
+
+def check_cells(scene: Scene) -> None:
+    """Raises InputError where presses would be laid on more cells than a model is trained for."""
+    cells, most = scene.dataset.press.cells, max(scene.pixels.shape)
+    if cells * most > MOST_CELLS:
+        raise InputError(
+            f"{scene.name}: `pixels` and `dataset.press.cells_per_pixel` must leave at most "
+            f"{MOST_CELLS} cells along each side in data sets, got {most} x {cells}"
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -10,12 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.readings import Hypothesis
+from ..mesh.held import held
 from ..press.batch import PressBatch
 from ..scene.scene import Scene
+from ..sweeps.space import check_memory
 from .trained import OnSkin
 
 NEAREST = 10
 """Other hypotheses that each may be mistaken for; those further off hardly ever are."""
+BYTES_FOR_NUMBER = 16
+"""Those of every two presses, and once more while equations of them are solved."""
 SAME = 1e-3
 """Of the meter's errors: presses that no candidates tell apart, mirror images above all."""
 
@@ -35,6 +40,17 @@ class Pairs:
     def of(self, readings: Sequence[int], frequencies: Sequence[int]) -> Pairs:
         """At some of the readings and frequencies."""
         return Pairs(_some(_some(self.apart, readings, 1), frequencies, 2), self.weight)
+
+
+def check_comparable(scene: Scene, target: str) -> None:
+    """Raises InputError where every two hypotheses of a target would not fit in memory."""
+    touches = 2 if target == "pair" else 1
+    count = math.comb(len(held(scene).numbers), touches)
+    check_memory(
+        BYTES_FOR_NUMBER * (count * (1 + 2 * touches)) ** 2,
+        "{} x {} pixels, every two presses compared,".format(*scene.pixels.shape),
+        "give fewer `pixels`",
+    )
 
 
 def _some(values: NDArray[np.float64], which: Sequence[int], axis: int) -> NDArray[np.float64]:

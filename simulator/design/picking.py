@@ -18,7 +18,7 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.pace import SETTLE, reading_time
 from .choosing import Choice, bound, chosen, exchanged_by_slope
-from .curves import Pairs, pairs
+from .curves import Pairs, check_comparable, pairs
 from .merits import Merit
 from .places import Touches
 from .proxy import RIGHT, Ties, by_both, by_frequency, by_reading
@@ -112,7 +112,8 @@ class PixelPairs:
     merit: Merit = RIGHT
 
     def __init__(self, scene: Scene, asked: Design) -> None:
-        """Raises InputError for a meter without noise."""
+        """Raises InputError for a meter without noise, and for more pixels than memory bears."""
+        check_comparable(scene, asked.target)
         self._among = hypotheses(scene, asked.target)
         model = ErrorModel(scene.readout, 1, 1, against_rest=asked.against_rest)
         self._noise = float(model.deviation[0] / scene.readout.magnitude_noise)

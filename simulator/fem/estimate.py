@@ -58,10 +58,12 @@ def lost_digits(Y: NDArray[np.complex128], at_once: NDArray[np.complex128]) -> N
     """Relative rounding error of Rs and Cp at most, of Y = at_once - delayed, all in S.
 
     Far above cut-off both are much larger than Y: at once every cell charges, but what is far lags.
-    ROUNDINGS: a few for each step of Lanczos' method; some hundred were seen.
+    ROUNDINGS: a few for each step of Lanczos' method; some hundred were seen. inf where nothing is
+    left of one of them.
     """
     rounding = ROUNDINGS * np.finfo(float).eps * np.abs(at_once - Y)
-    return rounding / np.minimum(np.abs(Y.real), told_susceptance(Y))
+    known = np.minimum(np.abs(Y.real), told_susceptance(Y))
+    return np.divide(rounding, known, out=np.full(known.shape, np.inf), where=known > 0)
 
 
 def frequencies_around(frequency: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -96,7 +96,11 @@ class PixelSystem(System):
         return self.pattern.matrix(values)
 
 
-def check_grid_fits(scene: Scene, circuit: Circuit, along: int) -> None:
+FEWEST_ALONG = 2
+"""Unknowns along a pixel of the coarsest elements."""
+
+
+def check_grid_fits(scene: Scene, circuit: Circuit, along: int = FEWEST_ALONG) -> None:
     """Raises InputError where elements on a scene's grid of pixels would not fit in memory.
 
     along: unknowns along each side of a pixel.

@@ -252,6 +252,8 @@ class Solver:
 
     def _levels_ahead(self, error: float) -> int:
         """How many levels on the tolerance is likely to be kept, if each gains GAIN."""
+        if not math.isfinite(error):
+            return 1
         return max(1, math.floor(math.log(self.rtol / error) / math.log(GAIN)))
 
     def _element_rung(self, level: int, press: Press, frequency: NDArray[np.float64]) -> Rung:

@@ -60,7 +60,7 @@ Phase = Annotated[
 Resistance = Annotated[Number, within(0.0, 1e12, "ohm", "no meter reads more")]
 FilmResistance = Annotated[
     Number,
-    within(0.0, 1e12, "ohm m", "beyond it a foil floats"),
+    within(0.0, 1e10, "ohm m", "beyond it sheets bear no current that can be told"),
     AfterValidator(ideal_or_resolved),
 ]
 Inductance = Annotated[Number, within(0.0, 10.0, "H", "leads have microhenry, large coils a henry")]

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 from ..dataset.memory import in_memory
 from ..dataset.model import Family, reduced
-from ..dataset.plan import Plan
+from ..dataset.plan import Plan, check_cells
 from ..dataset.presses import FIRST_RESTS
 from ..measure.experiment import own_presses
+from ..measure.simulate import check_fits
 from ..measure.symmetry import Pixel
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press, every_press, pressed_factor
@@ -70,6 +71,7 @@ class Trial:
         if not 1 <= self.draws <= 1000:
             raise InputError(f"`draws` must be from 1 to 1000, got {self.draws}")
         in_units_of_error(np.ones((1, 1, 1), dtype=complex), scene.readout)
+        check_cells(scene)
         nominal = self.nominal(scene)
         sizes = Counter(label_of(press.pixel, self.target) for press in nominal)
         if len(sizes) < 2:
@@ -80,7 +82,7 @@ class Trial:
                 f"`experiment.repetitions` must give at least {FOLDS} presses of each class of "
                 f"`target` {self.target}, got {least}"
             )
-        self.plan(scene, 0, LOOSEST)
+        check_fits(scene, self.plan(scene, 0, LOOSEST).sweeps)
 
     def plan(self, scene: Scene, draw: int, rtol: float) -> Plan:
         """The data set of one draw, on as many skins as `dataset.session` makes of it, SESSIONS at

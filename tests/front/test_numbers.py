@@ -15,7 +15,7 @@ from rcskin.simulator.sweeps import InputError
 
 GLOVE = load_scene("glove")
 BY_THE_SCENE = {"want", "wires", "readings", "frequencies", "seconds", "sheet_ratio", "grading"}
-BY_THE_SCENE |= {"casts", "repetitions", "grid"}
+BY_THE_SCENE |= {"casts", "grid"}
 """Keys of a scene, and what is chosen from: they have their ranges there."""
 BY_THE_METER = {"timeout", "baud", "averaging", "amplitude", "range_", "delay", "cable", "pace"}
 BY_THE_METER |= {"patience", "random", "rest", "times", "seconds", "status"}

@@ -21,6 +21,7 @@ from ...fem.estimate import relative_difference
 from ...fem.factors import one_blas_thread, without_zeros
 from ...fem.galerkin import Galerkin
 from ...fem.lanczos import potentials_of_all
+from ...fem.system import check_grid_fits
 from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
@@ -82,12 +83,14 @@ def reduce(
 
     draw: of what the model is trained on, by default one or two touched pixels. modes: of each
     sheet's conductance, see `variation.WAVES`. alike: whether both sheets vary in the same way, so
-    that one field may serve. Raises ToleranceError where mesh or basis do not get there.
+    that one field may serve. Raises ToleranceError where mesh or basis do not get there, InputError
+    where the pixels do not fit in memory.
     """
     by_depth = spreading(scene)
     scene = scene if by_depth else electrical(scene)
     draw = apart(draw or pixel_touches(scene), scene) if by_depth else draw or pixel_touches(scene)
     circuit = circuit_of(scene, alike)
+    check_grid_fits(scene, circuit)
     random = np.random.default_rng(seed)
     advance(0.0)
     with one_blas_thread():

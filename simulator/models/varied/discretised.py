@@ -156,10 +156,16 @@ def indicators(discretised: Discretised, frequency: NDArray[np.float64]) -> NDAr
     for drive in range(len(discretised.circuit.drives)):
         at_each = _potentials(discretised, drive, s)
         for part, each, (w, added_w) in zip(parts, s.tolist(), at_each, strict=True):
-            added = sum(_energies(discretised, each, added_w))
+            added = np.add(*_energies(discretised, each, added_w))
             heat, stored = _energies(discretised, each, w)
-            part += added / heat.sum() + (added + discretised.missed * stored) / stored.sum()
+            part += _over_all(added, heat) + _over_all(added + discretised.missed * stored, stored)
     return parts
+
+
+def _over_all(part: NDArray[np.float64], whole: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Over the sum of the whole; 0 where that is 0: behind foils that insulate no sheet is heated
+    by as much as double precision holds, and what is there is none of the error."""
+    return part / whole.sum() if whole.sum() > 0 else np.zeros_like(part)
 
 
 def most(parts: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -103,10 +103,6 @@ def indented(
     return (press.sharp, found) if found.sharp is None else (found.sharp, None)
 
 
-FEWEST_ALONG = 2
-"""Unknowns along a pixel of the coarsest elements."""
-
-
 def meshes(
     scene: Scene, press: Press, pressed: Pressed | None, rtol: float, place: Place | None = None
 ) -> Meshes:
@@ -122,7 +118,7 @@ def meshes(
         first = Triangles(scene, circuit, press, rtol, pressed)
         return Spread(place or Place(), first, pressed, rtol)
     if rectangular:
-        check_grid_fits(scene, circuit, FEWEST_ALONG)
+        check_grid_fits(scene, circuit)
     triangles = Triangles(scene, circuit, press, rtol)
     if rectangular and press.plain:
         return InTurn(Squares(scene, circuit, press, rtol), triangles)

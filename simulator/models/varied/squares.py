@@ -30,6 +30,8 @@ from .system import pressed_system
 CELLS_TO_A_LENGTH = 2.0
 """For the shortest length of a map, of elements of order 1; fewer of higher order."""
 
+MOST_UNKNOWNS = 300_000
+"""Of a field, where a map asks for more cells than pixels do: they take some ten seconds."""
 HARDER = 1e-3
 """From which tolerance down ends of foils take an order more."""
 AN_ORDER = 15.0
@@ -124,6 +126,9 @@ class Squares:
         needed = CELLS_TO_A_LENGTH * widest / self.materials.shortest / resolution.order
         corners = ringed_corners(self.materials, self.circuit.contacts, self.press, self.rtol)
         cells = max(resolution.cells, math.ceil(needed))
+        unknowns = cells**2 * math.prod(self.scene.pixels.shape) * resolution.order**2
+        if cells > resolution.cells and unknowns > MOST_UNKNOWNS:
+            raise ToleranceError(f"{cells} x {cells} cells in each pixel are too many")
         return replace(finer, cells=cells, corners=corners)
 
     def _with(self, axis: int, lines: Lines, kinks: Lines) -> tuple[float, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from copy import copy
 from typing import TYPE_CHECKING
 
@@ -36,6 +37,8 @@ ORDERS, ORDERS_OF_SPREAD = ((5e-3, 2), (0.0, 3)), ((1e-3, 2), (0.0, 3))
 """From which tolerance on which order of elements answers, and does so what mechanics spreads; one
 order more checks it. Order 1 needs more unknowns for 1e-2 than order 2 for 1e-3."""
 MOST_TRIANGLES = 60_000
+FIRST_SHARE = 0.25
+"""Of MOST_TRIANGLES: what a first mesh may have, for finer ones to come."""
 DEPTHS_PER_ORDER = 1.0
 """Longest edges at foils, of what a polynomial of that order follows at the highest frequency."""
 AIMED = 1.2
@@ -156,12 +159,15 @@ class Triangles:
     def coarsest(self, frequency: float, between: bool = True) -> Domain:
         """The first mesh: finer at foils and no coarser than maps vary. frequency: Hz.
 
-        between: whether it conforms to all pixels, not just to those that are pressed.
+        between: whether it conforms to all pixels, not just to those that are pressed. Raises
+        ToleranceError for a skin so narrow that no mesh could be any finer.
         """
         scene, skin = self.scene, self.scene.skin
         creases = self.pressed.kinks if self.pressed else []
         pixel = max(side / n for side, n in zip(skin.sides, scene.pixels.shape[::-1], strict=True))
         size = min(pixel, self.order * self.materials.shortest)
+        if skin.rectangular:
+            _check_width(*skin.sides, size)
         found = domain(scene, self.press, size, [*creases, *self._kinks()], between)
         return _fine_at_foils(found, DEPTHS_PER_ORDER * self.order * skin.depth(frequency))
 
@@ -250,3 +256,14 @@ def _fine_at_foils(mesh: Domain, longest: float) -> Domain:
         if not coarse.size or mesh.t.shape[1] > MOST_TRIANGLES:
             return mesh
         mesh = finer(mesh, coarse)
+
+
+def _check_width(length: float, width: float, size: float) -> None:
+    """Raises ToleranceError where triangles of a size, or as wide as a skin, are too many; m."""
+    edge = min(length, width, size)
+    needed = length * width / (math.sqrt(3) / 4 * edge**2)
+    if needed > FIRST_SHARE * MOST_TRIANGLES:
+        raise ToleranceError(
+            f"a skin of {length:g} m x {width:g} m that is no plain one needs {needed:.2g} "
+            f"triangles of {edge:.2g} m; a first mesh may have {FIRST_SHARE * MOST_TRIANGLES:g}"
+        )

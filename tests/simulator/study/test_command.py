@@ -177,7 +177,7 @@ def test_what_cannot_be_varied_is_told_in_one_line(run, tmp_path, vary, told):
         (["--target", "corner"], "`target` must be one of column, row, pixel, got 'corner'"),
         (["--draws", "0"], "--draws must be from 1 to 1000, got 0"),
         (["--workers", "0"], "--workers must be from 1 to 256, got 0"),
-        (["--repetitions", "0"], "`experiment.repetitions` must be >= 1, got 0"),
+        (["--repetitions", "0"], "--repetitions must be from 1 to 1000000, got 0"),
         (["--max-frequency", "500"], "--max-frequency must be finite and > 1000 Hz"),
         (["--rtol", "0"], "--rtol must be from 1e-08 to 0.01, got 0"),
         (["--chart", "chart.jpg"], "must end in .png or .svg or .pdf, got '.jpg'"),

@@ -1,12 +1,15 @@
 """What does not fit in memory or on disk is refused before it begins, with how much there is."""
 
+import re
 import shutil
 
 import pytest
+from rcskin.hardware.record.order import standard_order
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.study.point import Trial
 from rcskin.simulator.sweeps import InputError, space
 
 CORNER = Press((Touch(1, 1, 2.0),))
@@ -69,3 +72,36 @@ def test_commands_say_that_memory_or_disk_are_too_small(run, tmp_path, machine):
     assert code == 2 and not out.exists() and not list(tmp_path.iterdir())
     last = err.splitlines()[-1]
     assert "1000000000000 sweeps" in last and "at most 900 MB are free" in last
+
+
+LARGE = {"pixels": {"rows": 1000, "columns": 1000}}
+
+
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [
+        (["design"], r"1000 x 1000 pixels, every two presses compared, would need \d+ TB"),
+        (["design", "--target", "pair"], r"1000 x 1000 pixels, .* would need \d+ PB"),
+        (["study", "--vary", "skin.top.sheet_resistance=1e3,2e3"], "at most 100 cells along"),
+        (["page"], r"2000 x 2000 cells would need \d+ GB of memory; at most 14 GB"),
+        (["dataset", "--sweeps", 10], "at most 100 cells along"),
+        (["limits"], r"cells would need \d+ GB of memory"),
+    ],
+    ids=lambda each: " ".join(map(str, each)) if isinstance(each, list) else "",
+)
+def test_commands_refuse_a_million_pixels_in_a_line(run, tmp_path, machine, command, told):
+    machine(memory=16e9)
+    scene = tmp_path / "large.toml"
+    scene.write_text(scene_text(load_scene("glove").with_(LARGE)), encoding="utf-8")
+    ending = {"study": ".csv", "page": ".html", "dataset": ".zarr"}.get(command[0], "")
+    code, _, err = run(command[0], scene, *command[1:], "-o", tmp_path / f"out{ending}")
+    assert code == 2 and re.search(told, err.splitlines()[-1])
+
+
+def test_repetitions_that_memory_does_not_bear_are_refused(machine):
+    machine(memory=1e9)
+    often = load_scene("glove").with_({"experiment.repetitions": 10**6})
+    with pytest.raises(InputError, match="sweeps of 20 readings would need"):
+        Trial(repeated=True).check(often)
+    with pytest.raises(InputError, match="10000 sweeps of each of 100 x 100 pixels would need"):
+        standard_order(100, 100, 10_000)
