@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .shown import shown
+from .shown import charting, painting
 from .sweeps import InputError, checked_output, whole_file
 
 if TYPE_CHECKING:
@@ -119,37 +119,16 @@ def checked_ending(name: str) -> str:
     return f".{name}"
 
 
-def take_text_as_it_is(figure: Figure) -> None:
-    """Have no text of a figure set as mathematics but the ticks of logarithmic axes.
-
-    Names may hold `$`, which matplotlib takes for mathematics, and characters that no font has.
-    """
-    from matplotlib.text import Text
-    from matplotlib.ticker import LogFormatterMathtext
-
-    every = [axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
-    powers = [
-        each for each in every if isinstance(each.get_major_formatter(), LogFormatterMathtext)
-    ]
-    ticks = {id(text) for axis in powers for text in axis.findobj(Text) if text is not axis.label}
-    for text in figure.findobj(Text):
-        if isinstance(text, Text) and id(text) not in ticks:
-            text.set_parse_math(False)
-            text.set_text("\n".join(map(shown, text.get_text().split("\n"))))
-
-
 @contextmanager
 def chart(path: Path, width: float, height: float) -> Iterator[Figure]:
     """A figure of that size in inches in the house style, written whole; `path` ends in ENDINGS."""
-    from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with rc_context(STYLE):
+    with charting(STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(figure)
         yield figure
-        take_text_as_it_is(figure)
-        with whole_file(path) as unfinished:
+        with painting(figure), whole_file(path) as unfinished:
             dpi = None if path.suffix == ".png" else PRINTED_DPI
             figure.savefig(unfinished, dpi=dpi, metadata=UNDATED.get(path.suffix))

@@ -1,4 +1,4 @@
-"""Text on a terminal: what names hold is shown, never obeyed.
+"""Text on terminals, in charts and on pages: what names hold is shown, never obeyed.
 
 Scenes, sweeps and meters come from others. A control character in a name could move the cursor,
 rename the window or hide a line, a direction mark reorder one, and brackets are rich's markup.
@@ -6,12 +6,18 @@ rename the window or hide a line, a direction mark reorder one, and brackets are
 
 from __future__ import annotations
 
+import html
 import re
 import unicodedata
-from collections.abc import Iterable
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from jinja2 import Environment
+    from matplotlib.figure import Figure
     from rich.console import Console
 
 OBEYED = {"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"}
@@ -54,6 +60,66 @@ def terminal(*, stderr: bool = False, highlight: bool = True) -> Console:
                 yield each if each.control else Segment(_lines(each.text), each.style)
 
     return Shown(stderr=stderr, highlight=highlight, markup=False, emoji=False)
+
+
+@contextmanager
+def charting(style: Mapping[Any, Any]) -> Iterator[None]:
+    """While figures are made in a style of matplotlib: what names hold is no mathematics.
+
+    Names may hold `$`, which matplotlib takes for mathematics. They may hold letters that its font
+    has not, which are boxes, and be longer than there is room: neither is warned of.
+    """
+    from matplotlib import rc_context
+
+    with rc_context({**style, "text.parse_math": False}), warnings.catch_warnings():
+        for about in (r"Glyph \d+ ", "constrained_layout not applied"):
+            warnings.filterwarnings("ignore", about, UserWarning)
+        yield
+
+
+@contextmanager
+def painting(figure: Figure) -> Iterator[None]:
+    """While a figure is painted that was made under `charting`: ticks may be powers of ten."""
+    from matplotlib import rc_context
+    from matplotlib.text import Text
+    from matplotlib.ticker import FixedFormatter, LogFormatterMathtext
+
+    for text in figure.findobj(Text):
+        assert isinstance(text, Text)
+        told = _lines(text.get_text())
+        if text.get_wrap():  # matplotlib wraps text as mathematics whatever is set
+            told = told.replace("$", r"\$")
+            text.set_parse_math(True)
+        text.set_text(told)
+    for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
+        formatter = axis.get_major_formatter()
+        if isinstance(formatter, FixedFormatter):
+            axis.set_major_formatter(FixedFormatter([*map(_lines, formatter.seq)]))
+        if isinstance(formatter, LogFormatterMathtext):
+            for text in axis.findobj(Text):
+                assert isinstance(text, Text)
+                text.set_parse_math(text is not axis.label)
+    with rc_context({"text.parse_math": True}):
+        yield
+
+
+def pages(folder: Path, **options: Any) -> Environment:
+    """Templates of a folder, as jinja has them: all that they are filled with is text to show."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from markupsafe import Markup
+
+    return Environment(
+        loader=FileSystemLoader(folder),
+        autoescape=True,
+        undefined=StrictUndefined,
+        finalize=lambda value: value if isinstance(value, Markup) else _lines(str(value)),
+        **options,
+    )
+
+
+def in_plotly(text: str) -> str:
+    """The same on one line; plotly takes text for HTML."""
+    return html.escape(shown(text), quote=False)
 
 
 def _lines(text: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TextIO
 
+from ...simulator.shown import shown
 from ..meter.reading import Reading
 from .session import Moment
 
@@ -30,7 +31,7 @@ class Plain:
         probability = moment.answer.probability
         fields = (
             moment.at,
-            moment.answer.label,
+            shown(moment.answer.label),
             "" if probability is None else f"{probability:.4f}",
             f"{1e3 * moment.latency:.1f}",
         )
@@ -49,5 +50,5 @@ class Plain:
         """Tell it, once."""
         if text != self._told:
             self._told = text
-            self.notes.write(f"rcskin: {text}\n")
+            self.notes.write(f"rcskin: {shown(text)}\n")
             self.notes.flush()

@@ -13,6 +13,7 @@ from time import monotonic
 from types import FrameType
 from typing import Any
 
+from ...simulator.shown import shown
 from ...simulator.sweeps.ending import waited_for
 from .console import closing_console
 
@@ -107,7 +108,7 @@ def ending_in_order() -> Iterator[Callable[[str], None]]:
     def tell(text: str) -> None:
         told.append(text)
         with suppress(OSError, ValueError):  # the terminal may be closed
-            print(f"rcskin: {text}", file=sys.stderr, flush=True)
+            print(f"rcskin: {shown(text)}", file=sys.stderr, flush=True)
 
     if threading.current_thread() is not threading.main_thread():
         yield tell

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...simulator.shown import charting, painting
 from ...simulator.sweeps import made_folder, whole_file
 from ...simulator.sweeps.cells import Writer
 from ..inputs.targets import COORDINATES
@@ -68,6 +69,11 @@ def write_report(
     chart.
     """
     made_folder(folder)
+    with charting({}):
+        _write_all(folder, found, plan, ending)
+
+
+def _write_all(folder: Path, found: Found, plan: Plan | None, ending: str) -> None:
     score = found.score
     table = [(name, *values) for name, values in found.figures.items()]
     write_table(folder / "figures.csv", ["figure", "value", "spread"], table)
@@ -150,5 +156,5 @@ def _region_chart(score: PositionScore, plan: Plan | None) -> Figure:
 
 
 def _save(figure: Figure, path: Path) -> None:
-    with whole_file(path) as unfinished:
+    with painting(figure), whole_file(path) as unfinished:
         figure.savefig(unfinished, dpi=150)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..models.parameters import FACTORS
 from ..scene.files import scene_text
+from ..shown import shown
 from ..sweeps import made_folder, whole_file
 from ..sweeps.cells import Writer
 from .chart import draw_residuals
@@ -33,6 +35,8 @@ BY = {True: "data", False: "prior"}
 TIED = 0.95
 WIDEST = 1000
 """Characters: of any console."""
+LONGEST = 60
+"""Letters of an interface's name in the name of a file, which has at most 255 bytes."""
 WIDENED = 1.2
 """Chi-squared per degree of freedom from which it is said that intervals are wider for it."""
 
@@ -56,9 +60,9 @@ def write_report(
         _write_csv(
             made / "correlation.csv", ("parameter", *_names(calibration)), _tied(calibration)
         )
-        for k, interface in enumerate(calibration.fit.asked.measured.scene.interfaces):
-            name = f"residuals-{_file_name(interface.name)}{ending}"
-            draw_residuals(calibration, k, made / name)
+        interfaces = calibration.fit.asked.measured.scene.interfaces
+        for k, name in enumerate(_file_names([each.name for each in interfaces])):
+            draw_residuals(calibration, k, made / f"residuals-{name}{ending}")
         made_folder(folder)
         names = sorted(path.name for path in made.iterdir())
         for name in names:
@@ -77,7 +81,7 @@ def calibrated_text(calibration: Calibration, source: str) -> str:
         *(f"  {_sentence(each)}" for each in calibration.quantities),
         *_not_told(calibration),
     ]
-    comment = "".join(f"# {line}\n" for line in lines)
+    comment = "".join(f"# {shown(line)}\n" for line in lines)
     return f"{comment}\n{scene_text(scene.model_copy(update={'description': told}))}"
 
 
@@ -240,8 +244,11 @@ def _by(each: Quantity) -> str:
     return "told by the prior and not by the data"
 
 
-def _file_name(interface: str) -> str:
-    return "".join(c if c.isalnum() or c in "-_" else "-" for c in interface)
+def _file_names(interfaces: Sequence[str]) -> list[str]:
+    """What files are named by, distinct wherever large letters are small ones, too."""
+    named = [re.sub(r"[^\w-]", "-", each)[:LONGEST] for each in interfaces]
+    distinct = len({each.casefold() for each in named}) == len(named)
+    return named if distinct else [f"{k}-{each}" for k, each in enumerate(named, 1)]
 
 
 def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:

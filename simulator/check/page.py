@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..shown import in_plotly
 from ..sweeps import check_needs, checked_output, whole_file
 from .curves import QUANTITIES, Shown, colours_of, courses, labels_of, panels_of, rows_of
 
@@ -39,7 +40,7 @@ def write_page(
 
     panels, across = panels_of(recordings, what)
     down = -(-len(panels) // across)
-    titles = [f"{shown.name}, {interface}" for shown, interface in panels]
+    titles = [in_plotly(f"{shown.name}, {interface}") for shown, interface in panels]
     figure = make_subplots(rows=down, cols=across, subplot_titles=titles)
     for number, (shown, interface) in enumerate(panels):
         row, column = number // across + 1, number % across + 1
@@ -67,12 +68,12 @@ def _traces(
         for label, line in dict.fromkeys(kinds):
             own = [each for each, kind in zip(drawn, kinds, strict=True) if kind == (label, line)]
             told = f"{label}, row {line}" if line else label
-            name = f"{told}, {names[number]}" if names else told
+            name = in_plotly(f"{told}, {names[number]}" if names else told)
             traces.append(
                 go.Scatter(
                     x=[each for _, x, _ in own for each in (*x.tolist(), None)],
                     y=[each for _, _, y in own for each in (*y.tolist(), None)],
-                    text=[press for press, x, _ in own for _ in range(len(x) + 1)],
+                    text=[in_plotly(press) for press, x, _ in own for _ in range(len(x) + 1)],
                     name=name,
                     legendgroup=name,
                     mode="lines+markers",

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ..shown import pages
+
 SITE = Path(__file__).parent / "site"
 
 
@@ -25,21 +27,21 @@ def document(data: Mapping[str, Any], link: Link | None = None) -> str:
 
     link: of a page that is served; without it the page forbids itself any.
     """
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    rooms = FileSystemLoader(Path(__file__).parent)
-    pages = Environment(loader=rooms, autoescape=True, undefined=StrictUndefined)
     folders = ("skin", "shown", "link") if link else ("skin", "shown")
     paths = [path for folder in folders for path in sorted(SITE.glob(f"{folder}/*.js"))]
     modules = {f"rcskin/{path.stem}": _module(path) for path in paths}
     styles = [SITE / "style.css", *([SITE / "link" / "link.css"] if link else [])]
-    return pages.get_template("page.jinja").render(
-        name=data["name"],
-        description=data["description"],
-        style="".join(path.read_text(encoding="utf-8") for path in styles),
-        modules=_within_script({"imports": modules}),
-        data=_within_script(data),
-        link=link,
+    return (
+        pages(Path(__file__).parent)
+        .get_template("page.jinja")
+        .render(
+            name=data["name"],
+            description=data["description"],
+            style="".join(path.read_text(encoding="utf-8") for path in styles),
+            modules=_within_script({"imports": modules}),
+            data=_within_script(data),
+            link=link,
+        )
     )
 
 

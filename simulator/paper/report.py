@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..shown import pages
 from ..sweeps import whole_file
 
 
@@ -33,14 +34,7 @@ class Section:
 
 def write_report(path: Path, **content: object) -> None:
     """Fill the template with `content` and write it to `path`, whole or not at all."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=StrictUndefined,
-        keep_trailing_newline=True,
-    )
+    environment = pages(Path(__file__).parent, keep_trailing_newline=True)
     text = environment.get_template("report.html.jinja").render(content)
     with whole_file(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")

@@ -13,6 +13,7 @@ from pydantic import ValidationError
 
 from ..sweeps import InputError, checked_output, inputs, whole_file
 from ..sweeps.builtin import BUILTIN, builtin_names
+from ..sweeps.cells import printable
 from ..sweeps.file_kinds import check_file_kind
 from ..sweeps.units import in_si
 from .map_file import with_grids
@@ -107,4 +108,4 @@ def _slip(text: str, error: tomllib.TOMLDecodeError) -> str:
 
 def scene_text(scene: Scene) -> str:
     """The scene as TOML; `parse_scene` gives the same scene back."""
-    return tomli_w.dumps(scene.model_dump(by_alias=True, exclude_none=True))
+    return printable(tomli_w.dumps(scene.model_dump(by_alias=True, exclude_none=True)))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +15,7 @@ from ..scene.keys.tables import at, keys
 from ..scene.meter import FrequencyGrid
 from ..scene.scene import BOTH, Scene
 from ..scene.validation import one_line, unit_of
-from ..sweeps import InputError
+from ..sweeps import InputError, inputs
 
 Place = tuple[str | int, ...]
 """Where a number stands in nested tables and lists; lists count from 0."""
@@ -55,7 +54,7 @@ def scene_table(name_or_path: str) -> dict[str, Any]:
     scene = load_scene(name_or_path)
     builtin = name_or_path in builtin_names()
     path = BUILTIN / f"{name_or_path}.toml" if builtin else Path(name_or_path)
-    frequencies = tomllib.loads(path.read_text(encoding="utf-8"))["sweep"]["frequencies"]
+    frequencies = inputs.tables(inputs.text(path, inputs.SCENE))["sweep"]["frequencies"]
     table = scene.model_dump(mode="json", by_alias=True, exclude_none=True)
     if isinstance(frequencies, dict):
         grid = FrequencyGrid.model_validate(frequencies)

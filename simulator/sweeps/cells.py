@@ -10,6 +10,8 @@ from typing import IO, Any
 FORMULA = re.compile(r"'*[=+\-@\t\r\n＝＋－＠]")
 """How text begins that spreadsheets compute, after any number of our own quotes."""
 NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+BEYOND_ASCII = re.compile(r"[^\n -~]")
+"""And control characters, but the line breaks between keys."""
 WITHIN_COMMENT = re.compile(r"(?<=[,;\t])[=+\-@]")
 
 
@@ -39,9 +41,22 @@ def as_given(cell: str) -> str:
     return cell[1:] if cell.startswith("'") and FORMULA.match(cell) else cell
 
 
+def printable(toml: str) -> str:
+    """TOML whose texts hold no character that is obeyed, not shown; it reads back the same."""
+    return BEYOND_ASCII.sub(lambda found: _printable(found[0]), toml)
+
+
+def _printable(character: str) -> str:
+    return character if character.isprintable() else _escaped(character)
+
+
+def _escaped(character: str) -> str:
+    return f"\\u{ord(character):04x}" if ord(character) < 2**16 else f"\\U{ord(character):08x}"
+
+
 def guarded_comment(toml: str) -> str:
     """TOML whose texts hold no cell that begins like a formula; it reads back the same.
 
     Spreadsheets divide lines of comment at separators, too; TOML's own escapes stand in there.
     """
-    return WITHIN_COMMENT.sub(lambda found: f"\\u{ord(found[0]):04x}", toml)
+    return WITHIN_COMMENT.sub(lambda found: _escaped(found[0]), printable(toml))

@@ -38,6 +38,9 @@ LABELS = {
     "column": "pressed pixel's column: 0 nothing pressed, -1 no single pixel",
     "session": "mounting or device",
 }
+NAMES = ("interface", "press")
+SHOWN = 60
+"""Characters of a name that is refused."""
 TAKEN = "taken"
 """Coordinate of sweeps whose interfaces are not all read at all frequencies: whether one is at one,
 shape (interface, frequency). Quantities are NaN where it is not."""
@@ -136,6 +139,8 @@ def _checked(sweeps: Table) -> Table:
         _check_readings(name, each.values, taken)
     if TIME in sweeps.coordinates:
         _check_finite(TIME, sweeps.coordinates[TIME].values)
+    for name in NAMES:
+        _check_printable(name, sweeps.coordinates[name].values)
     return sweeps
 
 
@@ -177,11 +182,18 @@ def _check_finite(name: str, values: NDArray[np.float64]) -> None:
         raise InputError(f"`{name}` must be finite everywhere")
 
 
+def _check_printable(name: str, values: NDArray) -> None:
+    """Names stand on terminals, in tables and in charts, which obey what is not printable."""
+    for each in set(map(str, values.tolist())):
+        if not each.isprintable():
+            raise InputError(f"`{name}` must be printable, on one line, got {each[:SHOWN]!r}")
+
+
 def check(sweeps: xr.Dataset) -> xr.Dataset:
     """The same sweeps, if they keep the schema.
 
     Raises InputError naming the variable and what is wrong with it: absent, of other dimensions,
-    not finite, or frequencies that are not positive and ascending.
+    not finite, names that are not printable, or frequencies that are not positive and ascending.
     """
     for name in (*QUANTITIES, *LABELS, "frequency", "interface"):
         if name not in sweeps.variables:
@@ -194,6 +206,8 @@ def check(sweeps: xr.Dataset) -> xr.Dataset:
         _check_readings(name, values.values, taken)
     if TIME in sweeps.variables:
         _check_finite(TIME, sweeps[TIME].values)
+    for name in NAMES:
+        _check_printable(name, sweeps[name].values)
     _checked_frequency(sweeps["frequency"].values)
     return sweeps
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..charts import STYLE, chart, take_text_as_it_is
+from ..charts import STYLE, chart
+from ..shown import charting, painting
 from .axes import (
     NUMBERS_WIDTH,
     colour_bar,
@@ -61,16 +62,15 @@ def draw(path: Path, rows: Sequence[Sequence[Panel]], title: str) -> None:
 
 def rendered(rows: Sequence[Sequence[Panel]], title: str, dpi: int) -> Image:
     """The same picture as an array (height, width, 3) with even sides, for movies."""
-    from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with rc_context(STYLE):
+    with charting(STYLE):
         figure = Figure(figsize=_size(rows), dpi=dpi, layout="constrained")
         canvas = FigureCanvasAgg(figure)
         compose(figure, rows, title)
-        take_text_as_it_is(figure)
-        canvas.draw()
+        with painting(figure):
+            canvas.draw()
     image = np.asarray(canvas.buffer_rgba())[..., :3]
     height, width = (side - side % 2 for side in image.shape[:2])
     return image[:height, :width].copy()

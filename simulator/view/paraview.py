@@ -69,7 +69,9 @@ def _write_vtu(path: Path, fields: Fields, skin: Surface, about: dict[str, str])
     grid.field_data["frequency_Hz"] = fields.frequency
     grid.field_data["Z_re_ohm"], grid.field_data["Z_im_ohm"] = fields.Z.real, fields.Z.imag
     for name, text in about.items():
-        grid.field_data[name] = [text]
+        grid.field_data[name] = [
+            text.encode("ascii", "backslashreplace").decode()
+        ]  # VTK takes no more
     path.write_text(_xml(grid), encoding="ascii")
 
 

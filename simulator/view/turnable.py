@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..charts import AT_REST
+from ..shown import in_plotly
 from ..sweeps import whole_file
 from .painting import ARROW, BODY, GRID, arrow_mesh, foil_colours, lifted, ribbon
 from .surface import triangles
@@ -88,7 +89,7 @@ def _layout(panels: Sequence[Panel], title: str) -> dict[str, Any]:
         for axis, at in zip("xyz", middle, strict=True)
     }
     scale = 1 / max(_half_sizes(panels))
-    lines = textwrap.wrap(title, TITLE_WIDTH)
+    lines = [*map(in_plotly, textwrap.wrap(title, TITLE_WIDTH))]
     return {
         "title": {
             "text": "<br>".join(lines),
@@ -140,7 +141,8 @@ def _half_sizes(panels: Sequence[Panel]) -> tuple[float, float]:
 
 
 def _heading(shown: Shown) -> str:
-    return "<br>".join(filter(None, (f"<b>{shown.title}</b>", shown.moment, shown.note)))
+    title, *more = map(in_plotly, (shown.title, shown.moment, shown.note))
+    return "<br>".join(filter(None, (f"<b>{title}</b>", *more)))
 
 
 def _slider(panels: Sequence[Panel], owners: Sequence[int]) -> dict[str, Any]:
@@ -167,7 +169,8 @@ def _slider(panels: Sequence[Panel], owners: Sequence[int]) -> dict[str, Any]:
 
 
 def _step(shown: Shown, alone: bool) -> str:
-    return shown.frequency if alone else ", ".join(filter(None, (shown.title, shown.frequency)))
+    named = shown.frequency if alone else ", ".join(filter(None, (shown.title, shown.frequency)))
+    return in_plotly(named)
 
 
 def _traces(panel: Panel) -> list[Any]:
@@ -178,7 +181,7 @@ def _traces(panel: Panel) -> list[Any]:
     colours = foil_colours(marks.foils)
     for foil in marks.foils:
         surface = _surface(ribbon(foil), colours[foil.name])
-        surface.update(name=foil.label, hoverinfo="name", showlegend=True)
+        surface.update(name=in_plotly(foil.label), hoverinfo="name", showlegend=True)
         traces.append(surface)
     for lines, colour, width, lift in (
         (marks.pixels, GRID, 1.5, 1.0),

@@ -8,6 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ....simulator.shown import pages
 from ....simulator.sweeps import whole_file
 from ..given import Style
 from .charts import charts_of
@@ -54,15 +55,8 @@ def _drawn(findings: Findings, style: Style) -> dict[str, Picture]:
 
 
 def _rendered(findings: Findings, pictures: dict[str, Picture]) -> str:
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=StrictUndefined,
-        keep_trailing_newline=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
+    environment = pages(
+        Path(__file__).parent, keep_trailing_newline=True, trim_blocks=True, lstrip_blocks=True
     )
     return environment.get_template(TEMPLATE).render(_content(findings, pictures))
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from ...scene.files import scene_text
 from ...scene.scene import Scene
+from ...shown import pages
 from ...sweeps import made_folder, whole_file
 from ..bench import Asking
 from ..flat import Along, along_all, worth
@@ -113,14 +114,7 @@ def _write_report(
     table: Sequence[Row],
     folder: Path,
 ) -> None:
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=StrictUndefined,
-        keep_trailing_newline=True,
-    )
+    environment = pages(Path(__file__).parent, keep_trailing_newline=True)
     asked, best, (flat, lost) = asking.asked, found.best, measured
     text = environment.get_template("report.html.jinja").render(
         name=found.bench.scene.name,
