@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -106,9 +107,19 @@ def _between_decades() -> Formatter:
 def checked_chart(path: str | Path, *more: str) -> Path:
     """The same path, if a chart can be written there. Raises InputError as `checked_output`.
 
-    more: endings of what is allowed besides charts.
+    more: endings of what is allowed besides charts. Raises InputError also where matplotlib does
+    not start, because the environment names a backend that there is not.
     """
-    return checked_output(path, (*ENDINGS, *more))
+    checked = checked_output(path, (*ENDINGS, *more))
+    try:
+        import matplotlib  # noqa: F401, PLC0415
+    except ValueError as error:
+        backend = os.environ.get("MPLBACKEND")
+        raise InputError(
+            "the environment variable MPLBACKEND must name a backend of matplotlib, got "
+            f"{backend!r}: unset it, charts need none"
+        ) from error
+    return checked
 
 
 def checked_ending(name: str) -> str:

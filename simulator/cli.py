@@ -38,6 +38,9 @@ OUT_OF_RANGE = (
     "(RCSKIN_DEBUG=1 shows where)"
 )
 
+OF_NUMBERS = ("math domain error", "cannot convert float NaN to integer")
+"""What Python says where it raises ValueError, as it does of wrong input."""
+
 app = typer.Typer(
     name="rcskin",
     help="Simulate a capacitive soft sensor skin and localize touches on it.",
@@ -265,7 +268,7 @@ def _end_as_told(error: Exception, heard: Heard) -> NoReturn:
             _end(str(error), FAILURE)
         case MemoryError():
             _end(OUT_OF_MEMORY, FAILURE)
-        case ArithmeticError() | RecursionError() if "RCSKIN_DEBUG" not in os.environ:
+        case _ if _is_of_numbers(error) and "RCSKIN_DEBUG" not in os.environ:
             _end(OUT_OF_RANGE, FAILURE)
         case ToleranceError(times=None):
             _end(f"{error}; a larger --rtol would be kept", FAILURE)
@@ -276,6 +279,14 @@ def _end_as_told(error: Exception, heard: Heard) -> NoReturn:
     if "RCSKIN_DEBUG" in os.environ:
         raise error
     _end(f"{error} ({type(error).__name__}; RCSKIN_DEBUG=1 shows where)", FAILURE)
+
+
+def _is_of_numbers(error: Exception) -> bool:
+    """Whether it is one that arithmetic raises of numbers that it cannot hold."""
+    from numpy.linalg import LinAlgError
+
+    numeric = isinstance(error, ArithmeticError | RecursionError | LinAlgError)
+    return numeric or (type(error) is ValueError and str(error) in OF_NUMBERS)
 
 
 def _example(error: typer.TyperException) -> str:

@@ -21,7 +21,8 @@ FEWEST_SIDES = 3
 def factorised(matrix: csc_matrix) -> SuperLU:
     """LU without pivoting: stable, because real and imaginary part are positive semidefinite.
 
-    Raises ToleranceError where the factors outgrow what SuperLU can address.
+    Raises ToleranceError where the factors outgrow what SuperLU can address, or the matrix is
+    singular in double precision.
     """
     try:
         return splu(
@@ -32,6 +33,11 @@ def factorised(matrix: csc_matrix) -> SuperLU:
         )
     except MemoryError as error:
         raise ToleranceError(f"{len(matrix.indptr) - 1} unknowns: too many to factorise") from error
+    except RuntimeError as error:
+        raise ToleranceError(
+            "the equations of the skin are singular in double precision: its sizes, resistances, "
+            "capacitances or frequencies lie too far apart; bring them nearer to those of a skin"
+        ) from error
 
 
 def without_zeros(matrix: csc_matrix) -> csc_matrix:

@@ -1,5 +1,9 @@
 """Charts are pictures or lines, by the ending of their file."""
 
+import os
+import subprocess
+import sys
+
 import pytest
 from matplotlib.figure import Figure
 from rcskin.simulator.charts import (
@@ -86,3 +90,15 @@ def test_names_stand_in_charts_as_they_are(tmp_path, name):
         axes.legend()
     texts = [each.get_text() for each in (axes.title, axes.xaxis.label)]
     assert texts == [shown(name)] * 2
+
+
+def test_scripts_are_told_of_a_backend_that_matplotlib_has_not():
+    told = subprocess.run(
+        [sys.executable, "-c", "import rcskin; rcskin.plot(None, 'chart.png')"],
+        env={**os.environ, "MPLBACKEND": "nonsense"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    last = told.stderr.splitlines()[-1]
+    assert "MPLBACKEND must name a backend of matplotlib, got 'nonsense': unset it" in last

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.linalg import LinAlgError
 from rcskin.simulator import sweeps
 from rcskin.simulator.scene.files import BUILTIN, builtin_names, load_scene
 
@@ -241,6 +242,8 @@ def test_wrong_use_ends_with_one_line_and_code_2(run, arguments):
         (MemoryError(), "the memory of this machine does not suffice"),
         (ZeroDivisionError("division by zero"), "the numbers of the scene or of the options lie"),
         (OverflowError("cannot convert"), "the numbers of the scene or of the options lie"),
+        (LinAlgError("Singular matrix"), "the numbers of the scene or of the options lie"),
+        (ValueError("math domain error"), "the numbers of the scene or of the options lie"),
     ],
 )
 def test_an_unexpected_failure_is_one_line_and_code_1(run, monkeypatch, tmp_path, failure, told):

@@ -105,7 +105,10 @@ class Triangles:
             found = self._halved(self._domain, parts, ends)
             _check_beyond_rounding(found)
         if found.t.shape[1] > MOST_TRIANGLES:
-            raise ToleranceError(f"{found.t.shape[1]} triangles are too many")
+            raise ToleranceError(
+                f"{found.t.shape[1]} triangles are too many, at most {MOST_TRIANGLES} are solved; "
+                "at lower frequencies fields reach farther, and fewer serve"
+            )
         if found is not self._domain:
             self._domain, self._spaces = found, ()
         left_out = self._left_out(found, float(ends[-1]))
