@@ -150,7 +150,7 @@ def replaced(*pairs):
         ),
         (
             [CONTACT, f"{CONTACT}\nresistance = -1.0"],
-            "`contact[2].resistance` must be from 0 to 1e12 ohm m, got -1",
+            "`contact[2].resistance` must be from 0 to 1e10 ohm m, got -1",
         ),
         (
             ['electrode = "bottom"', 'electrode = "top"'],
