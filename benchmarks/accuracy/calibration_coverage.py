@@ -1,22 +1,30 @@
-"""How often the 95 % intervals of a calibration hold the truth, over twins drawn from its prior.
+"""How often the 95 % intervals of a calibration contain the truth, over simulated twins of a skin.
 
-A twin is a line of three pixels with every parameter drawn that the prior spreads, those included
-that no sweep tells; the calibration begins at the scene, with the same prior. Its meter errs as the
-scene's readout says, and its presses are stronger or weaker than is said of them. `--prior session`
-spreads what `[dataset.session]` does, `--prior wide` far more: leads by what the twin's skin reads.
+A twin has every parameter drawn from the prior (`--truth prior`), those included that no sweep
+determines, or is the scene itself (`--truth scene`): then leads and losses lie at their bounds. The
+calibration begins at the scene, with the same prior. The presses are stronger or weaker than their
+labels say. `--prior session` spreads what `[dataset.session]` does, `--prior wide` far more: leads
+by what the twin's skin reads. `--skin line` is a line of three pixels, whose meter errs as the
+scene's readout says; `--skin sheet` a sheet of 2x2 pixels with two interfaces, recorded through the
+virtual meter.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 import xarray as xr
+from rcskin.benchmarks.accuracy.coverage_parts.metered import metered
 from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.hardware.meter.errors import ReadingError
 from rcskin.simulator.calibration.choice import Options
+from rcskin.simulator.calibration.fit import model_tolerance
 from rcskin.simulator.calibration.measured import measured
+from rcskin.simulator.calibration.model import Model, model_of
 from rcskin.simulator.calibration.prior import Kind, Prior, priors
 from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.calibration.sheets import sheets
@@ -26,57 +34,100 @@ from rcskin.simulator.models.parameters import FACTORS, VALUES, own_values, scen
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.files import load_scene
-from rcskin.simulator.scene.meter import FrequencyGrid, Sweep
+from rcskin.simulator.scene.meter import FrequencyGrid
 from rcskin.simulator.scene.scene import Scene
 
 NAME = "calibration_coverage"
 TWINS, FEWEST = 200, 6
-PIXELS = ("1,1", "1,2", "1,3")
 AT_REST = 4
 FREQUENCIES = 12
 AGREES = 4.0
 """Standard errors of a share of twins within which all intervals together hold 95 % of truths."""
 
+Read = Callable[[Scene, Sequence[str], Sequence[str], np.random.Generator], xr.Dataset]
+"""Sweeps of a skin under presses, as they are called, by a meter whose errors are drawn."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A skin to calibrate. changes: of the scene of that name. start: lowest frequency, Hz, None
+    for the scene's own. pixels: pressed in turn."""
+
+    scene: str
+    pixels: tuple[str, ...]
+    read: Read
+    changes: Mapping[str, object]
+    start: float | None = None
+
+    def at_few_frequencies(self) -> Scene:
+        """The scene, read at FREQUENCIES."""
+        scene = load_scene(self.scene).with_(self.changes)
+        f = scene.frequencies
+        grid = FrequencyGrid(start=self.start or float(f[0]), stop=float(f[-1]), points=FREQUENCIES)
+        return scene.with_({"sweep.frequencies": grid.values()})
+
 
 def main(run: Run) -> int:
     """The share of truths held, by parameter and quantity."""
-    scene, kind = _scene(), run.asked.prior
-    twins = run.sized(TWINS, FEWEST)
-    held = pd.DataFrame([_trial(scene, kind, number) for number in range(twins)])
+    asked = run.asked
+    case, twins = CASES[asked.skin], asked.twins or run.sized(TWINS, FEWEST)
+    scene = case.at_few_frequencies()
+    known = model_of(scene, model_tolerance(scene.readout)) if asked.truth == "scene" else None
+    trials = [_trial(case, scene, asked.prior, known, number) for number in range(twins)]
+    held = pd.DataFrame(trials)
+    error = np.sqrt(0.95 * 0.05 / twins)
     table = pd.DataFrame(
         {
             "what": held.columns,
             "held, %": [f"{100 * held[name].mean():.1f}" for name in held],
-            "standard error, %": [
-                f"{100 * np.sqrt(0.95 * 0.05 / twins):.1f}" for _ in held.columns
-            ],
+            "standard error, %": [f"{100 * error:.1f}" for _ in held.columns],
         }
     )
-    title = (
-        f"Truths within the 95 % intervals of `rcskin calibrate`, of {twins} twins, {kind} prior"
-    )
-    publish(run.results, NAME if kind == "session" else f"{NAME}_{kind}", title, table)
+    publish(run.results, *_named(asked, twins), table)
     off = abs(held.to_numpy(dtype=float).mean() - 0.95)
-    return int(off > AGREES * np.sqrt(0.95 * 0.05 / twins))
+    return int(off > AGREES * error)
 
 
-def _scene() -> Scene:
-    """A line with the meter of the scenes of the package."""
-    scene = load_scene("strip-1x3")
-    f = scene.frequencies
-    few = FrequencyGrid(start=float(f[0]), stop=float(f[-1]), points=FREQUENCIES).values()
-    return scene.model_copy(update={"sweep": Sweep(frequencies=tuple(few))})
+def _named(asked: argparse.Namespace, twins: int) -> tuple[str, str]:
+    """Name and title of the table."""
+    own = {"sheet": asked.skin, "wide": asked.prior, "scene": asked.truth}
+    name = "_".join([NAME, *(part for part, given in own.items() if part == given)])
+    skin = "" if asked.skin == "line" else f" of `{CASES[asked.skin].scene}`, 2x2 pixels"
+    equal = " equal to the scene" if asked.truth == "scene" else ""
+    return name, (
+        f"Truths within the 95 % intervals of `rcskin calibrate`, of {twins} twins{skin}{equal}, "
+        f"{asked.prior} prior"
+    )
 
 
-def _trial(scene: Scene, kind: Kind, number: int) -> dict[str, bool]:
-    """Whether each interval holds the truth, of one twin."""
+def _trial(
+    case: Case, scene: Scene, kind: Kind, known: Model | None, number: int
+) -> dict[str, bool]:
+    """Whether each interval holds the truth, of one twin. Drawn anew where no meter reads it.
+
+    known: model of the scene, where the twin is the scene itself.
+    """
     random = np.random.default_rng([1, number])
+    while True:
+        true = own_values(scene) if known else _drawn_twin(case, scene, kind, random)
+        try:
+            sweeps = _read(case, scene, true, random)
+        except ReadingError:
+            continue
+        found = calibrate(scene, sweeps, Options(prior=kind), model=known)
+        return dict(_held(scene, found, true))
+
+
+def _drawn_twin(
+    case: Case, scene: Scene, kind: Kind, random: np.random.Generator
+) -> dict[str, float]:
+    """All parameters: factors first, as the priors of leads are set by what the skin reads."""
     truth = own_values(scene)
     for names in (FACTORS, VALUES):
-        known = priors(measured(scene, _read(scene, truth, np.random.default_rng(0))), kind)
+        sweeps = _read(replace(case, read=_read_out), scene, truth, np.random.default_rng(0))
+        known = priors(measured(scene, sweeps), kind)
         truth |= {name: _drawn(known[name], random) for name in names if name in known}
-    found = calibrate(scene, _read(scene, truth, random), Options(prior=kind))
-    return dict(_held(scene, found, truth))
+    return truth
 
 
 def _drawn(prior: Prior, random: np.random.Generator) -> float:
@@ -87,14 +138,24 @@ def _drawn(prior: Prior, random: np.random.Generator) -> float:
             return float(value)
 
 
-def _read(scene: Scene, truth: Mapping[str, float], random: np.random.Generator) -> xr.Dataset:
+def _read(
+    case: Case, scene: Scene, truth: Mapping[str, float], random: np.random.Generator
+) -> xr.Dataset:
     """What the meter reads of a twin, its presses called by their pixels alone."""
     rise, spread = scene.press.capacitance_factor - 1, scene.press.factor_spread
-    factors = 1 + rise * (1 + spread * random.standard_normal(len(PIXELS)))
-    pressed = [f"{pixel}:{factor:.6g}" for pixel, factor in zip(PIXELS, factors, strict=True)]
-    presses = [parse_press(text, 1 + rise) for text in [*["none"] * AT_REST, *pressed]]
-    sweeps = simulate(Solver(scene_with(scene, truth), 1e-5), presses)
-    sweeps["press"] = ("sweep", np.array([*["none"] * AT_REST, *PIXELS], dtype=object))
+    factors = 1 + rise * (1 + spread * random.standard_normal(len(case.pixels)))
+    pressed = [f"{pixel}:{factor:.6g}" for pixel, factor in zip(case.pixels, factors, strict=True)]
+    at_rest = ["none"] * AT_REST
+    return case.read(scene_with(scene, truth), at_rest + pressed, [*at_rest, *case.pixels], random)
+
+
+def _read_out(
+    scene: Scene, presses: Sequence[str], called: Sequence[str], random: np.random.Generator
+) -> xr.Dataset:
+    """By the scene's readout."""
+    factor = scene.press.capacitance_factor
+    sweeps = simulate(Solver(scene, 1e-5), [parse_press(text, factor) for text in presses])
+    sweeps["press"] = ("sweep", np.array(called, dtype=object))
     return read_out(sweeps, scene.readout, random)
 
 
@@ -109,7 +170,18 @@ def _held(
             yield each.name, each.low <= true[each.name] <= each.high
 
 
+CASES = {
+    "line": Case("strip-1x3", ("1,1", "1,2", "1,3"), _read_out, {}),
+    "sheet": Case(
+        "sheet-5x5-two-interfaces", ("1,1", "1,2", "2,1", "2,2"), metered, {"pixels": 2}, 500.0
+    ),
+}
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     parser.add_argument("--prior", choices=("session", "wide"), default="session")
+    parser.add_argument("--skin", choices=tuple(CASES), default="line")
+    parser.add_argument("--truth", choices=("prior", "scene"), default="prior")
+    parser.add_argument("--twins", type=int, help=f"in place of {TWINS}")
     launch(main, parser)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,6 +16,7 @@ from ..measure.readout import observed
 from ..models.mechanics.in_depths import settled
 from ..press.press import Press, press_on, pressed_factor
 from ..press.touch import Touch, place_of
+from ..scene.meter import Readout
 from ..scene.reading import reading_at
 from ..scene.scene import Scene
 from ..sweeps import InputError, impedance
@@ -24,13 +26,19 @@ from ..sweeps.schema import taken_of
 if TYPE_CHECKING:
     import xarray as xr
 
+EITHER = -1
+"""Number of the fixed error of a reading that may have been taken in either of two ranges."""
+NEAR_EDGE = 3.0
+"""Deviations of a reading of |Z| from the edge of a range, within which the range is not known."""
+
 
 @dataclass(frozen=True)
 class Reading:
     """One press in one session.
 
     Z: ohm, shape (interface, frequency), 1 where nothing was read. fixed: which of the meter's
-    fixed errors of a session each reading has, by number, same shape. deviation: sample standard
+    fixed errors of a session each reading has, by number, same shape; EITHER where that is not
+    known, and the reading then not used. deviation: sample standard
     deviation of `observed` over the sweeps that were averaged, shape (2 * Z.size,), None where
     there was one.
     """
@@ -41,6 +49,11 @@ class Reading:
     fixed: NDArray[np.int64]
     averaged: int = 1
     deviation: NDArray[np.float64] | None = None
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """Whether it is known which fixed error a reading has, shape (interface, frequency)."""
+        return self.fixed != EITHER
 
 
 @dataclass(frozen=True)
@@ -64,13 +77,13 @@ class Measured:
 
     @cached_property
     def numbers(self) -> int:
-        """How many numbers were measured: two for every reading."""
-        return 2 * len(self.readings) * int(self.read.sum())
+        """How many numbers were measured: two for every reading that is used."""
+        return 2 * sum(int((self.read & reading.known).sum()) for reading in self.readings)
 
     @cached_property
     def fixed(self) -> int:
         """How many fixed errors of one kind the meter has in a session."""
-        return 1 + max(int(reading.fixed.max()) for reading in self.readings)
+        return 1 + max(0, *(int(reading.fixed.max()) for reading in self.readings))
 
     @cached_property
     def first(self) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
@@ -106,7 +119,7 @@ def measured(
     sessions = [int(each) for each in sweeps["session"].values]
     Z = impedance(sweeps)
     known = Z if bare.taken is None else np.where(bare.taken, Z, 1.0)
-    fixed = _fixed(known, sweeps.attrs.get("settings"))
+    fixed = _fixed(known, sweeps.attrs.get("settings"), scene.readout)
     readings = tuple(_readings(known, fixed, presses, sessions))
     if not readings:
         raise InputError(f"no sweep can be used: {'; '.join(left_out) or 'there is none'}")
@@ -171,19 +184,24 @@ def _whole_pixels(scene: Scene, text: str) -> Press:
     return press
 
 
-def _fixed(Z: NDArray[np.complex128], settings: str | None) -> NDArray[np.int64]:
+def _fixed(Z: NDArray[np.complex128], settings: str | None, readout: Readout) -> NDArray[np.int64]:
     """Number of the fixed error of a session that each reading has, shape of Z.
 
     settings: of the meter that recorded the sweeps, as JSON. A meter has one error in each of its
-    ranges, the same at all interfaces; its automatic range is the lowest decade that holds |Z|.
+    ranges, the same at all interfaces; its automatic range is the lowest decade that holds |Z|. So
+    near a decade that the error of the reading decides it, the range is not known, unless all
+    readings are.
     Without a meter (None) each interface has its own, as `readout.read_out` draws them.
     """
     if settings is None:
         return np.broadcast_to(np.arange(Z.shape[1])[:, None], Z.shape)
     if not json.loads(settings).get("auto_range", True):
         return np.zeros(Z.shape, dtype=np.int64)
-    decades = np.ceil(np.log10(np.abs(Z)))
-    return np.unique(decades, return_inverse=True)[1].reshape(Z.shape)
+    size = np.log10(np.abs(Z))
+    error = math.hypot(readout.magnitude_accuracy, readout.magnitude_noise) / math.log(10)
+    numbers = np.unique(np.ceil(size), return_inverse=True)[1].reshape(Z.shape)
+    near = np.abs(size - np.round(size)) < NEAR_EDGE * error
+    return np.where(near & ~near.all(), EITHER, numbers)
 
 
 def _readings(
@@ -197,14 +215,15 @@ def _readings(
         if press is not None and not press.touches:
             at_rest.setdefault(session, []).append(k)
     for session, members in at_rest.items():
-        yield _averaged(Z[members], fixed[members[0]], session)
+        yield _averaged(Z[members], fixed[members], session)
     for k, (press, session) in enumerate(zip(presses, sessions, strict=True)):
         if press is not None and press.touches:
             yield Reading(press, session, Z[k], fixed[k])
 
 
 def _averaged(Z: NDArray[np.complex128], fixed: NDArray[np.int64], session: int) -> Reading:
-    """Of the skin at rest, in ln |Z| and phase."""
+    """Of the skin at rest, in ln |Z| and phase. Z, fixed: shape (sweep, interface, frequency)."""
+    own = np.where((fixed == fixed[0]).all(axis=0), fixed[0], EITHER)
     mean = Z[0] * np.exp(np.log(Z / Z[0]).mean(axis=0))
     deviation = observed(Z / mean).std(axis=0, ddof=1) if len(Z) > 1 else None
-    return Reading(Press(), session, mean.astype(np.complex128), fixed, len(Z), deviation)
+    return Reading(Press(), session, mean.astype(np.complex128), own, len(Z), deviation)

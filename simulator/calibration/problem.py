@@ -236,9 +236,10 @@ class Problem:
 
 def deviation_of(asked: Asked, reading: Reading) -> NDArray[np.float64]:
     """Of each number of a reading by the noise, shape (2 * Z.size,); infinite where none was
-    read, which then counts for nothing."""
+    read, or in no range that is known, which then counts for nothing."""
+    used = asked.measured.read & reading.known
     own = ErrorModel(asked.readout, *reading.Z.shape, averaged=reading.averaged).deviation
-    return np.where(np.tile(asked.measured.read.ravel(), 2), own, np.inf)
+    return np.where(np.tile(used.ravel(), 2), own, np.inf)
 
 
 def difference(Z: NDArray[np.complex128], other: NDArray[np.complex128]) -> NDArray[np.float64]:

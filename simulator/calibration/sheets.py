@@ -18,7 +18,7 @@ from ..models.varied.meshes import single_field
 from ..scene.scene import Scene
 from .fit import Fit
 from .information import Information
-from .likelihood.law import Interval, Law
+from .likelihood.law import CONFIDENCE, Interval, Law
 
 TOP, BOTTOM, SUM, RATIO = "top sheet", "bottom sheet", "both in series", "top over bottom"
 COMMON, MISMATCH = "sheet_resistance", "sheet_mismatch"
@@ -103,8 +103,7 @@ def of_series(
     ratio, total = of[RATIO].value * np.exp(log_ratio), of[SUM].value * np.exp(log_sum)
     top, bottom = total * ratio / (1 + ratio), total / (1 + ratio)
     both = np.log(top * bottom / (of[TOP].start * of[BOTTOM].start)) / 2
-    found = {TOP: top, BOTTOM: bottom, COMMON: both}
-    return {name: _middle(each) for name, each in found.items()}
+    return {TOP: _middle(top), BOTTOM: _middle(bottom), COMMON: _likeliest(both)}
 
 
 def slopes_of(product: Product, names: tuple[str, ...]) -> NDArray[np.float64]:
@@ -132,3 +131,15 @@ def _middle(values: NDArray[np.float64]) -> Interval:
     """What 95 of 100 lie within."""
     low, high = np.quantile(values, (0.025, 0.975))
     return float(low), float(high)
+
+
+def _likeliest(values: NDArray[np.float64]) -> Interval:
+    """The shortest interval that 95 of 100 lie within.
+
+    The mean of two sheets in series is largest, and likeliest, where both are equal: equal sheets
+    lie at an end of their law, which an interval about its middle would leave out.
+    """
+    ordered = np.sort(values, axis=None)
+    within = round(CONFIDENCE * ordered.size)
+    first = int(np.argmin(ordered[within:] - ordered[:-within]))
+    return float(ordered[first]), float(ordered[first + within])

@@ -5,10 +5,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from rcskin.simulator.calibration.choice import Options
-from rcskin.simulator.calibration.likelihood.law import NORMAL, cut_normal
+from rcskin.simulator.calibration.likelihood.law import NORMAL, Law, cut_normal
 from rcskin.simulator.calibration.likelihood.profile import Along, Profile
+from rcskin.simulator.calibration.prior import Prior
 from rcskin.simulator.calibration.run import calibrate
+from rcskin.simulator.calibration.sheets import COMMON, MISMATCH, of_series
+from rcskin.simulator.models.parameters import own_values
 from scipy.optimize import least_squares
+from scipy.special import ndtr
 
 FREE = (np.full(2, -np.inf), np.full(2, np.inf))
 GRID = np.linspace(-6, 6, 2401)
@@ -137,6 +141,35 @@ def test_an_interval_ends_at_a_limit_of_the_quantity_and_is_shorter_beyond_it():
     assert low == 0
     assert share < NORMAL
     assert high == pytest.approx(GRID[rise <= share**2].max(), rel=0.03)
+
+
+@pytest.mark.parametrize(("at_limit", "reached"), [(0.5, True), (1.9, True), (2.0, False)])
+def test_an_interval_contains_a_limit_that_a_two_sided_test_does_not_reject(at_limit, reached):
+    """The limit is exactly an end then, on both sides of a law, and 95 % of what is left within."""
+    deviations = np.linspace(-at_limit, 3.0, 9)
+    places = (deviations + at_limit) / 7.0
+    law = Law(places, deviations, (0.0, np.inf))
+    low, high = law.interval(NORMAL)
+    assert (low == 0.0) == reached
+    inside = ndtr(7.0 * high - at_limit) - ndtr(7.0 * low - at_limit)
+    assert inside == pytest.approx(0.95 * ndtr(at_limit), abs=1e-6)
+    mirrored = Law(1.0 - places[::-1], -deviations[::-1], (0.0, 1.0)).interval(NORMAL)
+    assert mirrored == pytest.approx((1 - high, 1 - low))
+    assert (mirrored[1] == 1.0) == reached
+
+
+@pytest.mark.parametrize("off", [-1.5, 0.0, 1.5])
+def test_equal_sheets_lie_within_the_interval_of_their_mean(line, off):
+    """What is known of the sum alone leaves the mean largest where both are equal."""
+    spread, names = 5e-3, (COMMON, MISMATCH)
+    fit = SimpleNamespace(
+        values=own_values(line) | {COMMON: off * spread},
+        asked=SimpleNamespace(fitted=dict.fromkeys(names, Prior(0.0, 1.0))),
+    )
+    known = SimpleNamespace(names=names, covariance=np.diag([spread**2, 1.0]))
+    low, high = of_series(line, fit, known, NORMAL)[COMMON]
+    assert low < -0.3 and 0 <= high < 5 * spread
+    assert low < np.log(1 / np.cosh(0.8)) < high
 
 
 def test_far_above_the_cut_off_the_sheets_are_told_from_below_alone(line, read):

@@ -1,0 +1,1 @@
+"""What `calibration_coverage.py` is made of."""

@@ -1,0 +1,57 @@
+"""A skin recorded by the virtual meter in one session: its own measurement, without a network."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from rcskin.hardware.meter.accuracy import read_table
+from rcskin.hardware.meter.hioki import CP_RS_X, STATUS_AND_VALUES
+from rcskin.hardware.meter.reading import Reading, parse_reading
+from rcskin.hardware.record.order import parse_step
+from rcskin.hardware.virtual.measurement import Bench, written
+from rcskin.hardware.virtual.state import Settings
+from rcskin.simulator.measure.specimen import SessionErrors, Specimen
+from rcskin.simulator.scene.scene import Scene, interface_names
+from rcskin.simulator.sweeps import build
+
+
+def metered(
+    scene: Scene, presses: Sequence[str], called: Sequence[str], random: np.random.Generator
+) -> xr.Dataset:
+    """Sweeps at all interfaces, the meter choosing its range for each reading.
+
+    presses: of the skin, as text. called: what those who record say of each.
+    Raises ReadingError where a reading is outside what the meter displays.
+    """
+    errors = SessionErrors(scene, int(random.integers(2**31)))
+    names = interface_names(scene)
+    one = Specimen(scene, names[0])
+    benches = [
+        Bench(one.at(name), lambda Z, at_hand: errors.read(Z, at_hand.range), read_table())
+        for name in names
+    ]
+    read = [[_trace(bench, scene, press) for bench in benches] for press in presses]
+    Cp, Rs, X = np.moveaxis([[[(r.Cp, r.Rs, r.X) for r in t] for t in s] for s in read], -1, 0)
+    steps = [parse_step(press, *scene.pixels.shape) for press in called]
+    return build(
+        Rs + 1j * X,
+        scene.frequencies,
+        interface=names,
+        press=[step.press for step in steps],
+        row=[step.row for step in steps],
+        column=[step.column for step in steps],
+        Cp=Cp,
+        attributes={"settings": json.dumps({"auto_range": True})},
+    )
+
+
+def _trace(bench: Bench, scene: Scene, press: str) -> list[Reading]:
+    """A reading at each frequency, by way of what the meter would answer."""
+    found = []
+    for frequency in scene.frequencies:
+        settings = Settings(frequency=float(frequency), items=CP_RS_X, valid=STATUS_AND_VALUES)
+        found.append(parse_reading(written(bench.measure(press, settings), settings)))
+    return found
