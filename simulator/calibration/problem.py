@@ -1,8 +1,8 @@
 """The least-squares problem: residuals in units of the meter's error, and their exact slopes.
 
-Unknowns are parameters, strengths of presses, and the meter's fixed errors of each session and
-interface, each counted in deviations of its prior from its center; every prior is one more residual
-that is the unknown itself. With the meter's fixed errors as unknowns of known spread, independent
+Unknowns are parameters, strengths of presses, and the meter's fixed errors of each session (one for
+each range of a meter, or each interface), all counted in deviations of their priors from the
+centers; every prior is one more residual that is the unknown itself. With the meter's fixed errors as unknowns of known spread, independent
 residuals are the same as residuals whitened by the covariance of `ErrorModel` over a session.
 """
 
