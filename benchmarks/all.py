@@ -37,6 +37,8 @@ CAMPAIGN = "accuracy/campaign"
 SEARCHES = "--searches", "searches"
 """Option and name of the folder of designs, which lets one that is searched be awaited."""
 
+OF_SHEET = "--skin", "sheet", "--twins", "100"
+
 
 class Benchmark(NamedTuple):
     """A script and its options.
@@ -99,6 +101,7 @@ IN_ORDER = (
     _designed("pair"),
     _campaign("in_turn", "--in-turn", "--timeout", "25"),
     Benchmark("localization/twin_limits"),
+    Benchmark("accuracy/calibration_coverage", ("--prior", "wide", *OF_SHEET)),
     Benchmark("accuracy/calibration_coverage", ("--prior", "wide")),
     _designed("column"),
     Benchmark("localization/design"),
@@ -115,6 +118,7 @@ IN_ORDER = (
     Benchmark("accuracy/stability"),
     Benchmark("localization/several_touches"),
     Benchmark("accuracy/uneven_calibration"),
+    Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--truth", "scene", *OF_SHEET)),
     Benchmark("accuracy/calibration_coverage"),
     Benchmark("pictures/gallery"),
     Benchmark("localization/choosing"),

@@ -34,7 +34,8 @@ def metered(
         for name in names
     ]
     read = [[_trace(bench, scene, press) for bench in benches] for press in presses]
-    Cp, Rs, X = np.moveaxis([[[(r.Cp, r.Rs, r.X) for r in t] for t in s] for s in read], -1, 0)
+    numbers = np.array([[[(r.Cp, r.Rs, r.X) for r in trace] for trace in each] for each in read])
+    Cp, Rs, X = np.moveaxis(numbers, -1, 0)
     steps = [parse_step(press, *scene.pixels.shape) for press in called]
     return build(
         Rs + 1j * X,
