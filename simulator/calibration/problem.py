@@ -2,8 +2,9 @@
 
 Unknowns are parameters, strengths of presses, and the meter's fixed errors of each session (one for
 each range of a meter, or each interface), all counted in deviations of their priors from the
-centers; every prior is one more residual that is the unknown itself. With the meter's fixed errors as unknowns of known spread, independent
-residuals are the same as residuals whitened by the covariance of `ErrorModel` over a session.
+centers; every prior is one more residual that is the unknown itself. With the meter's fixed errors
+as unknowns of known spread, independent residuals are the same as residuals whitened by the
+covariance of `ErrorModel` over a session.
 """
 
 from __future__ import annotations
