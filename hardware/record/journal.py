@@ -14,7 +14,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from ...simulator.sweeps import InputError, kept_file
+from ...simulator.sweeps import InputError, inputs, kept_file
 from ...simulator.sweeps.clock import SLACK
 from ...simulator.sweeps.digests import sealed_json, unsealed_json
 from ...simulator.sweeps.files import locked
@@ -182,7 +182,7 @@ def _write(path: Path, content: dict[str, Any]) -> None:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        return unsealed_json(path.read_text(encoding="utf-8"))
+        return unsealed_json(inputs.text(path, inputs.JOURNAL))
     except (OSError, ValueError) as error:
         raise _no_part(path, error) from error
 

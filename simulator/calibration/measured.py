@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from ..scene.meter import Readout
 from ..scene.reading import reading_at
 from ..scene.scene import Scene
 from ..sweeps import InputError, impedance
+from ..sweeps.inputs import objects
 from ..sweeps.restricting import all_of, restricted
 from ..sweeps.schema import taken_of
 
@@ -195,7 +195,7 @@ def _fixed(Z: NDArray[np.complex128], settings: str | None, readout: Readout) ->
     """
     if settings is None:
         return np.broadcast_to(np.arange(Z.shape[1])[:, None], Z.shape)
-    if not json.loads(settings).get("auto_range", True):
+    if not objects(settings).get("auto_range", True):
         return np.zeros(Z.shape, dtype=np.int64)
     size = np.log10(np.abs(Z))
     error = math.hypot(readout.magnitude_accuracy, readout.magnitude_noise) / math.log(10)

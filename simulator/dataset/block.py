@@ -9,7 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from ..fem.factors import one_blas_thread
-from ..sweeps import kept_file
+from ..sweeps import inputs, kept_file
 from ..sweeps.digests import sealed_json, unsealed_json
 from . import store
 from .layout import joined, values
@@ -57,7 +57,7 @@ class Workshop:
 
     def _is_whole(self, plan: Plan, block: int) -> bool:
         try:
-            parts = unsealed_json(self.note(block).read_text(encoding="utf-8"))["parts"]
+            parts = unsealed_json(inputs.text(self.note(block), inputs.JOURNAL))["parts"]
             return store.are_whole(self.data, plan, parts)
         except (OSError, ValueError, LookupError, TypeError, AttributeError):  # of a spoilt note
             return False

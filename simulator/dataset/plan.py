@@ -18,6 +18,7 @@ from ..models.reduced.indented.draws import spreading
 from ..scene.files import parse_scene, scene_text
 from ..scene.scene import Scene
 from ..sweeps import InputError
+from ..sweeps.inputs import objects
 
 LAYOUT = 6
 """To be raised whenever the same plan would give other bytes."""
@@ -117,7 +118,7 @@ def readings(scene: Scene) -> int:
 
 def parse_plan(text: str) -> Plan:
     """The plan of which this is the `text`."""
-    told = json.loads(text)
+    told = objects(text)
     scene = parse_scene(told["scene"], source="plan")
     return Plan(scene, told["sweeps"], told["seed"], told["rtol"], told["block_values"])
 

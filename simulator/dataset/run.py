@@ -5,7 +5,6 @@ All work happens in a hidden folder beside the output, which becomes the output 
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
@@ -13,7 +12,7 @@ from pathlib import Path
 
 from ..models.reduced.indented.draws import spreading
 from ..processes import hired
-from ..sweeps import InputError, kept_file
+from ..sweeps import InputError, inputs, kept_file
 from ..sweeps.files import checked_place, locked
 from ..sweeps.space import check_disk
 from ..sweeps.writing import check_free, named_failures, note_made, occasion, put, sync
@@ -135,7 +134,7 @@ def _anew(workshop: Workshop) -> str:
 
 def _take_up(workshop: Workshop, plan: Plan) -> None:
     try:
-        told = json.loads(workshop.plan_file.read_text(encoding="utf-8"))
+        told = inputs.objects(inputs.text(workshop.plan_file, inputs.JOURNAL))
         different = first_difference(plan.told, dict(told))
     except (OSError, ValueError, TypeError) as error:
         raise InputError(

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..sweeps import InputError, kept_file
+from ..sweeps import InputError, inputs, kept_file
 from ..sweeps.digests import sealed_json, unsealed_json
 
 Answer = dict[str, Any]
@@ -36,7 +36,7 @@ class Journal:
         path = self._folder / f"{hashlib.sha256(text.encode()).hexdigest()[:24]}.json"
         try:
             if path.exists():
-                return unsealed_json(path.read_text(encoding="utf-8"))
+                return unsealed_json(inputs.text(path, inputs.JOURNAL))
         except (OSError, ValueError) as error:
             raise InputError(
                 f"{path}: cannot be used as a journal: {error}; remove it to have it found again"

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import IO, Any, BinaryIO
 
 from .errors import InputError
+from .inputs import objects
 
 HEX = 64
 """Characters of a SHA-256 in hexadecimal."""
@@ -139,7 +140,7 @@ def unsealed_json(text: str) -> dict[str, Any]:
 
     Raises ValueError where it is no object, or not what its digest says.
     """
-    content = json.loads(text)
+    content = objects(text)
     if not isinstance(content, dict):
         raise ValueError("it is no object")
     told = content.pop(MEMBER, None)

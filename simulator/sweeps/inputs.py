@@ -6,6 +6,7 @@ the memory holds: each is refused in one line before anything of it is read.
 
 from __future__ import annotations
 
+import json
 import os
 import stat
 import tomllib
@@ -16,6 +17,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from .errors import InputError
+from .space import SHARE, free_memory
 
 MIB, GIB = 2**20, 2**30
 WHOLE = 2**63
@@ -45,6 +47,8 @@ TABLE = Kind("a table of sweeps", 512 * MIB)
 SWEEPS = Kind("a file of sweeps", 16 * GIB)
 MODEL = Kind("a model", 4 * GIB)
 """A hundred thousand sweeps that a kernel keeps, at a thousand features, are 0.8 GB."""
+JOURNAL = Kind("a journal", 512 * MIB)
+"""Of a recording or a design: as large as a table of the same numbers."""
 MOST_CHUNK = GIB
 """Of one part of a Zarr array, which is decoded whole."""
 MOST_CHUNKS = 10**6
@@ -82,6 +86,8 @@ def text(path: Path, kind: Kind) -> str:
 
 def tables(given: str) -> dict[str, Any]:
     """The tables of a TOML text. Raises tomllib.TOMLDecodeError, too deep nesting included."""
+    if len(given) > SCENE.most:  # within sweeps or a model
+        raise tomllib.TOMLDecodeError(f"it has {len(given) / MIB:.4g} MiB; {_at_most(SCENE)}")
     try:
         found = tomllib.loads(given)
         if _beyond(found):
@@ -95,9 +101,17 @@ def tables(given: str) -> dict[str, Any]:
         raise tomllib.TOMLDecodeError(str(error)) from None
 
 
+def objects(given: str) -> Any:
+    """What a JSON text holds. Raises ValueError, too deep nesting included."""
+    try:
+        return json.loads(given)
+    except RecursionError:
+        raise ValueError("lists or objects are nested too deep") from None
+
+
 def check_memory(path: Path, size: int) -> None:
     """Raises InputError where arrays of a file would take more bytes than is sensible here."""
-    most = min(SWEEPS.most, _physical() // 2)
+    most = min(SWEEPS.most, SHARE * free_memory())
     if size > most:
         raise InputError(
             f"{path}: declares {size / GIB:.3g} GiB of numbers; at most {most / GIB:.3g} GiB are "
@@ -112,7 +126,7 @@ def check_archive(path: Path, file: IO[bytes]) -> None:
     """
     with zipfile.ZipFile(file) as archive:
         size = sum(each.file_size for each in archive.infolist())
-    if size > min(MODEL.most, _physical() // 2):
+    if size > min(MODEL.most, SHARE * free_memory()):
         raise InputError(f"{path}: unpacks to {size / GIB:.3g} GiB; {_at_most(MODEL)}")
 
 
@@ -166,11 +180,3 @@ def _beyond(value: Any) -> bool:
     if isinstance(value, dict | list):
         return any(map(_beyond, value.values() if isinstance(value, dict) else value))
     return isinstance(value, int) and not -WHOLE <= value < WHOLE
-
-
-def _physical() -> int:
-    """Bytes of memory of this machine; as of a usual one where the system does not tell."""
-    try:
-        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    except (AttributeError, ValueError, OSError):  # Windows has no sysconf
-        return 16 * GIB

@@ -12,6 +12,7 @@ import numpy as np
 from .errors import InputError
 from .files import read
 from .importing.grouping import SAME_FREQUENCY
+from .inputs import objects
 from .same_skin import difference
 from .schema import SESSIONS, TIME, concatenate, session_names, taken_alike
 
@@ -117,7 +118,7 @@ def _attributes(parts: Sequence[xr.Dataset], names: dict[int, str]) -> dict[str,
 def _listed(name: str, values: Iterable[str], parts: Sequence[xr.Dataset]) -> list[Any]:
     listed, before = [], 0
     for value, part in zip(values, parts, strict=True):
-        each = json.loads(value)
+        each = objects(value)
         listed += [[before + i, *rest] for i, *rest in each] if name == FLAGGED else each
         before += part.sizes["sweep"]
     return listed

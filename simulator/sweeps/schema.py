@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from typing import TYPE_CHECKING, ParamSpec
@@ -11,6 +10,7 @@ import numpy as np
 
 from .errors import InputError
 from .impedance import parallel_capacitance
+from .inputs import objects
 from .table import DIMENSIONS, Table, Variable
 
 if TYPE_CHECKING:
@@ -223,7 +223,7 @@ def _checked_frequency(frequency: NDArray[np.float64]) -> NDArray[np.float64]:
 def session_names(sweeps: xr.Dataset) -> dict[int, str]:
     """Names of the sessions that have one. Raises InputError where the attribute is spoilt."""
     try:
-        told = json.loads(str(sweeps.attrs.get(SESSIONS, "{}")))
+        told = objects(str(sweeps.attrs.get(SESSIONS, "{}")))
         return {int(number): str(name) for number, name in told.items()}
     except (ValueError, AttributeError) as error:
         raise InputError(f"attribute `{SESSIONS}` must be names by number: {error}") from error

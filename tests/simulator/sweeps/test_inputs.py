@@ -8,9 +8,12 @@ import zlib
 
 import numpy as np
 import pytest
+import xarray as xr
 from rcskin.localization.model.file import load
-from rcskin.simulator.scene.files import BUILTIN, load_scene
+from rcskin.simulator.scene.files import BUILTIN, load_scene, parse_scene
 from rcskin.simulator.sweeps import InputError, inputs, read
+from rcskin.simulator.sweeps.digests import unsealed_json
+from rcskin.simulator.sweeps.schema import session_names
 
 READERS = {
     ".toml": load_scene,
@@ -154,3 +157,20 @@ def test_nothing_in_a_zarr_folder_is_a_pipe_or_a_link(tmp_path):
     path = declared_zarr(tmp_path / "a.zarr")
     os.mkfifo(path / "Rs" / "c")
     assert "must be a regular file, not a link, pipe or device" in refusal(read, path)
+
+
+DEEP = "[" * 100_000
+
+
+def test_json_that_is_nested_too_deep_is_told():
+    for reader in (inputs.objects, unsealed_json):
+        with pytest.raises(ValueError, match="nested too deep"):
+            reader(DEEP)
+    with pytest.raises(InputError, match="`sessions` must be names by number.*nested too deep"):
+        session_names(xr.Dataset(attrs={"sessions": DEEP}))
+
+
+def test_a_scene_within_a_file_is_bounded_like_one_of_its_own(monkeypatch):
+    monkeypatch.setattr(inputs, "SCENE", inputs.Kind("a scene", 100))
+    with pytest.raises(InputError, match="a scene has at most"):
+        parse_scene(f"name = '{'x' * 100}'", "received")
