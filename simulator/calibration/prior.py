@@ -19,6 +19,7 @@ from ..models.parameters import (
 )
 from ..models.slow.waves import EVEN, LARGEST_WAVE, Uneven
 from ..scene.meter import Readout
+from ..scene.ranges import MOST_INDUCTANCE
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .measured import Measured
@@ -82,12 +83,13 @@ def drawn_uneven(scene: Scene) -> bool:
 
 
 def limits(name: str) -> tuple[float, float]:
-    """Values that make sense at all."""
+    """Values that make sense at all, and that a scene may have."""
     if name in FACTORS:
         return -math.inf, math.inf
     if name in SLOW_WAVES:
         return -LARGEST_WAVE, LARGEST_WAVE
-    return (LEAST_EXPONENT, 1.0) if name == "phase_exponent" else (0.0, math.inf)
+    most = {"phase_exponent": 1.0, "lead_inductance": MOST_INDUCTANCE}
+    return LEAST_EXPONENT if name == "phase_exponent" else 0.0, most.get(name, math.inf)
 
 
 def wide(measured: Measured) -> dict[str, Spread]:

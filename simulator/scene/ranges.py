@@ -63,7 +63,10 @@ FilmResistance = Annotated[
     within(0.0, 1e10, "ohm m", "beyond it sheets bear no current that can be told"),
     AfterValidator(ideal_or_resolved),
 ]
-Inductance = Annotated[Number, within(0.0, 10.0, "H", "leads have microhenry, large coils a henry")]
+MOST_INDUCTANCE = 10.0
+Inductance = Annotated[
+    Number, within(0.0, MOST_INDUCTANCE, "H", "leads have microhenry, large coils a henry")
+]
 Capacitance = Annotated[Number, within(0.0, 10.0, "F", "leads have picofarad")]
 CapacitanceFactor = Annotated[
     Number, within(1e-6, 1e6, "times that at rest", "foam cannot be pressed or lifted further")

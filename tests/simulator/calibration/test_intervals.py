@@ -189,3 +189,10 @@ def test_far_above_the_cut_off_the_sheets_are_told_from_below_alone(line, read):
     assert np.log([sum_of.low, sum_of.high]) - np.log(sum_of.start) == pytest.approx(
         found.intervals["capacitance"]
     )
+
+
+def test_an_inductance_is_none_that_a_scene_may_not_have(line, read):
+    """At low frequencies 50 H would have been within the prior."""
+    low = line.with_({"sweep.frequencies": [1.0, 3.0, 10.0, 30.0]})
+    found = calibrate(low, read(low, None, ("none",) * 4))
+    assert 0 <= found.intervals["lead_inductance"][0] <= found.intervals["lead_inductance"][1] <= 10
