@@ -12,6 +12,7 @@ import numpy as np
 from ...simulator.sweeps import OPENING, UNPRESSED, InputError, build, counted, read_joined
 from ...simulator.sweeps.same_skin import check_same_skin
 from ...simulator.sweeps.schema import taken_of
+from ...simulator.sweeps.writing import Occasion, on_occasion
 from ..record.dataset import spread, taken_at
 from ..record.journal import Entry, Header, Journal, tell_if_set_back
 from ..record.order import UNKNOWN
@@ -142,7 +143,9 @@ class Log:
         tell_if_set_back(self._latest, before)
         self.journal.keep(self._kept, self._latest)
         if not self._kept:  # what writing loads is then at hand when the session is told to end
-            write_all(self.journal.folder / "first.nc", header, {0: self._latest})
+            again = Occasion(overwrite_measured=True, noted={self.journal.folder})
+            with on_occasion(again):
+                write_all(self.journal.folder / "first.nc", header, {0: self._latest})
         self._kept += 1
 
     def answered(self, answer: Answer) -> None:

@@ -27,7 +27,7 @@ SECONDS = Range(1e-3, 1e6, "from a fast reading to days")
 PORT = Range(0, 65535, "what TCP has")
 SHARE = Range(0.0, 1.0, "a share")
 ERROR = Range(1e-9, 1.0, "a share of |Z|: from rounding to all of it")
-MILLIMETRES = Range(1e-3, 1e6, "mm: from a foam's cell to the longest skin")
+MILLIMETRES = Range(1e-2, 1e6, "mm: from a foam's cell to the longest skin")
 FACTOR = Range(1e-6, 1e6, "foam cannot be pressed or lifted further")
 SWEEPS = Range(1, 10**12, "a million meters would take a year")
 

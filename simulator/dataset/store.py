@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..sweeps.digests import check_store, seal_store
+from ..sweeps.digests import OF_STORE, check_store, seal_store
 from ..sweeps.schema import DIMENSIONS, TAKEN
 from .chunks import LEFT_OVER, SEPARATOR, Part, compression, is_whole, put
 from .layout import SESSION, SWEEP, Variable, sizes, variables
@@ -66,6 +66,7 @@ def finish(folder: Path, attributes: Mapping[str, str | int | float]) -> None:
     """Write the attributes and gather all metadata in one file, by which readers open faster."""
     import zarr
 
+    (folder / OF_STORE).unlink(missing_ok=True)  # of a process that ended here
     _open(folder, "r+").attrs.put(dict(attributes))
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Consolidated metadata is currently not part")

@@ -206,7 +206,7 @@ def test_a_recording_that_was_quit_goes_on_later(by_hand, order, tmp_path, last)
         (["-o", "a.nc", "--level", "W"], "`level` must be one of V, CV, CC, got W"),
         (["-o", "a.nc", "--interface", "up"], "`interface` must be left"),
         (["-o", "a.nc", "--repetitions", "0"], "`repetitions` must be"),
-        (["-o", "a.nc", "--accuracy", "absent.toml"], "absent.toml: cannot be read"),
+        (["-o", "a.nc", "--accuracy", "absent.toml"], "absent.toml: no such file"),
         (["-o", "a.nc", "--unattended", "--press-with", "true", "--speed", "X"], "`speed` must"),
     ],
 )

@@ -57,7 +57,11 @@ def test_outlines_and_foils_that_cannot_be(given, message):
 
 @pytest.mark.parametrize(
     ("lines", "message"),
-    [("1,nan\n2,1\n", "got nan"), ("1,0\n2,1\n", "got 0"), ("1,2\n3\n", "equally many numbers")],
+    [
+        ("1,nan\n2,1\n", "got 'nan'"),
+        ("1,0\n2,1\n", "got '0'"),
+        ("1,2\n3\n", "equally many numbers"),
+    ],
 )
 def test_map_files_that_say_no_factors(tmp_path, lines, message):
     (tmp_path / "map.csv").write_text(lines, encoding="utf-8")

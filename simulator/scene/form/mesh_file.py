@@ -118,7 +118,7 @@ def _keys(lines: Numbers) -> Numbers:
 def _parsed(path: str) -> meshio.Mesh:
     ending = Path(path).suffix.lower()
     if ending not in FORMATS:
-        raise InputError(f"{path}: `skin.mesh` must end in {', '.join(FORMATS)}, got {ending!r}")
+        raise InputError(f"{path}: must end in {', '.join(FORMATS)}, got {ending!r}")
     check_needs(path, "mesh", "meshio")
     import meshio
 
@@ -129,7 +129,7 @@ def _parsed(path: str) -> meshio.Mesh:
     except (Exception, SystemExit) as error:
         told = quiet.getvalue() if isinstance(error, SystemExit) else f"{error}"
         said = " ".join(told.split()) or type(error).__name__
-        raise InputError(f"{path}: `skin.mesh` cannot be read by meshio: {said}") from error
+        raise InputError(f"{path}: cannot be read by meshio: {said}") from error
 
 
 def _pieces(mesh: Any, patterns: dict[str, list[tuple[int, ...]]]) -> tuple[Numbers, Numbers]:

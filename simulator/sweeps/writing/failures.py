@@ -15,6 +15,7 @@ PATHS = {
     errno.EROFS: "the disk can only be read; choose another one",
     errno.ENAMETOOLONG: "the name is too long; choose a shorter one",
     errno.ENOENT: "the folder does not exist, or no longer; make it first",
+    errno.EEXIST: "is a file, not a folder to write to",
     errno.ENOTDIR: "a part of the path is a file, not a folder",
     errno.EISDIR: "is a folder, not a file to write to",
     errno.ELOOP: "symbolic links lead in a circle",

@@ -235,5 +235,5 @@ def test_the_meter_is_left_as_it_was_found(session, instrument):
 
 def test_frequencies_that_the_meter_has_not_are_bad_input(session):
     live = session(localizer=Columns(frequencies=(1e3, 1e6)))
-    with pytest.raises(InputError, match="IM3523 measures from 40 to 200000 Hz"):
+    with pytest.raises(InputError, match="meter IM3523 reads 40 Hz to 200 kHz"):
         live.run(1)

@@ -252,7 +252,7 @@ def test_a_file_in_the_wrong_place_is_named(task, operator):
 
 def test_scenes_beyond_the_meter_are_refused_before_anything_is_written(task, operator):
     scene = dataclasses.replace(task.scene, frequencies=(1.0, 1e3))
-    with pytest.raises(InputError, match="an IM3523 measures from 40 to 200000 Hz"):
+    with pytest.raises(InputError, match="meter IM3523 reads 40 Hz to 200 kHz"):
         record(dataclasses.replace(task, scene=scene), operator)
     assert not Journal(task.output).folder.exists()
 

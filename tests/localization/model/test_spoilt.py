@@ -19,7 +19,7 @@ FEATURES, SWEEPS = 40, 60
 
 @pytest.fixture(scope="module")
 def model(sheet):
-    return train(sheet, "pixel", "svc")
+    return train(sheet, "pixel", "svc", quantities=("Rs", "Cp"))
 
 
 def test_a_model_with_a_flipped_bit_or_cut_is_refused_or_the_same(model, sheet, tmp_path):

@@ -93,7 +93,7 @@ def test_positions_are_told_with_deviations_that_hold(mountings, make_sweeps, tm
 
 def test_a_model_takes_its_interfaces_of_sweeps_that_have_more(sheet):
     left = sheet.isel(interface=[0])
-    model = train(sheet, interfaces=["left"])
+    model = train(sheet, interfaces=["left"], quantities=("Rs", "Cp"))
     np.testing.assert_array_equal(model.predict(sheet), model.predict(left))
 
 

@@ -77,7 +77,7 @@ def test_the_distance_shrinks_with_noise_and_is_the_rooms_own_where_nothing_is_t
         spread = Normal(mean=2.0, deviation=0.1)
         return hand_distance(scene, spread, size=0.02, draws=200, samples=4000)
 
-    (told, error), (lost, _) = median(0.01), median(1e3)
+    (told, error), (lost, _) = median(0.01), median(1.0)
     assert error < told < 0.5 * lost
     assert lost == pytest.approx(0.02, rel=0.2)
 

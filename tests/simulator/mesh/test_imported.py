@@ -219,7 +219,7 @@ def test_groups_that_are_not_there_are_told_with_those_that_are(file, tools):
             "`contact[1].span` must be [0, 1] on a mesh",
         ),
         ({"l.msh": "none.msh"}, "none.msh: no such file, needed as `skin.mesh`"),
-        ({"l.msh": "l.toml"}, "l.toml: `skin.mesh` cannot be read by meshio"),
+        ({"l.msh": "l.toml"}, "l.toml: must end in .msh, .vtk, .vtu, .inp, got '.toml'"),
     ],
 )
 def test_the_command_line_tells_in_one_line(tmp_path, tools, run, change, told):

@@ -150,4 +150,4 @@ def test_a_folder_that_cannot_be_made_is_bad_input(run, tmp_path):
     occupied.touch()
     code, _, err = run("reproduce", "-o", occupied)
     assert code == 2
-    assert err.startswith(f"rcskin: {occupied}: cannot be made")
+    assert err.startswith(f"rcskin: {occupied}: cannot be written: is a file")
