@@ -6,6 +6,7 @@ the memory holds: each is refused in one line before anything of it is read.
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import stat
@@ -49,6 +50,8 @@ MODEL = Kind("a model", 4 * GIB)
 """A hundred thousand sweeps that a kernel keeps, at a thousand features, are 0.8 GB."""
 JOURNAL = Kind("a journal", 512 * MIB)
 """Of a recording or a design: as large as a table of the same numbers."""
+LINE = MIB
+"""Bytes of one line of a table: a hundred thousand columns."""
 MOST_CHUNK = GIB
 """Of one part of a Zarr array, which is decoded whole."""
 MOST_CHUNKS = 10**6
@@ -74,6 +77,15 @@ def content(path: Path, kind: Kind) -> bytes:
             return file.read()
     except OSError as error:
         raise _unreadable(path, error) from None
+
+
+def table(path: Path) -> bytes:
+    """All bytes of a table of sweeps. Raises InputError as `content`, and for endless lines."""
+    found = content(path, TABLE)
+    for number, line in enumerate(io.BytesIO(found), 1):
+        if len(line) > LINE and not line.startswith(b"#"):
+            raise InputError(f"{path}: line {number} is longer than {LINE} bytes: is it a table?")
+    return found
 
 
 def text(path: Path, kind: Kind) -> str:

@@ -104,7 +104,7 @@ def read_csv(path: Path) -> xr.Dataset:
     a cell that is not a plain decimal number, a sweep with other readings than the first, lines
     that are not what the checksum above says, a Cp of other Rs and X where there is no checksum.
     """
-    content = inputs.content(path, inputs.TABLE)
+    content = inputs.table(path)
     sealed = check_text(path, content)
     comments = _comments(content)
     text, attributes = _text(path, content, len(comments)), _attributes(comments)

@@ -83,7 +83,7 @@ def read_table(path: Path) -> Table:
 
 
 def _lines(path: Path) -> list[str]:
-    content = inputs.content(path, inputs.TABLE)
+    content = inputs.table(path)
     check_text(path, content)
     encoding = "utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
     try:

@@ -13,6 +13,7 @@ from rcskin.localization.model.file import load
 from rcskin.simulator.scene.files import BUILTIN, load_scene, parse_scene
 from rcskin.simulator.sweeps import InputError, inputs, read
 from rcskin.simulator.sweeps.digests import unsealed_json
+from rcskin.simulator.sweeps.imports import import_file
 from rcskin.simulator.sweeps.schema import session_names
 
 READERS = {
@@ -160,6 +161,13 @@ def test_nothing_in_a_zarr_folder_is_a_pipe_or_a_link(tmp_path):
 
 
 DEEP = "[" * 100_000
+
+
+@pytest.mark.parametrize("reader", [read, import_file])
+def test_a_line_without_end_is_no_table(tmp_path, reader):
+    (tmp_path / "wide.csv").write_text("a,b\n" + "1," * 10**6)
+    with pytest.raises(InputError, match=r"wide\.csv: line 2 is longer than 1048576 bytes"):
+        reader(tmp_path / "wide.csv")
 
 
 def test_json_that_is_nested_too_deep_is_told():
