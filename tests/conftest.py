@@ -241,6 +241,12 @@ def unpainted(monkeypatch):
 
 
 @pytest.fixture
+def short_studies(monkeypatch):
+    """Points of a study are of few sweeps, where one process finds them."""
+    monkeypatch.setattr("rcskin.simulator.study.point.SWEEPS", 400)
+
+
+@pytest.fixture
 def undrawn(monkeypatch):
     """Tables and summaries without their charts, which take half of the time."""
     for name in ("draw_maps", "draw_distances"):

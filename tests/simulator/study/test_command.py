@@ -19,6 +19,8 @@ COLUMNS = [
     "band_separation",
 ]
 
+pytestmark = pytest.mark.usefixtures("short_studies")
+
 
 def test_two_axes_make_a_table_a_map_and_an_answer_for_each_second_value(run, tmp_path):
     code, out, err = run(

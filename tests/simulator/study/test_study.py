@@ -99,19 +99,20 @@ def test_resistance_moves_the_best_band_down_and_far_above_cut_off_not_the_separ
     assert found["band_stop"][0] >= found["band_stop"][1]
 
 
+@pytest.mark.usefixtures("short_studies")
 @pytest.mark.parametrize("target", ["row", "pixel"])
 def test_rows_and_pixels_can_be_told_too(run_study, target):
     """Floating foils at the bottom break the mirror symmetry of rows."""
     for name, apart in (("sheet-5x5", False), ("sheet-5x5-two-interfaces", True)):
-        found, *_ = run_study(name, "pixels=2", target=target, draws=1)
+        found, *_ = run_study(name, "pixels=2", target=target, draws=1, rtol=1e-2)
         assert (found["least_separation"] > 1) == apart
         assert (found["accuracy"] > 0.9) == apart
 
 
 def test_any_number_of_workers_finds_the_same(run_study):
     axes = ("press.factor_spread=0,0.2", "pixels.columns=2:3")
-    one, *_ = run_study("strip-1x3", *axes, workers=1)
-    two, *_ = run_study("strip-1x3", *axes, workers=2)
+    one, *_ = run_study("strip-1x3", *axes, workers=1, rtol=1e-2)
+    two, *_ = run_study("strip-1x3", *axes, workers=2, rtol=1e-2)
     assert one.identical(two)
 
 
