@@ -22,7 +22,8 @@ from matplotlib.axes import Axes
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.simulator.bounds.common_draws import CommonDraws
 from rcskin.simulator.charts import COLOURS, chart
-from rcskin.simulator.design.trained import Material, Trained
+from rcskin.simulator.design.on_skin import Material
+from rcskin.simulator.design.trained import Trained
 from rcskin.simulator.scene.contacts import Interface
 from rcskin.simulator.scene.design import Design
 from rcskin.simulator.scene.files import load_scene

@@ -16,10 +16,11 @@ from ..scene.files import scene_text
 from ..scene.scene import Scene
 from .journal import Journal
 from .judged import Judge, Layout, PlaceJudge, merits
+from .on_skin import Material, material_of
 from .picking import GRID, Picked, Picker, PixelPairs, TouchedPlaces, candidate_frequencies
 from .places import Touches
 from .pool import own_readings, pool, terminals, wirings
-from .trained import Material, Trained, material_of
+from .trained import Trained
 
 
 @dataclass(frozen=True)

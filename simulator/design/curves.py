@@ -15,7 +15,7 @@ from ..mesh.held import held
 from ..press.batch import PressBatch
 from ..scene.scene import Scene
 from ..sweeps.space import check_memory
-from .trained import OnSkin
+from .on_skin import OnSkin
 
 NEAREST = 10
 """Other hypotheses that each may be mistaken for; those further off hardly ever are."""

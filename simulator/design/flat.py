@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from .bench import Bench
 from .judged import Layout, tenth
-from .trained import Material
+from .on_skin import Material
 
 FACTORS = (0.5, 0.65, 0.8, 1.0, 1.25, 1.55, 2.0)
 

@@ -14,8 +14,9 @@ from ..measure.experiment import own_presses
 from ..scene.contacts import Interface
 from ..scene.design import Design
 from ..scene.scene import Scene
+from .on_skin import Material, OnSkin
 from .places import Touches
-from .trained import Material, OnSkin, Trained
+from .trained import Trained
 
 TENTH = 0.1
 

@@ -20,9 +20,10 @@ from ..sweeps.pace import SETTLE, reading_time
 from .choosing import Choice, bound, chosen, exchanged_by_slope
 from .curves import Pairs, check_comparable, pairs
 from .merits import Merit
+from .on_skin import Material, OnSkin
 from .places import Touches
 from .proxy import RIGHT, Ties, by_both, by_frequency, by_reading
-from .trained import Material, OnSkin, Trained
+from .trained import Trained
 
 GRID = 24
 """Frequencies to pick from, beside the scene's own, where no more are asked for."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,9 +19,7 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 from .curves import Pairs
 from .merits import Near
-
-if TYPE_CHECKING:
-    from .trained import OnSkin
+from .on_skin import OnSkin
 
 CELLS = 3
 """Along each side of a pixel, that touches are laid on."""

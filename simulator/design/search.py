@@ -15,8 +15,9 @@ from ..sweeps import InputError
 from .bench import Asking, Bench, first_bench
 from .geometry import geometries
 from .judged import Layout, tenth
+from .on_skin import Material
 from .picking import Picked, sweep_time
-from .trained import Material, foam_bounds
+from .trained import foam_bounds
 
 POINTS, CLOSER = 7, 6
 """Values of a number over its bounds that are looked at, and then in closing in on the best."""

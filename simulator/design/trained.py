@@ -4,33 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..measure.readout import observed
 from ..measure.skins import DrawnSkin, drawn_skin
-from ..models.network.skin import NetworkSkin
 from ..models.network.terminals import read, require_no_spread, with_chain
 from ..models.parameters import WAVES, nominal
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced
-from ..models.reduced.skin import ReducedSkin
-from ..press.batch import PressBatch
 from ..progress import Tell, tell_nothing
 from ..scene.contacts import Interface
 from ..scene.design import Design
-from ..scene.frequency import laplace_variable
 from ..scene.meter import Sweep
 from ..scene.scene import Scene
-
-if TYPE_CHECKING:
-    from .places import Touches
+from .on_skin import Material, OnSkin, material_of
+from .places import Touches
 
 RTOL = 1e-2
 """Of Rs and Cp, certified for every reading; ln Z is then some ten times closer."""
@@ -40,24 +31,6 @@ FACTORS = (0.5, 3.0)
 BEYOND = 2.0
 """Times the bounds of sheets that training reaches, for what a cast may be off by."""
 BEYOND_LOG = math.log(BEYOND)
-
-
-@dataclass(frozen=True)
-class Material:
-    """Sheet resistances in ohm/sq, and the foam's capacitance over that of the scene."""
-
-    top: float
-    bottom: float
-    foam: float = 1.0
-
-    def times(self, factor: float) -> Material:
-        """Both sheets that many times as resistive."""
-        return replace(self, top=factor * self.top, bottom=factor * self.bottom)
-
-
-def material_of(scene: Scene) -> Material:
-    """As a scene has it."""
-    return Material(scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance)
 
 
 class Trained:
@@ -148,35 +121,6 @@ def foam_bounds(scene: Scene, asked: Design) -> tuple[float, float]:
         return 1.0, 1.0
     low, high = asked.foam_thickness
     return thickness / max(high, thickness), thickness / min(low, thickness)
-
-
-class OnSkin:
-    """One skin under some readings: what the meter tells of presses on its pixels."""
-
-    def __init__(self, reduced: Reduced, readings: Sequence[Interface], drawn: DrawnSkin) -> None:
-        self.scene, self._readings, self._leads = reduced.scene, readings, drawn.leads
-        self._loss, self._skin = drawn.variation.loss, reduced.skin(drawn.variation)
-
-    def at(self, frequency: NDArray[np.float64]) -> ReducedSkin:
-        """The skin with its own losses and leads, as its scene at these frequencies in Hz."""
-        loss, skin = self._loss, self.scene.skin
-        lossy = {"loss_tangent": loss.tangent, "phase_exponent": loss.exponent}
-        changes = {
-            "skin": skin.model_copy(update={"foam": skin.foam.model_copy(update=lossy)}),
-            "leads": self._leads,
-            "sweep": Sweep(frequencies=tuple(frequency.tolist())),
-        }
-        found = copy(self._skin)
-        found.reduced = replace(self._skin.reduced, scene=self.scene.model_copy(update=changes))
-        return found
-
-    def observed(self, batch: PressBatch, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
-        """ln |Z| and phase of many presses, shape (press, 2 * readings)."""
-        s = laplace_variable(frequency, self._loss)
-        network = NetworkSkin(self._skin, s)
-        Y = network.admittances(batch)
-        Z = network.impedances(network.wiring(self._readings), Y)
-        return observed(self._leads.seen_through(Z, frequency))
 
 
 def _nominal(scene: Scene, modes: int) -> DrawnSkin:

@@ -4,9 +4,9 @@ import pytest
 from rcskin.simulator.design.bench import Asking, Bench
 from rcskin.simulator.design.geometry import geometries, graded, moved
 from rcskin.simulator.design.journal import Journal
+from rcskin.simulator.design.on_skin import material_of
 from rcskin.simulator.design.pool import terminals
 from rcskin.simulator.design.search import search
-from rcskin.simulator.design.trained import material_of
 from rcskin.simulator.scene.design import Design
 from rcskin.simulator.scene.files import load_scene
 

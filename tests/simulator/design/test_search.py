@@ -12,9 +12,9 @@ from rcskin.simulator.design.bench import Asking, Bench
 from rcskin.simulator.design.curves import NEAREST, SAME, _nearest
 from rcskin.simulator.design.journal import Journal
 from rcskin.simulator.design.judged import Judge, designed, merits
+from rcskin.simulator.design.on_skin import Material
 from rcskin.simulator.design.pool import terminals
 from rcskin.simulator.design.search import best_along, search
-from rcskin.simulator.design.trained import Material
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import ErrorModel
 from rcskin.simulator.press.batch import PressBatch

@@ -1,0 +1,68 @@
+"""A skin of one material under some readings: what the meter reads of presses on its pixels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..measure.readout import observed
+from ..measure.skins import DrawnSkin
+from ..models.network.skin import NetworkSkin
+from ..models.reduced.model import Reduced
+from ..models.reduced.skin import ReducedSkin
+from ..press.batch import PressBatch
+from ..scene.contacts import Interface
+from ..scene.frequency import laplace_variable
+from ..scene.meter import Sweep
+from ..scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Material:
+    """Sheet resistances in ohm/sq, and the foam's capacitance over that of the scene."""
+
+    top: float
+    bottom: float
+    foam: float = 1.0
+
+    def times(self, factor: float) -> Material:
+        """Both sheets that many times as resistive."""
+        return replace(self, top=factor * self.top, bottom=factor * self.bottom)
+
+
+def material_of(scene: Scene) -> Material:
+    """As a scene has it."""
+    return Material(scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance)
+
+
+class OnSkin:
+    """One skin under some readings: what the meter tells of presses on its pixels."""
+
+    def __init__(self, reduced: Reduced, readings: Sequence[Interface], drawn: DrawnSkin) -> None:
+        self.scene, self._readings, self._leads = reduced.scene, readings, drawn.leads
+        self._loss, self._skin = drawn.variation.loss, reduced.skin(drawn.variation)
+
+    def at(self, frequency: NDArray[np.float64]) -> ReducedSkin:
+        """The skin with its own losses and leads, as its scene at these frequencies in Hz."""
+        loss, skin = self._loss, self.scene.skin
+        lossy = {"loss_tangent": loss.tangent, "phase_exponent": loss.exponent}
+        changes = {
+            "skin": skin.model_copy(update={"foam": skin.foam.model_copy(update=lossy)}),
+            "leads": self._leads,
+            "sweep": Sweep(frequencies=tuple(frequency.tolist())),
+        }
+        found = copy(self._skin)
+        found.reduced = replace(self._skin.reduced, scene=self.scene.model_copy(update=changes))
+        return found
+
+    def observed(self, batch: PressBatch, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+        """ln |Z| and phase of many presses, shape (press, 2 * readings)."""
+        s = laplace_variable(frequency, self._loss)
+        network = NetworkSkin(self._skin, s)
+        Y = network.admittances(batch)
+        Z = network.impedances(network.wiring(self._readings), Y)
+        return observed(self._leads.seen_through(Z, frequency))
