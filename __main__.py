@@ -57,9 +57,9 @@ def reproduce(
     from .localization.inputs.features import PAPER
     from .localization.model.file import save
     from .localization.model.training import train
+    from .localization.paper.localizer import Localizer
+    from .localization.paper.reproduce import reproduce as reproduce_paper
     from .simulator.charts import checked_ending
-    from .simulator.paper.localizer import Localizer
-    from .simulator.paper.reproduce import reproduce as reproduce_paper
 
     ending = checked_ending(charts)
     localizer = Localizer(

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.paper.reading import (
+from rcskin.localization.paper.reading import (
     capacitance_changes,
     low_frequency_resistances,
     open_line_frequencies,

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..charts import AT_REST, COLOURS, LINE_STYLES, chart, frequency_axis
-from ..measure.simulate import simulate
-from ..models.line import HALF_POWER, attenuation, open_line_amplitude
-from ..models.solver import Solver
-from ..press.press import every_press
-from ..scene.scene import Scene
+from ...simulator.charts import AT_REST, COLOURS, LINE_STYLES, chart, frequency_axis
+from ...simulator.measure.simulate import simulate
+from ...simulator.models.line import HALF_POWER, attenuation, open_line_amplitude
+from ...simulator.models.solver import Solver
+from ...simulator.press.press import every_press
+from ...simulator.scene.scene import Scene
 from .localizer import Confusion, Localizer
 from .reading import paper_frequencies, totals
 from .rehearsal import Rehearsal

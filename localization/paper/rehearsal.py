@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..measure.experiment import METER, PRESSES, planned_presses, stream
-from ..measure.readout import read_out
-from ..measure.simulate import simulate
-from ..models.solver import Solver
-from ..press.press import Press
-from ..progress import Track
-from ..scene.scene import Pixels, Scene
+from ...simulator.measure.experiment import METER, PRESSES, planned_presses, stream
+from ...simulator.measure.readout import read_out
+from ...simulator.measure.simulate import simulate
+from ...simulator.models.solver import Solver
+from ...simulator.press.press import Press
+from ...simulator.progress import Track
+from ...simulator.scene.scene import Pixels, Scene
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..models.line import HALF_POWER, PAPER_CONSTANT, interrogation_frequency
-from ..scene.scene import Scene
-from ..scene.skin import VACUUM_PERMITTIVITY
+from ...simulator.models.line import HALF_POWER, PAPER_CONSTANT, interrogation_frequency
+from ...simulator.scene.scene import Scene
+from ...simulator.scene.skin import VACUUM_PERMITTIVITY
 from .claim import Claim, listed, near
 from .reading import STATED_SHEET_RESISTANCE, capacitance_changes, totals
 

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from ..models.line import HALF_POWER, Line, interrogation_frequency, open_line_amplitude
-from ..models.solver import Solver
-from ..press.press import Press
-from ..press.touch import Touch
-from ..scene.scene import Scene
-from ..sweeps import parallel_capacitance
+from ...simulator.models.line import HALF_POWER, Line, interrogation_frequency, open_line_amplitude
+from ...simulator.models.solver import Solver
+from ...simulator.press.press import Press
+from ...simulator.press.touch import Touch
+from ...simulator.scene.scene import Scene
+from ...simulator.sweeps import parallel_capacitance
 
 STATED_SHEET_RESISTANCE = 50e3
 NEARLY_ZERO = 1e-3

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ..scene.meter import Readout
+from ...simulator.scene.meter import Readout
 
 if TYPE_CHECKING:
     import xarray as xr

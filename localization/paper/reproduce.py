@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..measure.experiment import METER, stream
-from ..measure.readout import read_out
-from ..models.solver import DEFAULT_RTOL
-from ..progress import Track
-from ..scene.files import load_scene
-from ..sweeps import made_folder, whole_file, write
+from ...simulator.measure.experiment import METER, stream
+from ...simulator.measure.readout import read_out
+from ...simulator.models.solver import DEFAULT_RTOL
+from ...simulator.progress import Track
+from ...simulator.scene.files import load_scene
+from ...simulator.sweeps import made_folder, whole_file, write
 from . import figures
 from .claim import RULES, Claim
 from .claims import all_claims

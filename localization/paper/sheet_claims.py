@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..scene.files import load_scene
+from ...simulator.scene.files import load_scene
 from .claim import (
     ENOUGH,
     Claim,

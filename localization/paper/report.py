@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..shown import pages
-from ..sweeps import whole_file
+from ...simulator.shown import pages
+from ...simulator.sweeps import whole_file
 
 
 @dataclass(frozen=True)

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.experiment import METER, PRESSES, planned_presses, stream
-from ..measure.readout import read_out
-from ..measure.simulate import simulate
-from ..models.solver import Solver
-from ..progress import Track
-from ..scene.files import load_scene
-from ..scene.meter import Readout
-from ..scene.scene import Scene
+from ...simulator.measure.experiment import METER, PRESSES, planned_presses, stream
+from ...simulator.measure.readout import read_out
+from ...simulator.measure.simulate import simulate
+from ...simulator.models.solver import Solver
+from ...simulator.progress import Track
+from ...simulator.scene.files import load_scene
+from ...simulator.scene.meter import Readout
+from ...simulator.scene.scene import Scene
 from .localizer import Localizer
 from .rehearsal import Rehearsal, with_pixels
 

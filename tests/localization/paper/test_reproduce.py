@@ -12,13 +12,13 @@ from matplotlib.image import imread
 from rcskin.__main__ import app
 from rcskin.localization.inputs.targets import labels
 from rcskin.localization.model.file import load
+from rcskin.localization.paper import figures
+from rcskin.localization.paper.claim import RULES, near
+from rcskin.localization.paper.rehearsal import EXPERIMENTS, SHEETS
+from rcskin.localization.paper.reproduce import draw
+from rcskin.localization.paper.studies import crossed_cap
 from rcskin.simulator import sweeps
 from rcskin.simulator.charts import STYLE
-from rcskin.simulator.paper import figures
-from rcskin.simulator.paper.claim import RULES, near
-from rcskin.simulator.paper.rehearsal import EXPERIMENTS, SHEETS
-from rcskin.simulator.paper.reproduce import draw
-from rcskin.simulator.paper.studies import crossed_cap
 from rcskin.simulator.scene.files import load_scene
 from typer.testing import CliRunner
 
@@ -43,7 +43,7 @@ def results(tmp_path_factory):
     """The folder of a run with fewer draws and coarser pictures."""
     folder = tmp_path_factory.mktemp("first") / "results"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rcskin.simulator.paper.studies.DRAWS", FEWER_DRAWS)
+        patch.setattr("rcskin.localization.paper.studies.DRAWS", FEWER_DRAWS)
         patch.setitem(STYLE, "savefig.dpi", 50)
         done = CliRunner().invoke(app, ["reproduce", "-o", str(folder)])
     assert (done.exit_code, done.stderr) == (0, "")
