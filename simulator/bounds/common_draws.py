@@ -16,8 +16,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BarycentricInterpolator
 
+from ..chebyshev import barycentric, extrema
 from ..measure.experiment import own_presses, strengths, together
 from ..measure.readout import errors_of, observed
 from ..models.reduced.skin import ReducedSkin
@@ -111,8 +111,7 @@ class CommonDraws:
         low, high = float(self._presses.low), float(self._presses.high)
         if low == high:
             return np.array([low])
-        angles = np.pi * (np.arange(NODES) + 0.5) / NODES
-        return (low + high) / 2 - (high - low) / 2 * np.cos(angles)
+        return extrema(low, high, NODES)
 
     @cached_property
     def _ways(self) -> Array:
@@ -132,7 +131,7 @@ class CommonDraws:
         """From readings at nodes of one touch to those at factors, shape (factor, node)."""
         if len(self._nodes) == 1:
             return np.ones((len(factors), 1))
-        return BarycentricInterpolator(self._nodes, np.eye(len(self._nodes)))(factors)
+        return barycentric(self._nodes, factors)
 
     @remembered(KEPT)
     def _noise(self, interface: str, frequencies: int) -> Array:

@@ -10,9 +10,9 @@ from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
+from ...chebyshev import Interpolant, refined
 from ...mesh.held import held
 from ...models.mechanics.lattice.presses import Applied, Window, apart, raised
 from ...models.mechanics.lattice.skin import Lattice
@@ -24,8 +24,8 @@ from ...sweeps import ToleranceError
 from .cells import Array, Place
 from .deep import Deep, around
 
-FIRST, MOST = 4, 64
-"""Steps of Chebyshev's depths."""
+COUNTS = (5, 129)
+"""Of Chebyshev's depths, at first and at most."""
 RTOL = 1e-4
 """Of the largest rise of a cell: what is left of it between those depths."""
 NO_APPLICATOR = Applied(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
@@ -87,27 +87,10 @@ class SharpOnes:
 
 
 class _Depths(NamedTuple):
-    """What touches of a pixel do in a window of cells, of depths up to `deepest` in m.
-
-    series: of Chebyshev's polynomials, shape (polynomial, row, column).
-    """
+    """Rises that touches of a pixel make in a window of cells, over their depth in m."""
 
     here: Window
-    deepest: float
-    series: Array
-
-    @classmethod
-    def through(cls, here: Window, deepest: float, rises: Array) -> _Depths:
-        """Of rises at `_chebyshev`'s depths, shape (depth, row, column)."""
-        steps = len(rises) - 1
-        at_depths = chebvander(_chebyshev(steps, 2.0) - 1, steps)
-        flat = np.linalg.solve(at_depths, rises.reshape(len(rises), -1))
-        return cls(here, deepest, flat.reshape(rises.shape).astype(np.float64))
-
-    def at(self, depth: Array) -> Array:
-        """Rises, shape (depth, row, column)."""
-        each = chebvander(2 * depth / self.deepest - 1, len(self.series) - 1)
-        return np.tensordot(each, self.series, 1)
+    rises: Interpolant
 
 
 class DeepOnes:
@@ -125,7 +108,7 @@ class DeepOnes:
         rises = np.zeros((batch.count, *self._deep.lattice.grid))
         for pixel in np.unique(batch.cells).tolist():
             own, known = np.flatnonzero(batch.cells == pixel), self._of(pixel)
-            rises[:, *known.here][press[own]] += known.at(depth[own])
+            rises[:, *known.here][press[own]] += known.rises(depth[own])
         rises = rises.reshape(batch.count, -1)
         for number in np.flatnonzero(np.diff(batch.starts) > 1).tolist():
             applied = self.applied(*batch.one(number))
@@ -157,23 +140,21 @@ class DeepOnes:
     def _through(self, place: Place) -> _Depths:
         """Of twice as many depths as tell those between them to RTOL."""
         here, deepest = self._window(place), self._scene.pressed_depth(1 + self._strongest)
-        steps, rises = FIRST, self._at(place, here, _chebyshev(FIRST, deepest))
-        while steps <= MOST:
-            between = _chebyshev(2 * steps, deepest)[1::2]
-            known, found = _Depths.through(here, deepest, rises), self._at(place, here, between)
-            off = np.abs(known.at(between) - found).max()
-            rises = np.insert(rises, np.arange(1, steps + 1), found, axis=0)
-            if off <= RTOL * max(np.abs(rises).max(), RTOL):
-                return _Depths.through(here, deepest, rises)
-            steps *= 2
-        raise ToleranceError(
-            f"{self._scene.name}: what touches by depth do does not follow from that of {MOST} "
-            f"depths up to {deepest:.4g} m: {off:.1e}"
-        )
+
+        def close(found: Array, truth: Array) -> bool:
+            return np.abs(found - truth).max() <= RTOL * max(np.abs(truth).max(), RTOL)
+
+        rises = refined(lambda depth: self._at(place, here, depth), (0.0, deepest), COUNTS, close)
+        if rises is None:
+            raise ToleranceError(
+                f"{self._scene.name}: what touches by depth do does not follow to {RTOL:.1e} from "
+                f"that of {COUNTS[1]} depths up to {deepest:.4g} m"
+            )
+        return _Depths(here, rises)
 
     def _window(self, place: Place) -> Window:
         """The cells that touches of any of the depths are felt in."""
-        rises = np.linspace(0.0, self._strongest, FIRST + 1)[1:].tolist()
+        rises = np.linspace(0.0, self._strongest, COUNTS[0])[1:].tolist()
         return around([self._deep.window(place, rise) for rise in rises])
 
     def _at(self, place: Place, here: Window, depth: Array) -> Array:
@@ -185,8 +166,3 @@ class DeepOnes:
 def _presses(batch: PressBatch) -> Index:
     """To which press each touch belongs."""
     return np.repeat(np.arange(batch.count), np.diff(batch.starts))
-
-
-def _chebyshev(steps: int, deepest: float) -> Array:
-    """Depths from `deepest` to 0, m; those of half as many steps are every second one."""
-    return deepest * (1 + np.cos(np.pi * np.arange(steps + 1) / steps)) / 2

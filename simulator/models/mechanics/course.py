@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...chebyshev import barycentric, extrema
 from ...press.press import Press
 from ...press.touch import Depth, Indentation, Touch
 from ...scene.foam_mechanics import Elastic, Mechanics
@@ -114,20 +115,6 @@ class Course:
         return known, raised
 
 
-def barycentric(nodes: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Weights of Lagrange's polynomials through Chebyshev's extrema, shape (..., node).
-
-    Source: J.-P. Berrut and L. N. Trefethen, SIAM Review 46 (2004) 501, eq. 5.4.
-    """
-    sign = (-1.0) ** np.arange(len(nodes))
-    sign[[0, -1]] /= 2
-    away = np.asarray(x)[..., None] - nodes
-    met = away == 0
-    shares = sign / np.where(met, 1.0, away)
-    shares = np.where(met.any(axis=-1, keepdims=True), met, shares)
-    return shares / shares.sum(axis=-1, keepdims=True)
-
-
 def course(scene: Scene, pixel: Touch, deepest: float, factor_rtol: float, rtol: float) -> Course:
     """Of a pixel, down to `deepest` in m.
 
@@ -170,8 +157,7 @@ def course(scene: Scene, pixel: Touch, deepest: float, factor_rtol: float, rtol:
 def _depths(deepest: float, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Chebyshev's extrema from 0 to deepest, and CHECKS of those between."""
     angle = np.pi * np.arange(count) / (count - 1)
-    nodes = deepest * (1 - np.cos(angle)) / 2
-    nodes[0], nodes[-1] = 0.0, deepest
+    nodes = extrema(0.0, deepest, count)
     some = np.linspace(0, count - 2, CHECKS).round().astype(np.int64)
     between = angle[some] + np.pi / (count - 1) / 2
     return nodes, deepest * (1 - np.cos(between)) / 2

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ....chebyshev import barycentric
 from ....mesh.domain import Domain
-from ...mechanics.course import DOUBT, barycentric
+from ...mechanics.course import DOUBT
 from ...varied.elements import Elements
 from .applicators import Applicators
 
