@@ -52,7 +52,7 @@ class Case:
     session: int = 200
 
 
-CLASSIFIERS = ("ksvm-ovo", "ksvm-components", "knn", NAME)
+CLASSIFIERS = ("ksvm-ovo", "ksvm-components", NAME)
 CASES = (
     Case("column, 5x5", "sheet-5x5", 5, (0.1, 0.9), "column", CLASSIFIERS, 4000),
     Case(
@@ -79,7 +79,7 @@ CASES = (
         4,
         (0.1, 0.3, 0.6),
         "pair",
-        ("ksvm-components", "knn", NAME),
+        ("ksvm-components", NAME),
         16_000,
     ),
     Case(
@@ -88,7 +88,7 @@ CASES = (
         4,
         (0.05, 0.95),
         "position",
-        ("gaussian-process", "kernel-ridge", "knn-position"),
+        ("kernel-ridge",),
         4000,
         "anywhere",
     ),

@@ -13,7 +13,7 @@ from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import labels
 from ..inversion.region import Region, region_of
 from ..inversion.regions import PROBABILITY, places_of
-from ..learners.classifiers import REFERENCE, pipeline
+from ..learners.classifiers import reference
 from ..learners.registry import Estimator
 from ..trust.answers import Answers
 from ..trust.fitted import Classifier, Regressor
@@ -185,7 +185,6 @@ def nested(
 def cross_validate(
     sweeps: xr.Dataset,
     target: str = "column",
-    classifier: str = REFERENCE,
     *,
     folds: int = 5,
     grouping: str | None = None,
@@ -195,15 +194,14 @@ def cross_validate(
     """Train on all folds but one and predict that one, in turn: every sweep is predicted once.
 
     Sweeps before the first of the unpressed skin are left out where features need it. target,
-    quantities: as of `samples_of`. classifier: a name in CLASSIFIERS. folds, grouping, seed: as of
-    `folds_of`. Raises InputError as these do.
+    quantities: as of `samples_of`. folds, grouping, seed: as of `folds_of`. Raises InputError as
+    these do.
     """
     X, rows = told_features(sweeps, chosen_quantities(quantities, sweeps))
     told = sweeps.isel(sweep=rows)
     y = labels(told, target)
     splits = folds_of(told, y, folds=folds, grouping=grouping, seed=seed)
-    untrained = pipeline(classifier, features=X.shape[1])
-    return over_folds(untrained, X, y, splits)
+    return over_folds(reference(X.shape[1]), X, y, splits)
 
 
 def held_out(sweeps: xr.Dataset, target: str = "column") -> list[float]:
@@ -215,10 +213,7 @@ def held_out(sweeps: xr.Dataset, target: str = "column") -> list[float]:
     samples = samples_of(sweeps, target)
     splits = splits_of(samples.strata, samples.sessions)
     X, y = samples.X, samples.y
-    learned = (
-        (pipeline(REFERENCE, features=X.shape[1]).fit(X[train], y[train]), test)
-        for train, test in splits
-    )
+    learned = ((reference(X.shape[1]).fit(X[train], y[train]), test) for train, test in splits)
     return [float(np.mean(each.predict(X[test]) == y[test])) for each, test in learned]
 
 

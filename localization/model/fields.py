@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 from sklearn.compose import TransformedTargetRegressor
-from sklearn.gaussian_process import GaussianProcessRegressor
-from sklearn.neighbors import KNeighborsClassifier, KNeighborsRegressor
+from sklearn.neighbors import KNeighborsRegressor
 from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC
@@ -24,6 +23,7 @@ from ..learners.ecoc import ECOCClassifier
 from ..learners.gaussians import GaussianClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
 from ..learners.offsets import Offsets
+from ..learners.registry import GONE, gone
 from ..trust.fitted import Classifier, Guards, Regressor
 from ..trust.kinds import KindGuard
 from ..trust.novelty import NoveltyGuard
@@ -52,10 +52,8 @@ STEPS = (
     *OWN_STEPS,
     StandardScaler,
     SVC,
-    KNeighborsClassifier,
     KNeighborsRegressor,
     TransformedTargetRegressor,
-    GaussianProcessRegressor,
 )
 """What the pipeline may be made of."""
 KINDS = {
@@ -102,6 +100,11 @@ OWN_FREQUENCIES = {"taken": tuple}
 ANOTHER_LAYOUT = f"a model of another layout than {LAYOUT}, which this version reads; train it anew"
 BEFORE_ONE_NAME = "localization."
 """What types in files of layouts up to 3 begin with."""
+
+
+def made_by_gone(name: str) -> str:
+    """What is reported of a model by an estimator of GONE."""
+    return f"its estimator {gone(name)}, and train it anew"
 
 
 class EarlierLayoutError(Exception):
@@ -154,6 +157,8 @@ def model_of(fields: Any) -> Model:
     """The model of such fields. Raises EarlierLayoutError, or ValueError where they are of none."""
     if _is_earlier(fields):
         raise EarlierLayoutError(ANOTHER_LAYOUT)
+    if isinstance(fields, dict) and (name := fields.get("estimator")) in GONE:
+        raise EarlierLayoutError(made_by_gone(name))
     _check(fields, {"layout": int, **KINDS})
     own = fields["problem"]
     _check(own, PROBLEM | OWN_FREQUENCIES if OWN_FREQUENCIES.keys() <= own.keys() else PROBLEM)

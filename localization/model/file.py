@@ -23,6 +23,7 @@ from .fields import (
     OWN_STEPS,
     EarlierLayoutError,
     fields_of,
+    made_by_gone,
     model_of,
 )
 from .model import Model
@@ -30,23 +31,12 @@ from .soundness import UnsoundError, check_sound
 
 ENDING = ".skops"
 TRUSTED = [
-    *(
-        f"{kind.__module__}.{kind.__qualname__}"
-        for kind in (*OWN_STEPS, KindGuard, NoveltyGuard, SeveralGuard)
-    ),
-    *(
-        f"sklearn.{name}"
-        for name in (
-            "gaussian_process._gpr.GaussianProcessRegressor",
-            "gaussian_process.kernels.ConstantKernel",
-            "gaussian_process.kernels.Product",
-            "gaussian_process.kernels.RBF",
-            "gaussian_process.kernels.Sum",
-            "gaussian_process.kernels.WhiteKernel",
-        )
-    ),
+    f"{kind.__module__}.{kind.__qualname__}"
+    for kind in (*OWN_STEPS, KindGuard, NoveltyGuard, SeveralGuard)
 ]
 """Types that may be built from a file, besides those of scikit-learn that skops vouches for."""
+OF_GAUSSIAN_PROCESS = "sklearn.gaussian_process."
+"""What types begin with in models by an estimator that is gone."""
 
 
 def save(path: str | Path, model: Model) -> None:
@@ -112,6 +102,8 @@ def _trusted_content(path: Path, data: bytes) -> Any:
         raise InputError(f"{path}: not a model in the format of skops: {reason}") from error
     if any(name.startswith(BEFORE_ONE_NAME) for name in untrusted):
         raise InputError(f"{path}: {ANOTHER_LAYOUT}")
+    if any(name.startswith(OF_GAUSSIAN_PROCESS) for name in untrusted):
+        raise InputError(f"{path}: {made_by_gone('gaussian-process')}")
     if untrusted:
         raise InputError(f"{path}: holds the untrusted type {untrusted[0]}; not loaded")
     return content

@@ -14,9 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from sklearn.compose import TransformedTargetRegressor
 from sklearn.decomposition import PCA
-from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.kernel_ridge import KernelRidge
-from sklearn.neighbors import KNeighborsClassifier, KNeighborsRegressor
+from sklearn.neighbors import KNeighborsRegressor
 from sklearn.neural_network import MLPClassifier, MLPRegressor
 from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC
@@ -27,7 +26,7 @@ from ..inversion.position import ModelBasedPosition
 from ..learners.affine import Affine
 from ..learners.components import Components
 from ..learners.drift import Drifting
-from ..learners.ecoc import CODINGS, ECOCClassifier
+from ..learners.ecoc import ECOCClassifier, one_versus_one
 from ..learners.gaussians import BENDING, GaussianClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
 from ..learners.offsets import Offsets
@@ -52,7 +51,6 @@ MIXTURE = {
     "log_weight_": "E",
     "edge_": ">0",
 }
-NEAREST = {"_fit_X": "n F"}
 ADAPTED = {"mean_": Inner("F/2"), "taught_.0?": "n F/2"}
 LEARNED: Mapping[type, Mapping[str, str | Inner]] = {
     StandardScaler: {"mean_": "F", "var_": "F >=0", "scale_": "F >0"},
@@ -105,20 +103,8 @@ LEARNED: Mapping[type, Mapping[str, str | Inner]] = {
     MLPRegressor: {"intercepts_.-1": "out"},
     NetworkClassifier: {"network_": Inner("F")},
     NetworkRegressor: {"network_": Inner("F")},
-    KNeighborsClassifier: {"classes_": "K classes", "_y": "n <K", **NEAREST},
-    KNeighborsRegressor: {"_y": "n out", **NEAREST},
+    KNeighborsRegressor: {"_fit_X": "n F", "_y": "n out"},
     KernelRidge: {"X_fit_": "n F", "dual_coef_": "n out", "gamma": ">0"},
-    GaussianProcessRegressor: {
-        "X_train_": "n F",
-        "y_train_": "n out",
-        "alpha_": "n out",
-        "L_": "n n",
-        "_y_train_mean": "out",
-        "_y_train_std": "out >0",
-        "kernel_.k1.k1.constant_value": ">0",
-        "kernel_.k1.k2.length_scale": ">0",
-        "kernel_.k2.noise_level": ">0",
-    },
     TransformedTargetRegressor: {"regressor_": Inner("F"), "transformer_": Inner("out")},
     ModelBased: {"classes_": "K classes", "answer_": "E <K", **MIXTURE},
     ModelBasedPosition: {
@@ -174,10 +160,10 @@ def _copied(machine: Any, sizes: Mapping[str, int]) -> bool:
 
 
 def _all_learners(codes: Any, sizes: Mapping[str, int]) -> bool:
-    learners, whole = codes.estimators_, codes.coding == "one-versus-one"
+    learners = codes.estimators_
     if len(learners) == 1 < sizes["L"]:
         (own,) = learners
-        return whole and len(own.classes_) == sizes["K"] and own.decision_function_shape == "ovo"
+        return len(own.classes_) == sizes["K"] and own.decision_function_shape == "ovo"
     return len(learners) == sizes["L"] and all(len(each.classes_) == 2 for each in learners)
 
 
@@ -215,9 +201,6 @@ def _products(mixture: Any, sizes: Mapping[str, int]) -> bool:
     return _alike(mixture.along_, np.einsum("ern,en->er", mixture.directions_, mixture.mean_))
 
 
-NEIGHBOURS: Mapping[str, Rule] = {
-    "as many sweeps as its neighbours, looked at one by one": _nearest
-}
 MIXED: Mapping[str, Rule] = {"`along_` of its `directions_` and `mean_`": _products}
 RULES: Mapping[type, Mapping[str, Rule]] = {
     StandardScaler: {
@@ -247,7 +230,7 @@ RULES: Mapping[type, Mapping[str, Rule]] = {
     },
     ECOCClassifier: {
         "the codes of its coding": lambda codes, sizes: np.array_equal(
-            codes.coding_matrix_, CODINGS[codes.coding](sizes["K"])
+            codes.coding_matrix_, one_versus_one(sizes["K"])
         ),
         "a learner for each of its codes": _all_learners,
     },
@@ -257,14 +240,8 @@ RULES: Mapping[type, Mapping[str, Rule]] = {
         "an output for each class": _one_output_a_class,
     },
     MLPRegressor: {"layers that follow each other": _layers},
-    KNeighborsClassifier: NEIGHBOURS,
-    KNeighborsRegressor: NEIGHBOURS,
+    KNeighborsRegressor: {"as many sweeps as its neighbours, looked at one by one": _nearest},
     KernelRidge: {"a kernel that is rbf": lambda ridge, sizes: ridge.kernel == "rbf"},
-    GaussianProcessRegressor: {
-        "`alpha_` of its `L_` and `y_train_`": lambda process, sizes: _alike(
-            np.tril(process.L_) @ (np.tril(process.L_).T @ process.alpha_), process.y_train_
-        )
-    },
     TransformedTargetRegressor: {
         "targets of several columns, and no functions": lambda regressor, sizes: (
             (regressor.func, regressor.inverse_func, regressor._training_dim) == (None, None, 2)

@@ -128,7 +128,7 @@ QUICK = """
     join it.nc it.csv --session %s -o joined.nc
     export joined.nc -o joined.csv
     export it.nc -o it.parquet
-    train it.nc it.nc it.nc it.nc it.nc it.nc --features Rs,Cp --estimator svc -o column.skops
+    train it.nc it.nc it.nc it.nc it.nc it.nc --features Rs,Cp --estimator ksvm-ovo -o column.skops
     localize column.skops joined.csv
     localize column.skops joined.csv -o column.csv
     evaluate column.skops joined.csv -o evaluated

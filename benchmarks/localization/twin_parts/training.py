@@ -27,7 +27,7 @@ RTOL = 1e-3
 """Of the simulated sweeps: a third of the meter's noise."""
 CHANGE, WHOLE = ("dlnZ", "dphase"), ("dlnZ", "dphase", "lnZ0", "phase0")
 """Quantities that localizers look at: changes against the skin at rest, and its own curve too."""
-BY_CHANGE = ("model-based", "ksvm-components", "kernel-ridge", "gaussian-process")
+BY_CHANGE = ("model-based", "ksvm-components", "kernel-ridge")
 """Localizers that do not take the curve, or whose few components have no room for it."""
 NETWORK, PLENTY = "network", 20_000
 """A localizer, and simulated sweeps for all the others, which are shown no more."""

@@ -160,7 +160,7 @@ TRIALS = (
         believed(TWO, 5, SINGLE, anywhere=True),
         "position",
         anywhere(60),
-        ("network", "kernel-ridge", "gaussian-process", "model-based", "model-adapted"),
+        ("network", "kernel-ridge", "model-based", "model-adapted"),
         4.0,
         training=150_000,
         hand=Hand(offset=0.02, size=0.02),

@@ -27,7 +27,6 @@ FEW = replace(CASE, sweeps=900)
 SESSIONS, OF_PAPER = (10, 20, 60), (10, 60)
 """That localizers are trained on, and those of the paper's features."""
 LEARNED = {
-    "knn": "knn",
     "ksvm-ovo": "ksvm-ovo",
     "ksvm-components": "ksvm-components",
     "network, short course": "network",

@@ -18,7 +18,7 @@ FREQUENCY = np.geomspace(1e3, 200e3, 20)
 def model(make_sweeps):
     """Of columns, by the curves of skins as simulated."""
     known = concatenate([make_sweeps(1, 4, session=k, seed=k, noise=0.01) for k in range(3)])
-    return train(known, quantities=("dlnZ", "dphase"), estimator="svc")
+    return train(known, quantities=("dlnZ", "dphase"), estimator="ksvm-ovo")
 
 
 @pytest.fixture(scope="module")

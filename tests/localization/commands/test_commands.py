@@ -72,7 +72,7 @@ def test_positions_are_trained_and_written(run, files, tmp_path):
 
 def test_without_a_model_scores_are_of_outer_folds(run, files):
     code, out, err = run(
-        "evaluate", files / "known.nc", "--estimator", "svc", "--tune", "--folds", 3
+        "evaluate", files / "known.nc", "--estimator", "ksvm-ovo", "--tune", "--folds", 3
     )
     assert (code, err) == (0, "")
     assert "3 folds, whole sessions held out" in out

@@ -102,7 +102,6 @@ def test_a_strip_cannot_be_grouped_by_press(strip):
         ({"folds": 1}, "`folds` must be from 2 to the 5 sweeps of class 0, got 1"),
         ({"grouping": "session"}, "`folds` must be at most the number of groups, 1, got 5"),
         ({"grouping": "day"}, "must be none, press or session, got 'day'"),
-        ({"target": "row", "classifier": "knn"}, "`classifier` must be one of"),
     ],
 )
 def test_what_cannot_be_done_is_refused(strip, asked, message):

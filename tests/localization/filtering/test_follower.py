@@ -37,7 +37,7 @@ def models(exact):
     registry = estimators(model_based(templates))
     return {
         name: train(sweeps, "column", name, quantities=CHANGE, registry=registry)
-        for name in (NAME, "svc")
+        for name in (NAME, "ksvm-ovo")
     }
 
 
@@ -71,7 +71,7 @@ def labels(followed):
     return [each.label for each in followed]
 
 
-@pytest.mark.parametrize("name", [NAME, "svc"])
+@pytest.mark.parametrize("name", [NAME, "ksvm-ovo"])
 def test_touches_that_come_and_go_are_followed(models, run, rest, name):
     columns = [0, 0, 0, 2, 2, 2, 0, 0, 3, 3]
     told = Follower(models[name]).through(run(columns), rest, PACE)
@@ -79,7 +79,9 @@ def test_touches_that_come_and_go_are_followed(models, run, rest, name):
     assert all(each.probabilities.sum() <= 1 + 1e-9 for each in told)
 
 
-@pytest.mark.parametrize(("name", "columns"), [(NAME, (0, 2)), (NAME, (3, 0)), ("svc", (0, 1))])
+@pytest.mark.parametrize(
+    ("name", "columns"), [(NAME, (0, 2)), (NAME, (3, 0)), ("ksvm-ovo", (0, 1))]
+)
 def test_a_sweep_that_a_touch_changes_midway_is_weighed_and_not_answered(
     models, run, rest, name, columns
 ):
@@ -95,8 +97,8 @@ def test_a_sweep_that_a_touch_changes_midway_is_weighed_and_not_answered(
 def test_one_bad_sweep_does_not_end_a_touch(models, run, rest):
     sweeps = run([0, 0, 2, 2, 2, 2])
     sweeps["X"].values[4] *= 1.5
-    told = Follower(models["svc"]).through(sweeps, rest, PACE)
-    assert models["svc"].answers(sweeps, rest).labels[4] == CANNOT_TELL
+    told = Follower(models["ksvm-ovo"]).through(sweeps, rest, PACE)
+    assert models["ksvm-ovo"].answers(sweeps, rest).labels[4] == CANNOT_TELL
     assert labels(told)[2:] == ["2"] * 4
 
 
@@ -136,5 +138,7 @@ def test_quick_readings_are_taken_first(models, rest):
 
 
 def test_other_models_do_not_choose_frequencies(models):
-    with pytest.raises(InputError, match="--adaptive takes models by model-based.*one by svc of"):
-        Asker(models["svc"])
+    with pytest.raises(
+        InputError, match="--adaptive takes models by model-based.*one by ksvm-ovo of"
+    ):
+        Asker(models["ksvm-ovo"])

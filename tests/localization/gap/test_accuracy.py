@@ -8,7 +8,7 @@ from rcskin.localization.gap.splits import Split
 from rcskin.localization.inputs.samples import Problem
 from rcskin.localization.learners.registry import chosen
 
-KSVM, SVC = (chosen(name, "column") for name in ("ksvm-ovo", "svc"))
+KSVM = chosen("ksvm-ovo", "column")
 
 
 def points(places, classes, repetitions=4):
@@ -58,13 +58,13 @@ def test_the_hardest_grouping_that_can_be_is_taken(
     sweeps = make_skin_sweeps(sessions=sessions)
     sweeps = sweeps.isel(sweep=np.isin(sweeps["row"].values, rows))
     samples = samples_of(sweeps, FEATURE_SETS["absolute"], target)
-    found = cross_validated(sweeps, samples, SVC, 0)
+    found = cross_validated(sweeps, samples, KSVM, 0)
     assert found.grouping == grouping
     assert found.accuracy.confusion.total == sweeps.sizes["sweep"]
-    assert cross_validated(sweeps, samples, SVC, 0, grouped=False).grouping is None
+    assert cross_validated(sweeps, samples, KSVM, 0, grouped=False).grouping is None
 
 
 def test_a_class_of_one_sweep_cannot_be_cross_validated(make_skin_sweeps):
     sweeps = make_skin_sweeps(1)
     samples = samples_of(sweeps, FEATURE_SETS["absolute"], "pixel")
-    assert cross_validated(sweeps, samples, SVC, 0) is None
+    assert cross_validated(sweeps, samples, KSVM, 0) is None

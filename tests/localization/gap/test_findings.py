@@ -134,7 +134,7 @@ def test_one_class_alone_cannot_be_asked_for(make_skin_sweeps, make_findings):
 )
 def test_values_out_of_range_are_refused(asked, message):
     with pytest.raises(InputError, match=message):
-        Question(**{"target": "column", "estimator": "svc", **asked})
+        Question(**{"target": "column", "estimator": "ksvm-ovo", **asked})
 
 
 def test_sessions_are_left_out_as_a_whole_and_each_told_against_its_own_rest(

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 import skops.io
 from rcskin.localization.inputs.features import PAPER, features
-from rcskin.localization.learners.classifiers import CLASSIFIERS
 from rcskin.localization.model.fields import fields_of
 from rcskin.localization.model.file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.sweeps import InputError
+from sklearn.gaussian_process import GaussianProcessRegressor
+from sklearn.gaussian_process.kernels import ConstantKernel
+from sklearn.neighbors import KNeighborsClassifier
 from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import MinMaxScaler
 
@@ -28,7 +30,7 @@ def rewrite(source, target, change):
             new.writestr(name, change(data.decode()) if name == "schema.json" else data)
 
 
-@pytest.mark.parametrize("classifier", [*CLASSIFIERS, "gaussian"])
+@pytest.mark.parametrize("classifier", ["ksvm-ovo", "ksvm-components", "gaussian"])
 @pytest.mark.parametrize("target", ["column", "pixel"])
 def test_a_model_read_back_is_the_same_model(sheet, tmp_path, classifier, target):
     model = train(sheet, target, classifier, quantities=PAPER)
@@ -75,6 +77,22 @@ def test_a_file_of_harmless_types_that_is_no_model_is_refused(model, tmp_path):
     for content in ([1, 2], {"pipeline": 3}, {**fields, "guard": 4}, {**fields, "pipeline": other}):
         skops.io.dump(content, tmp_path / "a.skops")
         with pytest.raises(InputError, match=r"a\.skops: holds no model of rcskin"):
+            load(tmp_path / "a.skops")
+
+
+def test_a_model_of_an_estimator_that_is_gone_is_told_what_to_take(model, tmp_path):
+    process = GaussianProcessRegressor(ConstantKernel())
+    for name, taken, step in (
+        ("svc", "ksvm-ovo", model.pipeline[-1]),
+        ("knn", "ksvm-components", KNeighborsClassifier()),
+        ("gaussian-process", "kernel-ridge", process),
+    ):
+        pipeline = Pipeline([("classify", step)])
+        fields = {**fields_of(model), "estimator": name, "pipeline": pipeline}
+        skops.io.dump(fields, tmp_path / "a.skops")
+        with pytest.raises(
+            InputError, match=rf"a\.skops: .* {name} is gone, .*: take {taken}, and"
+        ):
             load(tmp_path / "a.skops")
 
 

@@ -17,7 +17,7 @@ def test_a_model_tells_where_sweeps_it_never_saw_were_pressed(strip, make_sweeps
 
 
 def test_a_model_knows_what_it_was_trained_on(sheet):
-    model = train(sheet, "row", "svc", quantities=["X", "Rs"])
+    model = train(sheet, "row", "ksvm-components", quantities=["X", "Rs"])
     assert (model.target, model.quantities) == ("row", ("X", "Rs"))
     assert model.interfaces == ("left", "right")
     assert model.frequencies == tuple(sheet["frequency"].values)

@@ -73,9 +73,8 @@ def test_nothing_pressed_is_known_only_where_it_was_shown(columns, strip):
     assert not train(strip.isel(sweep=strip["column"].values > 0)).knows_rest
 
 
-@pytest.mark.parametrize("estimator", ["gaussian-process", "kernel-ridge", "knn-position"])
-def test_positions_are_told_with_deviations_that_hold(mountings, make_sweeps, tmp_path, estimator):
-    model = train(mountings, "position", estimator, quantities=AGAINST_REST)
+def test_positions_are_told_with_deviations_that_hold(mountings, make_sweeps, tmp_path):
+    model = train(mountings, "position", "kernel-ridge", quantities=AGAINST_REST)
     unseen = make_sweeps(1, 6, 8, noise=0.006, session=9, seed=13).assign_attrs(scene=SCENE)
     samples = model.samples(unseen)
     told, deviation = model.positions(unseen)
@@ -109,7 +108,7 @@ def test_sessions_are_held_out_as_a_whole_where_there_are_two(mountings):
 @pytest.mark.parametrize("tune", [False, True])
 def test_nested_scores_count_every_sweep_once(mountings, tune):
     samples = samples_of(mountings, "column", AGAINST_REST)
-    found = nested(samples, chosen("svc", "column"), tune=tune, folds=2)
+    found = nested(samples, chosen("ksvm-ovo", "column"), tune=tune, folds=2)
     assert found.whole.confusion.total == len(samples.X)
     mean, spread = found.figures()["accuracy"]
     assert 0.6 < mean <= 1 and spread >= 0
@@ -133,7 +132,9 @@ def test_every_estimator_is_asked_by_its_name():
     ("name", "target", "message"),
     [
         ("mlp", "column", "one of ksvm-ovo, .* for `target` column, got 'mlp'"),
-        ("ksvm-ovo", "position", "one of gaussian-process, kernel-ridge, .*got 'ksvm-ovo'"),
+        ("ksvm-ovo", "position", "one of kernel-ridge, .*got 'ksvm-ovo'"),
+        ("knn", "column", "`estimator` knn is gone, .*: take ksvm-components$"),
+        ("gaussian-process", "position", "gaussian-process is gone, .*: take kernel-ridge$"),
         (None, "depth", "`target` must be one of column, row"),
     ],
 )
