@@ -24,7 +24,7 @@ from skfem.assembly import Basis, FacetBasis
 from skfem.assembly.basis import AbstractBasis
 
 from ..mesh.rings import Cells
-from .pattern import DROPPED
+from .dropped import DROPPED
 from .warming import Warming
 
 EXTRA_ORDER = 40
@@ -45,7 +45,9 @@ def fill_readable(values: NDArray, slots: NDArray, weights: NDArray, reference: 
     np.add.at(values, slots[kept], totals[kept])
 
 
-fill = Warming(fill_readable, lambda values, slots, *_: 4e-8 * slots.size)
+fill = Warming(
+    lambda kernels: kernels.fill, fill_readable, lambda values, slots, *_: 4e-8 * slots.size
+)
 
 
 def add_terms(values: NDArray, slots: NDArray, terms: Iterable[tuple[NDArray, NDArray]]) -> None:

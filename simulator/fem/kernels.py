@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compiled import compiled
+from .dropped import DROPPED
 from .estimate import LOST_SUSCEPTANCE
-from .pattern import DROPPED
 
 
 @compiled()

@@ -23,15 +23,6 @@ MOST_STEPS = 60
 FEWEST_STEPS = 3
 
 
-def continued_fraction_readable(
-    t: complex, diagonal: NDArray[np.float64], squared: NDArray[np.float64], steps: int
-) -> complex:
-    """The same as e1'(I + t T)^-1 e1 with the tridiagonal T written out."""
-    beside = np.sqrt(squared[1:steps])
-    T = np.diag(diagonal[:steps]) + np.diag(beside, 1) + np.diag(beside, -1)
-    return complex(np.linalg.inv(np.eye(steps) + t * T)[0, 0])
-
-
 def last_change_readable(
     s: NDArray[np.complex128],
     shift: float,
@@ -62,7 +53,11 @@ def last_change_readable(
     return Y, change
 
 
-last_change = Warming(last_change_readable, lambda s, *others: 6e-7 * len(s) * (4 + others[-1]))
+last_change = Warming(
+    lambda kernels: kernels.last_change,
+    last_change_readable,
+    lambda s, *others: 6e-7 * len(s) * (4 + others[-1]),
+)
 
 
 @dataclass(frozen=True)

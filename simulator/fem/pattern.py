@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from .dropped import DROPPED
 from .warming import Warming
 
-DROPPED = -1
-"""What stands for a pair or an unknown that is left out."""
 TABLE = 32
 """Times the keys: how many may be in a table, which then takes less time than to sort the keys."""
 
@@ -102,5 +101,9 @@ def block_readable(
     return number[indices[entries]], indptr.astype(np.int32), entries
 
 
-compressed = Warming(compressed_readable, lambda rows, *_: 2e-7 * rows.size)
-block = Warming(block_readable, lambda indices, *_: 1e-8 * indices.size)
+compressed = Warming(
+    lambda kernels: kernels.compressed, compressed_readable, lambda rows, *_: 2e-7 * rows.size
+)
+block = Warming(
+    lambda kernels: kernels.block, block_readable, lambda indices, *_: 1e-8 * indices.size
+)

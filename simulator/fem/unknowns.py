@@ -17,7 +17,8 @@ from skfem.assembly import Dofs
 from ..scene.contacts import Contact
 from .assembly import element_pairs, quadrilateral
 from .circuit import Circuit, Terminal
-from .pattern import DROPPED, Pattern, pattern_of_pairs
+from .dropped import DROPPED
+from .pattern import Pattern, pattern_of_pairs
 
 TRIANGLES = (ElementTriP1, ElementTriP2, ElementTriP3, ElementTriP4)
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -18,26 +17,36 @@ WORTH = 0.3
 
 
 class Warming:
-    """A kernel of `fem.kernels` and its readable twin.
+    """A kernel and its readable twin.
 
-    cost: s that the twin takes for such arguments, about.
+    kernel: gives it, of the module `fem.kernels`, which is imported at need. cost: s that the twin
+    takes for such arguments, about.
     """
 
     spent = 0.0
 
-    def __init__(self, twin: Callable[..., Any], cost: Callable[..., float]) -> None:
-        self._twin, self._cost = twin, cost
-        self._name = twin.__name__.removesuffix("_readable")
+    def __init__(
+        self,
+        kernel: Callable[[Any], Callable[..., Any]],
+        twin: Callable[..., Any],
+        cost: Callable[..., float],
+    ) -> None:
+        self._kernel, self._twin, self._cost = kernel, twin, cost
 
     def __call__(self, *arguments: Any) -> Any:
         """What the kernel returns."""
         if "numba" in sys.modules:
-            kernel = getattr(import_module(".kernels", __package__), self._name)
-            return kernel(*map(_in_c_order, arguments))
+            return self._kernel(_kernels())(*map(_in_c_order, arguments))
         Warming.spent += self._cost(*arguments)
         if Warming.spent > WORTH:
-            import_module(".kernels", __package__)
+            _kernels()
         return self._twin(*arguments)
+
+
+def _kernels() -> Any:
+    from . import kernels
+
+    return kernels
 
 
 def _in_c_order(argument: Any) -> Any:

@@ -13,8 +13,8 @@ from scipy.sparse import csc_matrix
 
 from ...fem.assembly import add_terms
 from ...fem.circuit import Circuit, Terminal
+from ...fem.dropped import DROPPED
 from ...fem.factors import one_blas_thread
-from ...fem.pattern import DROPPED
 from ...fem.quadrature import Terms, mass_terms, stiffness_terms
 from ...fem.system import System, films
 from ...fem.unknowns import Unknowns, numbered

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.fem import pattern
+from rcskin.simulator.fem.dropped import DROPPED
 from rcskin.simulator.fem.kernels import block, compressed
 from rcskin.simulator.fem.pattern import (
-    DROPPED,
     block_readable,
     compressed_readable,
     pattern_of_pairs,

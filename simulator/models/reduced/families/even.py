@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from ....fem.assembly import EXTRA_ORDER, add_terms, fill, quadrilateral
+from ....fem.dropped import DROPPED
 from ....fem.galerkin import Galerkin
-from ....fem.pattern import DROPPED
 from ....fem.quadrature import Rule, Surface, gauss_rule, mass_terms, stiffness_terms, surface
 from ....fem.system import Films, PixelSystem, build_system, conducting
 from ....mesh.quadrilaterals import Resolution, pixel_mesh

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
-from ....fem.pattern import DROPPED
+from ....fem.dropped import DROPPED
 from ....fem.system import System
 
 ROUNDING = 1e-14

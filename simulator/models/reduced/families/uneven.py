@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from ....fem.pattern import DROPPED
+from ....fem.dropped import DROPPED
 from ....fem.system import Films, System, films
 from ...parameters import foam_parts, mode_values
 from ...varied.coefficients import Coefficients
