@@ -11,6 +11,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 from ...fem.circuit import two_fields
 from ...scene.contacts import Contact, Interface
@@ -22,7 +23,10 @@ from ..reduced.cases import Draw
 from ..reduced.greedy import Advance, reduce, unseen
 from ..reduced.indented.draws import spreading
 from ..reduced.model import Reduced
+from ..reduced.projection import Projection
 from ..varied.meshes import single_field
+
+Model = TypeVar("Model", bound=Projection)
 
 
 def trained(
@@ -84,7 +88,7 @@ def with_chain(scene: Scene) -> Scene:
     return electrical(scene).model_copy(update={"interfaces": tuple(chain(scene))})
 
 
-def read(reduced: Reduced, readings: Sequence[Interface]) -> Reduced:
+def read(reduced: Model, readings: Sequence[Interface]) -> Model:
     """The same model read in other ways, without training. reduced: as `trained` gives it.
 
     Raises InputError for contacts that there are not, shorts, and a model of one field.

@@ -8,7 +8,6 @@ least factor on its conductance another.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +17,7 @@ from ...fem.circuit import Circuit
 from ...fem.estimate import certified
 from ...fem.galerkin import Galerkin
 from ...sweeps import InputError
-from .cases import Case, by_skin
 from .families.family import Weights
-
-if TYPE_CHECKING:
-    from .model import Reduced
 
 
 def certificate(
@@ -43,18 +38,6 @@ def certificate(
     charge = _charges(masses, potential)[: space.inner]
     power = residual_power(space, current, charge, np.tile(s, Y.size // len(s)))
     return certified(Y, power.reshape(Y.shape) / least)
-
-
-def bounds(reduced: Reduced, cases: list[Case], s: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """Of each case, the largest bound on the relative errors of Rs and Cp. s: rad/s."""
-    found = np.empty(len(cases))
-    for group in by_skin(cases, reduced.scene):
-        own = [cases[k] for k in group]
-        presses = [(case.cells, case.rises) for case in own]
-        foams = [reduced.family.foam_of(case) for case in own]
-        told = reduced.skin_under(own[0]).certificates(presses, foams, s)
-        found[group] = told.max(axis=(0, 2, 3))
-    return found
 
 
 def _charges(masses: Sequence[csc_matrix], potential: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -27,8 +27,7 @@ from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from ..plain import electrical
 from ..varied.meshes import circuit_of
-from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins
-from .certificate import bounds
+from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins, touched
 from .families.family import Family
 from .families.masses import thinned
 from .families.resolving import resolved, weights_of_case
@@ -229,6 +228,19 @@ class Basis:
         factors = family.masses.factors(W, size, TRAINED_SHARE * COMPRESSED_SHARE * self.rtol)
         reduced = replace(reduced, stiffness=np.stack(terms), factors=factors)
         return indented(reduced) if isinstance(family, IndentedFamily) else reduced
+
+
+def bounds(reduced: Reduced, cases: list[Case], s: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Of each case, the largest bound on the relative errors of Rs and Cp. s: rad/s."""
+    found = np.empty(len(cases))
+    for group in by_skin(cases, reduced.scene):
+        own = [cases[k] for k in group]
+        presses = [(case.cells, case.rises) for case in own]
+        foams = [reduced.family.foam_of(case) for case in own]
+        skin = reduced.skin(own[0].variation, touched(reduced.scene, *presses[0]))
+        told = skin.certificates(presses, foams, s)
+        found[group] = told.max(axis=(0, 2, 3))
+    return found
 
 
 def _root(gram: NDArray[np.float64]) -> NDArray[np.float64]:

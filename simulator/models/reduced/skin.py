@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,14 +15,12 @@ from ...scene.frequency import laplace_variable
 from ...sweeps import ToleranceError
 from ..parameters import Variation, foam_parts, nominal
 from ..varied.materials import gauged
-from .cases import Case
+from .cases import Case, touched
 from .certificate import certificate, least_conductance
 from .dense import Rest, aligned, feed_of, own_coordinates, solved, with_terms
 from .families.family import Family, changes, weights_under
 from .families.resolving import finer_families
-
-if TYPE_CHECKING:
-    from .model import Reduced
+from .projection import Projection
 
 KRYLOV_SHARE = 0.03
 
@@ -38,7 +35,7 @@ class ReducedSkin:
 
     def __init__(
         self,
-        reduced: Reduced,
+        reduced: Projection,
         variation: Variation | None,
         pressed: NDArray[np.float64] | None = None,
     ) -> None:
@@ -100,7 +97,7 @@ class ReducedSkin:
         """The skin with its sheets as these touches change them; itself where they do not."""
         if not gauged(self.reduced.scene.skin):
             return self
-        return self.reduced.skin_under(Case(self.variation, cells, rises))
+        return type(self)(self.reduced, self.variation, touched(self.reduced.scene, cells, rises))
 
     def _one_by_one(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """As `sweeps`, K another one for each press."""

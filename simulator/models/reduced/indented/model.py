@@ -18,7 +18,6 @@ from ....fem.estimate import relative_difference
 from ....press.batch import PressBatch
 from ....sweeps import InputError
 from ...parameters import Variation
-from ..cases import Case
 from ..dense import Rest
 from ..families.family import Family
 from ..model import Reduced
@@ -51,13 +50,11 @@ class Indented(Reduced):
         asked = self.scene, self.circuit, self.mesh, self.modes
         return family_on(*asked, self.applicators, self.rtol)
 
-    def skin(self, variation: Variation | None) -> IndentedSkin:
+    def skin(
+        self, variation: Variation | None, pressed: NDArray[np.float64] | None = None
+    ) -> IndentedSkin:
         """As of `Reduced`."""
-        return IndentedSkin(self, variation)
-
-    def skin_under(self, case: Case) -> IndentedSkin:
-        """As of `Reduced`."""
-        return IndentedSkin(self, case.variation)
+        return IndentedSkin(self, variation, pressed)
 
     @cached_property
     def seen(self) -> Seen:
@@ -84,8 +81,13 @@ class IndentedSkin(ReducedSkin):
 
     reduced: Indented
 
-    def __init__(self, reduced: Indented, variation: Variation | None) -> None:
-        super().__init__(reduced, variation)
+    def __init__(
+        self,
+        reduced: Indented,
+        variation: Variation | None,
+        pressed: NDArray[np.float64] | None = None,
+    ) -> None:
+        super().__init__(reduced, variation, pressed)
         assert reduced.tables is not None and reduced.applicators is not None
         self._tables, self._applicators = reduced.tables, reduced.applicators
         of_parts = self.rest_factors[self._tables.parts]
