@@ -1,4 +1,4 @@
-"""Text on terminals, in charts and on pages: what names hold is shown, never obeyed.
+"""Text on terminals, in charts, on pages and in notebooks: what names hold is shown, never obeyed.
 
 Scenes, sweeps and meters come from others. A control character in a name could move the cursor,
 rename the window or hide a line, a direction mark reorder one, and brackets are rich's markup.
@@ -10,7 +10,8 @@ import html
 import re
 import unicodedata
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 OBEYED = {"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"}
 """Unicode's categories of control, format (direction marks), lone surrogates, and other lines."""
 PLAIN = re.compile(r"[ -~]*")
+MOST_ROWS = 20
+"""Of a result that a script or a notebook prints."""
 
 
 def shown(text: object) -> str:
@@ -120,6 +123,36 @@ def pages(folder: Path, **options: Any) -> Environment:
 def in_plotly(text: str) -> str:
     """The same on one line; plotly takes text for HTML."""
     return html.escape(shown(text), quote=False)
+
+
+class Tabular(ABC):
+    """A result that prints as a table: as text where Python shows it, as HTML in a notebook."""
+
+    @abstractmethod
+    def _table(self) -> tuple[str, Sequence[Sequence[object]]]:
+        """A title, and rows of cells; the first row is the header."""
+
+    def _cells(self) -> tuple[str, list[list[str]]]:
+        title, rows = self._table()
+        cells = [[shown(cell) for cell in row] for row in rows[: MOST_ROWS + 1]]
+        more = len(rows) - len(cells)
+        return shown(f"{title} ({more} more rows)" if more else title), cells
+
+    def __repr__(self) -> str:
+        title, rows = self._cells()
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+        return "\n".join([title, *lines])
+
+    def _repr_html_(self) -> str:
+        title, (header, *rows) = self._cells()
+        parts = [_html_row("th", header), *(_html_row("td", row) for row in rows)]
+        return f"<table><caption>{html.escape(title)}</caption>{''.join(parts)}</table>"
+
+
+def _html_row(tag: str, cells: Sequence[str]) -> str:
+    inside = "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells)
+    return f"<tr>{inside}</tr>"
 
 
 def _lines(text: str) -> str:

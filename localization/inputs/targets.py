@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 PIXELS = ("column", "row", "pixel")
 CLASSES = (*PIXELS, "touches", "pair")
-TARGETS = (*CLASSES, "position")
+Target = Literal["column", "row", "pixel", "touches", "pair", "position"]
+TARGETS: tuple[str, ...] = get_args(Target)
 COORDINATES = ("x_mm", "y_mm", "factor")
 """What `positions` tells of a touch."""
 

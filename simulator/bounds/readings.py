@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,8 @@ from ..sweeps.space import check_memory
 from .touches.about_pixels import AboutPixels, DeepOnes, about_pixels
 from .touches.errors import LaidErrors, laid_errors, some
 
-TARGETS = ("column", "row", "pixel", "pair", "touches")
+Target = Literal["column", "row", "pixel", "pair", "touches"]
+TARGETS: tuple[str, ...] = get_args(Target)
 
 Pixel = tuple[int, int]
 

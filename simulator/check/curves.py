@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -57,6 +57,8 @@ QUANTITIES = {
     "phase": Shown("phase", "°", lambda Z, f: np.degrees(np.angle(Z))),
     "nyquist": Shown("-X", "ohm", lambda Z, f: -Z.imag),
 }
+Quantity = Literal["Rs", "Cp", "change-Rs", "change-Cp", "phase", "nyquist"]
+"""Of QUANTITIES."""
 DEFAULT = ("Rs", "Cp", "change-Rs", "change-Cp")
 
 

@@ -44,6 +44,19 @@ def test_sweeps_of_texts_and_of_all_pixels(scene, sweeps):
     assert np.array_equal(both["Rs"], some["Rs"])
 
 
+def test_one_press_needs_no_list(scene, sweeps):
+    press = rcskin.Press()
+    for rest in ("none", press, ["none"], (press,)):
+        assert rcskin.sweep(scene, rest, rtol=1e-3).sizes["sweep"] == 1
+
+
+def test_classes_are_there_and_other_names_are_not(scene):
+    assert isinstance(scene, rcskin.Scene) and rcskin.InputError is InputError
+    assert issubclass(rcskin.ToleranceError, RuntimeError) and rcskin.Model.__doc__
+    with pytest.raises(AttributeError, match="sweeps"):
+        _ = rcskin.sweeps
+
+
 def test_a_scene_by_its_name_is_the_scene(sweeps):
     assert rcskin.sweep("sheet-3x3", rtol=1e-3).identical(sweeps)
     with pytest.raises(InputError, match="sheet-33"):
@@ -158,8 +171,12 @@ def test_a_reduced_model_answers_as_the_sweep(scene):
 
 
 def test_limits_are_a_share(scene):
-    share, deviation = rcskin.limits(scene, "column", draws=200)
-    assert 1 / 3 < share <= 1 and 0 <= deviation < 0.1
+    limit = rcskin.limits(scene, "column", draws=200)
+    assert 1 / 3 < limit.accuracy <= 1 and 0 <= limit.standard_error < 0.1
+    assert tuple(limit) == (limit.accuracy, limit.standard_error)
+    assert f"{limit.accuracy:.4f}" in repr(limit) and "<table>" in limit._repr_html_()
+    given = {"distribution": "uniform", "low": 1.01, "high": 1.02}
+    assert rcskin.limits(scene, presses=given, draws=200).accuracy < limit.accuracy
 
 
 def test_a_skin_is_calibrated_to_its_own_sweeps(scene, sweeps):

@@ -6,6 +6,7 @@ from typing import get_args
 
 import pytest
 import rcskin
+import xarray as xr
 from rcskin.__main__ import app
 from rcskin.simulator.asked.numbers import range_of
 from rcskin.simulator.models.solver import Solver
@@ -13,7 +14,7 @@ from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.sweeps import InputError
 
-GLOVE = load_scene("glove")
+GLOVE, EMPTY = load_scene("glove"), xr.Dataset()
 BY_THE_SCENE = {"want", "wires", "readings", "frequencies", "seconds", "sheet_ratio", "grading"}
 BY_THE_SCENE |= {"casts", "grid"}
 """Keys of a scene, and what is chosen from: they have their ranges there."""
@@ -79,9 +80,25 @@ def test_there_are_all_commands():
         ),
         (lambda: GLOVE.with_({"skin.length": math.inf}), "`skin.length` must be from 1e-5 to"),
         (lambda: rcskin.sweep(GLOVE, ["1,1:inf"]), "FACTOR must be finite"),
+        (lambda: rcskin.sweep("glove", rtol="1e-4"), "`rtol` must be a number, got '1e-4'"),
+        (lambda: rcskin.dataset("glove", 2.5), "`sweeps` must be a whole number, got 2.5"),
+        (lambda: rcskin.sweep("glove", model="fast"), "`model` must be one of auto, lumped,"),
+        (lambda: rcskin.sweep("glove", [(2, 3)]), "`presses` must be a list of texts such as"),
+        (lambda: rcskin.sweep(3), "`scene` must be a Scene, a name or a path, got 3"),
+        (lambda: rcskin.load(None), "`scene` must be a path, got None"),
+        (lambda: rcskin.read(None), "`path` must be a path, got None"),
+        (lambda: rcskin.train([1.0]), "`sweeps` must be an xarray.Dataset or a path, got [1.0]"),
+        (lambda: rcskin.train("no.nc"), "no.nc"),
+        (lambda: rcskin.localize(GLOVE, "no.nc"), "`model` must be a Model or a path, got a Scene"),
+        (lambda: rcskin.limits("glove", "position"), "`target` must be one of column, row, pixel"),
+        (lambda: rcskin.limits("glove", presses="hard"), "`dataset.press.factor`"),
+        (lambda: rcskin.calibrate(GLOVE, "no.nc", fit="all"), "`fit` must be a list of texts, got"),
+        (lambda: rcskin.calibrate(GLOVE, "no.nc", band=1e3), "`band` must be two numbers, got"),
+        (lambda: rcskin.calibrate(GLOVE, "no.nc", anyway=1), "`anyway` must be True or False, got"),
+        (lambda: rcskin.plot(EMPTY, "a.png", ["Cs"]), "`what` must be of Rs, Cp, change-Rs,"),
     ],
 )
-def test_scripts_are_told_of_numbers_in_the_same_words(call, told):
+def test_scripts_are_told_of_arguments_in_the_same_words(call, told):
     with pytest.raises(InputError) as refused:
         call()
     assert told in str(refused.value) and "\n" not in str(refused.value)

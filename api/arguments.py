@@ -1,0 +1,134 @@
+"""Arguments of the public functions: objects or their files; what is neither is refused."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..simulator.scene.scene import Scene
+
+Given = ParamSpec("Given")
+Made = TypeVar("Made")
+OPTION = re.compile(r"--([a-z][a-z-]*)")
+"""An option as messages of the command line name it."""
+
+
+def checked(function: Callable[Given, Made]) -> Callable[Given, Made]:
+    """The function with arguments checked as those of the command of its name are.
+
+    It raises InputError, in one line that names the parameter, for a number outside its range and
+    for what is no number, no text or no list where the annotation says one.
+    """
+
+    @wraps(function)
+    def call(*given: Given.args, **named: Given.kwargs) -> Made:
+        from inspect import signature
+
+        from ..simulator.asked.numbers import check_numbers
+        from ..simulator.sweeps import InputError
+
+        own = signature(function)
+        bound = own.bind(*given, **named).arguments
+        for name, value in bound.items():
+            _check_kind(name, value, str(own.parameters[name].annotation))
+        check_numbers(function.__name__, bound)
+        try:
+            return function(*given, **named)
+        except InputError as error:
+            text = OPTION.sub(lambda match: _as_parameter(match, own.parameters), str(error))
+            if text == str(error):
+                raise
+            raise InputError(text) from error
+
+    return call
+
+
+def _as_parameter(option: re.Match[str], parameters: Any) -> str:
+    """`max_frequency` for --max-frequency, where that is a parameter."""
+    name = option[1].replace("-", "_")
+    return f"`{name}`" if name in parameters else option[0]
+
+
+def _check_kind(name: str, value: object, annotation: str) -> None:
+    """Raises InputError where the value is not what its annotation, a text, says."""
+    kind = annotation.removesuffix(" | None")
+    if kind not in KINDS or (value is None and kind != annotation):
+        return
+    told, fits = KINDS[kind]
+    if not fits(value):
+        refuse(name, told, value)
+
+
+def _whole(value: object) -> bool:
+    from numbers import Integral
+
+    return isinstance(value, Integral) and not isinstance(value, bool)
+
+
+def _real(value: object) -> bool:
+    from numbers import Real
+
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def _texts(value: object) -> bool:
+    return isinstance(value, list | tuple) and all(isinstance(each, str) for each in value)
+
+
+def _two_numbers(value: object) -> bool:
+    return isinstance(value, list | tuple) and len(value) == 2 and all(map(_real, value))
+
+
+KINDS: dict[str, tuple[str, Callable[[object], bool]]] = {
+    "int": ("a whole number", _whole),
+    "float": ("a number", _real),
+    "bool": ("True or False", lambda value: isinstance(value, bool)),
+    "Sequence[str]": ("a list of texts", _texts),
+    "tuple[float, float]": ("two numbers", _two_numbers),
+}
+"""What annotations say, in words, and whether a value is that."""
+
+
+def scene_of(given: Scene | str | Path) -> Scene:
+    """The scene, or the one of that name or path. Raises InputError."""
+    from ..simulator.scene.files import load_scene
+    from ..simulator.scene.scene import Scene
+
+    if isinstance(given, str | Path):
+        return load_scene(given)
+    if isinstance(given, Scene):
+        return given
+    refuse("scene", "a Scene, a name or a path", given)
+
+
+def sweeps_of(given: xr.Dataset | str | Path, name: str = "sweeps") -> xr.Dataset:
+    """The sweeps, or those in the file at that path. name: of the argument. Raises InputError."""
+    import xarray as xr
+
+    from ..simulator.sweeps import read
+
+    if isinstance(given, str | Path):
+        return read(given)
+    if isinstance(given, xr.Dataset):
+        return given
+    refuse(name, "an xarray.Dataset or a path", given)
+
+
+def path_of(given: str | Path, name: str = "path") -> str | Path:
+    """The path. name: of the argument. Raises InputError for what is none."""
+    return given if isinstance(given, str | Path) else refuse(name, "a path", given)
+
+
+def refuse(name: str, allowed: str, given: object) -> NoReturn:
+    """Raises InputError of an argument by its name, with what is allowed."""
+    from ..simulator.sweeps import InputError
+
+    text = repr(given)
+    brief = text if len(text) <= 60 and "\n" not in text else f"a {type(given).__name__}"
+    raise InputError(f"`{name}` must be {allowed}, got {brief}")

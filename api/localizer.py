@@ -1,0 +1,143 @@
+"""From sweeps to touches: features, and models that are trained, evaluated and asked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .arguments import checked, path_of, refuse, sweeps_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from ..localization.inputs.targets import Target
+    from ..localization.learners.registry import Registry
+    from ..localization.model.model import Model
+    from ..localization.trust.answers import Answers
+
+
+@checked
+def features(
+    sweeps: xr.Dataset | str | Path,
+    target: Target = "column",
+    quantities: str | Sequence[str] | None = None,
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Features X, shape (sweep, feature), and targets y, (sweep,) or (sweep, 3) for positions.
+
+    Of the sweeps whose press has such a target. sweeps: or the path of their file. target:
+    "column", "row", "pixel", "pair", "touches" or "position". quantities: such as "dlnZ,dphase", in
+    one text or one by one; by default changes from the unpressed skin or, where most presses have
+    no sweep of it before them, Rs and Cp. Raises InputError where these cannot be had.
+    """
+    from ..localization.inputs.samples import samples_of
+
+    samples = samples_of(_told_for(target, sweeps_of(sweeps)), target, quantities)
+    return samples.X, samples.y
+
+
+@checked
+def train(
+    sweeps: xr.Dataset | str | Path,
+    target: Target = "column",
+    estimator: str | None = None,
+    *,
+    quantities: str | Sequence[str] | None = None,
+    interfaces: Sequence[str] | None = None,
+    rest: xr.Dataset | str | Path | None = None,
+    certain: float | None = None,
+    tune: bool = False,
+) -> Model:
+    """A model that finds the `target` of sweeps like these.
+
+    sweeps, target, quantities: as of `features`. estimator: by name, by default the usual one of
+    the target. interfaces: those to look at, by default all. rest: sweeps of the unpressed skin,
+    where they are not among `sweeps`. certain: answer only where answers are right at this rate, 0
+    to 1, on held-out sweeps. tune: choose the estimator's parameters by cross-validation. Raises
+    InputError where these cannot be had, or the sweeps are of one class.
+    """
+    from ..localization.model.training import train as trained
+
+    return trained(
+        _told_for(target, sweeps_of(sweeps)),
+        target,
+        estimator,
+        quantities=quantities,
+        interfaces=interfaces,
+        rest=None if rest is None else sweeps_of(rest, "rest"),
+        certain=certain,
+        tune=tune,
+        registry=_registry(),
+    )
+
+
+def load_model(path: str | Path) -> Model:
+    """The model in a file that `rcskin train` or `rcskin adapt` wrote.
+
+    Raises InputError in one line where the file holds none.
+    """
+    from ..localization.model.file import load
+
+    return load(path_of(path), _registry())
+
+
+@checked
+def localize(
+    model: Model | str | Path,
+    sweeps: xr.Dataset | str | Path,
+    rest: xr.Dataset | str | Path | None = None,
+) -> Answers:
+    """The class or "cannot tell" of each sweep, how probable it is, and whether it is a novelty.
+
+    model, sweeps: or the paths of their files. rest: sweeps of the unpressed skin, where the model
+    needs them and they are not among `sweeps`. Raises InputError for sweeps unlike those trained
+    on.
+    """
+    resting = None if rest is None else sweeps_of(rest, "rest")
+    return _model_of(model).answers(sweeps_of(sweeps), resting)
+
+
+@checked
+def evaluate(
+    model: Model | str | Path,
+    sweeps: xr.Dataset | str | Path,
+    rest: xr.Dataset | str | Path | None = None,
+) -> dict[str, float]:
+    """How often a model is right about sweeps whose presses are known: figures by their names.
+
+    Such as "accuracy", the share of sweeps whose class was found, or "median error, mm" of
+    positions. model, sweeps, rest: as of `localize`. Sweeps that the model was trained or adapted
+    on make the figures too good. Raises InputError for sweeps unlike those trained on.
+    """
+    from ..localization.evaluation.evaluation import score
+
+    model, sweeps = _model_of(model), sweeps_of(sweeps)
+    resting = None if rest is None else sweeps_of(rest, "rest")
+    samples = model.samples(_told_for(model.target, sweeps), resting)
+    return score(model.learned, samples).figures()
+
+
+def _model_of(given: Model | str | Path) -> Model:
+    from ..localization.model.model import Model
+
+    if isinstance(given, str | Path):
+        return load_model(given)
+    return given if isinstance(given, Model) else refuse("model", "a Model or a path", given)
+
+
+def _registry() -> Registry:
+    """All estimators, those that invert the simulator too."""
+    from ..localization.inversion.registered import model_based
+    from ..localization.learners.registry import estimators
+    from ..simulator.inversion.tables import templates
+
+    return estimators(model_based(templates))
+
+
+def _told_for(target: str, sweeps: xr.Dataset) -> xr.Dataset:
+    """With the factors that depths and forces stand for, where they are asked for."""
+    from ..localization.commands.asking import told_for
+    from ..simulator.measure.under_touches import factors_under
+
+    return told_for(target, sweeps, factors_under)

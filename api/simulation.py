@@ -1,0 +1,108 @@
+"""Sweeps of a scene: exact, as the meter shows them, as a data set, and by a reduced model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .arguments import checked, path_of, refuse, scene_of, sweeps_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..simulator.models.reduced.model import Reduced
+    from ..simulator.models.solver import ModelName
+    from ..simulator.press.press import Press
+    from ..simulator.scene.scene import Scene
+
+
+def load(scene: str | Path) -> Scene:
+    """The built-in scene of that name, or the one in the TOML file at that path.
+
+    Raises InputError in one line naming the file, the key, the value and what is allowed.
+    """
+    from ..simulator.scene.files import load_scene
+
+    return load_scene(path_of(scene, "scene"))
+
+
+@checked
+def sweep(
+    scene: Scene | str | Path,
+    presses: Sequence[str | Press] | None = None,
+    *,
+    rtol: float = 1e-4,
+    model: ModelName = "auto",
+) -> xr.Dataset:
+    """Noise-free sweeps of presses, with the estimated errors of Rs and Cp.
+
+    scene: or its name or path, as for `load`. presses: as texts ("2,3", "1,1:1.5+4,4", "none") or
+    as `Press`; by default nothing pressed, then every pixel. rtol: the largest relative error of Rs
+    and of Cp, 1e-8 to 1e-2. model: "auto", "lumped", "line", "sheet" or "reduced". Raises
+    InputError for a press that does not fit the scene, ToleranceError where rtol cannot be kept.
+    """
+    from ..simulator.measure.simulate import check_fits, simulate
+    from ..simulator.models.solver import Solver, checked_model
+    from ..simulator.press.press import every_press
+
+    scene = scene_of(scene)
+    parsed = every_press(scene) if presses is None else _presses(scene, presses)
+    check_fits(scene, len(parsed))
+    return simulate(Solver(scene, rtol, checked_model(model)), parsed)
+
+
+def _presses(scene: Scene, given: Sequence[str | Press]) -> list[Press]:
+    from ..simulator.press.press import Press, press_on
+
+    each = [given] if isinstance(given, str | Press) else given
+    if not isinstance(each, Sequence) or not all(isinstance(one, str | Press) for one in each):
+        refuse("presses", 'a list of texts such as "2,3" or of Press', given)
+    return [press_on(scene, one) if isinstance(one, str) else one for one in each]
+
+
+@checked
+def measured(sweeps: xr.Dataset | str | Path, seed: int = 1) -> xr.Dataset:
+    """Simulated sweeps as the meter of their scene shows them, with its noise, session by session.
+
+    sweeps: or the path of their file. seed: of the noise. Raises InputError where the sweeps store
+    no scene.
+    """
+    from ..simulator.measure.simulate import read_by_meter
+    from ..simulator.sweeps import InputError
+
+    sweeps = sweeps_of(sweeps)
+    text = str(sweeps.attrs.get("scene", ""))
+    if not text:
+        raise InputError("the sweeps store no scene, whose `readout` says how the meter errs")
+    return read_by_meter(sweeps, text, seed)
+
+
+@checked
+def dataset(
+    scene: Scene | str | Path, sweeps: int = 2000, *, seed: int = 1, rtol: float = 1e-4
+) -> xr.Dataset:
+    """Simulated sweeps of random skins and presses, with the meter's noise, to train or test on.
+
+    scene: or its name or path, as for `load`; its tables `dataset.press` and `dataset.session` say
+    what is drawn. sweeps: how many, all in memory. seed: of all random numbers. rtol: the largest
+    relative error of Rs and of Cp before the noise. Raises InputError where a number is out of
+    range, ToleranceError where rtol cannot be kept.
+    """
+    from ..simulator.dataset.memory import in_memory
+    from ..simulator.dataset.plan import Plan
+    from ..simulator.models.mechanics.in_depths import foldable
+
+    return in_memory(Plan(foldable(scene_of(scene), "a data set"), sweeps, seed, rtol))
+
+
+@checked
+def reduce(scene: Scene | str | Path, rtol: float = 1e-4) -> Reduced:
+    """A model of the scene's whole family of skins and presses that answers in microseconds.
+
+    scene: or its name or path. rtol: the largest relative error of Rs and of Cp. Raises InputError
+    for a scene that cannot be reduced, ToleranceError where rtol is out of reach.
+    """
+    from ..simulator.models.reduced.greedy import reduce as reduced
+
+    return reduced(scene_of(scene), rtol)

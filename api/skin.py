@@ -1,0 +1,106 @@
+"""What a skin can tell at best, and the scene that fits measured sweeps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .arguments import checked, scene_of, sweeps_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..simulator.bounds.readings import Target
+    from ..simulator.calibration.prior import Kind
+    from ..simulator.calibration.run import Calibration
+    from ..simulator.limits.limit import Limit
+    from ..simulator.scene.randomisation import AnyDistribution
+    from ..simulator.scene.scene import Scene
+
+
+@checked
+def limits(
+    scene: Scene | str | Path,
+    target: Target = "column",
+    presses: AnyDistribution | Mapping[str, object] | float | None = None,
+    *,
+    seed: int = 1,
+    draws: int = 2000,
+    against_rest: int = 3,
+) -> Limit:
+    """Share of sweeps that the best classifier of a known skin gets right, and its standard error.
+
+    scene: or its name or path. target: "column", "row", "pixel", "pair" or "touches". presses:
+    factors, as the key `dataset.press.factor` of a scene has them, by default as the scene's
+    `press` says. seed: of all random numbers. draws: sweeps
+    drawn. against_rest: sweeps of the unpressed skin, whose mean each sweep is compared with; 0:
+    with none. Raises InputError for a meter without noise.
+    """
+    from ..simulator.limits import bayes_accuracy
+    from ..simulator.limits.limit import Limit
+    from ..simulator.models.mechanics.in_depths import foldable
+
+    known = foldable(scene_of(scene), "a limit")
+    factors = _factors(known, presses)
+    share, error = bayes_accuracy(
+        known, target, factors, seed=seed, draws=draws, against_rest=against_rest
+    )
+    return Limit(target, share, error)
+
+
+def _factors(
+    scene: Scene, given: AnyDistribution | Mapping[str, object] | float | None
+) -> AnyDistribution | None:
+    """A distribution as scenes write it. Raises InputError for what is none."""
+    if given is None:
+        return None
+    return scene.with_({"dataset.press.factor": given}).dataset.press.factor
+
+
+@checked
+def calibrate(
+    scene: Scene | str | Path,
+    sweeps: xr.Dataset | str | Path,
+    *,
+    fit: Sequence[str] = (),
+    fix: Sequence[str] = (),
+    band: tuple[float, float] | None = None,
+    session: int | None = None,
+    fixed_strength: bool = False,
+    prior: Kind = "wide",
+    uneven: bool = False,
+    uneven_sheets: bool = False,
+    anyway: bool = False,
+) -> Calibration:
+    """The scene fitted to measured sweeps, with what the data tell of each parameter.
+
+    scene, sweeps: or their paths, the scene's also a name. fit: names of parameters to fit, by
+    default all. fix: those that are known as the scene has them, or "others". band: lowest and
+    highest frequency that counts, Hz. session: the only one that counts. fixed_strength: take the
+    strengths of presses as stated. prior: "wide" (within ten times), or "session" (as the scene's
+    dataset.session draws). uneven, uneven_sheets: fit cosine modes of the foam, of each sheet.
+    anyway: take sweeps of another skin too. Raises InputError where sweeps and scene do not fit,
+    ToleranceError where no model holds.
+    """
+    from ..simulator.calibration.choice import Options
+    from ..simulator.calibration.prior import checked_kind
+    from ..simulator.calibration.run import calibrate as calibrated
+    from ..simulator.models.mechanics.in_depths import foldable
+    from ..simulator.scene.files import scene_text
+    from ..simulator.sweeps.same_skin import check_same_skin
+
+    scene, sweeps = scene_of(scene), sweeps_of(sweeps)
+    if not anyway:
+        check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(scene), "sweeps")
+    options = Options(
+        tuple(fit),
+        tuple(fix),
+        band,
+        session,
+        not fixed_strength,
+        checked_kind(prior),
+        uneven,
+        uneven_sheets,
+    )
+    return calibrated(foldable(scene, "a calibration"), sweeps, options)

@@ -1,0 +1,27 @@
+"""The best that any classifier can do, as a result that scripts get."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ..shown import Tabular
+
+
+@dataclass(frozen=True, repr=False)
+class Limit(Tabular):
+    """Share of sweeps that the best classifier of a `target` gets right, and its standard error.
+
+    Unpacks into these two numbers.
+    """
+
+    target: str
+    accuracy: float
+    standard_error: float
+
+    def __iter__(self) -> Iterator[float]:
+        return iter((self.accuracy, self.standard_error))
+
+    def _table(self) -> tuple[str, list[tuple[str, str]]]:
+        numbers = f"{self.accuracy:.4f}", f"{self.standard_error:.4f}"
+        return f"Limit of {self.target}", [("accuracy", "standard_error"), numbers]
