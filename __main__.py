@@ -68,8 +68,8 @@ def reproduce(
         write=write_csv,
         save=lambda sweeps, path: save(path, train(sweeps, quantities=PAPER)),
     )
-    with on_terminal() as track, config_context(**UNCHECKED):
-        claims = reproduce_paper(output, localizer, track, ending)
+    with on_terminal() as progress, config_context(**UNCHECKED):
+        claims = reproduce_paper(output, localizer, progress, ending)
     agreeing = sum(claim.agrees for claim in claims)
     terminal().print(
         f"{agreeing} of the paper's {len(claims)} statements agree; see {output / 'report.html'}",

@@ -169,7 +169,7 @@ def sweep(
     from .models.mechanics.in_depths import depths_in_words
     from .models.solver import Solver, checked_model
     from .press.press import every_press, press_on
-    from .progress import on_terminal
+    from .progress import on_terminal, tracked
     from .sweeps import checked_output, counted, write
 
     checked_output(output)
@@ -178,8 +178,8 @@ def sweep(
     presses = [press_on(loaded, text) for text in press or []] or every_press(loaded)
     check_fits(loaded, len(presses))
     solver = Solver(loaded, rtol, checked_model(model))
-    with on_terminal() as track:
-        patient = foretold(scene, track(presses, loaded.name), len(presses))
+    with on_terminal() as progress:
+        patient = foretold(scene, tracked(presses, loaded.name, progress), len(presses))
         found = list(answered(solver, patient))
     sweeps = gather(solver, found)
     write(sweeps, output)

@@ -3,37 +3,39 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from .shown import terminal
 
 if TYPE_CHECKING:
-    from rich.progress import Progress, ProgressColumn
+    from rich.progress import Task
 
 Item = TypeVar("Item")
+MOST_ROWS = 12
+"""Pieces of work that are shown; a terminal of 24 rows has room for them and a few notes."""
 
 
-class Track(Protocol):
-    """Hands out items one by one and tells how far it has come."""
+class Progress(Protocol):
+    """Callback that takes what is being done, and how much of a total is done, None if unknown.
 
-    def __call__(self, items: Sequence[Item], description: str, /) -> Iterable[Item]: ...
+    Work that is reported again as unknown or at 0 begins anew.
+    """
 
-
-def silent(items: Sequence[Item], description: str, /) -> Iterable[Item]:
-    """Hands out the items and tells nothing."""
-    return items
+    def __call__(self, work: str, done: float | None = None, total: float = 1.0, /) -> None: ...
 
 
-class Tell(Protocol):
-    """Is told what goes on, and where that is known what share of it is done, from 0 to 1."""
-
-    def __call__(self, told: str, share: float | None = None, /) -> None: ...
+def silent(work: str, done: float | None = None, total: float = 1.0, /) -> None:
+    """Shows nothing."""
 
 
-def tell_nothing(told: str, share: float | None = None, /) -> None:
-    """Tells nothing."""
+def tracked(items: Sequence[Item], work: str, progress: Progress) -> Iterator[Item]:
+    """The items one by one; each counts as done when the next one is asked for."""
+    progress(work, 0, len(items))
+    for done, item in enumerate(items, 1):
+        yield item
+        progress(work, done, len(items))
 
 
 def duration(seconds: float) -> str:
@@ -43,12 +45,13 @@ def duration(seconds: float) -> str:
     return f"{seconds / 60:.0f} minutes" if seconds < 5400 else f"{seconds / 3600:.0f} hours"
 
 
-def left_told(elapsed: float, share: float, then: float) -> str:
-    """The time that is left, as 0:01:30, if shares take time alike; -:--:-- where none can tell.
+def time_left(elapsed: float, share: float, then: float, first: float = 0.0) -> str:
+    """The time that is left, as 0:01:30, if shares take time alike; -:--:-- where it is unknown.
 
-    elapsed: s, now. share: of all, done when so many s had elapsed: `then`.
+    elapsed: s, now. share: of all, done when so many s had elapsed: `then`. first: the share that
+    was done at the start.
     """
-    left = then / share - elapsed if share > 0 else -1.0
+    left = (1 - share) * then / (share - first) + then - elapsed if share > first else -1.0
     if left < 0:
         return "-:--:--"
     minutes, seconds = divmod(round(left), 60)
@@ -56,81 +59,53 @@ def left_told(elapsed: float, share: float, then: float) -> str:
 
 
 @contextmanager
-def told_on_terminal() -> Iterator[Tell]:
-    """Shows what goes on and how long it will last, if standard error is a terminal."""
-    if not sys.stderr.isatty():
-        yield tell_nothing
-        return
-    from rich.progress import ProgressColumn, Task, TextColumn, TimeElapsedColumn
-    from rich.text import Text
+def on_terminal(unit: str = "") -> Iterator[Progress]:
+    """Draws a bar for each piece of work if standard error is a terminal.
 
-    class Left(ProgressColumn):
-        def render(self, task: Task) -> Text:
-            return Text(left_told(task.elapsed or 0.0, task.completed, task.fields["then"]))
-
-    with _bar(TimeElapsedColumn(), TextColumn("left"), Left(), transient=True) as progress:
-        task = progress.add_task("", total=None, then=0.0)
-
-        def tell(told: str, share: float | None = None, /) -> None:
-            bar = progress.tasks[task]
-            if bar.description != told or share is None:
-                progress.reset(task, total=None, description=told, then=0.0)
-            if share is not None:
-                progress.update(task, total=1.0, completed=share, then=bar.elapsed or 0.0)
-
-        yield tell
-
-
-@contextmanager
-def on_terminal() -> Iterator[Track]:
-    """A tracker that draws a bar for each piece of work if standard error is a terminal.
-
-    Beside it: how long the rest will take, and at the end how long all of it took.
+    Beside it: how many of a total are done, how long the work has lasted, and how long the rest
+    will take. unit: of what is counted; where it is given, the rate is shown too.
     """
     if not sys.stderr.isatty():
         yield silent
         return
-    from rich.progress import MofNCompleteColumn
-
-    with _bar(MofNCompleteColumn(), *_time_left()) as progress:
-
-        def track(items: Sequence[Item], description: str, /) -> Iterable[Item]:
-            return progress.track(items, description=description)
-
-        yield track
-
-
-@contextmanager
-def finished_on_terminal(about: str, count: int, unit: str) -> Iterator[Callable[[int], None]]:
-    """To be called with each number of things that have become finished; silent in a pipe.
-
-    Tells how many of all are finished, how fast they come and how long it still takes.
-    """
-    if not sys.stderr.isatty():
-        yield lambda finished: None
-        return
-    from rich.progress import ProgressColumn, Task, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, ProgressColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bars
     from rich.text import Text
 
-    class Rate(ProgressColumn):
+    class Counted(ProgressColumn):
         def render(self, task: Task) -> Text:
-            return Text("" if task.speed is None else f"{task.speed:,.0f} {unit}/s")
+            return Text(_counted(task, unit))
 
-    counted = TextColumn("{task.completed:,.0f}/{task.total:,.0f}")
-    with _bar(counted, Rate(), TimeRemainingColumn()) as progress:
-        task = progress.add_task(about, total=count)
-        yield lambda finished: progress.advance(task, finished)
-
-
-def _bar(*columns: ProgressColumn, transient: bool = False) -> Progress:
-    """With these beside the bar."""
-    from rich.progress import BarColumn, Progress, TextColumn
+    class Left(ProgressColumn):
+        def render(self, task: Task) -> Text:
+            share = task.completed / task.total if task.total else 0.0
+            then, first = task.fields["then"], task.fields["first"]
+            left = time_left(task.elapsed or 0.0, share, then, first)
+            return Text("" if task.finished else f"left {left}")
 
     named = TextColumn("{task.description}", markup=False), BarColumn()
-    return Progress(*named, *columns, console=terminal(stderr=True), transient=transient)
+    columns = *named, Counted(), TimeElapsedColumn(), Left()
+    rows = dict[str, "Task"]()
+    with Bars(*columns, console=terminal(stderr=True)) as bars:
+
+        def progress(work: str, done: float | None = None, total: float = 1.0, /) -> None:
+            if work not in rows:
+                if len(rows) == MOST_ROWS:
+                    bars.remove_task(rows.pop(next(iter(rows))).id)
+                bars.add_task(work, total=None, then=0.0, first=(done or 0.0) / (total or 1.0))
+                rows[work] = bars.tasks[-1]
+            elif not done:
+                bars.reset(rows[work].id, then=0.0, first=0.0)
+            if done is not None:
+                then = rows[work].elapsed or 0.0
+                bars.update(rows[work].id, total=total, completed=done, then=then)
+
+        yield progress
 
 
-def _time_left() -> tuple[ProgressColumn, ...]:
-    from rich.progress import TextColumn, TimeRemainingColumn
-
-    return TextColumn("left"), TimeRemainingColumn(elapsed_when_finished=True)
+def _counted(task: Task, unit: str) -> str:
+    """How many of a total are done, and how fast; empty where only a share is known."""
+    if not task.total or task.total <= 1:
+        return ""
+    rate = f" {task.speed:,.0f} {unit}/s" if unit and task.speed else ""
+    return f"{task.completed:,.0f}/{task.total:,.0f}{rate}"

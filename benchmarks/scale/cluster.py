@@ -79,7 +79,7 @@ class Scheduling(NamedTuple):
 def alone(plan: Plan, folder: Path) -> Alone:
     """Measured on the blocks of a plan but the first, which begins after the training."""
     output, ends = folder / "alone.zarr", list[float]()
-    generate(plan, output, advance=lambda sweeps: ends.append(time.perf_counter()))
+    generate(plan, output, progress=lambda *told: ends.append(time.perf_counter()))
     counted = ends[FIRST_WHOLE:]
     chunks = [path for path in output.rglob("c.*") if path.is_file()]
     if len(chunks) < plan.blocks:

@@ -14,13 +14,13 @@ from . import options
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ...simulator.progress import Progress
     from ..evaluation.plan import Plan
     from ..evaluation.report import Found
     from ..inputs.samples import Samples
     from ..inputs.touches import Factors
     from ..learners.registry import Estimator
     from ..model.model import Model
-    from ..trust.folds import Track
 
 FILES = "A model to evaluate, MODEL.skops, if any; then sweeps: .nc, .zarr or .csv, joined."
 
@@ -91,9 +91,15 @@ def evaluate_command(
             samples = samples_of(told, target, quantities, interfaces=interface, rest=resting)
             tell_features(quantities, samples.problem.quantities)
             problem, judged = samples.problem, "not trained on"
-            with progress() as track:
+            with progress() as reported:
                 found = _by_folds(
-                    samples, name, extra(), certain=certain, tune=tune, folds=folds, track=track
+                    samples,
+                    name,
+                    extra(),
+                    certain=certain,
+                    tune=tune,
+                    folds=folds,
+                    progress=reported,
                 )
         meaning = [] if problem.continuous else [looked_at(problem, judged, sweeps)]
         for line in (*lines_of(found), *meaning):
@@ -129,13 +135,13 @@ def _by_folds(
     certain: float | None,
     tune: bool,
     folds: int,
-    track: Track,
+    progress: Progress,
 ) -> Found:
     from ..evaluation.evaluation import nested
     from ..evaluation.report import Found
     from ..learners.registry import chosen, estimators
 
     estimator = chosen(name, samples.problem.target, estimators(extra))
-    found = nested(samples, estimator, certain=certain, tune=tune, folds=folds, track=track)
+    found = nested(samples, estimator, certain=certain, tune=tune, folds=folds, progress=progress)
     left_out = samples.left_out.told(samples.problem.target)
     return Found(found.whole, dict(found.figures()), found.validation, left_out)

@@ -118,8 +118,10 @@ def gap_command(
             )
         pair = paired(*sides, simulation, text, seed)
         checked_folder(made_folder(output), JSON, HTML)
-        with progress() as track:
-            findings = find(prepared(pair, question, simulation, extra(), model), simulation, track)
+        with progress() as reported:
+            findings = find(
+                prepared(pair, question, simulation, extra(), model), simulation, reported
+            )
         write_report(output, findings, drawing, ending)
         _show(findings, output / HTML)
 

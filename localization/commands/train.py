@@ -56,7 +56,7 @@ def train_command(
         checked_output(output, (ENDING,))
         given = read_some(sweeps, most, in_parts=True)
         known = told_for(target, given, factors)
-        with progress() as track:
+        with progress() as reported:
             model = train_model(
                 known,
                 target,
@@ -66,7 +66,7 @@ def train_command(
                 certain=certain,
                 tune=tune,
                 registry=estimators(extra()),
-                track=track,
+                progress=reported,
             )
         save(output, model)
         tell_features(quantities, model.quantities)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...simulator.progress import Progress, silent, tracked
 from ..inputs.features import Quantities, chosen_quantities, told_features
 from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import labels
@@ -18,7 +19,7 @@ from ..learners.registry import Estimator
 from ..trust.answers import Answers
 from ..trust.fitted import Classifier, Regressor
 from ..trust.fitting import learn_classes, learn_positions
-from ..trust.folds import Track, folds_of, splits_of, told_nested, untold
+from ..trust.folds import folds_of, splits_of, told_nested
 from ..trust.temperature import calibration_error
 from .confusion import Confusion, compare, over_folds
 
@@ -162,16 +163,16 @@ def nested(
     tune: bool = False,
     folds: int = 5,
     seed: int = 0,
-    track: Track = untold,
+    progress: Progress = silent,
 ) -> Nested:
     """Train, tune and calibrate on all folds but one and score on that one, in turn.
 
-    Sessions are held out as a whole where there are enough, without and within. track: as of
-    `Track`. Raises InputError as `splits_of` and `learn_classes`.
+    Sessions are held out as a whole where there are enough, without and within. progress: of the
+    folds. Raises InputError as `splits_of` and `learn_classes`.
     """
     splits = splits_of(samples.strata, samples.sessions, folds, seed)
     scores = []
-    for train, test in track(splits, f"evaluating {estimator.name}"):
+    for train, test in tracked(splits, f"evaluating {estimator.name}", progress):
         some = samples.part(train)
         learned = (
             learn_positions(some, estimator, tune=tune)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.progress import Progress, tracked
 from ...simulator.sweeps import InputError, ToleranceError
 from ..evaluation.evaluation import ClassScore
 from .accuracy import Accuracy, CrossValidated, cross_validated, transferred
@@ -64,12 +65,12 @@ class Findings:
     model: ByModel | None = None
 
 
-def find(trial: Trial, simulation: Simulation, track: Any) -> Findings:
+def find(trial: Trial, simulation: Simulation, progress: Progress) -> Findings:
     """Ask everything of a trial; what cannot be asked is left out and told in the notes.
 
-    track: hands out items one by one and tells how far it has come.
+    progress: as of `Progress`.
     """
-    stages = {name: _stage(trial, name, track) for name in trial.versions}
+    stages = {name: _stage(trial, name, progress) for name in trial.versions}
     own = {name: _own(trial, samples) for name, samples in trial.others.items()}
     causes, why = _causes(trial, simulation)
     model, unasked = _by_model(trial)
@@ -90,7 +91,7 @@ def _by_model(trial: Trial) -> tuple[ByModel | None, list[str]]:
     return ByModel(accuracies, trial.asked.judged(other.chosen(tested))), notes
 
 
-def _stage(trial: Trial, name: str, track: Any) -> Stage:
+def _stage(trial: Trial, name: str, progress: Progress) -> Stage:
     version, target = trial.versions[name], trial.question.target
     other = trial.pair.other.isel(sweep=trial.described)
     ours = {
@@ -103,7 +104,7 @@ def _stage(trial: Trial, name: str, track: Any) -> Stage:
         rest=distances(version.exact, other, trial.error, target, pressed=False),
         transfer={}
         if trial.asked
-        else {each: _transfer(trial, ours[each], each, name, track) for each in ours},
+        else {each: _transfer(trial, ours[each], each, name, progress) for each in ours},
         discrepancies={each: _discrepancies(trial, ours[each], each) for each in ours},
     )
 
@@ -113,13 +114,13 @@ def _common(trial: Trial, samples: Samples) -> Samples:
 
 
 def _transfer(
-    trial: Trial, ours: Samples, feature_set: str, stage: str, track: Any
+    trial: Trial, ours: Samples, feature_set: str, stage: str, progress: Progress
 ) -> dict[int, Accuracy]:
     other, estimator = trial.others[feature_set], trial.estimator
     told = f"{stage} calibration, {TOLD[feature_set]}"
     return {
         k: transferred(ours, other, trial.splits[k], estimator)
-        for k in track(list(trial.splits), told)
+        for k in tracked(list(trial.splits), told, progress)
     }
 
 

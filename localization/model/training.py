@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...simulator.progress import Progress, silent
 from ..inputs.features import Quantities
 from ..inputs.marks import marks_of
 from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import has_target, labels
 from ..learners.registry import Registry, chosen
 from ..trust.fitting import learn_classes, learn_positions
-from ..trust.folds import Track, judging, told, untold
+from ..trust.folds import judging, told
 from .model import Model, versions_here
 
 if TYPE_CHECKING:
@@ -31,24 +32,24 @@ def train(
     certain: float | None = None,
     tune: bool = False,
     registry: Registry | None = None,
-    track: Track = untold,
+    progress: Progress = silent,
 ) -> Model:
     """A model that tells of sweeps like these what `target` asks for.
 
     Sweeps whose press has no such target are left out. target, quantities, interfaces, rest: as of
     `samples_of`. estimator: a name in `registry`, or that of DEFAULT_OF. certain: the rate at which
     answers are to be right on held-out sweeps; without it every sweep that is no novelty is
-    answered. tune: choose the estimator's parameters by cross-validation. track: as of `Track`.
-    Raises InputError where these cannot be had, or the sweeps are of one class.
+    answered. tune: choose the estimator's parameters by cross-validation. progress: of the
+    fits. Raises InputError where these cannot be had, or the sweeps are of one class.
     """
     made = chosen(estimator, target, registry)
     samples = samples_of(sweeps, target, quantities, interfaces=interfaces, rest=rest)
     if samples.problem.continuous:
         gate = _gate(sweeps, samples, rest, certain)
-        learned = learn_positions(samples, made, tune=tune, track=track)
+        learned = learn_positions(samples, made, tune=tune, progress=progress)
     else:
         gate = None
-        learned = learn_classes(samples, made, certain=certain, tune=tune, track=track)
+        learned = learn_classes(samples, made, certain=certain, tune=tune, progress=progress)
     held_out = told(judging(samples.strata, samples.sessions), samples.sessions)
     return Model(
         learned=learned,

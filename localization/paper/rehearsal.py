@@ -10,7 +10,7 @@ from ...simulator.measure.readout import read_out
 from ...simulator.measure.simulate import simulate
 from ...simulator.models.solver import Solver
 from ...simulator.press.press import Press
-from ...simulator.progress import Track
+from ...simulator.progress import Progress, tracked
 from ...simulator.scene.scene import Pixels, Scene
 
 if TYPE_CHECKING:
@@ -31,11 +31,11 @@ class Rehearsal:
     at_rest: xr.Dataset
 
 
-def rehearse(scene: Scene, track: Track) -> Rehearsal:
+def rehearse(scene: Scene, progress: Progress) -> Rehearsal:
     """Press every pixel as often as the scene's experiment says and read the meter each time."""
     solver = Solver(scene)
     presses = planned_presses(scene, stream(scene, PRESSES))
-    exact = simulate(solver, track(presses, scene.name))
+    exact = simulate(solver, tracked(presses, scene.name, progress))
     return Rehearsal(
         scene,
         exact,

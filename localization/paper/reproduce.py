@@ -12,7 +12,7 @@ import numpy as np
 from ...simulator.measure.experiment import METER, stream
 from ...simulator.measure.readout import read_out
 from ...simulator.models.solver import DEFAULT_RTOL
-from ...simulator.progress import Track
+from ...simulator.progress import Progress, tracked
 from ...simulator.scene.files import load_scene
 from ...simulator.sweeps import made_folder, whole_file, write
 from . import figures
@@ -40,7 +40,7 @@ BEYOND = 6
 
 
 def reproduce(
-    folder: Path, localizer: Localizer, track: Track, ending: str = ".png"
+    folder: Path, localizer: Localizer, progress: Progress, ending: str = ".png"
 ) -> list[Claim]:
     """Write figures, tables, trained models and `report.html` into `folder`; return the claims.
 
@@ -49,10 +49,10 @@ def reproduce(
     Raises InputError where the folder cannot be made.
     """
     made_folder(folder)
-    results = _experiments(localizer, track)
+    results = _experiments(localizer, progress)
     claims = all_claims(results)
     _write_tables(folder, results, claims, localizer)
-    pictures = draw(folder, results, localizer, track, ending)
+    pictures = draw(folder, results, localizer, progress, ending)
     write_report(
         folder / "report.html",
         claims=sorted(claims, key=lambda claim: claim.agrees),
@@ -66,8 +66,8 @@ def reproduce(
     return claims
 
 
-def _experiments(localizer: Localizer, track: Track) -> Results:
-    rehearsals = {name: rehearse(load_scene(name), track) for name in EXPERIMENTS}
+def _experiments(localizer: Localizer, progress: Progress) -> Results:
+    rehearsals = {name: rehearse(load_scene(name), progress) for name in EXPERIMENTS}
     confusions = {
         name: localizer.cross_validate(rehearsal.measured, seed=rehearsal.scene.experiment.seed)
         for name, rehearsal in rehearsals.items()
@@ -76,18 +76,18 @@ def _experiments(localizer: Localizer, track: Track) -> Results:
     return Results(
         rehearsals=rehearsals,
         confusions=confusions,
-        frequency=frequency_study(localizer, sheets, track),
-        noise=noise_study(localizer, list(rehearsals.values()), track),
-        contact=contact_study(localizer, track),
-        finer=_beyond(localizer, track),
+        frequency=frequency_study(localizer, sheets, progress),
+        noise=noise_study(localizer, list(rehearsals.values()), progress),
+        contact=contact_study(localizer, progress),
+        finer=_beyond(localizer, progress),
         fewest=fewest_frequencies(localizer, rehearsals["strip-1x5"]),
         pooled=pooled_counts(localizer, rehearsals["strip-1x5"]),
     )
 
 
-def _beyond(localizer: Localizer, track: Track) -> Confusion:
+def _beyond(localizer: Localizer, progress: Progress) -> Confusion:
     scene = with_pixels(load_scene("sheet-5x5"), BEYOND)
-    measured = read_out(exact_sweeps(scene, track), scene.readout, stream(scene, METER))
+    measured = read_out(exact_sweeps(scene, progress), scene.readout, stream(scene, METER))
     return localizer.cross_validate(measured, seed=scene.experiment.seed)
 
 
@@ -138,7 +138,7 @@ def _cutoffs(rehearsals: Mapping[str, Rehearsal]) -> pd.DataFrame:
 
 
 def draw(
-    folder: Path, results: Results, localizer: Localizer, track: Track, ending: str
+    folder: Path, results: Results, localizer: Localizer, progress: Progress, ending: str
 ) -> list[Section]:
     """Write all charts as .png, and with another ending too; return those of the report."""
 
@@ -157,7 +157,9 @@ def draw(
 
     strips = [scenes[name] for name in STRIPS]
     attenuation = drawn("figure-2c", lambda path: figures.attenuation_figure(path, strips))
-    devices = {name: drawn(name, device) for name in track(list(EXPERIMENTS), "figures")}
+    devices = {
+        name: drawn(name, device) for name in tracked(list(EXPERIMENTS), "figures", progress)
+    }
     frequencies = drawn(
         "frequencies", lambda path: figures.frequency_figure(path, results.frequency)
     )

@@ -13,7 +13,7 @@ from ...simulator.measure.experiment import METER, PRESSES, planned_presses, str
 from ...simulator.measure.readout import read_out
 from ...simulator.measure.simulate import simulate
 from ...simulator.models.solver import Solver
-from ...simulator.progress import Track
+from ...simulator.progress import Progress, tracked
 from ...simulator.scene.files import load_scene
 from ...simulator.scene.meter import Readout
 from ...simulator.scene.scene import Scene
@@ -34,7 +34,7 @@ STUDY_RTOL = 1e-3
 
 
 def frequency_study(
-    localizer: Localizer, rehearsals: Sequence[Rehearsal], track: Track
+    localizer: Localizer, rehearsals: Sequence[Rehearsal], progress: Progress
 ) -> xr.DataArray:
     """Accuracy from 10 and from 20 frequencies, of Cp alone and of Rs and Cp.
 
@@ -50,7 +50,7 @@ def frequency_study(
             rehearsal.scene.readout,
             quantities,
         )
-        for rehearsal, choice, quantities in track(cases, "10 against 20 frequencies")
+        for rehearsal, choice, quantities in tracked(cases, "10 against 20 frequencies", progress)
     ]
     return _table(
         accuracies,
@@ -61,7 +61,7 @@ def frequency_study(
 
 
 def noise_study(
-    localizer: Localizer, rehearsals: Sequence[Rehearsal], track: Track
+    localizer: Localizer, rehearsals: Sequence[Rehearsal], progress: Progress
 ) -> xr.DataArray:
     """Accuracy at multiples of the scene's noise of each reading; dimensions (scene, multiple)."""
     cases = list(itertools.product(rehearsals, NOISE_MULTIPLES))
@@ -72,7 +72,7 @@ def noise_study(
             rehearsal.scene,
             scaled_noise(rehearsal.scene.readout, multiple),
         )
-        for rehearsal, multiple in track(cases, "accuracy against noise")
+        for rehearsal, multiple in tracked(cases, "accuracy against noise", progress)
     ]
     return _table(
         accuracies,
@@ -81,7 +81,7 @@ def noise_study(
     )
 
 
-def contact_study(localizer: Localizer, track: Track) -> xr.DataArray:
+def contact_study(localizer: Localizer, progress: Progress) -> xr.DataArray:
     """Accuracy with both sheets fed at one edge, and with each fed at an edge of its own.
 
     Dimensions (layout, n, multiple), the last of the scene's noise.
@@ -89,7 +89,7 @@ def contact_study(localizer: Localizer, track: Track) -> xr.DataArray:
     accuracies = []
     for name, n in itertools.product(LAYOUTS.values(), LAYOUT_PIXELS):
         scene = with_pixels(load_scene(name), n)
-        exact = exact_sweeps(scene, track)
+        exact = exact_sweeps(scene, progress)
         accuracies += [
             mean_accuracy(localizer, exact, scene, scaled_noise(scene.readout, multiple))
             for multiple in LAYOUT_MULTIPLES
@@ -142,10 +142,10 @@ def _table(accuracies: list[float], **coordinates: Sequence[object]) -> xr.DataA
     )
 
 
-def exact_sweeps(scene: Scene, track: Track) -> xr.Dataset:
+def exact_sweeps(scene: Scene, progress: Progress) -> xr.Dataset:
     """Every planned press of a scene, to a tolerance well below the meter's noise."""
     presses = planned_presses(scene, stream(scene, PRESSES))
-    return simulate(Solver(scene, rtol=STUDY_RTOL), track(presses, scene.name))
+    return simulate(Solver(scene, rtol=STUDY_RTOL), tracked(presses, scene.name, progress))
 
 
 def mean_accuracy(

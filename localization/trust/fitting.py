@@ -11,6 +11,7 @@ from sklearn.neighbors import KNeighborsRegressor
 from sklearn.pipeline import Pipeline, make_pipeline
 from sklearn.preprocessing import StandardScaler
 
+from ...simulator.progress import Progress, silent, tracked
 from ...simulator.sweeps import InputError
 from ..cores import count_cores
 from ..inputs.features import told_by_press
@@ -19,7 +20,7 @@ from ..learners.drift import drifting
 from ..learners.registry import Estimator
 from .answers import threshold_of
 from .fitted import Classifier, Guards, Regressor, known_at_rest, tells_novelty
-from .folds import PLENTY, Splits, Track, by_session, held_out_of, judging, untold
+from .folds import PLENTY, Splits, by_session, held_out_of, judging
 from .held_out import held_out_decisions, held_out_positions
 from .kinds import kind_guard
 from .novelty import NoveltyGuard
@@ -41,11 +42,11 @@ def learn_classes(
     *,
     certain: float | None = None,
     tune: bool = False,
-    track: Track = untold,
+    progress: Progress = silent,
 ) -> Classifier:
     """A classifier whose sharpness and threshold were found on sweeps held out.
 
-    certain: the rate at which answers are to be right; None answers always. track: as of `Track`.
+    certain: the rate at which answers are to be right; None answers always. progress: of the fits.
     Raises InputError where the samples are of one class, or as `judging`, `threshold_of`.
     """
     if np.unique(samples.y).size < 2:
@@ -53,7 +54,7 @@ def learn_classes(
     samples = samples.of_sessions(estimator.sessions)
     splits = judging(samples.strata, samples.sessions)
     train = trainer(estimator, tune=tune)
-    fits = iter(track([ALL, *splits], f"training {estimator.name}"))
+    fits = iter(tracked([ALL, *splits], f"training {estimator.name}", progress))
     next(fits)
     pipeline = train(samples)
     unseen = held_out_of(splits)
@@ -70,17 +71,17 @@ def learn_classes(
 
 
 def learn_positions(
-    samples: Samples, estimator: Estimator, *, tune: bool = False, track: Track = untold
+    samples: Samples, estimator: Estimator, *, tune: bool = False, progress: Progress = silent
 ) -> Regressor:
     """A regressor whose deviations were found on sweeps held out. Raises as `judging`.
 
-    track: as of `Track`.
+    progress: of the fits.
     """
     samples = samples.of_sessions(estimator.sessions)
     splits = judging(None, samples.sessions)
     unseen = held_out_of(splits)
     train = trainer(estimator, tune=tune)
-    fits = iter(track([ALL, *splits], f"training {estimator.name}"))
+    fits = iter(tracked([ALL, *splits], f"training {estimator.name}", progress))
     next(fits)
     pipeline = train(samples)
     told, deviation = held_out_positions(_again(train, estimator, pipeline), samples, fits)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from sklearn.model_selection import GroupKFold, KFold, StratifiedGroupKFold, StratifiedKFold
@@ -23,17 +22,6 @@ JUDGED = 20_000
 """Sweeps of that one fold that are asked about at most: they tell a share to 0.4 % or better."""
 Split = tuple["NDArray[np.intp]", "NDArray[np.intp]"]
 Splits = list[Split]
-
-
-class Track(Protocol):
-    """Hands out splits one by one and tells its user how far it has come."""
-
-    def __call__(self, items: Sequence[Split], description: str, /) -> Iterable[Split]: ...
-
-
-def untold(items: Sequence[Split], description: str, /) -> Iterable[Split]:
-    """Hands out the items and tells nothing."""
-    return items
 
 
 def folds_of(

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..measure.experiment import strengths, together
 from ..press.batch import PressBatch
-from ..progress import Track, silent
+from ..progress import Progress, silent, tracked
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -81,11 +81,11 @@ def bayes(
     presses: AnyDistribution,
     seed: int,
     draws: int,
-    track: Track = silent,
+    progress: Progress = silent,
 ) -> Accuracy:
     """The accuracy. among: in order of their answers. Raises InputError for noise too small."""
-    readings.train(track)
-    known = templates(readings, among, presses, track)
+    readings.train(progress)
+    known = templates(readings, among, presses, progress)
     random = np.random.default_rng(seed)
     measured = known.projected(drawn(readings, among, presses, random, draws))
     best = likeliest(known, measured)
@@ -96,14 +96,14 @@ def templates(
     readings: Reads,
     among: Sequence[Hypothesis],
     presses: AnyDistribution,
-    track: Track = silent,
+    progress: Progress = silent,
 ) -> Templates:
     """All hypotheses at all strengths."""
     steps = {pixel: _steps(readings, pixel, presses) for pixel in _pixels(among)}
     count = sum(math.prod(steps[pixel] for pixel in each.pixels) for each in among)
     require_countable(count)
     found, chance = [], []
-    for each in track(among, "readings"):
+    for each in tracked(among, "readings", progress):
         every = together([strengths(presses, steps[pixel]) for pixel in each.pixels])
         found.append(readings.of(each.pixels, every.factor))
         chance.append(each.chance * every.weight)

@@ -18,7 +18,7 @@ from ..measure.readout import ErrorModel
 from ..mesh.held import held
 from ..models.parameters import session_spreads
 from ..press.batch import PressBatch
-from ..progress import Track, silent
+from ..progress import Progress, silent, tracked
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .fields import Answer, AnyFields, TouchSize
@@ -166,7 +166,7 @@ def position_slopes(
     *,
     against_rest: int = 0,
     unknown_skin: bool = False,
-    track: Track = silent,
+    progress: Progress = silent,
     laying: Cells | Deep | None = None,
 ) -> Slopes:
     """Derivatives at every place, of all interfaces at all frequencies, in Hz, ascending.
@@ -181,7 +181,7 @@ def position_slopes(
     skin = SkinUnknowns(fields, frequency, model) if unknown_skin else None
     laying = laying or touches_on(scene, fields.grid, touch)
     found = []
-    for place in track(places, "places"):
+    for place in tracked(places, "places", progress):
         factors, changes = laying.laid(place, touch)
         of_foam = skin.maps(factors) if skin else {}
         answer = fields.respond(factors, changes, frequency, of_foam)

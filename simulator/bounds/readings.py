@@ -20,7 +20,7 @@ from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.indented.draws import felt_beside
 from ..models.reduced.model import Reduced
 from ..press.batch import PressBatch
-from ..progress import Track, silent
+from ..progress import Progress, silent, tracked
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
@@ -126,9 +126,9 @@ class Readings:
         if size is not None and felt_beside(scene):
             self._factors = 1.0, max(min(LARGEST_FACTOR, scene.most_factor), float(presses.high))
 
-    def train(self, track: Track = silent) -> None:
+    def train(self, progress: Progress = silent) -> None:
         """Train the reduced model, if it is not yet, and show that this goes on."""
-        for _ in track([self.scene.name], "training"):
+        for _ in tracked([self.scene.name], "training", progress):
             _ = self._reduced
 
     def of(self, pixels: Sequence[Pixel], factors: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -85,7 +85,7 @@ def calibrate(
     from ..asked.scene import asked_scene
     from ..charts import checked_ending
     from ..models.mechanics.in_depths import foldable
-    from ..progress import told_on_terminal
+    from ..progress import on_terminal
     from ..scene.files import scene_text
     from ..scene.frequency import parse_band
     from ..sweeps import checked_folder, read_joined
@@ -111,8 +111,8 @@ def calibrate(
     if not anyway:
         check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(asked), names)
     start = foldable(asked, "a calibration")
-    with told_on_terminal() as tell:
-        calibration = calibrated(start, sweeps, options, tell=tell)
+    with on_terminal() as progress:
+        calibration = calibrated(start, sweeps, options, progress=progress)
     written = write_report(calibration, names, folder, ending)
     console = terminal()
     console.print(table(calibration))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..fem.factors import one_blas_thread
 from ..models.parameters import own_values
-from ..progress import Tell, tell_nothing
+from ..progress import Progress, silent
 from ..scene.scene import Scene
 from .choice import Options, candidates
 from .estimates import changed
@@ -51,7 +51,7 @@ def gap_by_parameter(
     options: Options = Options(),  # noqa: B008
     *,
     model: Model | None = None,
-    tell: Tell = tell_nothing,
+    progress: Progress = silent,
 ) -> tuple[Explained, ...]:
     """Of every parameter of the scene, the one that removes most first.
 
@@ -63,7 +63,7 @@ def gap_by_parameter(
     readout, known = noise_of(data).readout, priors(data, options.prior)
     asked = Asked(data, readout, {}, own_values(data.scene), options.strengths)
     own = checked_model(model, data.scene) if model else None
-    ready = Around(own or model_of(data.scene, model_tolerance(readout), tell), {})
+    ready = Around(own or model_of(data.scene, model_tolerance(readout), progress), {})
     unknown = candidates(data, ready.model.free, known, options.fit, options.fix)
     names = unknown.fitted if options.fit else [*unknown.fitted, *unknown.held]
     with one_blas_thread():
@@ -95,12 +95,12 @@ class Comparison:
     told: tuple[str, ...]
 
 
-def compared(fit: Fit, tell: Tell) -> Comparison:
+def compared(fit: Fit, progress: Progress) -> Comparison:
     """With the exponent held at 1 and without loss, all else fitted alike."""
     fixed = {**fit.asked.fixed, **IDEAL}
     others = {name: prior for name, prior in fit.asked.fitted.items() if name not in IDEAL}
     asked = replace(fit.asked, fitted=others, fixed=fixed)
-    ideal = fitted(asked, fit.problem.around, tell=tell)
+    ideal = fitted(asked, fit.problem.around, progress=progress)
     told = _told(fit, ideal)
     return Comparison(ideal, fit.rms_error, ideal.rms_error, told)
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ..fem.factors import one_blas_thread
-from ..progress import Tell, tell_nothing
+from ..progress import Progress, silent
 from ..scene.meter import Readout
 from ..sweeps import InputError
 from .model import Around, around, movable
@@ -96,7 +96,10 @@ def model_tolerance(readout: Readout) -> float:
 
 
 def fitted(
-    asked: Asked, ready: Around, begin: Mapping[str, float] | None = None, tell: Tell = tell_nothing
+    asked: Asked,
+    ready: Around,
+    begin: Mapping[str, float] | None = None,
+    progress: Progress = silent,
 ) -> Fit:
     """The best fit. ready: a model to begin with. begin: values to begin at, in place of several.
 
@@ -106,30 +109,32 @@ def fitted(
         for trained in range(ROUNDS):
             problem = Problem(asked, ready)
             begins = starts(problem) if begin is None else [begin]
-            fit = best(problem, begins, tell)
+            fit = best(problem, begins, progress)
             certificate = certified(fit)
             if not held(fit) and (certificate <= allowed(asked) or near(fit)):
                 return Fit(problem, fit.u, certificate, trained)
             begin = fit.values
-            tell(_again(fit, certificate))
+            progress(_again(fit, certificate))
             rtol = model_tolerance(asked.readout)
-            ready = around(asked.measured.scene, begin, rtol, tell, ready.uneven)
+            ready = around(asked.measured.scene, begin, rtol, progress, ready.uneven)
     raise InputError(
         f"{asked.measured.scene.name} is too unlike what was measured: its factors run away"
     )
 
 
-def best(problem: Problem, begins: Sequence[Mapping[str, float]], tell: Tell = tell_nothing) -> Fit:
+def best(
+    problem: Problem, begins: Sequence[Mapping[str, float]], progress: Progress = silent
+) -> Fit:
     """From several starts, as many as it takes to explain the readings."""
     fits: list[Fit] = []
     for begin in begins:
-        fits.append(solved(problem, begin, tell))
+        fits.append(solved(problem, begin, progress))
         if fits[-1].chi_squared < EXPLAINED * problem.asked.measured.numbers:
             break
     return min(fits, key=lambda fit: fit.cost)
 
 
-def solved(problem: Problem, begin: Mapping[str, float], tell: Tell = tell_nothing) -> Fit:
+def solved(problem: Problem, begin: Mapping[str, float], progress: Progress = silent) -> Fit:
     """From one start, within the model's reach."""
     low, high = problem.bounds()
     inside = np.minimum(INSIDE, (high - low) / 4)
@@ -145,7 +150,7 @@ def solved(problem: Problem, begin: Mapping[str, float], tell: Tell = tell_nothi
 
     exact: Any = slopes
     found = least_squares(
-        _watched(residuals, tell),
+        _watched(residuals, progress),
         u,
         exact,
         bounds=(low, high),
@@ -159,7 +164,7 @@ def solved(problem: Problem, begin: Mapping[str, float], tell: Tell = tell_nothi
     return Fit(problem, np.where(found.x - low < AT_BOUND, low, found.x))
 
 
-def _watched(residuals: Residuals, tell: Tell) -> Residuals:
+def _watched(residuals: Residuals, progress: Progress) -> Residuals:
     """The same, telling how much nearer the fit is to where its sum of squares stays as it is."""
     before, share = np.inf, 0.0
 
@@ -170,7 +175,7 @@ def _watched(residuals: Residuals, tell: Tell) -> Residuals:
         step = abs(before - cost) / max(cost, np.finfo(float).tiny)
         share = max(share, float(np.clip(np.log(max(step, CLOSE)) / np.log(CLOSE), 0.0, 1.0)))
         before = cost
-        tell("fitting", share)
+        progress("fitting", share)
         return found
 
     return watched

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +16,7 @@ from ..models.reduced.forward import REACH, Forward
 from ..models.response import Response
 from ..models.slow.waves import EVEN, Uneven
 from ..models.varied.meshes import single_field
-from ..progress import Tell, tell_nothing
+from ..progress import Progress, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
 
@@ -30,7 +29,9 @@ Model = Forward | LineModel
 `free`."""
 
 
-def model_of(scene: Scene, rtol: float, tell: Tell = tell_nothing, uneven: Uneven = EVEN) -> Model:
+def model_of(
+    scene: Scene, rtol: float, progress: Progress = silent, uneven: Uneven = EVEN
+) -> Model:
     """The cheapest one that serves. rtol: largest relative error of Rs and Cp at the skin.
 
     uneven: what slow waves are to be among its parameters. Those of sheets take two fields.
@@ -40,8 +41,7 @@ def model_of(scene: Scene, rtol: float, tell: Tell = tell_nothing, uneven: Uneve
             return LineModel(scene)
     except InputError:
         pass
-    advance = partial(tell, "training a model of the scene")
-    return Forward(scene, rtol=rtol, advance=advance, train=reduced_for, modes=uneven.modes)
+    return Forward(scene, rtol=rtol, progress=progress, train=reduced_for, modes=uneven.modes)
 
 
 class Around:
@@ -105,12 +105,12 @@ def around(
     scene: Scene,
     values: Mapping[str, float],
     rtol: float,
-    tell: Tell = tell_nothing,
+    progress: Progress = silent,
     uneven: Uneven = EVEN,
 ) -> Around:
     """The scene's model about values of its parameters. uneven: as of `model_of`."""
     about = {name: values.get(name, 0.0) for name in movable(scene)}
-    return Around(model_of(scene_with(scene, about), rtol, tell, uneven), about, uneven)
+    return Around(model_of(scene_with(scene, about), rtol, progress, uneven), about, uneven)
 
 
 def movable(scene: Scene) -> list[str]:

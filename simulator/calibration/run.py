@@ -17,7 +17,7 @@ from ..models.plain import folded
 from ..models.slow.foam import check_even_foam, with_foam_waves
 from ..models.slow.sheets import check_even_sheets, with_sheet_waves
 from ..models.slow.waves import Uneven
-from ..progress import Tell, tell_nothing
+from ..progress import Progress, silent
 from ..scene.scene import Scene
 from .choice import Options, candidates
 from .estimates import Quantity, intervals, quantile, quantities, told_together
@@ -88,17 +88,17 @@ def calibrate(
     options: Options = Options(),  # noqa: B008
     *,
     model: Model | None = None,
-    tell: Tell = tell_nothing,
+    progress: Progress = silent,
 ) -> Calibration:
     """Fit a scene to sweeps, unpressed ones and presses of pixels, at all their interfaces.
 
     model: of the scene at the sweeps' interfaces and frequencies, where there is one at hand; its
-    training is the slow part. tell: is told what takes long.
+    training is the slow part. progress: as of `Progress`.
     Raises InputError where sweeps and scene do not fit, ToleranceError where no model holds.
     """
     scene = in_depths(scene)
     folded(scene, "a calibration")
-    job = _Job(measured(scene, sweeps, options.band, options.session), options, model, tell)
+    job = _Job(measured(scene, sweeps, options.band, options.session), options, model, progress)
     fit, noise = job.done()
     told = information(fit, job.held)
     degrees = told.freedom if noise.guessed else noise.freedom
@@ -119,7 +119,7 @@ def calibrate(
         unclear=tuple(told_together(scene, unknown, told)),
         remarks=tuple(dict.fromkeys([*job.remarks, *_left_out(fit)])),
         held=tuple(job.held),
-        ideal=compared(fit, tell) if beaten else None,
+        ideal=compared(fit, progress) if beaten else None,
     )
 
 
@@ -141,14 +141,14 @@ class _Job:
     """A calibration under way: the model at hand, and what is to be remarked."""
 
     def __init__(
-        self, measured: Measured, options: Options, model: Model | None, tell: Tell
+        self, measured: Measured, options: Options, model: Model | None, progress: Progress
     ) -> None:
-        self.measured, self.options, self._tell = measured, options, tell
+        self.measured, self.options, self._progress = measured, options, progress
         self.remarks = [f"left out: {reason}" for reason in measured.left_out]
         self.noise = noise_of(measured)
         self._uneven = _checked_uneven(measured.scene, options, model)
         self.priors = priors(measured, options.prior, self._uneven)
-        at_hand = model or model_of(measured.scene, self._tolerance, tell, self._uneven)
+        at_hand = model or model_of(measured.scene, self._tolerance, progress, self._uneven)
         free = (*at_hand.free, *self._uneven.names)
         asked = candidates(measured, free, self.priors, options.fit, options.fix)
         self.names, self.held = asked.fitted, {name: self.priors[name] for name in asked.held}
@@ -184,7 +184,7 @@ class _Job:
         off = capacitance_off(self.measured) if wide else 0.0
         if not off:
             return Around(model, {}, self._uneven)
-        return around(scene, {"capacitance": off}, self._tolerance, self._tell, self._uneven)
+        return around(scene, {"capacitance": off}, self._tolerance, self._progress, self._uneven)
 
     @property
     def _tolerance(self) -> float:
@@ -196,10 +196,10 @@ class _Job:
         readout = with_noise(self.noise.readout, noise, noise)
         return replace(self.noise, readout=readout, source="the residuals of the fit")
 
-    def _remark(self, told: str, share: float | None = None, /) -> None:
-        self._tell(told, share)
-        if share is None:
-            self.remarks.append(told)
+    def _remark(self, work: str, done: float | None = None, total: float = 1.0, /) -> None:
+        self._progress(work, done, total)
+        if done is None:
+            self.remarks.append(work)
 
 
 def _checked_uneven(scene: Scene, options: Options, model: Model | None) -> Uneven:

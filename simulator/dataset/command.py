@@ -43,7 +43,7 @@ def dataset(
     from ..asked.scene import asked_scene, tell_if_noise_free
     from ..asked.telling import written
     from ..models.mechanics.in_depths import foldable
-    from ..progress import finished_on_terminal
+    from ..progress import on_terminal
     from ..sweeps import counted
     from ..sweeps.errors import InterruptedWorkError
     from .layout import readings_along
@@ -58,8 +58,8 @@ def dataset(
     seconds = sweeps * readings(plan.scene) / (READINGS_A_SECOND * processes)
     tell_if_long(scene, 0 if scheduler else seconds, f"{sweeps} sweeps on {processes} processes")
     try:
-        with finished_on_terminal(plan.scene.name, sweeps, "sweeps") as advance:
-            generate(plan, output, processes=processes, scheduler=scheduler, advance=advance)
+        with on_terminal("sweeps") as progress:
+            generate(plan, output, processes=processes, scheduler=scheduler, progress=progress)
     except KeyboardInterrupt:
         raise InterruptedWorkError("the same command goes on from here") from None
     told = told_of(output) or {}

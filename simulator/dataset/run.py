@@ -6,12 +6,13 @@ All work happens in a hidden folder beside the output, which becomes the output 
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 
 from ..models.reduced.indented.draws import spreading
 from ..processes import hired
+from ..progress import Progress, silent
 from ..sweeps import InputError, inputs, kept_file
 from ..sweeps.files import checked_place, locked
 from ..sweeps.space import check_disk
@@ -23,7 +24,6 @@ from .model import REDUCED, Family, Training
 from .plan import Plan, first_difference, readings
 
 ENDING = ".zarr"
-Advance = Callable[[int], None]
 
 
 def generate(
@@ -32,20 +32,19 @@ def generate(
     *,
     processes: int = 1,
     scheduler: str | None = None,
-    advance: Advance = lambda sweeps: None,
+    progress: Progress = silent,
     training: Training = REDUCED,
 ) -> None:
     """Make the data set, or go on where an earlier run of the same plan ended.
 
     processes: on this machine, unless `scheduler` is the address of a Dask cluster, whose workers
-    must see the output's folder under the same path. advance: called with the number of sweeps
-    that have become finished. Raises InputError where the output holds another plan, or another
-    process is at work on it.
+    must see the output's folder under the same path. progress: of sweeps. Raises
+    InputError where the output holds another plan, or another process is at work on it.
     """
     output = checked_place(output, (ENDING,)).absolute()
     with named_failures(output), _locked(output) as folder:
         if _complete(plan, output):
-            return advance(plan.sweeps)
+            return progress(plan.scene.name, plan.sweeps, plan.sweeps)
         workshop = Workshop(folder, plan.digest, training.load)
         missing = plan.blocks - len(workshop.noted(plan))
         check_disk(
@@ -58,12 +57,14 @@ def generate(
         with hired(hands, workers.NEEDED, workers.GOES_ON) as pool:
             family = _prepared(plan, workshop, training)
             finished = workshop.finished(plan)
-            advance(sum(_size(plan, block) for block in finished))
+            done = sum(_size(plan, block) for block in finished)
+            progress(plan.scene.name, done, plan.sweeps)
             blocks = [block for block in range(plan.blocks) if block not in finished]
             made = _at_work(workshop, blocks, pool and workers.Processes(pool, hands), scheduler)
             store.create(workshop.data, plan, family.grid, family.modes)  # while others work
             for block in made:
-                advance(_size(plan, block))
+                done += _size(plan, block)
+                progress(plan.scene.name, done, plan.sweeps)
         _finish(workshop, plan, output)
 
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 
-from ..progress import Tell
+from ..progress import Progress
 from ..scene.design import POSITION, Design
 from ..scene.files import scene_text
 from ..scene.scene import Scene
@@ -31,7 +31,7 @@ class Asking:
     seed: int
     draws: int
     journal: Journal
-    tell: Tell
+    progress: Progress
 
 
 class Bench:
@@ -45,7 +45,7 @@ class Bench:
         spanned = min(own[0], band[0]), max(own[1], band[1])
         self.wired, self.pool = tuple(wired), pool(scene, wired)
         touches = Touches(scene) if asked.target == POSITION else None
-        self._trained = Trained(scene, asked, spanned, asking.seed, asking.tell, touches)
+        self._trained = Trained(scene, asked, spanned, asking.seed, asking.progress, touches)
         if touches is None:
             told, judge = PixelPairs(scene, asked), Judge(scene, asked, asking.draws, asking.seed)
         else:

@@ -90,7 +90,7 @@ def design(
     """
     from ..asked.scene import asked_scene
     from ..models.plain import folded
-    from ..progress import told_on_terminal
+    from ..progress import on_terminal
     from ..scene.files import scene_text
     from ..scene.frequency import parse_band
     from ..sweeps.meaning import bound_means
@@ -123,8 +123,8 @@ def design(
     bare = loaded.model_copy(update={"design": None})
     header = {"asked": asked.model_dump(mode="json"), "seed": seed, "draws": draws}
     journal = Journal(_journal_of(output), {"scene": scene_text(bare), **header})
-    with told_on_terminal() as tell:
-        asking = Asking(asked, seed, draws, journal, tell)
+    with on_terminal() as progress:
+        asking = Asking(asked, seed, draws, journal, progress)
         found = search(bare, asking)
         write_folder(found, asking, output)
     journal.done()

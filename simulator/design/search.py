@@ -138,7 +138,7 @@ class _Walk:
         """What is picked on the best of other skins, if that is worth it; else what was."""
         best, before = (picked, self._bench), self._bench
         for number, scene in enumerate(scenes):
-            self._asking.tell(name, number / len(scenes))
+            self._asking.progress(name, number / len(scenes))
             bench = Bench(scene, self._asking, before.wired)
             found = bench.picked(material, picked.readings, picked.frequencies)
             if found.share > best[0].share + WORTH:
@@ -189,14 +189,14 @@ class _Walk:
         asked = itertools.count()
 
         def counted(value: float) -> float:
-            self._asking.tell(name, min(next(asked) / (POINTS + CLOSER), 1.0))
+            self._asking.progress(name, min(next(asked) / (POINTS + CLOSER), 1.0))
             return told(value)
 
         return counted
 
     def _judged(self, name: str, layout: Layout, worth: float = 0.0) -> bool:
         """Whether it is within what was asked and gains what it is worth; a step either way."""
-        self._asking.tell(f"{name}: the exact bound")
+        self._asking.progress(f"{name}: the exact bound")
         step = Step(name, layout, self._bench.shares(layout), self._allowed(layout))
         best = max((s.tenth + worth for s in self._steps[1:] if s.taken), default=-math.inf)
         self._steps.append(replace(step, taken=step.taken and step.tenth >= best))

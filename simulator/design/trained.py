@@ -15,7 +15,7 @@ from ..models.parameters import WAVES, nominal
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced
-from ..progress import Tell, tell_nothing
+from ..progress import Progress, silent
 from ..scene.contacts import Interface
 from ..scene.design import Design
 from ..scene.meter import Sweep
@@ -42,16 +42,16 @@ class Trained:
         asked: Design,
         band: tuple[float, float],
         seed: int,
-        tell: Tell = tell_nothing,
+        progress: Progress = silent,
         touches: Touches | None = None,
     ) -> None:
-        """band: of all frequencies that are asked for, Hz. tell: how far training has come.
+        """band: of all frequencies that are asked for, Hz. progress: as of `Progress`.
         touches: anywhere, in place of pixels pressed whole.
 
         Raises InputError where a tension spreads presses."""
         require_no_spread(scene)
         self.scene, self._asked, self._band, self._seed = scene, asked, band, seed
-        self._tell, self._touches = tell, touches
+        self._progress, self._touches = progress, touches
         self._divided = scene if touches is None else touches.divided
         self.modes = len(WAVES) if scene.dataset.session.unevenness else 1
 
@@ -81,12 +81,10 @@ class Trained:
         swept = Sweep(frequencies=tuple(sorted(set(self._band))))
         driven = with_chain(self._divided).model_copy(update={"sweep": swept})
 
-        def advance(share: float) -> None:
-            self._tell("training", share)
-
-        advance(0.0)
         rtol = RTOL if self._touches is None else RTOL_OF_TOUCHES
-        return reduce(driven, rtol, self._draw, modes=self.modes, alike=False, advance=advance)
+        return reduce(
+            driven, rtol, self._draw, modes=self.modes, alike=False, progress=self._progress
+        )
 
     def _draw(self, random: np.random.Generator) -> Case:
         scene, asked = self.scene, self._asked

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from ..bounds.position import Bounds
-    from ..progress import Track
     from ..scene.randomisation import AnyDistribution
     from ..scene.scene import Scene
     from .hand import Between
+from ..progress import Progress, silent
 
 
 def bayes_accuracy(
@@ -20,7 +20,7 @@ def bayes_accuracy(
     seed: int = 1,
     draws: int = 2000,
     against_rest: int = 0,
-    track: Track | None = None,
+    progress: Progress = silent,
 ) -> tuple[float, float]:
     """Share of sweeps that the best classifier of a known skin gets right, and its standard error.
 
@@ -34,12 +34,11 @@ def bayes_accuracy(
     from ..bounds.bayes import bayes
     from ..bounds.readings import Readings, hypotheses
     from ..measure.experiment import own_presses
-    from ..progress import silent
 
     among = hypotheses(scene, target)
     factors = presses or own_presses(scene)
     readings = Readings(scene, factors, against_rest)
-    return bayes(readings, among, factors, seed, draws, track or silent)
+    return bayes(readings, among, factors, seed, draws, progress)
 
 
 def hand_accuracy(
@@ -52,7 +51,7 @@ def hand_accuracy(
     draws: int = 1000,
     samples: int = 4000,
     against_rest: int = 0,
-    track: Track | None = None,
+    progress: Progress = silent,
 ) -> Between:
     """As `bayes_accuracy`, for a hand that presses beside the pixels that it means.
 
@@ -63,7 +62,6 @@ def hand_accuracy(
     """
     from ..bounds.readings import hypotheses
     from ..measure.experiment import own_presses
-    from ..progress import silent
     from ..sweeps import InputError
     from .hand import Hand, accuracy_of_hand
 
@@ -73,9 +71,7 @@ def hand_accuracy(
         scene, presses or own_presses(scene), offset=offset, against_rest=against_rest
     )
     among = hypotheses(scene, target)
-    return accuracy_of_hand(
-        hand, among, seed=seed, draws=draws, samples=samples, track=track or silent
-    )
+    return accuracy_of_hand(hand, among, seed=seed, draws=draws, samples=samples, progress=progress)
 
 
 def hand_distance(
@@ -117,7 +113,7 @@ def position_bound(
     against_rest: int = 0,
     unknown_skin: bool = False,
     most: int | None = None,
-    track: Track | None = None,
+    progress: Progress = silent,
 ) -> Bounds:
     """Least standard deviations of x and y [m] and of the rise of capacitance, over the sheet.
 
@@ -129,7 +125,6 @@ def position_bound(
     """
     from ..bounds.fields import CELLS_PER_PIXEL, fields_of
     from ..bounds.position import chosen_touch, places_on, position_slopes
-    from ..progress import silent
 
     touch = chosen_touch(scene, size, factor)
     fields = fields_of(scene, float(scene.frequencies[-1]), touch)
@@ -140,6 +135,6 @@ def position_bound(
         scene.frequencies,
         against_rest=against_rest,
         unknown_skin=unknown_skin,
-        track=track or silent,
+        progress=progress,
     )
     return slopes.bounds(taken=scene.taken)

@@ -19,7 +19,7 @@ from ..asked.options import (
 from ..shown import say
 
 if TYPE_CHECKING:
-    from ..progress import Track
+    from ..progress import Progress
     from ..scene.scene import Scene
     from .identity import Sampling
 
@@ -96,13 +96,13 @@ def limits(
     resistances = _listed(sheet_resistance)
     for resistance in resistances:
         with_sheets(loaded, resistance)
-    with on_terminal() as track:
+    with on_terminal() as progress:
         if accuracy is not None:
-            _print_counts(loaded, accuracy, sampling, track)
+            _print_counts(loaded, accuracy, sampling, progress)
         if accuracy is None or output is not None:
             folder = checked_folder(made_folder(output or FOLDER), *WRITTEN)
-            variants = survey(loaded, question, resistances, n, track)
-            told_apart = identity(loaded, sampling, track)
+            variants = survey(loaded, question, resistances, n, progress)
+            told_apart = identity(loaded, sampling, progress)
             laid = errors_of_survey(loaded, question)
             found = Findings(loaded, question, variants, told_apart, laid)
             found.write(folder, ending)
@@ -118,11 +118,11 @@ def _listed(text: str | None) -> list[float]:
         raise InputError(f"--sheet-resistance must be R,R,... in ohm/sq, got {text}") from None
 
 
-def _print_counts(scene: Scene, accuracy: float, sampling: Sampling, track: Track) -> None:
+def _print_counts(scene: Scene, accuracy: float, sampling: Sampling, progress: Progress) -> None:
     from .identity import FEWEST, MOST, counts, shape_of
 
     for target in ("column", "pixel"):
-        found = list(counts(scene, target, accuracy, sampling, track))
+        found = list(counts(scene, target, accuracy, sampling, progress))
         reached = [each for each in found if each.reaches(accuracy)]
         best = reached[-1] if reached else None
         told = (

@@ -31,7 +31,7 @@ from ..bounds.touches.cells import Laid
 from ..bounds.touches.deep import touches_on
 from ..measure.readout import ErrorModel, observed
 from ..models.reduced.indented.draws import felt_beside
-from ..progress import Track, silent
+from ..progress import Progress, silent, tracked
 from ..scene.scene import Scene
 from ..sweeps import InputError
 
@@ -95,7 +95,7 @@ def identity_criterion(
     target: str,
     frequency: NDArray[np.float64],
     against_rest: int = 0,
-    track: Track = silent,
+    progress: Progress = silent,
     touch: TouchSize | None = None,
 ) -> Criterion:
     """Of the nearest two pixels whose columns, or which themselves, are to be told apart.
@@ -109,7 +109,9 @@ def identity_criterion(
     among = hypotheses(scene, target)
     touch = touch or chosen_touch(scene)
     pixels = _pixels_pressed(fields, touch)
-    answers = [_pressed(fields, pixels, each, frequency) for each in track(among, "pixels")]
+    answers = [
+        _pressed(fields, pixels, each, frequency) for each in tracked(among, "pixels", progress)
+    ]
     pairs = [
         (one, other)
         for one, other in itertools.combinations(range(len(among)), 2)

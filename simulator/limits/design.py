@@ -12,7 +12,7 @@ from ..bounds.exchange import best_choice
 from ..bounds.fields import CELLS_PER_PIXEL, fields_of
 from ..bounds.position import Slopes, TouchSize, places_on, position_slopes
 from ..bounds.sets import OPTIMAL, allowed, candidates_of, compared, too_near
-from ..progress import Track, silent
+from ..progress import Progress, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .criteria import Criterion, identity_criterion, position_criterion
@@ -85,7 +85,7 @@ def design(
     against_rest: int = 0,
     repeats: bool = False,
     among: NDArray[np.float64] | None = None,
-    track: Track = silent,
+    progress: Progress = silent,
 ) -> Design:
     """The best n of `candidates_of` a scene over a band in Hz, by a criterion of `criteria`.
 
@@ -97,7 +97,7 @@ def design(
     others = compared(scene, n, band)
     own = candidates_of(scene, n, band, grid) if among is None else among
     every = np.unique(np.concatenate([own, *others.values()]))
-    judged, slopes = _criterion(scene, criterion, every, touch, against_rest, track)
+    judged, slopes = _criterion(scene, criterion, every, touch, against_rest, progress)
     numbers = {name: np.searchsorted(every, f) for name, f in others.items()}
     best = _best(judged, np.searchsorted(every, own), n, numbers.values(), repeats, among is None)
     chosen = {OPTIMAL: best, **numbers}
@@ -149,16 +149,16 @@ def _criterion(
     candidates: NDArray[np.float64],
     touch: TouchSize,
     against_rest: int,
-    track: Track,
+    progress: Progress,
 ) -> tuple[Criterion, Slopes | None]:
     """The criterion and, for position, the slopes at all places that `limits` looks at."""
     of_groups = name != "position" and scene.pixels.groups is not None
     cells = 1 if of_groups else None
     fields = fields_of(scene, float(candidates[-1]), touch, cells)
     if name != "position":
-        return identity_criterion(fields, name, candidates, against_rest, track, touch), None
+        return identity_criterion(fields, name, candidates, against_rest, progress, touch), None
     places = places_on(scene, touch, CELLS_PER_PIXEL)
     slopes = position_slopes(
-        fields, places, touch, candidates, against_rest=against_rest, track=track
+        fields, places, touch, candidates, against_rest=against_rest, progress=progress
     )
     return position_criterion(some_places(slopes)), slopes

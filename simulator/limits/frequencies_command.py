@@ -66,7 +66,7 @@ def frequencies(
     loaded = with_interfaces(plain, interface or [])
     chosen_from = frequencies_among(among, loaded)
     check_design(n, grid if chosen_from is None else len(chosen_from), repeats, grid)
-    with on_terminal() as track:
+    with on_terminal() as progress:
         found = design(
             loaded,
             n,
@@ -77,7 +77,7 @@ def frequencies(
             against_rest=against_rest,
             repeats=repeats,
             among=chosen_from,
-            track=track,
+            progress=progress,
         )
     console = terminal()
     if console.is_terminal:

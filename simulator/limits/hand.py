@@ -20,7 +20,7 @@ from ..models.reduced.cases import Case
 from ..models.reduced.model import Reduced
 from ..models.reduced.skin import ReducedSkin
 from ..press.batch import PressBatch
-from ..progress import Track, silent
+from ..progress import Progress, silent, tracked
 from ..scene.frequency import laplace_variable
 from ..scene.planar import covered
 from ..scene.randomisation import CUT, AnyDistribution, truncated_normal
@@ -175,7 +175,7 @@ def accuracy_of_hand(
     seed: int = 1,
     draws: int = 1000,
     samples: int = 4000,
-    track: Track = silent,
+    progress: Progress = silent,
 ) -> Between:
     """Share of sweeps that the best classifier tells right. samples: presses of each hypothesis."""
     drawing, known = (np.random.default_rng([seed, k]) for k in (0, 1))
@@ -187,7 +187,7 @@ def accuracy_of_hand(
     )
     measured = axes.of(clean + drawing.standard_normal(clean.shape))
     likely = np.empty((draws, len(among)))
-    for k, each in enumerate(track(among, "presses")):
+    for k, each in enumerate(tracked(among, "presses", progress)):
         likely[:, k] = _evidence(measured, axes.of(hand.pressed(each, known, samples)))
     return _judged(likely + np.log(chances), among, which)
 

@@ -18,7 +18,7 @@ from ..bounds.bayes import Accuracy, bayes
 from ..bounds.readings import Hypothesis, Readings, hypotheses
 from ..bounds.touches.errors import LaidErrors
 from ..measure.experiment import own_presses, quantiles, together
-from ..progress import Track, silent
+from ..progress import Progress, silent
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -99,10 +99,10 @@ class Sampling:
         readings: Readings,
         among: Sequence[Hypothesis],
         presses: AnyDistribution,
-        track: Track,
+        progress: Progress,
     ) -> Accuracy:
         """Bayes' accuracy of hypotheses under such presses."""
-        return bayes(readings, among, presses, self.seed, self.draws, track)
+        return bayes(readings, among, presses, self.seed, self.draws, progress)
 
 
 TARGETS = ("column", "row", "pixel")
@@ -145,14 +145,14 @@ class Identity:
         ]
 
 
-def identity(scene: Scene, sampling: Sampling, track: Track = silent) -> Identity:
+def identity(scene: Scene, sampling: Sampling, progress: Progress = silent) -> Identity:
     """Of a known skin, pressed as the scene's experiment does."""
     presses = own_presses(scene)
     readings = sampling.readings(scene, presses)
     among = {target: hypotheses(scene, target) for target in TARGETS}
     pixels = [each for each in among["pixel"] if each.pixels]
     return Identity(
-        {t: sampling.bayes(readings, each, presses, track) for t, each in among.items()},
+        {t: sampling.bayes(readings, each, presses, progress) for t, each in among.items()},
         {t: upper_bound(readings, each, presses) for t, each in among.items()},
         distances(readings, pixels, presses),
         [",".join(map(str, each.answer)) for each in pixels],
@@ -197,7 +197,7 @@ def counts(
     target: str,
     asked: float,
     sampling: Sampling,
-    track: Track = silent,
+    progress: Progress = silent,
 ) -> Iterator[Count]:
     """From FEWEST pixels on, up to the first number that does not reach what is asked.
 
@@ -206,7 +206,7 @@ def counts(
     if not 0 < asked < 1:
         raise InputError(f"--accuracy must be > 0 and < 1, got {asked:g}")
     for n in range(FEWEST, MOST + 1):
-        found = counted(scene, target, n, sampling, track)
+        found = counted(scene, target, n, sampling, progress)
         yield found
         if not found.reaches(asked):
             return
@@ -217,15 +217,15 @@ def counted(
     target: str,
     n: int,
     sampling: Sampling,
-    track: Track = silent,
+    progress: Progress = silent,
 ) -> Count:
     """The best accuracy with n pixels along the side with more of them."""
     divided = with_pixels(scene, n)
     presses, among = own_presses(divided), hypotheses(divided, target)
     readings = sampling.readings(divided, presses)
-    readings.train(track)
+    readings.train(progress)
     bound = upper_bound(readings, among, presses)
-    return Count(n, sampling.bayes(readings, among, presses, track), bound)
+    return Count(n, sampling.bayes(readings, among, presses, progress), bound)
 
 
 def with_pixels(scene: Scene, n: int) -> Scene:

@@ -20,7 +20,7 @@ from ..bounds.position import (
 )
 from ..bounds.sets import OPTIMAL, allowed, candidates_of, compared, own_band, too_near
 from ..bounds.touches.errors import LaidErrors
-from ..progress import Track, silent
+from ..progress import Progress, silent
 from ..scene.reading import frequencies_at, through
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -73,13 +73,13 @@ def survey(
     question: Question,
     sheet_resistances: Sequence[float] = (),
     n: int | None = None,
-    track: Track = silent,
+    progress: Progress = silent,
 ) -> list[Variant]:
     """The scene's frequencies beside n by Eq. 6, evenly spaced and optimal ones; every interface
     alone; every sheet resistance in ohm/sq. n: by default as many as pixels from the fed edge on.
     """
     n = n or _pixels_from_edge(scene)
-    slopes = _slopes(scene, question, candidates_of(scene, n, own_band(scene), GRID), track)
+    slopes = _slopes(scene, question, candidates_of(scene, n, own_band(scene), GRID), progress)
     own = scene.frequencies
     told = f"the scene's {len(own)}" if scene.taken is None else "the scene's own"
     everything = Variant(FREQUENCIES, told, slopes.bounds(own, taken=scene.taken), own)
@@ -93,7 +93,7 @@ def survey(
             variants.append(Variant(INTERFACES, interface.name, alone, its))
         variants.append(Variant(INTERFACES, "all together", everything.bounds, own))
     for resistance in sheet_resistances:
-        of_sheets = _slopes(with_sheets(scene, resistance), question, own, track)
+        of_sheets = _slopes(with_sheets(scene, resistance), question, own, progress)
         told, bounds = f"{1e-3 * resistance:g} kohm/sq", of_sheets.bounds(taken=scene.taken)
         variants.append(Variant(SHEETS, told, bounds, own))
     return variants
@@ -140,7 +140,7 @@ def with_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
 
 
 def _slopes(
-    scene: Scene, question: Question, frequency: NDArray[np.float64], track: Track
+    scene: Scene, question: Question, frequency: NDArray[np.float64], progress: Progress
 ) -> Slopes:
     fields = fields_of(scene, float(frequency[-1]), question.touch)
     return position_slopes(
@@ -150,7 +150,7 @@ def _slopes(
         frequency,
         against_rest=question.against_rest,
         unknown_skin=question.unknown_skin,
-        track=track,
+        progress=progress,
     )
 
 

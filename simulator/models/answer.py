@@ -95,7 +95,7 @@ def told_capacitance(
 class Progress:
     """The frequencies of one press that are answered, and those that are left.
 
-    saw: is told the largest error of each rung.
+    on_error: callback that takes the largest error of each rung.
     """
 
     def __init__(
@@ -103,9 +103,9 @@ class Progress:
         interfaces: int,
         frequency: NDArray[np.float64],
         rtol: float,
-        saw: Callable[[float], None] = lambda error: None,
+        on_error: Callable[[float], None] = lambda error: None,
     ) -> None:
-        self.rtol, self._all, self._saw = rtol, frequency, saw
+        self.rtol, self._all, self._on_error = rtol, frequency, on_error
         self._left = np.arange(len(frequency))
         self._Z = np.zeros((interfaces, len(frequency)), dtype=np.complex128)
         self._error = np.zeros((2, interfaces, len(frequency)))
@@ -133,7 +133,7 @@ class Progress:
         if not kept.all():
             self.reject(self._reason(rung))
         self._left = self._left[~kept]
-        self._saw(float(rung.error.max()))
+        self._on_error(float(rung.error.max()))
 
     def reject(self, reason: str) -> None:
         """Note why a rung did not serve."""

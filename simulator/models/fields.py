@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..press.press import Press
-from ..progress import Tell, tell_nothing
+from ..progress import Progress, silent
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene, checked_interface, interface_names
 from .outlook import Remaining
@@ -58,23 +58,23 @@ def fields(
     frequencies: Sequence[float],
     interface: str,
     rtol: float = 1e-3,
-    tell: Tell = tell_nothing,
+    progress: Progress = silent,
 ) -> Fields:
     """Those of a press at frequencies in Hz.
 
     Solved on the flat skin at rest, on a mesh that keeps the tolerance of Rs and Cp; currents and
-    power are those per length and area of the flat skin. tell: is told how far it has come. Raises
+    power are those per length and area of the flat skin. progress: as of `Progress`. Raises
     InputError where the interface is none of the scene's, ToleranceError where the tolerance is not
     reached.
     """
     frequency = np.array(sorted(frequencies), dtype=np.float64)
     drive = interface_names(scene).index(checked_interface(interface, scene))
-    discretised, Z = _resolved(scene, press, frequency, rtol, tell)
+    discretised, Z = _resolved(scene, press, frequency, rtol, progress)
     sampler = Sampler(scene, discretised)
     s = laplace_variable(frequency, scene.skin.foam.loss)
     found = []
     for k, each in enumerate(s):
-        tell(f"fields, frequencies: {s.size}", k / s.size)
+        progress(f"fields, frequencies: {s.size}", k / s.size)
         found.append(_at(discretised, sampler, drive, complex(each)))
     potential, current, power, rises = zip(*found, strict=True)
     by_rise = np.stack(rises)
@@ -98,17 +98,17 @@ def fields(
 
 
 def _resolved(
-    scene: Scene, press: Press, frequency: Real, rtol: float, tell: Tell
+    scene: Scene, press: Press, frequency: Real, rtol: float, progress: Progress
 ) -> tuple[Discretised, Complex]:
     """A mesh that keeps the tolerance at all frequencies, and Z in ohm, (interface, frequency)."""
-    touched = indented(scene, press, rtol, tell)
+    touched = indented(scene, press, rtol, progress)
     solving, remaining = f"solving, frequencies: {frequency.size}", Remaining(rtol)
-    tell(solving)
+    progress(solving)
     finer = meshes(scene, *touched, rtol)
     while True:
         discretised = finer.finer(frequency)
         rung = discretised.rung(frequency, rtol)
-        tell(solving, remaining.share(float(rung.error.max())))
+        progress(solving, remaining.share(float(rung.error.max())))
         if rung.error.max() <= rtol:
             return discretised, rung.Z
 

@@ -102,14 +102,14 @@ class Outlook:
         self._told = False
 
     def of(self, press: str) -> Callable[[float], None]:
-        """To be told the largest error of each answer to a press, from now on."""
+        """A callback that takes the largest error of each answer to a press, from now on."""
         remaining = Remaining(self._rtol, self._clock)
 
-        def saw(error: float) -> None:
+        def on_error(error: float) -> None:
             elapsed, left = remaining.after(error)
             if not self._told and elapsed >= SURE_AFTER and left >= WORTH_A_WORD:
                 self._told = True
                 told = f"error {error:.0e} after {elapsed:.0f} s, asked {self._rtol:g}"
                 LOG.info("press %s: %s: will take about %s more", press, told, duration(left))
 
-        return saw
+        return on_error

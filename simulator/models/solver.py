@@ -104,8 +104,8 @@ class Solver:
 
     def _of_skin(self, press: Press, frequency: NDArray[np.float64]) -> Answer:
         """The answer at the skin's own contacts."""
-        saw = self._outlook.of(str(press))
-        progress = Progress(len(self.scene.interfaces), frequency, self.rtol, saw)
+        on_error = self._outlook.of(str(press))
+        progress = Progress(len(self.scene.interfaces), frequency, self.rtol, on_error)
         if self._applicators_reduce(press):
             self._under_applicators(press, progress)
             if progress.done:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -33,7 +32,7 @@ def page(
     from ..asked.telling import note, written
     from ..models.plain import evenly_pressed
     from ..models.reduced.indented.draws import felt_beside
-    from ..progress import told_on_terminal
+    from ..progress import on_terminal
     from ..sweeps import checked_output, whole_file
     from .document import document
     from .packed import packed, reduced_for_page
@@ -46,8 +45,8 @@ def page(
         factor = f"{skin.press.capacitance_factor:.4g} x C"
         beside = "what the foam's tension spreads beside them is left out"
         note(f"{scene}: the page presses pixels evenly, by {factor}; {beside}")
-    with told_on_terminal() as tell:
-        reduced = reduced_for_page(skin, rtol, cells, partial(tell, "reducing"))
+    with on_terminal() as progress:
+        reduced = reduced_for_page(skin, rtol, cells, progress)
     text = document(packed(skin, reduced))
     with whole_file(output) as path:
         path.write_text(text, encoding="utf-8")

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 
 from ..models.plain import evenly_pressed
-from ..progress import told_on_terminal
+from ..progress import on_terminal
 from ..scene.files import parse_scene
 from ..scene.reading import reading_at, through
 from ..scene.scene import Scene
@@ -31,8 +30,8 @@ def linked_page(
     """
     scene = parse_scene(text, name)
     asked = _read_at(evenly_pressed(scene, "a page"), frequencies, interfaces)
-    with told_on_terminal() as tell:
-        reduced = reduced_for_page(asked, RTOL, CELLS, partial(tell, "reducing"))
+    with on_terminal() as progress:
+        reduced = reduced_for_page(asked, RTOL, CELLS, progress)
     return document(packed(asked, reduced), Link(kind, nonce))
 
 

@@ -12,10 +12,11 @@ import numpy as np
 from ..measure.experiment import own_presses
 from ..models.parameters import Variation
 from ..models.reduced.cases import Case
-from ..models.reduced.greedy import reduce, unseen
+from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced
 from ..models.varied.materials import gauged
 from ..models.varied.meshes import circuit_of
+from ..progress import Progress, silent
 from ..scene.files import scene_text
 from ..scene.reading import reading_at
 from ..scene.scene import Scene
@@ -70,9 +71,7 @@ def _apart(scene: Scene, random: np.random.Generator) -> Variation:
     )
 
 
-def reduced_for_page(
-    scene: Scene, rtol: float, cells: int, advance: Callable[[float], None] = unseen
-) -> Reduced:
+def reduced_for_page(scene: Scene, rtol: float, cells: int, progress: Progress = silent) -> Reduced:
     """The model of a scene with each pixel cut into cells x cells, for all that a page may change.
 
     Pixels that are groups of a mesh's elements are not cut. Raises InputError where a press changes
@@ -90,7 +89,7 @@ def reduced_for_page(
     rows, columns = (cells * count for count in scene.pixels.shape)
     pixels = scene.pixels.model_copy(update={"rows": rows, "columns": columns})
     wide = reading_at(scene.model_copy(update={"pixels": pixels}), band.tolist())
-    return reduce(wide, rtol, pressed_anywhere(wide, cells), advance=advance)
+    return reduce(wide, rtol, pressed_anywhere(wide, cells), progress=progress)
 
 
 def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, Any]:

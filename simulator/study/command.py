@@ -112,9 +112,9 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         for warning in run.warnings_of(scenes):
             warn(f"{scene}: {warning}")
         tell_if_long(scene, SECONDS_A_POINT * len(scenes) / workers, f"{len(scenes)} points")
-        with on_terminal() as track:
+        with on_terminal() as progress:
             findings = run.study(
-                scenes, axes, trial, cross_validate, track, rtol=rtol, workers=workers
+                scenes, axes, trial, cross_validate, progress, rtol=rtol, workers=workers
             )
         write_table(findings, output)
         draw_study(findings, axes, experiment_told(table, axes), picture)

@@ -16,7 +16,7 @@ from ..measure.symmetry import Pixel
 from ..models.mechanics.in_depths import foldable
 from ..models.validity import warnings
 from ..processes import each_of, hired
-from ..progress import Track
+from ..progress import Progress, tracked
 from ..scene.files import scene_text
 from ..scene.scene import Scene
 from .axis import Axis
@@ -77,7 +77,7 @@ def study(
     axes: Sequence[Axis],
     trial: Trial,
     cross_validate: CrossValidate,
-    track: Track,
+    progress: Progress,
     *,
     rtol: float | None = None,
     workers: int = 1,
@@ -90,12 +90,12 @@ def study(
     """
     rtol = fitting_rtol(scenes) if rtol is None else rtol
     with hired(workers, NEEDED, "too little memory may be the cause; fewer --workers") as pool:
-        curves, solves = _solved(scenes, trial, rtol, track, pool)
+        curves, solves = _solved(scenes, trial, rtol, progress, pool)
         jobs = [
             (scene, trial, curves[point], rtol, cross_validate)
             for point, scene in enumerate(scenes)
         ]
-        findings = list(_spread(_judge, jobs, "accuracy", track, pool))
+        findings = list(_spread(_judge, jobs, "accuracy", progress, pool))
     attributes = {
         "scene": scene_text(scenes[0]),
         "target": trial.target,
@@ -111,7 +111,7 @@ def _solved(
     scenes: Sequence[Scene],
     trial: Trial,
     rtol: float,
-    track: Track,
+    progress: Progress,
     pool: ProcessPoolExecutor | None,
 ) -> tuple[list[dict[Pixel, Curve]], int]:
     """Curves of every pixel at every point, and how many solves they took."""
@@ -119,7 +119,7 @@ def _solved(
     work = [(k, task) for k, each in enumerate(found) for task in tasks(each, scenes, trial, rtol)]
     solved: list[dict[Pixel, Curve]] = [{} for _ in found]
     solves = 0
-    each_solution = _spread(solve, [task for _, task in work], "solves", track, pool)
+    each_solution = _spread(solve, [task for _, task in work], "solves", progress, pool)
     for (family, _), solution in zip(work, each_solution, strict=True):
         solved[family] |= solution.curves
         solves += solution.solves
@@ -140,12 +140,12 @@ def _spread(
     function: Callable[[Given], Made],
     given: Sequence[Given],
     description: str,
-    track: Track,
+    progress: Progress,
     pool: ProcessPoolExecutor | None,
 ) -> Iterator[Made]:
     """The function of each item, in order; on one thread, as results must not depend on `pool`."""
     made = each_of(pool, partial(_on_one_thread, function), given)
-    for _, result in zip(track(given, description), made, strict=True):
+    for _, result in zip(tracked(given, description, progress), made, strict=True):
         yield result
 
 

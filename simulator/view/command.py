@@ -12,7 +12,7 @@ from ..asked.options import SceneName
 from ..shown import say
 
 if TYPE_CHECKING:
-    from ..progress import Tell
+    from ..progress import Progress
     from .scenery import Stage
 
 
@@ -72,16 +72,16 @@ def view(
     from dataclasses import replace
 
     from ..asked.telling import note, written
-    from ..progress import on_terminal, told_on_terminal
+    from ..progress import on_terminal
     from .outputs import write_output
 
     every = every and animate != "phase"
-    with told_on_terminal() as tell:
-        stage = _stage(scene, press, frequency, interface, rtol, every, tell)
+    with on_terminal() as progress:
+        stage = _stage(scene, press, frequency, interface, rtol, every, progress)
     stage = replace(stage, wrapped=wrapped, exaggeration=exaggerate)
     if output is not None:
-        with on_terminal() as track:
-            write_output(output, stage, what, animate, track, note)
+        with on_terminal() as progress:
+            write_output(output, stage, what, animate, progress, note)
         shown = what if output.suffix not in ALL_FIELDS else "all fields"
         written(f"{shown} of press {stage.press} at {_told(stage)}", output)
     if interactive:
@@ -125,7 +125,7 @@ def _stage(
     interface: str | None,
     rtol: float,
     every: bool,
-    tell: Tell,
+    progress: Progress,
 ) -> Stage:
     from ..asked.scene import asked_scene
     from ..asked.telling import note, warn
@@ -145,7 +145,7 @@ def _stage(
     for one_terminal in scene.driven_by_touch:
         if one_terminal.interface == chosen:
             warn(f"{name}: {one_terminal}")
-    found = fields(scene, pressed, frequencies, chosen, rtol, tell)
+    found = fields(scene, pressed, frequencies, chosen, rtol, progress)
     wiring = next(each for each in scene.interfaces if each.name == chosen)
     return Stage(scene, pressed, wiring, found)
 

@@ -8,7 +8,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from ..charts import ENDINGS as STILLS
-from ..progress import Track, silent
+from ..progress import Progress, silent, tracked
 from ..sweeps import InputError, check_needs
 from .quantities import Quantity, chosen
 from .shown import at_frequencies, over_the_phase
@@ -63,18 +63,18 @@ def write_output(
     stage: Stage,
     what: str,
     animate: str | None,
-    track: Track = silent,
+    progress: Progress = silent,
     tell: Callable[[str], None] = lambda note: None,
 ) -> None:
     """Write the fields in the way that the file's ending asks for, whole or not at all.
 
-    track: of a movie's pictures. tell: takes a note on a movie that takes minutes. Raises
+    progress: of a movie's pictures. tell: takes a note on a movie that takes minutes. Raises
     InputError where nothing of the kind can be shown, or written here.
     """
     check_output(path)
     if path.suffix in MOVIES:
         frames = _phases(stage, what) if animate == "phase" else _frequencies(stage, what)
-        _write_frames(path, stage, frames, track, tell)
+        _write_frames(path, stage, frames, progress, tell)
         return
     stills = dict.fromkeys(STILLS, _write_picture)
     write = {**stills, ".html": write_turnable}.get(path.suffix, _write_data)
@@ -147,7 +147,7 @@ def _write_frames(
     path: Path,
     stage: Stage,
     frames: list[list[Panel]],
-    track: Track,
+    progress: Progress,
     tell: Callable[[str], None],
 ) -> None:
     from .figure import rendered
@@ -156,7 +156,7 @@ def _write_frames(
 
     def images() -> Iterator[Image]:
         start = monotonic()
-        for number, panels in enumerate(track(frames, "drawing")):
+        for number, panels in enumerate(tracked(frames, "drawing", progress)):
             rows = [panels[low : low + ACROSS] for low in range(0, len(panels), ACROSS)]
             yield rendered(rows, title(stage), MOVIE_DPI)
             left = (monotonic() - start) * (len(frames) - 1)

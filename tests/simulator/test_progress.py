@@ -3,7 +3,7 @@
 import pytest
 from rcskin.simulator.models.fields import fields
 from rcskin.simulator.press.press import press_on
-from rcskin.simulator.progress import left_told, told_on_terminal
+from rcskin.simulator.progress import on_terminal, time_left, tracked
 from rcskin.simulator.scene.files import load_scene
 
 
@@ -18,7 +18,7 @@ def test_fields_of_every_kind_of_skin_tell_how_far_they_have_come(name, press):
         [1e3, 2e4],
         scene.interfaces[0].name,
         1e-3,
-        lambda told, share=None: heard.append((told, share)),
+        lambda told, share=None, total=1.0: heard.append((told, share)),
     )
     solving = [share for told, share in heard if told == "solving, frequencies: 2"]
     assert solving[0] is None
@@ -32,19 +32,33 @@ def test_fields_of_every_kind_of_skin_tell_how_far_they_have_come(name, press):
 
 
 def test_the_time_left_counts_down_from_what_is_done_and_is_not_made_up():
-    assert left_told(10, 0.25, 10) == "0:00:30"
-    assert left_told(25, 0.25, 10) == "0:00:15"
-    assert left_told(10, 0.001, 10) == "2:46:30"
-    assert left_told(45, 0.25, 10) == left_told(5, 0, 0) == "-:--:--"
+    assert time_left(10, 0.25, 10) == "0:00:30"
+    assert time_left(25, 0.25, 10) == "0:00:15"
+    assert time_left(10, 0.001, 10) == "2:46:30"
+    assert time_left(45, 0.25, 10) == time_left(5, 0, 0) == "-:--:--"
+
+
+def test_what_an_earlier_run_had_done_is_not_counted_as_fast():
+    assert time_left(10, 0.6, 10, first=0.5) == "0:00:40"
 
 
 def test_a_terminal_shows_it(capsys, monkeypatch):
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setenv("COLUMNS", "100")
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
-    with told_on_terminal() as tell:
-        tell("solving")
-        tell("solving", 0.5)
+    with on_terminal("sweeps") as progress:
+        progress("solving")
+        progress("solving", 0.5)
+        assert list(tracked([3, 4], "presses", progress)) == [3, 4]
+        for number in range(20):
+            progress(f"step {number}", 0.5)
     shown = capsys.readouterr().err
-    assert "solving" in shown
-    assert "left" in shown
+    assert "solving" in shown and "left" in shown and "2/2" in shown
+    assert "step 8" in shown and "step 19" in shown
+
+
+def test_items_count_as_done_when_the_next_is_asked_for():
+    heard = []
+    items = tracked("ab", "letters", lambda *told: heard.append(told))
+    assert next(items) == "a" and heard == [("letters", 0, 2)]
+    assert list(items) == ["b"] and heard[1:] == [("letters", 1, 2), ("letters", 2, 2)]

@@ -154,12 +154,12 @@ def test_bytes_are_the_same_by_two_workers_and_when_resumed(scenes, compared, tm
         plan, tmp_path / "two.zarr", processes=2, training=replace(training, load=REDUCED.load)
     )
 
-    def stop(sweeps):
-        if sweeps == 10:
+    def stop(work, done, total):
+        if done == 10:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        generate(plan, tmp_path / "three.zarr", training=training, advance=stop)
+        generate(plan, tmp_path / "three.zarr", training=training, progress=stop)
     generate(plan, tmp_path / "three.zarr", training=training)
     one, *others = (bytes_of(tmp_path / f"{name}.zarr") for name in ("one", "two", "three"))
     assert len(one) > 20

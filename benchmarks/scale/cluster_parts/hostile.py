@@ -52,12 +52,11 @@ class Killer:
         """kills: in all of the plan."""
         self._cluster, self._chance = cluster, random.Random(1)
         self._at = [plan.sweeps * (k + 1) / (kills + 1) for k in range(kills)]
-        self._finished, self.killed = 0, 0
+        self.killed = 0
 
-    def advance(self, sweeps: int) -> None:
-        """Told of every block that is finished."""
-        self._finished += sweeps
-        while self.killed < len(self._at) and self._finished >= self._at[self.killed]:
+    def progress(self, work: str, done: float | None = None, total: float = 1.0, /) -> None:
+        """Called after every block that is finished, with the sweeps that are done."""
+        while self.killed < len(self._at) and (done or 0) >= self._at[self.killed]:
             alive = [worker.pid for worker in self._cluster.workers.values() if worker.pid]
             self.killed += 1
             if alive:
@@ -72,7 +71,7 @@ def made(plan: Plan, output: Path, workers: int, trouble: Trouble) -> Made:
         while True:
             try:
                 address = cluster.scheduler_address
-                generate(plan, output, scheduler=address, advance=killer.advance)
+                generate(plan, output, scheduler=address, progress=killer.progress)
                 return Made(time.perf_counter() - start, killer.killed, calls)
             except WorkerError:
                 calls += 1

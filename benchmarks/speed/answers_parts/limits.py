@@ -86,7 +86,7 @@ def _judged(classifier, known: Readings, sweeps: int) -> float:
 class _InFull(Readings):
     """Readings without a reduced model: one solve for each press."""
 
-    def train(self, track=None) -> None:
+    def train(self, progress=None) -> None:
         """Nothing to train."""
 
     def of_each(self, batch: PressBatch) -> NDArray[np.float64]:

@@ -17,8 +17,9 @@ from ...models.network.terminals import read, with_chain
 from ...models.parameters import by_sheets
 from ...models.reduced.cases import Case
 from ...models.reduced.families.resolving import unreduced
-from ...models.reduced.greedy import Basis, unseen
+from ...models.reduced.greedy import Basis
 from ...models.reduced.model import Reduced
+from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import Sweep
 from ...scene.planar import covered
@@ -85,7 +86,7 @@ class ReducedFields:
         random = np.random.default_rng(0)
         with one_blas_thread():
             family = unreduced(scene, two_fields(scene), MESH_RTOL, highest)
-            return Basis(family, RTOL, 0.0).grow(self._draw, random, unseen, most=1)
+            return Basis(family, RTOL, 0.0).grow(self._draw, random, silent, most=1)
 
     def _draw(self, random: np.random.Generator) -> Case:
         """A touch anywhere on the skin."""

@@ -55,7 +55,7 @@ def answer(found: Found, asking: Asking) -> str:
 def write_folder(found: Found, asking: Asking, folder: Path) -> None:
     """All files, each whole. Raises InputError as bounds do."""
     scene, layout = scene_of(found), found.best.layout
-    asking.tell("how flat it is")
+    asking.progress("how flat it is")
     flat, lost = along_all(found.bench, layout), worth(found.bench, layout)
     scale = scale_of(found.bench.scene, asking.asked)
     made_folder(folder)

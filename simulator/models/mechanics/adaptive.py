@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...press.press import Press
 from ...press.touch import Depth
-from ...progress import Tell, tell_nothing
+from ...progress import Progress, silent
 from ...scene.foam_mechanics import Mechanics
 from ...sweeps import InputError
 from ...sweeps.errors import ToleranceError
@@ -77,12 +77,12 @@ def solved(
     mechanics: Mechanics,
     thickness: float,
     rtol: float,
-    tell: Tell = tell_nothing,
+    progress: Progress = silent,
     again: Again | None = None,
 ) -> Solved:
     """The deflection by a press's applicators, within `rtol` of the factor anywhere.
 
-    tell: is told how far it has come. again: what presses of the same places left, its mesh is that
+    progress: as of `Progress`. again: what presses of the same places left, its mesh is that
     of `ground`; keeps what this one leaves. Raises InputError where one of given force meets
     another, ToleranceError where `rtol` is out of reach.
     """
@@ -90,13 +90,13 @@ def solved(
     _check_apart(press, ground, pushed)
     _check_length(ground, mechanics, thickness)
     pressing, remaining = _Pressing(mechanics, thickness, pushed), Remaining(rtol)
-    tell(PRESSING, 0.0)
+    progress(PRESSING, 0.0)
     known = again or Again()
     level = pressing.again(known, known.level, rtol) if known.level else pressing.level(ground)
     while True:
         check_reached(press, level.rest.depth, mechanics, thickness)
         found = SAFETY * pressing.relative(level)
-        tell(PRESSING, remaining.share(max(float(found.max()), _least(rtol, level))))
+        progress(PRESSING, remaining.share(max(float(found.max()), _least(rtol, level))))
         if not (found > rtol).any():
             if level.refined:
                 known.keep(level, pushed)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ...mesh.drawing import polygon_of, polygonal
 from ...press.press import Press, check_press
 from ...press.touch import Disc
-from ...progress import Tell, tell_nothing
+from ...progress import Progress, silent
 from ...scene.foam_mechanics import Mechanics
 from ...scene.planar import ring
 from ...scene.scene import Scene
@@ -39,12 +39,12 @@ def pressed(
     scene: Scene,
     press: Press,
     rtol: float,
-    tell: Tell = tell_nothing,
+    progress: Progress = silent,
     again: Again | None = None,
 ) -> Pressed:
     """What the touches of given depth or force do, the factor within `rtol` relatively, anywhere.
 
-    tell: is told how far it has come. again: what presses of the same places left. Raises
+    progress: as of `Progress`. again: what presses of the same places left. Raises
     InputError as `check_press`, where the foam cannot give way so far, where touches of a given
     force meet others, and where a touch lies beside the skin; ToleranceError where `rtol` is out of
     reach.
@@ -58,7 +58,7 @@ def pressed(
     check_depths(press, mechanics, thickness)
     if not mechanics.tension:
         return stamped(scene, press, mechanics, thickness)
-    return _spread(scene, press, mechanics, thickness, rtol, tell, again)
+    return _spread(scene, press, mechanics, thickness, rtol, progress, again)
 
 
 def _spread(
@@ -67,7 +67,7 @@ def _spread(
     mechanics: Mechanics,
     thickness: float,
     rtol: float,
-    tell: Tell,
+    progress: Progress,
     again: Again | None,
 ) -> Pressed:
     from .adaptive import solved
@@ -78,7 +78,7 @@ def _spread(
     places = [touch.place for touch in press.indented]
     kinks = tuple(ring(polygon_of(scene, polygonal(each, DISC_SIDES))) for each in places)
     ground = again.ground or straight_ground(scene, places, DISC_SIDES)
-    found = solved(press, ground, mechanics, thickness, rtol, tell, again)
+    found = solved(press, ground, mechanics, thickness, rtol, progress, again)
     depth, force = tuple(found.rest.depth.tolist()), tuple(found.rest.force.tolist())
     return Pressed(
         mechanics,

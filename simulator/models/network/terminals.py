@@ -14,13 +14,14 @@ from dataclasses import replace
 from typing import TypeVar
 
 from ...fem.circuit import two_fields
+from ...progress import Progress, silent
 from ...scene.contacts import Contact, Interface
 from ...scene.scene import Scene
 from ...scene.wiring import check_wiring, joined
 from ...sweeps import InputError
 from ..plain import electrical
 from ..reduced.cases import Draw
-from ..reduced.greedy import Advance, reduce, unseen
+from ..reduced.greedy import reduce
 from ..reduced.indented.draws import spreading
 from ..reduced.model import Reduced
 from ..reduced.projection import Projection
@@ -35,15 +36,15 @@ def trained(
     draw: Draw | None = None,
     *,
     modes: int = 1,
-    advance: Advance = unseen,
+    progress: Progress = silent,
 ) -> Reduced:
     """A model of a scene's skin that holds what any terminal charges, read in a `chain`.
 
-    rtol, draw, modes, advance: as of `reduce`; so is what is raised, and InputError where a tension
-    spreads presses.
+    rtol, draw, modes, progress: as of `reduce`; so is what is raised, and InputError where a
+    tension spreads presses.
     """
     require_no_spread(scene)
-    return reduce(with_chain(scene), rtol, draw, modes=modes, alike=False, advance=advance)
+    return reduce(with_chain(scene), rtol, draw, modes=modes, alike=False, progress=progress)
 
 
 def require_no_spread(scene: Scene) -> None:
@@ -62,15 +63,15 @@ def reduced_for(
     *,
     modes: int = 1,
     alike: bool = True,
-    advance: Advance = unseen,
+    progress: Progress = silent,
 ) -> Reduced:
     """A model read in the scene's own ways, trained for all terminals where those are `many`.
 
-    rtol, draw, modes, alike, advance: as of `reduce`.
+    rtol, draw, modes, alike, progress: as of `reduce`.
     """
     if not many(scene, alike):
-        return reduce(scene, rtol, draw, modes=modes, alike=alike, advance=advance)
-    return read(trained(scene, rtol, draw, modes=modes, advance=advance), scene.interfaces)
+        return reduce(scene, rtol, draw, modes=modes, alike=alike, progress=progress)
+    return read(trained(scene, rtol, draw, modes=modes, progress=progress), scene.interfaces)
 
 
 def many(scene: Scene, alike: bool = True) -> bool:

@@ -15,6 +15,7 @@ from ...press.at_random import random_presses
 from ...press.batch import PressBatch, TouchedCells
 from ...press.capacitance import touched_cells
 from ...press.press import Press
+from ...progress import Progress, silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import FrequencyGrid, Sweep
 from ...scene.scene import Scene
@@ -35,7 +36,7 @@ from ..slow.waves import amplitudes
 from ..varied.materials import gauge_slopes, gauged, gauges
 from ..varied.meshes import single_field
 from .cases import Case, Draw, pixel_touches, touched
-from .greedy import Advance, reduce, unseen
+from .greedy import reduce
 from .indented.draws import require_whole_pixels
 from .model import Reduced
 from .skin import ReducedSkin
@@ -56,22 +57,22 @@ class Forward:
         scene: Scene,
         cells_per_pixel: int = 1,
         rtol: float = 1e-4,
-        advance: Advance = unseen,
+        progress: Progress = silent,
         train: Callable[..., Reduced] = reduce,
         modes: int = 1,
     ) -> None:
         """rtol: largest relative error of Rs and Cp at the skin, for factors within REACH.
 
-        cells_per_pixel: along each side; touches that are no pixels are laid on cells. advance: is
-        told what share of the training is done. train: the model, as `reduce` does. modes: of each
-        sheet's conductance: all that SHEET_WAVES name, or the mean alone.
+        cells_per_pixel: along each side; touches that are no pixels are laid on cells. progress: as
+        of `Progress`. train: the model, as `reduce` does. modes: of each sheet's conductance: all
+        that SHEET_WAVES name, or the mean alone.
         """
         self.scene, self.rtol, self.modes = scene, rtol, modes
         self.cells_per_pixel = cells_per_pixel
         if cells_per_pixel != 1:
             require_whole_pixels(scene, "a touch on cells of pixels")
         self.divided = scene.divided(cells_per_pixel)
-        self._advance, self._train = advance, train
+        self._progress, self._train = progress, train
         self._kept: tuple[Mapping[str, float], ReducedSkin] | None = None
 
     def cells(self, press: Press) -> TouchedCells:
@@ -178,7 +179,7 @@ class Forward:
         low, high = self.scene.frequencies[0], self.scene.frequencies[-1]
         band = FrequencyGrid(start=low / REACH, stop=high * REACH, points=BAND_POINTS).values()
         trained = self.divided.model_copy(update={"sweep": Sweep(frequencies=tuple(band))})
-        kept = {"modes": self.modes, "alike": not self._two_fields, "advance": self._advance}
+        kept = {"modes": self.modes, "alike": not self._two_fields, "progress": self._progress}
         return self._train(trained, self.rtol, self._draw(), **kept)
 
     @cached_property

@@ -8,7 +8,7 @@ draws keep the tolerance.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
 
@@ -22,6 +22,7 @@ from ...fem.factors import one_blas_thread, without_zeros
 from ...fem.galerkin import Galerkin
 from ...fem.lanczos import potentials_of_all
 from ...fem.system import check_grid_fits
+from ...progress import Progress, silent
 from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
@@ -44,6 +45,8 @@ AT_ONCE, PRESSES_ON_SKIN = 64, 8
 BATCH = 32
 FEWEST_QUIET, MOST_QUIET = 64, 192
 LARGEST = 1200
+TRAINING = "training a reduced model"
+"""What its progress is reported as."""
 MESH_DRAWS = 4
 FREQUENCIES = 6
 SNAPSHOT_SHARE = 0.1
@@ -59,13 +62,8 @@ DROPPED_SHARE = 0.1
 ESSENCE_SHARE = 1e-4
 """Of what may be dropped of a snapshot: what is, before those of all skins are put together."""
 
-Advance = Callable[[float], None]
 Shared = tuple[NDArray[np.float64], NDArray[np.float64]]
 """Vectors in the inner unknowns, shape (inner, k), and snapshots as sums of them, (k, snapshot)."""
-
-
-def unseen(share: float) -> None:
-    """Shows nothing of what share is done."""
 
 
 def reduce(
@@ -76,7 +74,7 @@ def reduce(
     modes: int = 1,
     alike: bool = True,
     seed: int = 0,
-    advance: Advance = unseen,
+    progress: Progress = silent,
 ) -> Reduced:
     """A reduced model of a scene, within rtol in Rs and Cp for skins and presses as drawn.
 
@@ -91,12 +89,12 @@ def reduce(
     circuit = circuit_of(scene, alike)
     check_grid_fits(scene, circuit)
     random = np.random.default_rng(seed)
-    advance(0.0)
+    progress(TRAINING, 0.0)
     with one_blas_thread():
         cases = [draw(random) for _ in range(MESH_DRAWS)]
         resolve = resolved_under_applicators if by_depth else resolved
         family, mesh_error = resolve(scene, circuit, modes, rtol, cases)
-        return Basis(family, rtol, mesh_error).grow(draw, random, advance)
+        return Basis(family, rtol, mesh_error).grow(draw, random, progress)
 
 
 class Basis:
@@ -113,7 +111,7 @@ class Basis:
         self._most, self._K = 0.0, without_zeros(family.space.K)
 
     def grow(
-        self, draw: Draw, random: np.random.Generator, advance: Advance, most: int = MOST_QUIET
+        self, draw: Draw, random: np.random.Generator, progress: Progress, most: int = MOST_QUIET
     ) -> Reduced:
         """Until enough fresh draws in a row keep what the mesh leaves of the tolerance.
 
@@ -131,7 +129,7 @@ class Basis:
             cases = sharing_skins(cases, PRESSES_ON_SKIN) if roughly else cases
             found = bounds(reduced, cases, self._s)
             begun = max(begun, float(np.nan_to_num(found).max()), 2 * limit)
-            advance(_done(found.max(), begun, limit))
+            progress(TRAINING, _done(found.max(), begun, limit))
             if found.max() <= limit:
                 quiet, roughly = quiet + (0 if roughly else BATCH), False
                 continue

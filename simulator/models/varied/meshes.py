@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...fem.circuit import Circuit, one_field, two_fields
 from ...fem.system import check_grid_fits
 from ...press.press import Press
-from ...progress import Tell, tell_nothing
+from ...progress import Progress, silent
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from ..plain import electrical
@@ -86,19 +86,19 @@ def indented(
     scene: Scene,
     press: Press,
     rtol: float,
-    tell: Tell = tell_nothing,
+    progress: Progress = silent,
     place: Place | None = None,
 ) -> tuple[Press, Pressed | None]:
     """Touches of a factor, and what mechanics makes of the others: factors too, if it can.
 
-    rtol: the tolerance asked of Rs and Cp. tell: as of `pressed`. place: where it presses.
+    rtol: the tolerance asked of Rs and Cp. progress: as of `Progress`. place: where it presses.
     """
     if not press.indented:
         return press, None
     from ..mechanics.indentation import pressed
 
     found = pressed(
-        scene, press, min(COARSEST_FACTOR, FACTOR_SHARE * rtol), tell, place and place.again
+        scene, press, min(COARSEST_FACTOR, FACTOR_SHARE * rtol), progress, place and place.again
     )
     return (press.sharp, found) if found.sharp is None else (found.sharp, None)
 

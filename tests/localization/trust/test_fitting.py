@@ -145,13 +145,12 @@ def test_a_name_that_cannot_tell_the_target_is_refused(name, target, message):
 
 @pytest.mark.parametrize(("target", "fits"), [("column", 6), ("position", 6)])
 def test_progress_is_told_fit_by_fit(strip, target, fits):
-    handed_out = []
-
-    def track(items, description):
-        for item in items:
-            yield item
-            handed_out.append(description)
-
+    heard = []
     scene = "[skin]\nlength = 0.03\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 3\n"
-    model = train(strip.assign_attrs(scene=scene), target, quantities=("dlnZ",), track=track)
-    assert handed_out == [f"training {model.estimator}"] * fits
+    model = train(
+        strip.assign_attrs(scene=scene),
+        target,
+        quantities=("dlnZ",),
+        progress=lambda *told: heard.append(told),
+    )
+    assert heard == [(f"training {model.estimator}", done, fits) for done in range(fits + 1)]

@@ -27,9 +27,9 @@ def test_a_worker_killed_half_way_changes_nothing(make, toy, cluster, tmp_path):
     output = tmp_path / "out.zarr"
     finished, killed = [], []
 
-    def kill_one_half_way(sweeps):
-        finished.append(sweeps)
-        if sum(finished) >= plan.sweeps / 2 and not killed:
+    def kill_one_half_way(work, done, total):
+        finished.append(done)
+        if done >= plan.sweeps / 2 and not killed:
             killed.append(cluster.workers[0].pid)
             os.kill(killed[0], signal.SIGKILL)
 
@@ -37,10 +37,10 @@ def test_a_worker_killed_half_way_changes_nothing(make, toy, cluster, tmp_path):
         plan,
         output,
         scheduler=cluster.scheduler_address,
-        advance=kill_one_half_way,
+        progress=kill_one_half_way,
         training=toy.training(delay=0.02),
     )
-    assert killed and sum(finished) == plan.sweeps
+    assert killed and finished == sorted(finished) and finished[-1] == plan.sweeps
     assert toy.bytes_of(output) == toy.bytes_of(make("alone", plan))
 
 
@@ -50,7 +50,7 @@ def test_what_a_lost_worker_had_begun_to_write_is_no_part_of_it(make, toy, tmp_p
     generate(
         toy.small_plan(),
         output,
-        advance=lambda sweeps: begun.write_bytes(b"half") if sweeps else None,
+        progress=lambda work, done, total: begun.write_bytes(b"half") if done else None,
         training=toy.training(),
     )
     assert toy.bytes_of(output) == toy.bytes_of(make("alone"))

@@ -75,12 +75,12 @@ def test_two_processes_do_not_write_one_output(make, toy, tmp_path, tokens):
 def interrupted(toy, output, plan):
     """A run that ends after its first block."""
 
-    def stop(sweeps):
-        if sweeps:
+    def stop(work, done, total):
+        if done:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        generate(plan, output, advance=stop, training=toy.training())
+        generate(plan, output, progress=stop, training=toy.training())
 
 
 @pytest.mark.parametrize(

@@ -62,13 +62,11 @@ def test_a_movie_that_takes_long_is_told_of_after_its_first_picture(
     notes, drawn = [], []
     monkeypatch.setattr(outputs, "LONG", long)
 
-    def track(items, description):
-        for item in items:
-            drawn.append(len(notes))
-            yield item
+    def progress(work, done=None, total=1.0, /):
+        drawn.append(len(notes))
 
-    write_output(tmp_path / "movie.gif", stage(fields()), "power", None, track, notes.append)
-    assert len(notes) == told and drawn == [0, told, told]
+    write_output(tmp_path / "movie.gif", stage(fields()), "power", None, progress, notes.append)
+    assert len(notes) == told and drawn == [0, told, told, told]
     assert all("movie.gif: 3 pictures, about 1 min" in note for note in notes)
 
 
