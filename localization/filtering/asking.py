@@ -18,6 +18,7 @@ from ..model.model import Model
 from .follower import Follower
 from .questioning import OfClasses, Questioning
 from .questioning_places import OfPlaces
+from .terms import Terms
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,9 +29,8 @@ INVERTING = ModelBased | AdaptedClassifier | ModelBasedPosition | AdaptedPositio
 
 
 class Asker:
-    """Begins a `Questioning` for each sweep. follower: by whose belief sweeps begin; may be none.
+    """Begins a `Questioning` for each sweep. model, certain, follower, within: as of `Terms`.
 
-    within: mm, radius of a disc as large as the region of a place that is known well enough.
     Raises InputError for a model that does not know how likely parts of a sweep are.
     """
 
@@ -51,18 +51,17 @@ class Asker:
             raise InputError(f"`certain` must be between 0 and 1, got {certain:g}")
         if not 0 < within < np.inf:
             raise InputError(f"`within` must be above 0 mm, got {within:g}")
-        self.model, self.certain, self.follower = model, certain or CERTAIN, follower
-        self.within = within
+        self._terms = Terms(model, certain or CERTAIN, follower, within)
         self._skin: tuple[xr.Dataset, tuple[Any, NDArray[np.complex128]]] | None = None
 
     def begin(self, rest: xr.Dataset, gap: float) -> Questioning:
         """Of the next sweep. rest: sweeps of the skin at rest. gap: s since the one before."""
         if self._skin is None or self._skin[0] is not rest:
-            self._skin = rest, skin_at_hand(self.model, rest)
+            self._skin = rest, skin_at_hand(self._terms.model, rest)
         step, at_rest = self._skin[1]
         if isinstance(step, ModelBased):
-            return OfClasses(self, step, at_rest, gap)
-        return OfPlaces(self, step, at_rest, gap)
+            return OfClasses(self._terms, step, at_rest, gap)
+        return OfPlaces(self._terms, step, at_rest, gap)
 
 
 def skin_at_hand(model: Model, rest: xr.Dataset) -> tuple[Any, NDArray[np.complex128]]:

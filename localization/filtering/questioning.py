@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +14,7 @@ from ..trust.answers import CANNOT_TELL
 from ..trust.fitted import Classifier
 from .chain import Evidence
 from .follower import Followed
-
-if TYPE_CHECKING:
-    from .asking import Asker
+from .terms import Terms
 
 LEAST_PRIOR = 1e-6
 
@@ -25,11 +22,11 @@ LEAST_PRIOR = 1e-6
 class Questioning(ABC):
     """One sweep: `next` tells what to read, `tell` what was read there, until `next` is None."""
 
-    def __init__(self, asker: Asker, at_rest: NDArray[np.complex128], gap: float) -> None:
-        self.asker, self.gap, self._at_rest = asker, gap, at_rest
-        self._interfaces = asker.model.interfaces
-        self._frequencies = np.array(asker.model.frequencies)
-        taken = np.array(asker.model.problem.taken, dtype=bool)
+    def __init__(self, terms: Terms, at_rest: NDArray[np.complex128], gap: float) -> None:
+        self._terms, self.gap, self._at_rest = terms, gap, at_rest
+        self._interfaces = terms.model.interfaces
+        self._frequencies = np.array(terms.model.frequencies)
+        taken = np.array(terms.model.problem.taken, dtype=bool)
         shape = len(self._interfaces), self._frequencies.size
         self._places = np.argwhere(taken if taken.size else np.ones(shape, dtype=bool))
 
@@ -74,11 +71,11 @@ class Questioning(ABC):
 class OfClasses(Questioning):
     """Which class it is."""
 
-    def __init__(self, asker: Asker, step: ModelBased, at_rest: NDArray, gap: float) -> None:
-        super().__init__(asker, at_rest, gap)
-        learned, prior = asker.model.learned, None
-        if asker.follower is not None:
-            known = asker.follower.expected(gap)[:-1]
+    def __init__(self, terms: Terms, step: ModelBased, at_rest: NDArray, gap: float) -> None:
+        super().__init__(terms, at_rest, gap)
+        learned, prior = terms.model.learned, None
+        if terms.follower is not None:
+            known = terms.follower.expected(gap)[:-1]
             prior = np.log(np.maximum(known / known.sum(), LEAST_PRIOR))
         assert isinstance(learned, Classifier)
         self._inquiry, self._sharpness = Inquiry(step, prior, learned.sharpness), learned.sharpness
@@ -91,17 +88,17 @@ class OfClasses(Questioning):
     @property
     def enough(self) -> bool:
         """Whether a class is probable enough."""
-        return bool(self._inquiry.probabilities.max() >= self.asker.certain)
+        return bool(self._inquiry.probabilities.max() >= self._terms.certain)
 
     def answer(self, during: float) -> Followed:
         """By the readings so far. during: s that they took."""
-        inquiry, asker = self._inquiry, self.asker
-        if asker.follower is not None:
+        inquiry, terms = self._inquiry, self._terms
+        if terms.follower is not None:
             told = self._sharpness * inquiry.log_densities
-            return asker.follower.seen(Evidence(told), self.gap, during)
+            return terms.follower.seen(Evidence(told), self.gap, during)
         probabilities = inquiry.probabilities
         best = int(probabilities.argmax())
         chance = float(probabilities[best])
-        silent = inquiry.novel or chance < asker.certain
-        label = CANNOT_TELL if silent else str(asker.model.classes[best])
+        silent = inquiry.novel or chance < terms.certain
+        label = CANNOT_TELL if silent else str(terms.model.classes[best])
         return Followed(label, chance, probabilities, 0.0)

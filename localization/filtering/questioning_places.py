@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +16,7 @@ from .chain import Evidence
 from .follower import Followed
 from .places import grid_of
 from .questioning import LEAST_PRIOR, Questioning
-
-if TYPE_CHECKING:
-    from .asking import Asker
+from .terms import Terms
 
 AT_REST = 0.5
 """Chance that nothing is pressed, before anything is read."""
@@ -29,10 +26,10 @@ class OfPlaces(Questioning):
     """Whether there is a touch, and where."""
 
     def __init__(
-        self, asker: Asker, step: ModelBasedPosition, at_rest: NDArray, gap: float
+        self, terms: Terms, step: ModelBasedPosition, at_rest: NDArray, gap: float
     ) -> None:
-        super().__init__(asker, at_rest, gap)
-        self._grid = grid_of(asker.model)
+        super().__init__(terms, at_rest, gap)
+        self._grid = grid_of(terms.model)
         self._placing = Placing(step, self._prior(step, gap))
 
     @property
@@ -43,21 +40,21 @@ class OfPlaces(Questioning):
     @property
     def enough(self) -> bool:
         """Whether nothing is pressed, or the region of the touch is small enough."""
-        rest, certain = self._placing.at_rest, self.asker.certain
+        rest, certain = self._placing.at_rest, self._terms.certain
         if rest > 1 - certain:
             return rest >= certain
-        return self._region().area <= math.pi * self.asker.within**2
+        return self._region().area <= math.pi * self._terms.within**2
 
     def answer(self, during: float) -> Followed:
         """By the readings so far. during: s that they took."""
-        placing, follower = self._placing, self.asker.follower
+        placing, follower = self._placing, self._terms.follower
         if follower is not None:
-            told = placing.log_densities[0 if self.asker.model.knows_rest else 1 :]
+            told = placing.log_densities[0 if self._terms.model.knows_rest else 1 :]
             cells = self._grid.stretched(cells_of(placing.posterior))
             return follower.seen(Evidence(told), self.gap, during, cells)
         rest, nothing = placing.at_rest, np.zeros(0)
         chance = max(rest, 1 - rest)
-        if placing.novel or chance < self.asker.certain:
+        if placing.novel or chance < self._terms.certain:
             return Followed(CANNOT_TELL, chance, nothing, 0.0)
         if rest > 0.5:
             return Followed("0", chance, nothing, 0.0)
@@ -76,12 +73,12 @@ class OfPlaces(Questioning):
 
     def _prior(self, step: ModelBasedPosition, gap: float) -> NDArray[np.float64]:
         """ln chance of the skin at rest and of each cell."""
-        asker = self.asker
-        rest = AT_REST if asker.model.knows_rest else 0.0
+        terms = self._terms
+        rest = AT_REST if terms.model.knows_rest else 0.0
         own = prior_of(step, rest)
-        if asker.follower is None:
+        if terms.follower is None:
             return own
-        known = np.maximum(asker.follower.expected(gap)[:-1], LEAST_PRIOR / CELLS)
+        known = np.maximum(terms.follower.expected(gap)[:-1], LEAST_PRIOR / CELLS)
         if not rest:
             return np.append(-np.inf, np.log(known) + own[1:])
         return np.log(known) + own - np.log(np.append(rest, np.full(CELLS, (1 - rest) / CELLS)))
