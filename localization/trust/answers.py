@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...simulator.shown import Tabular
 from ...simulator.sweeps import InputError
 from .rates import CONFIDENCE, at_least
 
@@ -21,8 +22,8 @@ NOTHING_PRESSED = ("0", "0,0")
 """Labels of the skin at rest, as text."""
 
 
-@dataclass(frozen=True, eq=False)
-class Answers:
+@dataclass(frozen=True, eq=False, repr=False)
+class Answers(Tabular):
     """An answer to each sweep.
 
     labels: text of the class or CANNOT_TELL, shape (sweep,). probability: of the most probable
@@ -40,6 +41,14 @@ class Answers:
     def told(self) -> NDArray[np.bool_]:
         """Where there is an answer, shape (sweep,)."""
         return self.labels != CANNOT_TELL
+
+    def _table(self) -> tuple[str, list[tuple[object, ...]]]:
+        each = zip(self.labels, self.probability, self.novel, strict=True)
+        rows = [(k, label, f"{p:.4f}", novel) for k, (label, p, novel) in enumerate(each)]
+        return f"Answers to {len(rows)} sweeps", [
+            ("sweep", "answer", "probability", "novel"),
+            *rows,
+        ]
 
     def among(self, rows: NDArray[np.intp], count: int, guess: float) -> Answers:
         """These, of some rows of so many sweeps; the others cannot be told, but guessed."""

@@ -32,6 +32,8 @@ from .sheets import (
 
 UNITS = {name: unit if unit.isalpha() else "" for name, unit in VALUES.items()}
 UNITS |= dict.fromkeys(SLOW_WAVES, "")
+HEADER = ("quantity", "unit", "scene", "fitted", "from", "to", "told by")
+"""Of `Quantity.cells`."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,12 @@ class Quantity:
     high: float
     told: bool
     parameters: tuple[str, ...]
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """As a row of a table for people, see HEADER."""
+        numbers = (f"{x:.4g}" for x in (self.start, self.value, self.low, self.high))
+        return self.name, self.unit, *numbers, self.told_by
 
     @property
     def told_by(self) -> str:

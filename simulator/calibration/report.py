@@ -17,6 +17,7 @@ from ..shown import shown
 from ..sweeps import made_folder, whole_file
 from ..sweeps.cells import Writer
 from .chart import draw_residuals
+from .estimates import HEADER
 from .sheets import MISMATCH, RATIO
 
 if TYPE_CHECKING:
@@ -89,14 +90,11 @@ def table(calibration: Calibration) -> Table:
     """Every fitted quantity."""
     from rich.table import Column, Table
 
-    left = [Column(name, no_wrap=True) for name in ("quantity", "unit")]
-    right = [
-        Column(name, justify="right", no_wrap=True) for name in ("scene", "fitted", "from", "to")
-    ]
-    found = Table(*left, *right, "told by", box=None, padding=(0, 1, 0, 0))
+    left = [Column(name, no_wrap=True) for name in HEADER[:2]]
+    right = [Column(name, justify="right", no_wrap=True) for name in HEADER[2:-1]]
+    found = Table(*left, *right, HEADER[-1], box=None, padding=(0, 1, 0, 0))
     for each in calibration.quantities:
-        numbers = (f"{x:.4g}" for x in (each.start, each.value, each.low, each.high))
-        found.add_row(each.name, each.unit, *numbers, each.told_by)
+        found.add_row(*each.cells)
     return found
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,8 +19,9 @@ from ..models.slow.sheets import check_even_sheets, with_sheet_waves
 from ..models.slow.waves import Uneven
 from ..progress import Progress, silent
 from ..scene.scene import Scene
+from ..shown import Tabular
 from .choice import Options, candidates
-from .estimates import Quantity, intervals, quantile, quantities, told_together
+from .estimates import HEADER, Quantity, intervals, quantile, quantities, told_together
 from .explained import Comparison, compared
 from .fit import Fit, allowed, fitted, model_tolerance
 from .information import Information, information, with_unknown
@@ -40,8 +41,8 @@ ROUNDED = 1e-6
 """Of an exponent: so near to 1 it is 1."""
 
 
-@dataclass(frozen=True)
-class Calibration:
+@dataclass(frozen=True, repr=False)
+class Calibration(Tabular):
     """What the sweeps say of a scene.
 
     values: all parameters as `Forward` counts them about the scene given. intervals: 95 %, of all
@@ -57,8 +58,8 @@ class Calibration:
     scene: Scene
     told: dict[str, bool]
     quantities: tuple[Quantity, ...]
-    information: Information = field(repr=False)
-    fit: Fit = field(repr=False)
+    information: Information
+    fit: Fit
     noise: Noise
     unclear: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
@@ -74,6 +75,9 @@ class Calibration:
     def rms_error(self) -> float:
         """Of Z, relative to |Z|."""
         return self.fit.rms_error
+
+    def _table(self) -> tuple[str, list[tuple[str, ...]]]:
+        return f"Calibration of {self.scene.name}", [HEADER, *(q.cells for q in self.quantities)]
 
     @property
     def strengths(self) -> list[NDArray[np.float64]]:

@@ -100,6 +100,7 @@ def test_features_train_and_localize(scene):
     assert len(X) == len(y) == 27 and set(y) == {1, 2, 3}
     told = rcskin.localize(rcskin.train(known, "column"), known)
     assert np.mean(told.labels.astype(str) == y.astype(str)) > 0.9
+    assert repr(told).startswith("Answers to 27 sweeps (7 more rows)\n")
 
 
 @pytest.fixture(scope="module")
@@ -164,10 +165,11 @@ def test_files_come_back_as_they_went(sweeps, tmp_path):
 
 
 def test_a_reduced_model_answers_as_the_sweep(scene):
-    skin = rcskin.reduce(scene, 1e-3).skin(None)
-    Z = skin.sweep(np.array([1]), np.array([1.0]))
-    exact = rcskin.sweep(scene, ["1,2:2"], rtol=1e-3)
+    reduced = rcskin.reduce(scene, 1e-3)
+    exact = rcskin.sweep(scene, "1,2:2", rtol=1e-3)
+    Z = reduced.impedance("1,2:2", scene.frequencies)
     np.testing.assert_allclose(Z.real, exact["Rs"].values[0], rtol=2e-3)
+    assert "3 x 3" in repr(reduced) and len(repr(reduced).splitlines()) == 3
 
 
 def test_limits_are_a_share(scene):
@@ -181,6 +183,7 @@ def test_limits_are_a_share(scene):
 
 def test_a_skin_is_calibrated_to_its_own_sweeps(scene, sweeps):
     found = rcskin.calibrate(scene, sweeps)
+    assert "both in series  " in repr(found) and "<td>loss_tangent</td>" in found._repr_html_()
     both = found.scene.skin.top.sheet_resistance + found.scene.skin.bottom.sheet_resistance
     assert both == pytest.approx(2 * scene.skin.top.sheet_resistance, rel=1e-2)
 

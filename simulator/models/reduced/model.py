@@ -8,24 +8,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...press.capacitance import touched_cells
-from ...press.press import Press
+from ...press.press import Press, press_on
 from ...scene.frequency import laplace_variable
+from ...shown import Tabular
 from ..parameters import Variation
 from .projection import Projection
 from .skin import ReducedSkin
 
 
-@dataclass(frozen=True)
-class Reduced(Projection):
+@dataclass(frozen=True, repr=False)
+class Reduced(Projection, Tabular):
     """The arrays of a family, and its skins."""
 
-    def impedance(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+    def impedance(
+        self, press: Press | str, frequency: NDArray[np.float64]
+    ) -> NDArray[np.complex128]:
         """Z in ohm of the scene's own skin, shape (interface, frequency). frequency: Hz.
 
-        Touches that are no pixels count by the area they cover of each.
+        press: or its text. Touches that are no pixels count by the area they cover of each. Raises
+        InputError for a text that is no press on the scene.
         """
+        pressed = press_on(self.scene, press) if isinstance(press, str) else press
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
-        return self.skin(None).sweep(*touched_cells(self.scene, press), s)
+        return self.skin(None).sweep(*touched_cells(self.scene, pressed), s)
+
+    def _table(self) -> tuple[str, list[tuple[str, ...]]]:
+        rows, columns = self.grid
+        numbers = f"{self.size}", f"{rows} x {columns}", f"{self.rtol:g}", f"{self.mesh_error:.1e}"
+        header = "size of the basis", "pixels", "rtol", "estimated error of the mesh"
+        return f"Reduced model of {self.scene.name}", [header, numbers]
 
     def skin(
         self, variation: Variation | None, pressed: NDArray[np.float64] | None = None

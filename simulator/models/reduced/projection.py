@@ -22,7 +22,7 @@ from .families.family import Family, Mesh
 from .families.resolving import family_on
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Projection:
     """What `greedy.reduce` leaves of a scene's family: arrays, and how to build the full one.
 
