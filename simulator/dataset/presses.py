@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from ..mesh.held import held
 from ..press.batch import PressBatch
+from ..press.rasterized import Footprints
 from ..scene.randomisation import CUT, DrawnPress, truncated_normal
 from ..scene.scene import Scene
 from .anywhere.deep import raised_on_cells, strengths_anywhere
-from .anywhere.laying import Placed
 from .anywhere.places import drawn_places
 from .anywhere.places import texts as texts_anywhere
 from .strengths import drawn_strengths, texts, told
@@ -42,7 +42,7 @@ class Presses:
     x: NDArray[np.float64]
     y: NDArray[np.float64]
     factor: NDArray[np.float64]
-    placed: Placed | None = None
+    placed: Footprints | None = None
 
 
 def session_presses(
@@ -204,7 +204,6 @@ def pressed_beside(
     there = np.arange(meant.x.shape[1]) < meant.touches[:, None]
     x, y = np.where(there, (low + high) / 2, 0.0)
     width, height = high - low
-    square = np.zeros(x.shape, dtype=bool)
-    placed = Placed(square, x, y, width, height, meant.factor)
+    placed = Footprints.rectangles(x, y, width, height, meant.factor)
     batch = raised_on_cells(scene, meant.touches, placed, grid)
     return replace(meant, batch=batch, x=x, y=y, placed=placed)

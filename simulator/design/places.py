@@ -25,8 +25,6 @@ CELLS = 3
 """Along each side of a pixel, that touches are laid on."""
 ALONG = 5
 """Places along each side of the skin, at most."""
-ABOUT = 0.2
-"""Of the rise of a touch: so far from it a model is trained."""
 
 
 class Touches:
@@ -51,12 +49,7 @@ class Touches:
 
     def drawn(self, random: np.random.Generator) -> Case:
         """One of them, for training."""
-        half = self.size.width / 2, self.size.height / 2
-        x, y = (h + random.uniform(0, room) for h, room in zip(half, self.room, strict=True))
-        rise = self.size.rise * random.uniform(1 - ABOUT, 1 + ABOUT)
-        rises = (rise * self.cells.raised((x, y), self.size)["strength"]).ravel()
-        pressed = np.flatnonzero(rises)
-        return Case(None, pressed, rises[pressed])
+        return Case(None, *self.cells.drawn(self.size, random))
 
     def slopes(self, on: OnSkin, frequency: NDArray[np.float64], against_rest: int) -> Slopes:
         """Of a skin of the divided scene, at every place; frequency in Hz, ascending."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .compiled import compiled
+from ..compiled import compiled
 from .dropped import DROPPED
 from .estimate import LOST_SUSCEPTANCE
 

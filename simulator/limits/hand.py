@@ -20,9 +20,9 @@ from ..models.reduced.cases import Case
 from ..models.reduced.model import Reduced
 from ..models.reduced.skin import ReducedSkin
 from ..press.batch import PressBatch
+from ..press.rasterized import Footprints, rasterized
 from ..progress import Progress, silent, tracked
 from ..scene.frequency import laplace_variable
-from ..scene.planar import covered
 from ..scene.randomisation import CUT, AnyDistribution, truncated_normal
 from ..scene.scene import Scene
 
@@ -98,22 +98,16 @@ class Hand:
     def _read(self, middles: Array, factors: Array) -> Array:
         frequency = self.scene.frequencies
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
-        Z = self._skin.sweeps(self._laid(middles, factors), s)
+        Z = self._skin.sweeps(self._rasterized(middles, factors), s)
         return self._model.whitened(observed(self.scene.leads.seen_through(Z, frequency)))
 
-    def _laid(self, middles: Array, factors: Array, sides: Array | None = None) -> PressBatch:
-        """Touches on cells; those that overlap multiply. sides: m, of each if not all alike."""
-        half = (self._sides if sides is None else sides) / 2
-        along, across = (
-            covered(
-                middles[..., k] - half[..., k],
-                middles[..., k] + half[..., k],
-                np.linspace(0, self._extent[k], count + 1),
-            )
-            for k, count in ((0, self.grid[1]), (1, self.grid[0]))
-        )
-        each = 1 + (factors - 1)[..., None, None] * across[..., :, None] * along[..., None, :]
-        return PressBatch.on_grid(each.prod(axis=1).reshape(len(middles), -1) - 1)
+    def _rasterized(self, middles: Array, factors: Array, sides: Array | None = None) -> PressBatch:
+        """Touches on cells. sides: m, of each if not all alike."""
+        x, y = np.moveaxis(middles, -1, 0)
+        width, height = np.moveaxis(self._sides if sides is None else sides, -1, 0)
+        touches = np.full(len(middles), middles.shape[1])
+        rectangles = Footprints.rectangles(x, y, width, height, factors)
+        return rasterized(self.scene, touches, rectangles, self.grid)
 
     @cached_property
     def _skin(self) -> ReducedSkin:
@@ -128,7 +122,9 @@ class Hand:
         def draw(random: np.random.Generator) -> Case:
             touches = int(random.integers(1, MOST_TOUCHES, endpoint=True))
             middles = random.random((1, touches, 2)) * self._extent
-            return Case(None, *self._laid(middles, random.uniform(*range_of, (1, touches))).one(0))
+            return Case(
+                None, *self._rasterized(middles, random.uniform(*range_of, (1, touches))).one(0)
+            )
 
         return reduced_for(divided, RTOL, draw)
 

@@ -111,7 +111,7 @@ def test_a_cache_that_cannot_be_written_is_done_without(swept, tmp_path):
 
 KERNEL = """
 from factor import FACTOR
-from rcskin.simulator.fem.compiled import compiled
+from rcskin.simulator.compiled import compiled
 
 @compiled()
 def scaled(x):
@@ -167,7 +167,7 @@ def test_a_kernel_without_a_folder_is_compiled_each_time(scaled, tmp_path):
 AT_ONCE = """
 import sys, time
 from pathlib import Path
-from rcskin.simulator.fem.compiled import compiled
+from rcskin.simulator.compiled import compiled
 
 @compiled()
 def scaled(x, factor):

@@ -13,7 +13,6 @@ from rcskin.simulator.dataset.anywhere.deep import (
     raised_on_cells,
     strengths_anywhere,
 )
-from rcskin.simulator.dataset.anywhere.laying import Placed
 from rcskin.simulator.dataset.anywhere.places import texts
 from rcskin.simulator.dataset.cells import error_of_cells, error_of_deflections
 from rcskin.simulator.dataset.model import REDUCED, Training
@@ -23,6 +22,7 @@ from rcskin.simulator.dataset.run import generate
 from rcskin.simulator.fem.estimate import relative_difference
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.press.rasterized import Footprints
 from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.scene.skin import on_skin
 from rcskin.simulator.sweeps import InputError
@@ -68,7 +68,7 @@ def at_the_worst(scene):
     factor = np.ones_like(x)
     depths = np.array([2.1e-3, 2e-3, 1e-3, 2.2e-3, 1.2e-3])
     factor[[0, 1, 2, 3, 3], [0, 0, 0, 0, 1]] = scene.pressed_factors(depths)
-    return np.array([1, 1, 1, 2]), Placed(disc, x, y, width, height, factor)
+    return np.array([1, 1, 1, 2]), Footprints(disc, x, y, width, height, factor)
 
 
 trained = cache(REDUCED.train)

@@ -46,7 +46,7 @@ class TwinsHand(Hand):
                 for press in (twin.pressed(asked, event) for event in events)
             ]
         )
-        return self._seen(self._laid(made[..., :2], made[..., 4], made[..., 2:4]))
+        return self._seen(self._rasterized(made[..., :2], made[..., 4], made[..., 2:4]))
 
     def anywhere(self, random: np.random.Generator, count: int) -> tuple[NDArray, NDArray]:
         """Where touches were meant, m, shape (press, 2), and readings of where the hand put them;
@@ -57,7 +57,7 @@ class TwinsHand(Hand):
         return meant, self.read((meant + self._offset * self._sides * aside)[:, None], random)
 
     def _read(self, middles: NDArray, factors: NDArray) -> NDArray:
-        return self._seen(self._laid(middles, factors))
+        return self._seen(self._rasterized(middles, factors))
 
     def _seen(self, batch: PressBatch) -> NDArray:
         twin, frequencies = self._twin, self.scene.frequencies

@@ -9,8 +9,9 @@ from ...models.reduced.indented.draws import felt_beside
 from ...models.varied.materials import gauged
 from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
+from ..touches.cells import TouchSize
 from .full import CELLS_PER_PIXEL, Fields
-from .reduced import ReducedFields, TouchSize
+from .reduced import ReducedFields
 
 AnyFields = Fields | ReducedFields
 

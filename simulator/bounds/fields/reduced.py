@@ -6,7 +6,6 @@ dY = u'(dK + s dM + ds M) u with the potentials u of 1 V.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,24 +21,14 @@ from ...models.reduced.model import Reduced
 from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import Sweep
-from ...scene.planar import covered
 from ...scene.scene import Scene
+from ..touches.cells import Cells, TouchSize
 from .answer import NONE, Answer, Maps, at_meter
 from .full import CELLS_PER_PIXEL
 from .full import RTOL as MESH_RTOL
 from .pressed import PressedSkin
 
 RTOL = 4e-4
-ABOUT = 0.2
-"""Of the rise of a touch: so far from it the model is trained."""
-
-
-class TouchSize(NamedTuple):
-    """Rectangles that are to be answered: sides along x and y in m, and by how much c rises."""
-
-    width: float
-    height: float
-    rise: float
 
 
 class ReducedFields:
@@ -90,30 +79,11 @@ class ReducedFields:
 
     def _draw(self, random: np.random.Generator) -> Case:
         """A touch anywhere on the skin."""
-        skin, (rows, columns) = self.scene.skin, self.grid
-        along, across = (
-            _covered(side, own, count, random)
-            for side, own, count in (
-                (skin.length, self._touch.width, columns),
-                (skin.width, self._touch.height, rows),
-            )
-        )
-        rise = self._touch.rise * random.uniform(1 - ABOUT, 1 + ABOUT)
-        rises = (rise * np.multiply.outer(across, along)).ravel()
-        cells = np.flatnonzero(rises)
-        return Case(None, cells, rises[cells])
+        cells = Cells.of(self.scene.skin.length, self.scene.skin.width, self.grid)
+        return Case(None, *cells.drawn(self._touch, random))
 
     @cached_property
     def _stiffness(self) -> NDArray[np.float64]:
         """K of each sheet, then of each film, in S."""
         turn = self._skin.turn
         return turn.T @ self._skin.reduced.stiffness @ turn
-
-
-def _covered(
-    side: float, own: float, count: int, random: np.random.Generator
-) -> NDArray[np.float64]:
-    """Of each of so many cells along a side, what a span somewhere covers."""
-    start = random.uniform(0, side - own)
-    lines = np.linspace(0, side, count + 1)
-    return covered(start, start + own, lines)

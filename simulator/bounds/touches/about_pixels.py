@@ -6,7 +6,6 @@ Chebyshev's depths, twice as many of which tell how far it is off.
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -18,7 +17,7 @@ from ...models.mechanics.lattice.presses import Applied, Window, apart, raised
 from ...models.mechanics.lattice.skin import Lattice
 from ...models.reduced.indented.draws import felt_beside
 from ...press.batch import PressBatch
-from ...scene.planar import covered
+from ...press.rasterized import Footprints, rasterized
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from .cells import Array, Place
@@ -64,26 +63,17 @@ class SharpOnes:
 
     def __init__(self, scene: Scene, grid: tuple[int, int], size: float) -> None:
         self._scene, self._grid, self._size = scene, grid, size
+        self._middles = np.array(middles(scene))
 
     def laid(self, batch: PressBatch) -> PressBatch:
         """As of `AboutPixels`."""
-        factors = np.ones((batch.count, self._covers.shape[1]))
-        np.multiply.at(
-            factors, _presses(batch), 1 + batch.rises[:, None] * self._covers[batch.cells]
-        )
-        return PressBatch.on_grid(factors - 1)
-
-    @cached_property
-    def _covers(self) -> Array:
-        """What part of each cell the touch of each pixel covers, shape (pixel, cell)."""
-        skin, (rows, columns) = self._scene.skin, self._grid
-        x, y = np.linspace(0, skin.length, columns + 1), np.linspace(0, skin.width, rows + 1)
-        half = self._size / 2
-        each = (
-            np.multiply.outer(covered(v - half, v + half, y), covered(u - half, u + half, x))
-            for u, v in middles(self._scene)
-        )
-        return np.stack([own.ravel() for own in each])
+        touches = np.diff(batch.starts)
+        there = np.arange(touches.max(initial=0)) < touches[:, None]
+        pixel, factor = np.zeros(there.shape, dtype=np.int64), np.ones(there.shape)
+        pixel[there], factor[there] = batch.cells, 1 + batch.rises
+        x, y = np.moveaxis(self._middles[pixel], -1, 0)
+        squares = Footprints.rectangles(x, y, self._size, self._size, factor)
+        return rasterized(self._scene, touches, squares, self._grid)
 
 
 class _Depths(NamedTuple):

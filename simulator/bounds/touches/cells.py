@@ -1,4 +1,7 @@
-"""Touches that end at their edges, laid on cells by the area that they cover."""
+"""Touches that end at their edges, on cells by the area that they cover, and their slopes.
+
+`press.rasterized` has no slopes: these are of one touch at a time, and of whole maps.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...press.batch import TouchedCells
 from ...scene.planar import SAME_LINE, covered
-from ..fields import TouchSize
 
 Array = NDArray[np.float64]
 Place = tuple[float, float]
+ABOUT = 0.2
+"""Of the rise of a touch: so far from it others are drawn."""
+
+
+class TouchSize(NamedTuple):
+    """Rectangles that are to be answered: sides along x and y in m, and by how much c rises."""
+
+    width: float
+    height: float
+    rise: float
 
 
 class Laid(NamedTuple):
@@ -44,6 +57,15 @@ class Cells:
             "y": touch.rise * np.multiply.outer(by_y, along),
             "strength": np.multiply.outer(across, along),
         }
+
+    def drawn(self, touch: TouchSize, random: np.random.Generator) -> TouchedCells:
+        """One somewhere on the skin, as strong but for ABOUT, to train a model with."""
+        sides = (self.x[-1], touch.width), (self.y[-1], touch.height)
+        x, y = (own / 2 + random.uniform(0, side - own) for side, own in sides)
+        rise = touch.rise * random.uniform(1 - ABOUT, 1 + ABOUT)
+        rises = (rise * self.raised((x, y), touch)["strength"]).ravel()
+        cells = np.flatnonzero(rises)
+        return TouchedCells(cells, rises[cells])
 
     def laid(self, place: Place, touch: TouchSize) -> Laid:
         """A touch about a place, m."""

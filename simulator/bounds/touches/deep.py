@@ -26,8 +26,7 @@ from ...models.mechanics.lattice.skin import Lattice, lattice_of
 from ...models.mechanics.pressed import check_plane
 from ...models.reduced.indented.draws import felt_beside
 from ...scene.scene import Scene
-from ..fields import TouchSize
-from .cells import Array, Cells, Laid, Place
+from .cells import Array, Cells, Laid, Place, TouchSize
 from .shared import shared_by_cells
 
 STRIDE = 1

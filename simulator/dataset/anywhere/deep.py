@@ -1,4 +1,4 @@
-"""Many touches pressed into foam whose skins have a tension, laid on the cells of a grid.
+"""Many touches pressed into foam whose skins have a tension, rasterized on the cells of a grid.
 
 A cell rises by the mean of the factor over its skin, of the deflection of the whole press; see
 `models.mechanics.lattice`.
@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from ...models.reduced.indented.draws import spreading
 from ...press.batch import PressBatch
+from ...press.rasterized import Footprints, rasterized
 from ...scene.scene import Scene
 from ..strengths import told
-from .laying import Placed, laid_on_cells
 
 if TYPE_CHECKING:
     from ...models.mechanics.lattice.presses import Applied
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 
 def raised_on_cells(
-    scene: Scene, touches: NDArray[np.int64], placed: Placed, grid: tuple[int, int]
+    scene: Scene, touches: NDArray[np.int64], placed: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
-    """As `laid_on_cells`, by the deflection where a tension spreads how a scene is pressed."""
+    """As `rasterized`, by the deflection where a tension spreads how a scene is pressed."""
     if not spreading(scene):
-        return laid_on_cells(scene, touches, placed, grid)
+        return rasterized(scene, touches, placed, grid)
     from ...models.mechanics.lattice.presses import raised
 
     lattice = lattice_under(scene, grid)
@@ -35,7 +35,7 @@ def raised_on_cells(
     return PressBatch.of(raised(lattice, own) for own in each)
 
 
-def strengths_anywhere(scene: Scene, placed: Placed) -> tuple[NDArray[np.float64], str]:
+def strengths_anywhere(scene: Scene, placed: Footprints) -> tuple[NDArray[np.float64], str]:
     """How strongly touches press, as their texts say it, and the unit of that."""
     return told(scene, placed.factor) if spreading(scene) else (placed.factor, "")
 
@@ -53,7 +53,7 @@ def lattice_under(scene: Scene, grid: tuple[int, int]) -> Lattice:
 
 
 def raised_by_triangles(
-    scene: Scene, touches: NDArray[np.int64], placed: Placed, grid: tuple[int, int]
+    scene: Scene, touches: NDArray[np.int64], placed: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
     """As `raised_on_cells`, by the membrane on triangles."""
     from ...models.mechanics.lattice.triangles import traced
@@ -63,7 +63,7 @@ def raised_by_triangles(
     return PressBatch.of(traced(scene, lattice, own) for own in each)
 
 
-def applied(scene: Scene, placed: Placed, press: int, touches: int) -> Applied:
+def applied(scene: Scene, placed: Footprints, press: int, touches: int) -> Applied:
     """The first so many touches of a press as applicators."""
     from ...models.mechanics.lattice.presses import Applied
 

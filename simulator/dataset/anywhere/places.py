@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from ...mesh.held import held
 from ...models.reduced.indented.draws import spreading
+from ...press.rasterized import Footprints
 from ...scene.scene import Scene
 from ...scene.skin import covers
 from ..strengths import joined
-from .laying import Placed
 
 LENGTH_DECIMALS = 6
 """Places and sizes are drawn to the micrometre, so that a press as text is the one solved."""
@@ -24,7 +24,7 @@ def drawn_places(
     chances: NDArray[np.float64],
     factor: NDArray[np.float64],
     grid: tuple[int, int],
-) -> Placed:
+) -> Footprints:
     """So many touches of each press with their middles on the skin, in the order of texts.
 
     chances: of place along x and y, of size along x and y, and of further places where the first
@@ -40,12 +40,12 @@ def drawn_places(
     which = _first_on_skin(scene, x, y, grid)[None]
     x, y = (np.take_along_axis(places, which, axis=0)[0] for places in (x, y))
     there = np.arange(factor.shape[1]) < touches[:, None]
-    placed = Placed(disc, x, y, width, height, np.where(there, factor, 1.0))
+    placed = Footprints(disc, x, y, width, height, np.where(there, factor, 1.0))
     return _in_order(placed, touches)
 
 
 def texts(
-    touches: NDArray[np.int64], placed: Placed, strength: NDArray[np.float64], unit: str
+    touches: NDArray[np.int64], placed: Footprints, strength: NDArray[np.float64], unit: str
 ) -> list[str]:
     """Each press as `Press` writes it. strength: of each touch, in a unit of such texts."""
     there = np.arange(placed.x.shape[1]) < touches[:, None]
@@ -81,13 +81,13 @@ def _first_on_skin(
     return on_skin.argmax(axis=0)
 
 
-def _in_order(placed: Placed, touches: NDArray[np.int64]) -> Placed:
+def _in_order(placed: Footprints, touches: NDArray[np.int64]) -> Footprints:
     """As texts of presses have it: rectangles, then discs, each by its numbers."""
     swapped = _after(placed) & (touches > 1)
-    return Placed(*(np.where(swapped[:, None], each[:, ::-1], each) for each in placed))
+    return Footprints(*(np.where(swapped[:, None], each[:, ::-1], each) for each in placed))
 
 
-def _after(placed: Placed) -> NDArray[np.bool_]:
+def _after(placed: Footprints) -> NDArray[np.bool_]:
     """Whether the first of two touches of a press comes after the second, shape (press,)."""
     after, same = np.zeros(len(placed.x), dtype=bool), np.ones(len(placed.x), dtype=bool)
     for each in placed:

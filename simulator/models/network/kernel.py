@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.compiled import compiled
+from ...compiled import compiled
 from ...press.batch import PressBatch
 from ..reduced.dense import Rest, written_out
 from .touches import AtRest, by_touches

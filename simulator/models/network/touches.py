@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.compiled import compiled
+from ...compiled import compiled
 from ..reduced.dense import Rest
 
 SIDE_BY_SIDE = 64

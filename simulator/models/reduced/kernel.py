@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.compiled import compiled
+from ...compiled import compiled
 from ...fem.estimate import LOST_SUSCEPTANCE
 from ...fem.kernels import continued_fractions, next_convergent
 from ...fem.lanczos import FEWEST_STEPS, MOST_STEPS, respond

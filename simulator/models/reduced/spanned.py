@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.compiled import compiled
+from ...compiled import compiled
 from ...fem.lanczos import MOST_STEPS, potentials
 from .dense import Feed, Rest, aligned, dense_pencil, widened, written_out
 from .kernel import ROOM, farthest_of, lanczos_steps

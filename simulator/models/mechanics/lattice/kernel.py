@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ....fem.compiled import compiled
+from ....compiled import compiled
 
 LEAST_ARM = 1e-3
 """Of a step: no node beside an applicator counts as nearer to its edge."""

@@ -1,22 +1,23 @@
-"""Many touches laid on the cells of a uniform grid at once, as `grid_map` lays those of one press.
+"""Many touches rasterized on the cells of a uniform grid, as `grid_map` does those of one press.
 
 A touch enters a cell as 1 + (factor - 1) times the fraction of its area that it covers, and factors
-multiply; `touched_cells` is the readable twin, press by press.
+multiply. `grid_map` stays beside the kernel: it is its readable twin, and one press is not worth
+loading numba.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from ...press.batch import PressBatch
-from ...scene.planar import SAME_LINE
-from ...scene.scene import Scene
+from ..scene.planar import SAME_LINE
+from ..scene.scene import Scene
+from .batch import PressBatch
 
 
-class Placed(NamedTuple):
+class Footprints(NamedTuple):
     """Rectangles and discs, those of each press first in their row, shape (press, touch).
 
     disc: else a rectangle. x, y: of the centre, width, height: of the box around it, m. factor: c
@@ -30,28 +31,43 @@ class Placed(NamedTuple):
     height: NDArray[np.float64]
     factor: NDArray[np.float64]
 
+    @classmethod
+    def rectangles(
+        cls,
+        x: NDArray[np.float64],
+        y: NDArray[np.float64],
+        width: ArrayLike,
+        height: ArrayLike,
+        factor: ArrayLike,
+    ) -> Self:
+        """Of shape (press, touch), or what broadcasts to it."""
+        width, height, factor = (np.broadcast_to(each, x.shape) for each in (width, height, factor))
+        return cls(np.zeros(x.shape, dtype=bool), x, y, width, height, factor)
 
-def laid_on_cells(
-    scene: Scene, touches: NDArray[np.int64], placed: Placed, grid: tuple[int, int]
+
+def rasterized(
+    scene: Scene, touches: NDArray[np.int64], footprints: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
     """Cells in which presses raise c, and by how much of that without them.
 
     touches: how many each press has, shape (press,). grid: rows and columns.
     """
-    from .kernel import laid
+    from .kernel import touched
 
     x, y = (
         np.linspace(0, side, n + 1) for side, n in zip(scene.skin.sides, grid[::-1], strict=True)
     )
+    disc = footprints.disc
     boxes = np.stack(
         [
-            *_ends(placed.x, placed.width, x, placed.disc),
-            *_ends(placed.y, placed.height, y, placed.disc),
+            *_ends(footprints.x, footprints.width, x, disc),
+            *_ends(footprints.y, footprints.height, y, disc),
         ],
         axis=-1,
     )
-    radius = np.where(placed.disc, placed.width / 2, 0.0)
-    return PressBatch(*laid(touches, boxes, radius, placed.factor, x, y))
+    radius = np.where(disc, footprints.width / 2, 0.0)
+    factor = np.ascontiguousarray(footprints.factor)
+    return PressBatch(*touched(touches, boxes, radius, factor, x, y))
 
 
 def _ends(

@@ -1,15 +1,15 @@
-"""Touches laid on the cells of a grid, compiled."""
+"""Touches rasterized on the cells of a grid, compiled."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.compiled import compiled
+from ..compiled import compiled
 
 
 @compiled()
-def laid(
+def touched(
     touches: NDArray,
     boxes: NDArray,
     radius: NDArray,
@@ -17,7 +17,7 @@ def laid(
     x: NDArray,
     y: NDArray,
 ) -> tuple[NDArray, NDArray, NDArray]:  # pragma: no cover
-    """As `laid_on_cells`. boxes: left, right, bottom and top in m, shape (press, touch, 4).
+    """As `rasterized.rasterized`. boxes: left, right, bottom and top in m, shape (press, touch, 4).
 
     radius: of discs in m, 0 of rectangles. x, y: the grid's lines in m, ascending.
     """

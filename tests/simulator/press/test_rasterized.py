@@ -1,13 +1,13 @@
-"""Touches laid on cells all at once are those laid press by press."""
+"""Touches rasterized all at once are those rasterized press by press."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.dataset.anywhere.laying import Placed, laid_on_cells
 from rcskin.simulator.dataset.anywhere.places import texts
 from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.press.rasterized import Footprints, rasterized
 from rcskin.simulator.scene.files import load_scene
 
 SCENE = load_scene("sheet-3x3")
@@ -25,7 +25,7 @@ def placed(draw):
     low = rng.integers(0, steps // 2, (2, *shape)) * SIDE / steps
     x, y = (np.round(each + side / 2, 7) for each, side in zip(low, (width, height), strict=True))
     factor = np.round(rng.uniform(0.5, 3.0, shape), 6)
-    return rng.integers(0, 3, presses), Placed(disc, x, y, width, height, factor)
+    return rng.integers(0, 3, presses), Footprints(disc, x, y, width, height, factor)
 
 
 @pytest.mark.kernel
@@ -33,7 +33,7 @@ def placed(draw):
 def test_all_at_once_is_press_by_press(placed, grid):
     touches, where = placed
     grid = 3 * grid[0], 3 * grid[1]
-    batch = laid_on_cells(SCENE, touches, where, grid)
+    batch = rasterized(SCENE, touches, where, grid)
     assert batch.starts[-1] == len(batch.cells)
     for own, text in zip(batch.each(), texts(touches, where, where.factor, ""), strict=True):
         found, expected = np.zeros((2, grid[0] * grid[1]))
@@ -46,10 +46,10 @@ def test_all_at_once_is_press_by_press(placed, grid):
 
 def test_no_cell_beside_a_touch_is_counted():
     one = np.ones((1, 1))
-    disc = Placed(one > 0, 0.06 * one, 0.06 * one, 0.04 * one, 0.04 * one, 2 * one)
+    disc = Footprints(one > 0, 0.06 * one, 0.06 * one, 0.04 * one, 0.04 * one, 2 * one)
     on_lines = disc._replace(disc=one < 0)
     count = np.ones(1, dtype=np.int64)
-    assert laid_on_cells(SCENE, count, on_lines, (12, 12)).cells.size == 4 * 4
-    whole = laid_on_cells(SCENE, count, disc, (24, 24))
+    assert rasterized(SCENE, count, on_lines, (12, 12)).cells.size == 4 * 4
+    whole = rasterized(SCENE, count, disc, (24, 24))
     assert whole.cells.size < 8 * 8
     assert whole.rises.sum() * (SIDE / 24) ** 2 == pytest.approx(np.pi * 0.02**2, rel=1e-12)
