@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,9 +41,8 @@ class Places:
         kept = self.weight > NEGLIGIBLE * self.weight.max()
         inverse = np.linalg.inv(self.covariance[kept])
         peak = self.weight[kept] * np.sqrt(np.linalg.det(inverse)) / (2 * np.pi)
-        u, v = x[..., None] - self.mean[kept, 0], y[..., None] - self.mean[kept, 1]
-        distance = inverse[:, 0, 0] * u**2 + inverse[:, 1, 1] * v**2 + 2 * inverse[:, 0, 1] * u * v
-        density = np.exp(-distance / 2) @ peak
+        away = np.stack([x, y], axis=-1)[..., None, :] - self.mean[kept]
+        density = np.exp(-_squared_distance(inverse, away) / 2) @ peak
         return density if self.ground is None else density * self.ground.has(x, y)
 
     def peak(self, blur: float) -> NDArray[np.float64]:
@@ -53,17 +53,16 @@ class Places:
         """
         inverse = np.linalg.inv(self.covariance + blur**2 * np.eye(2))
         height = self.weight * np.sqrt(np.linalg.det(inverse))
+        towards = (inverse @ self.mean[:, :, None])[..., 0]
 
         def pull(places: NDArray[np.float64]) -> NDArray[np.float64]:
-            away = places[:, None] - self.mean
-            return height * np.exp(-np.einsum("pei,eij,pej->pe", away, inverse, away) / 2)
+            return height * np.exp(-_squared_distance(inverse, places[:, None] - self.mean) / 2)
 
         likeliest = self.mean[np.argsort(-self.weight)[:STARTS]]
         place = likeliest[pull(likeliest).sum(axis=1).argmax()]
         for _ in range(STEPS):
-            weighed = pull(place[None])[0][:, None, None] * inverse
-            middle = np.einsum("eij,ej->i", weighed, self.mean)
-            moved = np.linalg.solve(weighed.sum(axis=0), middle)
+            pulls = pull(place[None])[0]
+            moved = np.linalg.solve(np.tensordot(pulls, inverse, 1), pulls @ towards)
             done = np.abs(moved - place).max() < CLOSE
             place = moved
             if done:
@@ -135,6 +134,15 @@ def region_of(places: Places, probability: float) -> Region:
     held = np.cumsum(ordered) / ordered.sum()
     level = float(ordered[np.searchsorted(held, probability)])
     return Region(x, y, density >= level, level, places)
+
+
+def _squared_distance(inverse: NDArray[Any], away: NDArray[np.float64]) -> NDArray[np.float64]:
+    """In deviations of each entry, shape (..., entry), of what lies so far away from its mean.
+
+    inverse: of its covariance, shape (entry, 2, 2). away: shape (..., entry, 2).
+    """
+    u, v = away[..., 0], away[..., 1]
+    return inverse[:, 0, 0] * u**2 + inverse[:, 1, 1] * v**2 + 2 * inverse[:, 0, 1] * u * v
 
 
 def _middles(low: float, high: float) -> NDArray[np.float64]:
