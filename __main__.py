@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .examples import EXAMPLES, OF_THE_METER
-from .hardware.cli import meter_app
+from .hardware.cli import app as meter
 from .hardware.live.command import Manner, live_command
 from .hardware.meter.errors import MeterError
-from .hardware.scene_data import SceneData
-from .hardware.virtual.simulation import Simulation
 from .localization.cli import add_commands
 from .localization.commands.gap import gap_command
 from .localization.gap import given as gap
@@ -31,7 +29,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .hardware.live.answer import Localizer as LiveLocalizer
-    from .hardware.virtual.skin import Readout, Skin
     from .localization.evaluation.plan import Plan
     from .localization.learners.registry import Estimator
 
@@ -87,60 +84,6 @@ def _accuracies(sweeps: xr.Dataset, target: str) -> list[float]:
 
 
 app.command("study")(study_command(_accuracies))
-
-
-def _scene_data(name: str, interfaces: list[str] | None) -> SceneData:
-    from .simulator.asked.scene import asked_scene
-    from .simulator.press.pixels import pixels_with_skin
-    from .simulator.scene.files import scene_text
-    from .simulator.scene.reading import frequencies_at
-    from .simulator.scene.scene import checked_interface, interface_names
-
-    scene = asked_scene(name)
-    asked = dict.fromkeys(interfaces or interface_names(scene))
-    read = [checked_interface(each, scene) for each in asked]
-    own = {name: tuple(frequencies_at(scene, name).tolist()) for name in read}
-    frequencies = tuple(sorted(set().union(*own.values())))
-    there, (rows, columns) = set(pixels_with_skin(scene)), scene.pixels.shape
-    every = [(i, j) for i in range(1, rows + 1) for j in range(1, columns + 1)]
-    return SceneData(
-        name=scene.name,
-        text=scene_text(scene),
-        frequencies=frequencies,
-        rows=rows,
-        columns=columns,
-        interfaces=tuple(read),
-        without_skin=tuple(each for each in every if each not in there),
-        of_each={name: each for name, each in own.items() if each != frequencies},
-    )
-
-
-def _skins(data: SceneData) -> Mapping[str, Skin]:
-    from .simulator.measure.specimen import Specimen
-    from .simulator.scene.files import parse_scene
-
-    whole = Specimen(parse_scene(data.text, data.name), data.interfaces[0])
-    return {name: whole.at(name) for name in data.interfaces}
-
-
-def _depths(data: SceneData, press: str) -> str:
-    from .simulator.models.mechanics.in_depths import depths_in_words
-    from .simulator.press.press import press_on
-    from .simulator.scene.files import parse_scene
-
-    scene = parse_scene(data.text, data.name)
-    return "; ".join(depths_in_words(scene, [press_on(scene, press)]))
-
-
-def _readout(data: SceneData, seed: int) -> Readout:
-    from .simulator.asked.scene import tell_if_noise_free
-    from .simulator.measure.specimen import SessionErrors
-    from .simulator.scene.files import parse_scene
-
-    scene = parse_scene(data.text, data.name)
-    tell_if_noise_free(data.name, scene)
-    errors = SessionErrors(scene, seed)
-    return lambda Z, conditions: errors.read(Z, conditions.range)
 
 
 def _live_localizer(path: Path, manner: Manner) -> LiveLocalizer:
@@ -225,18 +168,8 @@ def _factors(text: str, press: str) -> Sequence[float]:
     return factors_under(text, press)
 
 
-def _linked_page(data: SceneData, kind: str, nonce: str) -> str:
-    from .simulator.page.linked import linked_page
-    from .simulator.sweeps import InputError
-
-    if data.of_each:
-        raise InputError(f"{data.name}: the page takes no `frequencies` of interfaces")
-    return linked_page(data.text, data.name, data.frequencies, data.interfaces, kind, nonce)
-
-
 add_commands(app, on_terminal, _plan, _checked_ending, _factors, _model_based)
-app.command("live")(live_command(_live_localizer, _linked_page))
-meter = meter_app(Simulation(_scene_data, _skins, _readout, _linked_page, _depths))
+app.command("live")(live_command(_live_localizer))
 app.add_typer(meter, name="meter")
 
 

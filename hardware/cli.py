@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,97 +10,83 @@ import typer
 
 from ..simulator.shown import say
 from .options import Accuracy, Baud, ControlAddress, Interfaces, Resource, Timeout, complete_scene
-from .record.command import record_command
 from .record.output import gather_command
-from .virtual.simulation import Simulation
+from .record_command import record
 
 if TYPE_CHECKING:
     from .virtual.serving import Exhibit, Paging
 
 CONTROL = "127.0.0.1:3501"
 
-
-def meter_app(simulation: Simulation) -> typer.Typer:
-    """The `meter` commands, with a simulation to serve and scenes to record."""
-    app = typer.Typer(
-        help="Serve a virtual LCR meter, or use a real one.",
-        no_args_is_help=True,
-        rich_markup_mode=None,
-    )
-
-    app.command()(serve_command(simulation))
-    app.command()(record_command(simulation.scene))
-    app.command("gather")(gather_command)
-    for command in (identify, correct, press, select, misbehave):
-        app.command()(command)
-    return app
+app = typer.Typer(
+    help="Serve a virtual LCR meter, or use a real one.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+)
 
 
-def serve_command(simulation: Simulation) -> Callable[..., None]:
-    """The command that serves a virtual meter, with a simulation of its skin."""
+@app.command()
+def serve(
+    scene: Annotated[
+        str | None,
+        typer.Option(help="A built-in scene, or a path.", autocompletion=complete_scene),
+    ] = None,
+    recorded: Annotated[
+        list[Path] | None, typer.Option(help="Play recorded sweeps instead of a scene.")
+    ] = None,
+    interface: Interfaces = None,
+    host: Annotated[str, typer.Option(help="Address to listen at.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(help="TCP port; 0 takes any free one.")] = 3500,
+    control_port: Annotated[int, typer.Option(help="Port that other commands steer it by.")] = 3501,
+    script: Annotated[
+        Path | None, typer.Option(help="Presses with times: lines `SECONDS PRESS`.")
+    ] = None,
+    random: Annotated[
+        float | None, typer.Option(help="Press at random every so many seconds.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of the session's errors and presses.")] = 1,
+    pace: Annotated[float, typer.Option(help="Times of measuring: 1 as a meter, 0 none.")] = 1,
+    accuracy: Accuracy = None,
+    page: Annotated[
+        bool, typer.Option("--page", help="Press the skin on a page: its address is told.")
+    ] = False,
+    page_port: Annotated[
+        int | None, typer.Option(help="TCP port of the page; else any free one.")
+    ] = None,
+) -> None:
+    """Serve a virtual IM3523 on TCP until interrupted."""
+    from .counting import counting
+    from .meter.accuracy import DERIVED
+    from .virtual import serving
 
-    def serve(
-        scene: Annotated[
-            str | None,
-            typer.Option(help="A built-in scene, or a path.", autocompletion=complete_scene),
-        ] = None,
-        recorded: Annotated[
-            list[Path] | None, typer.Option(help="Play recorded sweeps instead of a scene.")
-        ] = None,
-        interface: Interfaces = None,
-        host: Annotated[str, typer.Option(help="Address to listen at.")] = "127.0.0.1",
-        port: Annotated[int, typer.Option(help="TCP port; 0 takes any free one.")] = 3500,
-        control_port: Annotated[
-            int, typer.Option(help="Port that other commands steer it by.")
-        ] = 3501,
-        script: Annotated[
-            Path | None, typer.Option(help="Presses with times: lines `SECONDS PRESS`.")
-        ] = None,
-        random: Annotated[
-            float | None, typer.Option(help="Press at random every so many seconds.")
-        ] = None,
-        seed: Annotated[int, typer.Option(help="Of the session's errors and presses.")] = 1,
-        pace: Annotated[float, typer.Option(help="Times of measuring: 1 as a meter, 0 none.")] = 1,
-        accuracy: Accuracy = None,
-        page: Annotated[
-            bool, typer.Option("--page", help="Press the skin on a page: its address is told.")
-        ] = False,
-        page_port: Annotated[
-            int | None, typer.Option(help="TCP port of the page; else any free one.")
-        ] = None,
-    ) -> None:
-        """Serve a virtual IM3523 on TCP until interrupted."""
-        from .counting import counting
-        from .meter.accuracy import DERIVED
-        from .virtual import serving
-
-        exhibit = _exhibit(simulation, scene, recorded, interface, seed)
-        pressing = serving.routines(exhibit, script, random, seed)
-        meter = serving.instrument(exhibit, pace, accuracy or DERIVED)
-        if len(exhibit.skins) > 1:
-            say(
-                f"rcskin: note: connected to interface {meter.interface} of "
-                f"{', '.join(exhibit.skins)}; `rcskin meter select` or --switch takes another",
-                err=True,
-            )
-        if exhibit.scene is not None:
-            meter.depths = partial(simulation.depths, exhibit.scene)
-        paging = _paging(simulation, exhibit, page, page_port)
-        with counting(lambda text: say(f"rcskin: {text}", err=True)) as meter.report:
-            meter.tell = partial(meter.report, "failed readings")
-            serving.serve(
-                meter,
-                pressing,
-                lambda ports: say(f"{ports.resource}  control 127.0.0.1:{ports.control}"),
-                host,
-                port,
-                control_port,
-                paging,
-            )
-
-    return serve
+    exhibit = _exhibit(scene, recorded, interface, seed)
+    pressing = serving.routines(exhibit, script, random, seed)
+    meter = serving.instrument(exhibit, pace, accuracy or DERIVED)
+    if len(exhibit.skins) > 1:
+        say(
+            f"rcskin: note: connected to interface {meter.interface} of "
+            f"{', '.join(exhibit.skins)}; `rcskin meter select` or --switch takes another",
+            err=True,
+        )
+    paging = _paging(exhibit, page, page_port)
+    with counting(lambda text: say(f"rcskin: {text}", err=True)) as meter.report:
+        meter.tell = partial(meter.report, "failed readings")
+        serving.serve(
+            meter,
+            pressing,
+            lambda ports: say(f"{ports.resource}  control 127.0.0.1:{ports.control}"),
+            host,
+            port,
+            control_port,
+            paging,
+        )
 
 
+app.command()(record)
+app.command("gather")(gather_command)
+
+
+@app.command()
 def identify(
     resources: Annotated[
         list[str] | None, typer.Argument(help="VISA resources; else all that are found.")
@@ -122,6 +107,7 @@ def identify(
         raise typer.Exit(1)
 
 
+@app.command()
 def correct(
     kind: Annotated[str, typer.Argument(help="open or short.")],
     resource: Resource,
@@ -146,6 +132,7 @@ def correct(
         say(f"open correction {state[0]}, short correction {state[1]}")
 
 
+@app.command()
 def press(
     press: Annotated[str, typer.Argument(help="ROW,COLUMN[:FACTOR], joined by '+', or none.")],
     control: ControlAddress = CONTROL,
@@ -158,6 +145,7 @@ def press(
         say(f"rcskin: note: {depths}", err=True)
 
 
+@app.command()
 def select(
     interface: Annotated[str, typer.Argument(help="Of the skin that is being served.")],
     control: ControlAddress = CONTROL,
@@ -168,6 +156,7 @@ def select(
     say(ask(control, "select", interface=interface))
 
 
+@app.command()
 def misbehave(
     kind: Annotated[
         str,
@@ -187,12 +176,9 @@ def misbehave(
 
 
 def _exhibit(
-    simulation: Simulation,
-    scene: str | None,
-    recorded: list[Path] | None,
-    interfaces: list[str] | None,
-    seed: int,
+    scene: str | None, recorded: list[Path] | None, interfaces: list[str] | None, seed: int
 ) -> Exhibit:
+    from ..simulator.asked.scene import asked_scene, tell_if_noise_free
     from ..simulator.sweeps import InputError, read_joined
     from .virtual import serving
 
@@ -201,13 +187,13 @@ def _exhibit(
     if recorded:
         return serving.recorded(read_joined(recorded), interfaces)
     assert scene is not None
-    data = simulation.scene(scene, interfaces)
-    return serving.simulated(data, simulation.skins(data), simulation.readout(data, seed))
+    asked = asked_scene(scene)
+    exhibit = serving.simulated(asked, interfaces, seed)
+    tell_if_noise_free(asked.name, asked)
+    return exhibit
 
 
-def _paging(
-    simulation: Simulation, exhibit: Exhibit, page: bool, port: int | None
-) -> Paging | None:
+def _paging(exhibit: Exhibit, page: bool, port: int | None) -> Paging | None:
     """The page that was asked for. Raises InputError where there is none."""
     from ..simulator.sweeps import InputError
     from .page.document import Document
@@ -219,5 +205,5 @@ def _paging(
         return None
     if exhibit.scene is None:
         raise InputError("--page is of a simulated skin: it needs --scene, not --recorded")
-    document = Document.made(simulation.document, exhibit.scene, "skin")
+    document = Document.of(exhibit.scene, "skin")
     return serving.Paging(document, port or 0, lambda address: say(f"page  {address.url}"))

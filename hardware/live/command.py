@@ -22,7 +22,6 @@ from ..options import (
 )
 
 if TYPE_CHECKING:
-    from ..page.document import MakeDocument
     from ..record.journal import Journal
     from .answer import Localizer
     from .rest import Rest
@@ -45,13 +44,8 @@ class Manner(NamedTuple):
     within: float = 10.0
 
 
-def live_command(
-    load: Callable[[Path, Manner], Localizer], document: MakeDocument
-) -> Callable[..., None]:
-    """The command, localizing by what `load` reads from a file (it raises InputError).
-
-    document: of the page that shows it.
-    """
+def live_command(load: Callable[[Path, Manner], Localizer]) -> Callable[..., None]:
+    """The command, localizing by what `load` reads from a file (it raises InputError)."""
 
     def live(
         model: Annotated[Path, typer.Option(help="A trained model, .skops.")],
@@ -143,7 +137,7 @@ def live_command(
         )
         at_rest = _rest(localizer, rest, rest_file, anyway)
         kept = Log(journal)
-        paged = _paged(localizer, model, document, port or 0) if page else nullcontext(())
+        paged = _paged(localizer, model, port or 0) if page else nullcontext(())
         try:
             with ending_in_order() as tell, journal.lock() if journal else nullcontext():
                 link = connect(tell=tell)
@@ -196,27 +190,21 @@ def _run(session: Session, answers: int | None) -> None:
 
 
 @contextmanager
-def _paged(
-    localizer: Localizer, model: Path, make: MakeDocument, port: int
-) -> Iterator[Sequence[Show]]:
+def _paged(localizer: Localizer, model: Path, port: int) -> Iterator[Sequence[Show]]:
     """A page of the localizer's skin, served beside. Raises InputError where there is none."""
+    from ...simulator.scene.files import parse_scene
+    from ...simulator.scene.reading import reading_at, through
     from ..counting import counting
     from ..page.document import Document
     from ..page.thread import beside
-    from ..scene_data import SceneData
+    from ..record.dataset import taken_at
     from .shown import Shown
 
-    shape = localizer.rows, localizer.columns
-    scene = SceneData(
-        str(model),
-        localizer.scene,
-        localizer.frequencies,
-        *shape,
-        localizer.interfaces,
-        of_each=localizer.of_each,
-    )
+    scene = through(parse_scene(localizer.scene, str(model)), localizer.interfaces)
+    taken = taken_at(localizer.interfaces, localizer.frequencies, localizer.of_each)
+    document = Document.of(reading_at(scene, localizer.frequencies, taken), "live")
     shown = counting(lambda text: say(f"rcskin: page: {text}", err=True))
-    with shown, beside(Document.made(make, scene, "live"), port) as (address, post):
+    with shown, beside(document, port) as (address, post):
         say(f"rcskin: page {address.url}", err=True)
         yield (Shown(localizer, post),)
 

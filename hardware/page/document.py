@@ -1,25 +1,17 @@
-"""The document of a page: what it is made by, and how it is sent under a strict policy."""
+"""The document of a page, and how it is sent under a strict policy."""
 
 from __future__ import annotations
 
 import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Literal
 
-from ..scene_data import SceneData
+if TYPE_CHECKING:
+    from ...simulator.scene.scene import Scene
 
 Kind = Literal["live", "skin"]
 """live: of measured sweeps and answers. skin: of a virtual one, which is pressed on the page."""
-
-
-class MakeDocument(Protocol):
-    """Writes the page of a scene as HTML; all of its scripts and styles carry the nonce.
-
-    Raises InputError where the scene has no page.
-    """
-
-    def __call__(self, scene: SceneData, kind: Kind, nonce: str, /) -> str: ...
 
 
 @dataclass(frozen=True)
@@ -30,10 +22,12 @@ class Document:
     stand_in: str
 
     @classmethod
-    def made(cls, make: MakeDocument, scene: SceneData, kind: Kind) -> Document:
-        """The document of a scene. Raises as `make`."""
+    def of(cls, scene: Scene, kind: Kind) -> Document:
+        """The document of a scene. Raises InputError as `linked_page`."""
+        from ...simulator.page.linked import linked_page
+
         stand_in = secrets.token_urlsafe(16)
-        return cls(make(scene, kind, stand_in), stand_in)
+        return cls(linked_page(scene, kind, stand_in), stand_in)
 
     def sent(self) -> tuple[Mapping[str, str], bytes]:
         """Headers and body of an answer."""

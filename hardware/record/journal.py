@@ -24,15 +24,19 @@ HEADER, SWEEPS, FOUND = "recording.json", "[0-9]*.json", "meter.json"
 LOG = logging.getLogger(__name__)
 OWN = "of_each"
 """The field of a header that is left out where it is empty."""
+KNOWN_BEFORE = ("scene", "name", "interfaces", "frequencies", OWN, "rows", "columns")
+KNOWN_BEFORE += ("order", "asked")
+"""Fields of a header that are known before a meter is connected."""
 
 
 @dataclass(frozen=True)
 class Header:
-    """What a recording is of, fixed when it begins.
+    """What a recording is of, fixed when it begins; before that its last fields are empty.
 
-    order: presses; empty where they come as they come. frequencies: Hz. asked: settings asked for;
-    settings: all the meter had. session: name of the mounting. accuracy: name of the table that
-    sweeps are judged by. of_each: as of the scene's data.
+    scene: TOML text. frequencies: Hz, ascending. order: presses; empty where they come as they
+    come. asked: settings asked for; settings: all the meter had. session: name of the mounting.
+    accuracy: name of the table that sweeps are judged by. of_each: of interfaces that are read at
+    some of the frequencies alone, by name: these, Hz, ascending.
     """
 
     scene: str
@@ -43,11 +47,11 @@ class Header:
     columns: int
     order: tuple[str, ...]
     asked: dict[str, Any]
-    meter: str
-    settings: dict[str, Any]
-    begun: str
-    session: str
-    accuracy: str
+    meter: str = ""
+    settings: dict[str, Any] = field(default_factory=dict)
+    begun: str = ""
+    session: str = ""
+    accuracy: str = ""
     of_each: dict[str, tuple[float, ...]] = field(default_factory=dict)
 
 
@@ -170,9 +174,10 @@ class Journal:
         return self.folder / f"{number:06d}.json"
 
 
-def differences(header: Header, now: Mapping[str, Any]) -> list[str]:
-    """Names of what is now and is not what the recording began with."""
-    return [name for name, value in now.items() if getattr(header, name) != value]
+def differences(begun: Header, asked: Header) -> list[str]:
+    """Names of what is asked for and is not what the recording began with."""
+    names = [*KNOWN_BEFORE, *(["session"] if asked.session else [])]
+    return [name for name in names if getattr(begun, name) != getattr(asked, name)]
 
 
 def _write(path: Path, content: dict[str, Any]) -> None:

@@ -6,8 +6,8 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -17,13 +17,12 @@ from ..meter.ending import shielded
 from ..meter.errors import MeterError
 from ..meter.hioki import Meter
 from ..meter.snapshot import apply, require, restore, snapshot
-from ..scene_data import SceneData
 from ..switch.switch import Switch
 from .change import unseen_press
 from .checks import Judge, Limits
 from .journal import Entry, Header, Journal, differences, tell_if_set_back
 from .operators import Operator, Progress
-from .order import REST, Step
+from .order import REST, Step, parse_step
 from .station import Station
 from .sweep import Sweep, check_frequencies, measure_sweep, now
 
@@ -35,25 +34,28 @@ MOUNTED = 12.0
 
 @dataclass(frozen=True)
 class Task:
-    """What is to be recorded. connect: opens the meter. settings: to be set before it begins.
+    """What is to be recorded. connect: opens the meter.
 
-    session: name of the mounting; empty: the time of its begin. same_mounting: that it still is the
-    same, however long ago it was begun.
+    header: with all that is known before the meter is connected; its session empty: the time of
+    its begin. same_mounting: that the skin is mounted as it was, however long ago it was begun.
     switch: connects the meter to one of the scene's interfaces; None where there is but one.
     tell: told of settings that could not be put back.
     """
 
-    scene: SceneData
-    order: Sequence[Step]
+    header: Header
     output: Path
     connect: Callable[[], Meter]
     table: AccuracyTable
-    settings: Mapping[str, Any]
     limits: Limits = Limits()
-    session: str = ""
     same_mounting: bool = False
     switch: Switch | None = None
     tell: Callable[[str], None] = lambda text: None
+
+    @cached_property
+    def order(self) -> list[Step]:
+        """The presses in their order."""
+        header = self.header
+        return [parse_step(press, header.rows, header.columns) for press in header.order]
 
 
 def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
@@ -143,12 +145,12 @@ class Course:
         begun = now()
         sweep = measure_sweep(
             meter,
-            task.scene.frequencies,
-            task.scene.interfaces,
+            task.header.frequencies,
+            task.header.interfaces,
             task.switch,
             self.operator.watch,
             self.operator.turn,
-            task.scene.of_each,
+            task.header.of_each,
         )
         assert self.station.header is not None
         require(meter, self.station.header.settings)
@@ -166,7 +168,7 @@ def _resumed(journal: Journal, task: Task) -> Header | None:
     header = journal.header()
     if header is None:
         return None
-    different = differences(header, _asked(task))
+    different = differences(header, task.header)
     if different:
         raise InputError(
             f"{journal.folder}: holds a recording with another {', '.join(different)}; give "
@@ -188,32 +190,18 @@ def _ask_for_mounting(journal: Journal, entries: Iterable[Entry], operator: Oper
 
 def _begun(journal: Journal, task: Task, station: Station) -> Header:
     meter = station.ready()
-    check_frequencies(meter, task.scene.frequencies)
-    apply(meter, task.settings)
+    check_frequencies(meter, task.header.frequencies)
+    apply(meter, task.header.asked)
     settings = snapshot(meter)
     restore(meter, settings)
     begun = now()
-    station.header = Header(
-        **{"session": begun, **_asked(task)},
+    station.header = replace(
+        task.header,
         meter=meter.identity.text,
         settings=settings,
         begun=begun,
+        session=task.header.session or begun,
         accuracy=task.table.name,
     )
     journal.begin(station.header)
     return station.header
-
-
-def _asked(task: Task) -> dict[str, Any]:
-    return {
-        "scene": task.scene.text,
-        "name": task.scene.name,
-        "interfaces": tuple(task.scene.interfaces),
-        "frequencies": tuple(task.scene.frequencies),
-        "of_each": dict(task.scene.of_each),
-        "rows": task.scene.rows,
-        "columns": task.scene.columns,
-        "order": tuple(step.press for step in task.order),
-        "asked": dict(task.settings),
-        **({"session": task.session} if task.session else {}),
-    }

@@ -85,7 +85,7 @@ class Control:
             return fault.kind
         if do == "depths":
             loop, meter = asyncio.get_running_loop(), self.instrument
-            return await loop.run_in_executor(meter.worker, meter.depths, meter.press)
+            return await loop.run_in_executor(meter.worker, meter.bench.skin.depths, meter.press)
         if do == "state":
             return self.state()
         if do == "select":

@@ -5,7 +5,9 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
+from ...simulator.sweeps import UNPRESSED
 from ...simulator.sweeps.reach import VIRTUAL_MODEL
 from ..counting import Report
 from ..meter.identity import VIRTUAL_SERIAL
@@ -13,11 +15,12 @@ from .correcting import Corrections
 from .faults import Faults
 from .language.parser import ExecutionError
 from .measurement import NOTHING, OVERFLOW, UNDERFLOW, Bench, Result, conditions, written
-from .skin import Skin
 from .state import Measuring, Registers, Settings, Standard
 from .worker import Worker
 
-UNPRESSED = "none"
+if TYPE_CHECKING:
+    from .measurement import Skin
+
 TROUBLES = {OVERFLOW: Measuring.MOF, UNDERFLOW: Measuring.MUF, 2: Measuring.REF}
 
 
@@ -36,7 +39,6 @@ class Instrument:
     """One meter; clients share it. pace: how long things take, 1 as long as a meter, 0 no time.
 
     skins: by interface, where a switch connects one of several; interface: the one it is at.
-    depths: that the forces of a press take, in words.
     tell: told why the skin has no reading, which a client learns as a failure inside the meter.
     report: takes what clients of the ports do wrong.
     """
@@ -57,7 +59,6 @@ class Instrument:
     worker: Worker = field(default_factory=Worker)
     skins: Mapping[str, Skin] = field(default_factory=dict)
     interface: str = ""
-    depths: Callable[[str], str] = lambda press: ""
     tell: Callable[[str], None] = lambda text: None
     report: Report = lambda kind, text: None
 

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from ..meter.accuracy import AccuracyTable, Conditions, Drive, full_scale
 from .language import values as numbers
-from .skin import Readout, Skin
 from .state import Settings
 
+if TYPE_CHECKING:
+    from ...simulator.measure.specimen import Specimen
+    from .recorded import Recorded
+
+    Skin = Specimen | Recorded
+
+Readout = Callable[[complex, Conditions], complex]
+"""What the meter makes of an impedance in ohm, with its errors of the session and the reading."""
 NORMAL, NOT_MEASURED, OUTSIDE_GUARANTEE, OVERFLOW, UNDERFLOW = 0, 1, 2, 7, -7
 WITHOUT_NUMBERS = {1, 7, 9, *range(12, 18)}
 ITEMS = (

@@ -5,13 +5,15 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Coroutine, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...simulator.sweeps import UNPRESSED, InputError, inputs
 from .control import Control
-from .skin import Skin
+
+if TYPE_CHECKING:
+    from .measurement import Skin
 
 Routine = Callable[[Control], Coroutine[Any, Any, None]]
 

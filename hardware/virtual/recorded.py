@@ -13,6 +13,8 @@ from ...simulator.sweeps.schema import read_at
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ..meter.accuracy import Conditions
+
 
 class Recorded:
     """Plays the sweeps of one interface; each time a press is checked, its next repetition."""
@@ -64,3 +66,12 @@ class Recorded:
         along, at = np.log(self._frequency), np.log(frequency)
         size, phase = np.interp(at, along, known.real), np.interp(at, along, known.imag)
         return complex(np.exp(size + 1j * phase))
+
+    def depths(self, press: str) -> str:
+        """Nothing: what forces were recorded is told by the press."""
+        return ""
+
+
+def exact(Z: complex, conditions: Conditions) -> complex:
+    """A readout without error of its own: the recording has the meter's."""
+    return Z

@@ -14,27 +14,28 @@ from typing import TYPE_CHECKING
 from ...simulator.sweeps import UNPRESSED, InputError
 from ...simulator.sweeps.reach import VIRTUAL_MODEL, beyond_reach
 from ..meter.accuracy import DERIVED, read_table
-from ..scene_data import SceneData
 from .control import Control
 from .instrument import Instrument
-from .measurement import Bench
+from .measurement import Bench, Readout
 from .presses import Routine, at_random, read_script, scripted
-from .recorded import Recorded
+from .recorded import Recorded, exact
 from .server import LOOPBACK, Ports, listening
-from .skin import Readout, Skin, exact
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ...simulator.scene.scene import Scene
     from ..page.address import Address
     from ..page.document import Document
+    from .measurement import Skin
 
 
 @dataclass(frozen=True)
 class Exhibit:
-    """A skin at its interfaces, the grid of its pixels, and what the meter makes of it.
+    """A skin at its interfaces, the first of which is connected, and what the meter makes of it.
 
-    scene: of which it is a simulation, where it is one.
+    rows, columns: of pixels. frequency: Hz, at which it is warmed. scene: as the meter reads it,
+    where the skin is simulated.
     """
 
     skins: Mapping[str, Skin]
@@ -42,7 +43,7 @@ class Exhibit:
     rows: int
     columns: int
     frequency: float
-    scene: SceneData | None = None
+    scene: Scene | None = None
 
     @property
     def skin(self) -> Skin:
@@ -63,12 +64,27 @@ class Exhibit:
         return True
 
 
-def simulated(scene: SceneData, skins: Mapping[str, Skin], readout: Readout) -> Exhibit:
-    """The skin of a scene. Raises InputError where the virtual meter lacks a frequency of it."""
-    beyond = beyond_reach(VIRTUAL_MODEL, scene.frequencies)
+def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int = 1) -> Exhibit:
+    """The skin of a scene at interfaces or all, with the errors that a session of this seed has.
+
+    Raises InputError at other interfaces, or where the virtual meter lacks a frequency of them.
+    """
+    from ...simulator.measure.specimen import SessionErrors, Specimen
+    from ...simulator.scene.reading import checked_interfaces, through
+
+    names = checked_interfaces(interfaces, scene)
+    read = through(scene, names)
+    beyond = beyond_reach(VIRTUAL_MODEL, read.sweep.frequencies)
     if beyond:
         raise InputError(f"{scene.name}: {beyond}; change `sweep.frequencies`")
-    return Exhibit(skins, readout, scene.rows, scene.columns, scene.frequencies[0], scene)
+    whole, errors = Specimen(scene, names[0]), SessionErrors(scene, seed)
+    return Exhibit(
+        {name: whole.at(name) for name in names},
+        lambda Z, conditions: errors.read(Z, conditions.range),
+        *scene.pixels.shape,
+        read.sweep.frequencies[0],
+        read,
+    )
 
 
 def recorded(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> Exhibit:

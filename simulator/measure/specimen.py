@@ -8,6 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.mechanics.in_depths import depths_in_words
 from ..models.solver import Solver
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press, press_on
@@ -71,6 +72,10 @@ class Specimen:
         return complex(
             self._solved.impedances(press_on(self.scene, press), frequency)[self._number]
         )
+
+    def depths(self, press: str) -> str:
+        """The depths that the forces of a press take, in words; empty where it has none."""
+        return "; ".join(depths_in_words(self.scene, [press_on(self.scene, press)]))
 
 
 class SessionErrors:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .contacts import Interface
 from .meter import Sweep
-from .scene import Scene
+from .scene import Scene, checked_interface, interface_names
 
 
 def frequencies_at(scene: Scene, interface: str) -> NDArray[np.float64]:
@@ -23,6 +23,12 @@ def frequencies_of_each(scene: Scene) -> dict[str, list[float]]:
     if scene.taken is None:
         return {}
     return {each.name: frequencies_at(scene, each.name).tolist() for each in scene.interfaces}
+
+
+def checked_interfaces(names: Sequence[str] | None, scene: Scene) -> tuple[str, ...]:
+    """The same names, each once; all of the scene where none is given. Raises InputError."""
+    asked = dict.fromkeys(names or interface_names(scene))
+    return tuple(checked_interface(each, scene) for each in asked)
 
 
 def reading_at(

@@ -52,8 +52,7 @@ def scene(request, folder):
 @pytest.fixture(scope="module")
 def ports(scene):
     """A virtual meter on that sheet."""
-    data = front._scene_data(str(scene), None)
-    exhibit = simulated(data, front._skins(data), front._readout(data, 7))
+    exhibit = simulated(rcskin.load(str(scene)), seed=7)
     with running(instrument(exhibit, pace=0)) as ports:
         yield ports
 

@@ -16,15 +16,16 @@ from rcskin.hardware.virtual.control import Control
 from rcskin.hardware.virtual.instrument import Instrument
 from rcskin.hardware.virtual.interpreter import answer
 from rcskin.hardware.virtual.measurement import Bench
+from rcskin.hardware.virtual.recorded import exact
 from rcskin.hardware.virtual.server import running
-from rcskin.hardware.virtual.skin import exact
 from rcskin.hardware.virtual.state import PerRange, Settings
+from rcskin.simulator.scene.files import load_scene
 from typer.testing import CliRunner
 from websockets.sync.client import connect
 
 RIG = Path(__file__).with_name("rig.py")
 _rig = runpy.run_path(str(RIG))
-Pillow, simulation, app = _rig["Pillow"], _rig["simulation"], _rig["app"]
+Pillow, app = _rig["Pillow"], _rig["app"]
 TIMEOUT = 0.5
 
 
@@ -207,14 +208,16 @@ def raw():
 
 @pytest.fixture
 def scene():
-    """The rig's scene as plain data: 2 x 2 pixels, 3 frequencies."""
-    return simulation.scene("pillow", None)
+    """The pillow's scene: 2 x 2 pixels, 3 frequencies."""
+    return load_scene(str(RIG.parent / "scenes" / "pillow.toml"))
 
 
 @pytest.fixture
-def command():
+def command(monkeypatch):
     """Runs the rig's command line in this process; gives the typer result."""
-    return lambda *arguments, **more: CliRunner().invoke(app, [*map(str, arguments)], **more)
+    for name, toy in _rig["TOYS"].items():
+        monkeypatch.setattr(f"rcskin.{name}", toy)
+    return lambda *given, **more: CliRunner().invoke(app, _rig["arguments"](given), **more)
 
 
 @pytest.fixture

@@ -1,12 +1,14 @@
 """The meter's commands on a skin that is one resistor and one capacitor: `python rig.py serve`."""
 
 import math
+import sys
+from importlib import import_module
+from pathlib import Path
 
-from rcskin.hardware.cli import meter_app
-from rcskin.hardware.scene_data import SceneData
-from rcskin.hardware.virtual.simulation import Simulation
-from rcskin.hardware.virtual.skin import exact
-from rcskin.simulator.asked.replacing import with_replacing
+from rcskin.__main__ import meter as app
+from rcskin.hardware.virtual import serving
+from rcskin.hardware.virtual.recorded import exact
+from rcskin.simulator.scene.reading import checked_interfaces, through
 from rcskin.simulator.sweeps import InputError
 
 R, C = 10e3, 1e-9
@@ -26,6 +28,10 @@ class Pillow:
         rise = 0 if press == "none" else 0.01 * int(press.split(",")[0])
         return R + 1 / (2j * math.pi * frequency * C * (1 + rise))
 
+    def depths(self, press):
+        """A press has no forces."""
+        return ""
+
 
 class FromBelow(Pillow):
     """The pillow at its other interface, where C is raised by COLUMN parts in a hundred."""
@@ -38,31 +44,38 @@ class FromBelow(Pillow):
 SKINS = {"left": Pillow(), "bottom": FromBelow()}
 
 
-def scene(name, interfaces):
-    """2 x 2 pixels, whatever the name; `quilt` and `patches` have two interfaces, `patches` with
-    frequencies of their own."""
-    known = ("left", "bottom") if name in ("quilt", "patches") else ("left",)
-    for each in interfaces or ():
-        if each not in known:
-            raise InputError(f"`interface` must be {' or '.join(known)}, got {each!r}")
-    asked = tuple(interfaces or known)
-    own = {"left": (1e3, 16e3), "bottom": (4e3, 16e3)} if name == "patches" else {}
-    return SceneData(name, f'name = "{name}"\n', (1e3, 4e3, 16e3), 2, 2, asked, of_each=own)
+def simulated(scene, interfaces=None, seed=1):
+    """The pillow at interfaces of a scene, read without error."""
+    names = checked_interfaces(interfaces, scene)
+    skins = {name: SKINS[name] for name in names}
+    return serving.Exhibit(skins, exact, *scene.pixels.shape, 1e3, through(scene, names))
 
 
-def skins(data):
-    """At each interface of a scene."""
-    return {name: SKINS[name] for name in data.interfaces}
-
-
-def document(data, kind, nonce):
+def document(scene, kind, nonce):
     """A page that says what it is of."""
-    return f'<title>{data.name}</title><script nonce="{nonce}">"{kind}";</script>'
+    return f'<title>{scene.name}</title><script nonce="{nonce}">"{kind}";</script>'
 
 
-simulation = Simulation(scene, skins, lambda data, seed: exact, document)
-app = meter_app(simulation)
-with_replacing(app, "meter")
+TOYS = {
+    "hardware.virtual.serving.simulated": simulated,
+    "simulator.page.linked.linked_page": document,
+}
+"""What stands for the simulation where the meter's commands run in tests."""
+
+
+def arguments(given):
+    """Those of a command, scenes of the rig named by their files."""
+    named = {path.stem: str(path) for path in Path(__file__).with_name("scenes").iterdir()}
+    return [named.get(str(each), str(each)) for each in given]
+
+
+def run(given):
+    """Run a command of the meter with the toys in place."""
+    for name, toy in TOYS.items():
+        module, _, attribute = name.rpartition(".")
+        setattr(import_module(f"rcskin.{module}"), attribute, toy)
+    app(arguments(given))
+
 
 if __name__ == "__main__":
-    app()
+    run(sys.argv[1:])

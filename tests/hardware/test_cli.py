@@ -167,8 +167,8 @@ def test_what_the_meter_flagged_is_counted_at_the_end(by_hand, order, instrument
 
 
 def test_a_person_decides_whether_a_bad_sweep_is_repeated(by_hand, order):
-    moves = [("none", keys) for keys in ("", "", "r", "", "a")]
-    result = by_hand(order("none", "none"), *moves, more=["--drift", -1])
+    moves = [("none", ""), *(("2,1", keys) for keys in ("", "r", "", "a"))]
+    result = by_hand(order("none", "none"), *moves, more=["--drift", 1e-3])
     assert result.output.count("the skin at rest has drifted") == 2
     assert result.output.count("Enter: redo, a: accept anyway, q: quit") == 2
     assert "2 sweeps x 3 frequencies" in result.output and "1 with remarks" in result.output
@@ -204,8 +204,8 @@ def test_a_recording_that_was_quit_goes_on_later(by_hand, order, tmp_path, last)
         (["-o", "a.nc", "--unattended"], "pressed by --control or --press-with"),
         (["-o", "a.nc", "--control", "a:1", "--press-with", "b"], "cannot both press"),
         (["-o", "a.nc", "--level", "W"], "`level` must be one of V, CV, CC, got W"),
-        (["-o", "a.nc", "--interface", "up"], "`interface` must be left"),
-        (["-o", "a.nc", "--repetitions", "0"], "`repetitions` must be"),
+        (["-o", "a.nc", "--interface", "up"], "`interface` must be one of left, got 'up'"),
+        (["-o", "a.nc", "--repetitions", "0"], "--repetitions must be from 1 to"),
         (["-o", "a.nc", "--accuracy", "absent.toml"], "absent.toml: no such file"),
         (["-o", "a.nc", "--unattended", "--press-with", "true", "--speed", "X"], "`speed` must"),
     ],
@@ -222,7 +222,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(
 
 
 def test_an_absent_meter_is_a_meter_error_in_one_line(command, tmp_path):
-    arguments = ["record", "p", "--resource", "TCPIP0::127.0.0.1::1::SOCKET", "--timeout", 0.2]
+    arguments = ["record", "pillow", "--resource", "TCPIP0::127.0.0.1::1::SOCKET", "--timeout", 0.2]
     result = command(*arguments, "-o", tmp_path / "a.nc", input="\n")
     assert isinstance(result.exception, NoConnectionError | MeterError)
     assert "\n" not in str(result.exception)
@@ -237,7 +237,7 @@ def test_an_absent_meter_is_a_meter_error_in_one_line(command, tmp_path):
         (["--scene", "pillow", "--pace", "-1"], "`pace` must be in [0, 100], got -1"),
         (["--scene", "pillow", "--random", "0"], "`random` must be in (0, 3600] s, got 0"),
         (["--scene", "pillow", "--random", "1", "--script", "a"], "cannot both press"),
-        (["--scene", "pillow", "--port", "99999"], "port 99999 of 127.0.0.1 cannot be had"),
+        (["--scene", "pillow", "--port", "99999"], "--port must be from 0 to 65535, got 99999"),
     ],
 )
 def test_what_cannot_be_served_is_told(command, arguments, told):

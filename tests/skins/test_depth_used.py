@@ -2,7 +2,6 @@
 
 import logging
 import re
-from functools import partial
 
 import numpy as np
 import pytest
@@ -81,8 +80,7 @@ def test_live_tells_columns_of_a_skin_pressed_by_depth(swept):
     several = [read_out(read(swept), strip().readout, random, k) for k in range(4)]
     write(concatenate(several), swept.with_name("several.nc"))
     run("train", swept.with_name("several.nc"), "--features", "dlnZ,dphase", "-o", model)
-    data = rcskin._scene_data(str(swept.with_name("strip.toml")), None)
-    meter = instrument(simulated(data, rcskin._skins(data), rcskin._readout(data, 7)), pace=0)
+    meter = instrument(simulated(strip(), seed=7), pace=0)
     with running(meter, Control(meter, ())) as ports:
         where = ["--resource", ports.resource, "--model", model, "--sweeps", 2]
         rest = swept.with_name("rest.nc")
@@ -140,9 +138,7 @@ def test_every_command_says_how_deep_a_force_goes(tmp_path, tension, force):
         rf"by {force:g} N, ([\d.]+) to ([\d.]+) mm deep", run("describe", path).stdout
     ).groups()
     assert float(low) <= float(depth) <= float(high)
-    data = rcskin._scene_data(str(path), None)
-    meter = instrument(simulated(data, rcskin._skins(data), rcskin._readout(data, 7)), pace=0)
-    meter.depths = partial(rcskin._depths, data)
+    meter = instrument(simulated(scene, seed=7), pace=0)
     with running(meter, Control(meter, ())) as ports:
         control = f"127.0.0.1:{ports.control}"
         assert f"{depth} mm deep" in run("meter", "press", "1,2", "--control", control).stderr

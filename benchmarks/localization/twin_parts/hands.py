@@ -11,7 +11,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
-from rcskin.benchmarks.localization.twin_parts.recording import scene_data
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.hardware.live.answer import Localizer
 from rcskin.hardware.live.link import Link
@@ -21,7 +20,7 @@ from rcskin.hardware.record.checks import Limits
 from rcskin.hardware.steer import ask
 from rcskin.hardware.virtual.control import Control
 from rcskin.hardware.virtual.server import running
-from rcskin.hardware.virtual.serving import instrument, simulated
+from rcskin.hardware.virtual.serving import Exhibit, instrument
 from rcskin.simulator.measure.specimen import SessionErrors
 
 TALK = 0.008
@@ -98,9 +97,10 @@ class Stage:
     def link(self, localizer: Localizer) -> Iterator[Link]:
         """The meter of a live session, on TCP."""
         scene = self.twin.scene
-        data = scene_data(scene, self.interfaces)
         seats = {name: Seat(self, name) for name in self.interfaces}
-        meter = instrument(simulated(data, seats, self.read), pace=0.0)
+        first = scene.sweep.frequencies[0]
+        exhibit = Exhibit(seats, self.read, *scene.pixels.shape, first)
+        meter = instrument(exhibit, pace=0.0)
         with running(meter, Control(meter)) as ports:
             switch = Relays(self, f"{ports.host}:{ports.control}")
             link = Link(

@@ -15,13 +15,11 @@ from rcskin.hardware.record.operators import Machine, pressing_virtually
 from rcskin.hardware.record.order import parse_step
 from rcskin.hardware.record.recorder import Task, record
 from rcskin.hardware.record.terminal import Screen
-from rcskin.hardware.scene_data import SceneData
+from rcskin.hardware.record_command import header_of
 from rcskin.hardware.virtual.control import Control
 from rcskin.hardware.virtual.server import running
-from rcskin.hardware.virtual.serving import instrument, simulated
+from rcskin.hardware.virtual.serving import Exhibit, instrument
 from rcskin.simulator.measure.specimen import SessionErrors
-from rcskin.simulator.scene.files import scene_text
-from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import side_by_side
 from rich.console import Console
 
@@ -35,35 +33,22 @@ def recorded(twin: Twin, presses: Sequence[str], interfaces: Sequence[str]) -> x
     return whole.assign_coords(session=("sweep", [twin.number] * len(presses)))
 
 
-def scene_data(scene: Scene, interfaces: tuple[str, ...]) -> SceneData:
-    """What the meter's side knows of a scene at some of its interfaces."""
-    return SceneData(
-        name=scene.name,
-        text=scene_text(scene),
-        frequencies=scene.sweep.frequencies,
-        rows=scene.pixels.rows,
-        columns=scene.pixels.columns,
-        interfaces=interfaces,
-    )
-
-
 def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
-    scene, data = twin.scene, scene_data(twin.scene, (interface,))
+    scene = twin.scene
     number = [each.name for each in scene.interfaces].index(interface)
     errors = SessionErrors(scene, seed=1000 * twin.number + number)
     skins = {interface: twin.at(interface)}
-    exhibit = simulated(data, skins, lambda Z, at_hand: errors.read(Z, at_hand.range))
-    meter = instrument(exhibit, pace=0.0)
-    steps = [parse_step(press, data.rows, data.columns) for press in presses]
+    first = scene.sweep.frequencies[0]
+    readout = lambda Z, at_hand: errors.read(Z, at_hand.range)  # noqa: E731
+    meter = instrument(Exhibit(skins, readout, *scene.pixels.shape, first), pace=0.0)
+    steps = [parse_step(press, *scene.pixels.shape) for press in presses]
     with running(meter, Control(meter)) as ports, tempfile.TemporaryDirectory() as folder:
         hand = pressing_virtually(f"{ports.host}:{ports.control}")
         task = Task(
-            data,
-            steps,
+            header_of(scene, [interface], steps),
             Path(folder) / "twin.nc",
             lambda: open_meter(ports.resource, TIMEOUT),
             read_table(DERIVED),
-            {},
         )
         header, entries = record(task, Machine(hand, Screen(Console(quiet=True)), retries=0))
     return gather(header, entries)

@@ -68,8 +68,9 @@ def start(spawn, ports):
 
 
 @pytest.fixture
-def live(ports):
+def live(ports, monkeypatch):
     """A function that runs the command in this process; gives the typer result."""
+    monkeypatch.setattr("rcskin.simulator.page.linked.linked_page", _rig["document"])
     app = typer.Typer()
     app.command("live")(_rig["command"])
     with_replacing(app)

@@ -9,9 +9,11 @@ from rcskin.hardware.live.command import live_command
 from rcskin.hardware.meter.errors import MeterError
 from rcskin.simulator.asked.replacing import with_replacing
 from rcskin.simulator.cli import app, run
+from rcskin.simulator.page import linked
 from rcskin.simulator.sweeps import OPENING, InputError, impedance
 
 R, C, RISE = 10e3, 1e-9, 0.01
+SCENE = Path(__file__).parents[1] / "scenes" / "cushion.toml"
 SHAPE = ROWS, COLUMNS = 2, 3
 
 
@@ -28,6 +30,10 @@ class Cushion:
         """R + 1/(jwC) in ohm."""
         column = 0 if press == "none" else int(press.split(",")[1])
         return R + 1 / (2j * math.pi * frequency * C * (1 + RISE * column))
+
+    def depths(self, press):
+        """A press has no forces."""
+        return ""
 
 
 class FromBelow(Cushion):
@@ -46,7 +52,7 @@ class Columns:
 
     target, frequencies, interfaces = "column", (1e3, 4e3, 16e3), ("left",)
     rows, columns, size = ROWS, COLUMNS, (120.0, 80.0)
-    needs_rest, scene = True, 'name = "cushion"\n'
+    needs_rest, scene = True, SCENE.read_text()
     of_each: dict = {}
 
     def __init__(self, **other):
@@ -114,9 +120,10 @@ def document(data, kind, nonce):
     return f'<title>{data.name}</title><script nonce="{nonce}">"{kind}";</script>'
 
 
-command = live_command(load, document)
+command = live_command(load)
 
 if __name__ == "__main__":
+    linked.linked_page = document
     app.command("live")(command)
     with_replacing(app)
     run((MeterError,))

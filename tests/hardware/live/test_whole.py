@@ -38,8 +38,8 @@ def sessions():
 
 
 def test_presses_on_the_simulated_strip_are_answered_at_their_columns(model, serve):
-    data = rcskin._scene_data(SCENE, None)
-    meter = instrument(simulated(data, rcskin._skins(data), rcskin._readout(data, 7)), pace=0)
+    served = load_scene(SCENE)
+    meter = instrument(simulated(served, seed=7), pace=0)
     with serve(meter) as ports:
         where = ["--resource", ports.resource, "--model", str(model)]
         for column in (1, 2, 3):
@@ -55,8 +55,8 @@ def test_presses_on_the_simulated_strip_are_answered_at_their_columns(model, ser
 def test_two_fingers_are_no_column_to_a_model_of_the_papers_readings(tmp_path, serve):
     """It looks at Rs and Cp as they stand; what guards it looks at changes from rest."""
     save(tmp_path / "raw.skops", train(sessions(), "column", quantities=("Rs", "Cp")))
-    data = rcskin._scene_data(SCENE, None)
-    meter = instrument(simulated(data, rcskin._skins(data), rcskin._readout(data, 7)), pace=0)
+    served = load_scene(SCENE)
+    meter = instrument(simulated(served, seed=7), pace=0)
     with serve(meter) as ports:
         where = ["--resource", ports.resource, "--model", str(tmp_path / "raw.skops")]
         rest = tmp_path / "rest.nc"
@@ -76,8 +76,8 @@ def test_touches_are_followed_by_few_frequencies_where_a_model_inverts_the_simul
     inverting = model.with_name("inverting.skops")
     made = train(sweeps, "column", "model-based", quantities=("dlnZ", "dphase"), registry=registry)
     save(inverting, made)
-    data = rcskin._scene_data(SCENE, None)
-    meter = instrument(simulated(data, rcskin._skins(data), rcskin._readout(data, 7)), pace=0)
+    served = load_scene(SCENE)
+    meter = instrument(simulated(served, seed=7), pace=0)
     with serve(meter) as ports:
         where = ["--resource", ports.resource, "--model", str(inverting), "--filter"]
         rest = model.with_name("rest.nc")
@@ -101,8 +101,8 @@ def test_two_interfaces_are_read_by_choice_and_shown_on_a_page(tmp_path, serve):
     quantities = ("dlnZ", "dphase")
     save(path, train(sweeps, "pixel", "model-based", quantities=quantities, registry=registry))
     (tmp_path / "two.toml").write_text(scene_text(scene))
-    data = rcskin._scene_data(str(tmp_path / "two.toml"), None)
-    exhibit = simulated(data, rcskin._skins(data), rcskin._readout(data, 7))
+    served = load_scene(str(tmp_path / "two.toml"))
+    exhibit = simulated(served, seed=7)
     with serve(instrument(exhibit, pace=0)) as ports:
         control = f"127.0.0.1:{ports.control}"
         where = ["--resource", ports.resource, "--model", str(path), "--switch", control]
@@ -127,8 +127,8 @@ def test_interfaces_with_frequencies_of_their_own_are_read_and_logged_at_these(t
     sweeps = concatenate([read_out(exact, scene.readout, random, k) for k in range(4)])
     save(tmp_path / "own.skops", train(sweeps, "pixel", quantities=("dlnZ", "dphase")))
     (tmp_path / "own.toml").write_text(scene_text(scene))
-    data = rcskin._scene_data(str(tmp_path / "own.toml"), None)
-    exhibit = simulated(data, rcskin._skins(data), rcskin._readout(data, 7))
+    served = load_scene(str(tmp_path / "own.toml"))
+    exhibit = simulated(served, seed=7)
     with serve(instrument(exhibit, pace=0)) as ports:
         control, rest = f"127.0.0.1:{ports.control}", tmp_path / "rest.nc"
         where = ["--resource", ports.resource, "--model", str(tmp_path / "own.skops")]

@@ -75,8 +75,7 @@ def impedance(self, press, frequency):
         time.sleep(60)
     return 1e3 - 1e3j
 rig["Pillow"].impedance = impedance
-sys.argv = ["rig", "serve", "--scene", "pillow", "--port", "0", "--control-port", "0"]
-rig["app"]()
+rig["run"](["serve", "--scene", "pillow", "--port", "0", "--control-port", "0"])
 """
 
 

@@ -19,6 +19,7 @@ from rcskin.hardware.record.journal import HEADER, Journal
 from rcskin.hardware.record.operators import Machine, pressing_virtually
 from rcskin.hardware.record.order import REST, Step, parse_step, standard_order
 from rcskin.hardware.record.recorder import Task, record
+from rcskin.hardware.record_command import header_of
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError, impedance, read, write
 
@@ -49,30 +50,35 @@ def operator(ports, show):
 @pytest.fixture
 def task(ports, scene, tmp_path):
     return Task(
-        scene,
-        standard_order(2, 2, 2),
+        header_of(scene, ["left"], standard_order(2, 2, 2)),
         tmp_path / "run.nc",
         lambda: open_meter(ports.resource, 0.5),
         read_table(),
-        {},
     )
+
+
+def asking(task, **other):
+    """The task with another header; its order as steps."""
+    if "order" in other:
+        other["order"] = tuple(step.press for step in other["order"])
+    return dataclasses.replace(task, header=dataclasses.replace(task.header, **other))
 
 
 def test_a_recording_is_every_press_in_its_order(task, operator, pillow):
     sweeps = gather(*record(task, operator))
     assert list(sweeps["press"].values) == [step.press for step in task.order]
-    assert list(sweeps["frequency"].values) == list(task.scene.frequencies)
+    assert list(sweeps["frequency"].values) == list(task.header.frequencies)
     exact = [
-        [pillow.impedance(step.press, f) for f in task.scene.frequencies] for step in task.order
+        [pillow.impedance(step.press, f) for f in task.header.frequencies] for step in task.order
     ]
     np.testing.assert_allclose(impedance(sweeps)[:, 0], exact, rtol=1e-5)
 
 
 def test_its_file_tells_scene_meter_settings_and_times(task, operator):
-    task = dataclasses.replace(task, settings={"speed": "SLOW", "range": 8, "auto_range": False})
+    task = asking(task, asked={"speed": "SLOW", "range": 8, "auto_range": False})
     write(gather(*record(task, operator)), task.output)
     told = read(task.output).attrs
-    assert told["scene"] == task.scene.text
+    assert told["scene"] == task.header.scene
     assert "IM3523" in told["meter"]
     settings = json.loads(told["settings"])
     assert (settings["speed"], settings["range"]) == ("SLOW", 8)
@@ -84,9 +90,8 @@ def test_its_file_tells_scene_meter_settings_and_times(task, operator):
 
 
 def test_readings_that_are_not_normal_are_flagged(task, operator):
-    task = dataclasses.replace(
-        task, order=[REST, Step("1,1", 1, 1)], settings={"range": 10, "auto_range": False}
-    )
+    order, asked = [REST, Step("1,1", 1, 1)], {"range": 10, "auto_range": False}
+    task = asking(task, order=order, asked=asked)
     flagged = json.loads(gather(*record(task, operator)).attrs["flagged"])
     assert flagged == [[sweep, 0, index, 2] for sweep in (0, 1) for index in (0, 1, 2)]
 
@@ -138,7 +143,7 @@ def test_a_finished_recording_needs_no_meter(task, operator):
     ids=lambda fault: fault.kind,
 )
 def test_a_fault_costs_a_repetition_and_nothing_else(task, operator, instrument, show, fault):
-    task = dataclasses.replace(task, order=task.order[:3], settings={"speed": "SLOW"})
+    task = asking(task, order=task.order[:3], asked={"speed": "SLOW"})
     by, speeds, before = operator.by, set(), copy.deepcopy(instrument.settings)
 
     def press(step):
@@ -211,7 +216,7 @@ def test_an_unsound_sweep_is_repeated_then_kept_with_its_remark(task, operator, 
     instrument.bench = dataclasses.replace(instrument.bench, skin=Jumping())
     operator.retries, pressed, by = 2, [], operator.by
     operator.by = lambda step: (pressed.append(step.press), by(step))
-    task = dataclasses.replace(task, order=[REST, parse_step("2,2", 2, 2)])
+    task = asking(task, order=[REST, parse_step("2,2", 2, 2)])
     header, entries = record(task, operator)
     assert pressed == ["none", "2,2", "2,2", "2,2"]
     assert entries[0].remarks == ()
@@ -223,13 +228,13 @@ def test_an_unsound_sweep_is_repeated_then_kept_with_its_remark(task, operator, 
     ("change", "told"),
     [
         ({"order": standard_order(2, 2, 1)}, "another order"),
-        ({"settings": {"speed": "FAST"}}, "another asked"),
+        ({"asked": {"speed": "FAST"}}, "another asked"),
     ],
 )
 def test_a_folder_of_another_recording_is_not_mixed_with_this(task, operator, change, told):
     record(task, operator)
     with pytest.raises(InputError, match=f"{told}; give another output"):
-        record(dataclasses.replace(task, **change), operator)
+        record(asking(task, **change), operator)
 
 
 @pytest.mark.parametrize("content", ["{}", "[]", "{", '{"press": "none"}'])
@@ -251,9 +256,8 @@ def test_a_file_in_the_wrong_place_is_named(task, operator):
 
 
 def test_scenes_beyond_the_meter_are_refused_before_anything_is_written(task, operator):
-    scene = dataclasses.replace(task.scene, frequencies=(1.0, 1e3))
     with pytest.raises(InputError, match="meter IM3523 reads 40 Hz to 200 kHz"):
-        record(dataclasses.replace(task, scene=scene), operator)
+        record(asking(task, frequencies=(1.0, 1e3)), operator)
     assert not Journal(task.output).folder.exists()
 
 
@@ -293,7 +297,7 @@ def test_a_machine_that_does_not_press_is_asked_again_and_ends(task, operator, s
     """Not even a machine that never presses can hold it up: after its retries all is kept."""
     operator.retries, by, order = 3, operator.by, [REST, parse_step("2,2", 2, 2)]
     operator.by = lambda step: None if by_hand else by(step)
-    _, entries = record(dataclasses.replace(task, order=order), operator)
+    _, entries = record(asking(task, order=order), operator)
     seen = [remark for remark in show.remarks if "no press is seen" in remark]
     assert len(seen) == (left and left + 1)
     assert entries[0].remarks == () and len(entries[1].remarks) == (1 if by_hand else 0)

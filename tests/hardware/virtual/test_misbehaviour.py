@@ -1,7 +1,5 @@
 """Whatever a meter does wrong: the driver says so, and never takes a number for another."""
 
-from dataclasses import replace
-
 import pytest
 from rcskin.hardware.meter.errors import (
     GarbledError,
@@ -17,7 +15,7 @@ from rcskin.hardware.record.sweep import check_frequencies
 from rcskin.hardware.steer import ask
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.serving import simulated
-from rcskin.hardware.virtual.skin import exact
+from rcskin.simulator.scene.reading import reading_at
 from rcskin.simulator.sweeps import InputError
 
 
@@ -110,8 +108,7 @@ def test_misbehaviour_out_of_range_is_refused(ports, given, told):
 
 @pytest.mark.parametrize("frequencies", [(1e3, 3e5), (39.9, 1e3), (1e-3, 8e6)])
 def test_a_scene_is_served_at_the_frequencies_that_are_recorded(scene, meter, frequencies):
-    outside = replace(scene, frequencies=frequencies)
     with pytest.raises(InputError, match="IM3523 reads 40 Hz to 200 kHz; .* outside"):
-        simulated(outside, {}, exact)
+        simulated(reading_at(scene, frequencies))
     with pytest.raises(InputError, match="IM3523 reads 40 Hz to 200 kHz; .* outside"):
         check_frequencies(meter, frequencies)

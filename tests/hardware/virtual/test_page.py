@@ -55,7 +55,7 @@ def test_ctrl_c_ends_it_though_viewers_are_there(served, look):
     ("arguments", "told"),
     [
         (("--scene", "pillow", "--page-port", 8000), "--page-port needs --page"),
-        (("--scene", "pillow", "--page", "--page-port", -1), "port -1 of 127.0.0.1 cannot be had"),
+        (("--scene", "pillow", "--page", "--page-port", -1), "--page-port must be from 0 to 65535"),
     ],
 )
 def test_bad_input_is_told(command, arguments, told):

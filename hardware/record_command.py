@@ -1,0 +1,263 @@
+"""The command that records a skin: its options, and what they mean."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..simulator.shown import say, terminal
+from .options import (
+    Accuracy,
+    Baud,
+    Interfaces,
+    Resource,
+    SceneName,
+    Settle,
+    SwitchName,
+    SwitchWith,
+    Timeout,
+)
+from .record.output import finish
+
+if TYPE_CHECKING:
+    from ..simulator.scene.scene import Scene
+    from .record.journal import Entry, Header
+    from .record.operators import Operator
+    from .record.order import Step
+    from .record.recorder import Task
+    from .record.terminal import Screen
+
+
+def record(
+    scene: SceneName,
+    resource: Resource,
+    output: Annotated[Path, typer.Option("--output", "-o", help="OUT.nc or OUT.csv.")],
+    repetitions: Annotated[int, typer.Option(help="Sweeps of each pixel.")] = 6,
+    order: Annotated[Path | None, typer.Option(help="File of presses, one a line.")] = None,
+    unattended: Annotated[bool, typer.Option("--unattended", help="Ask nobody.")] = False,
+    control: Annotated[
+        str | None, typer.Option(help="Press through a virtual meter's HOST:PORT.")
+    ] = None,
+    press_with: Annotated[
+        str | None, typer.Option(help="Press by this command, with {press} filled in.")
+    ] = None,
+    retries: Annotated[int, typer.Option(help="Unattended repetitions of a sweep.")] = 3,
+    interface: Interfaces = None,
+    switch: SwitchName = None,
+    switch_with: SwitchWith = None,
+    settle: Settle = None,
+    speed: Annotated[str | None, typer.Option(help="FAST, MEDIUM, SLOW or SLOW2.")] = None,
+    averaging: Annotated[int | None, typer.Option(help="Readings averaged, 1-256.")] = None,
+    level: Annotated[str | None, typer.Option(help="V, CV or CC.")] = None,
+    amplitude: Annotated[float | None, typer.Option(help="Of the level, V or A.")] = None,
+    range_: Annotated[int | None, typer.Option("--range", help="1-10; 0 automatic.")] = None,
+    delay: Annotated[float | None, typer.Option(help="After the trigger, s.")] = None,
+    cable: Annotated[int | None, typer.Option(help="Length of the cable, 0 or 1 m.")] = None,
+    repeatability: Annotated[float, typer.Option(help="Allowed between sweeps.")] = 0.05,
+    drift: Annotated[float, typer.Option(help="Allowed of the skin at rest.")] = 0.05,
+    session: Annotated[
+        str, typer.Option(help="Name of this mounting; else the time of its begin.")
+    ] = "",
+    same_mounting: Annotated[
+        bool, typer.Option("--same-mounting", help="Go on days later without being asked.")
+    ] = False,
+    timeout: Timeout = 5.0,
+    baud: Baud = 9600,
+    accuracy: Accuracy = None,
+) -> None:
+    """Record sweeps of a scene's presses; run again, it goes on where it was ended."""
+    from ..simulator.asked.scene import asked_scene
+    from ..simulator.scene.reading import checked_interfaces
+    from ..simulator.sweeps import checked_output, counted
+    from .meter.accuracy import DERIVED, read_table
+    from .meter.ending import ending_in_order
+    from .meter.hioki import open_meter
+    from .record.checks import Limits
+    from .record.journal import Journal
+    from .record.recorder import Task
+    from .record.recorder import record as record_task
+    from .switch.asked import asked_switch
+
+    checked_output(output)
+    asked = asked_scene(scene)
+    interfaces = checked_interfaces(interface, asked)
+    if not (interface or switch or switch_with):
+        _check_one_interface(asked)
+    table = read_table(accuracy or DERIVED)
+    steps = _steps(order, asked, repetitions)
+    settings = _settings(speed, averaging, level, amplitude, range_, delay, cable)
+    several = len(interfaces) > 1
+    screen, operator, ask = _operator(unattended, control, press_with, retries, steps, several)
+    task = Task(
+        header_of(asked, interfaces, steps, settings, session),
+        output,
+        lambda: open_meter(resource, timeout, baud),
+        table,
+        Limits(repeatability=repeatability, drift=drift),
+        same_mounting,
+        asked_switch(switch, switch_with, settle, interfaces, ask),
+    )
+    journal = Journal(output)
+    with ending_in_order() as tell, journal.lock(), _how_to_go_on(task):
+        checked_output(output)
+        with screen:
+            header, entries = record_task(replace(task, tell=tell), operator)
+        sweeps = finish(journal, header, dict(enumerate(entries)))
+        say("; ".join([f"{counted(sweeps.sizes)} -> {output}", *_remarkable(entries)]))
+
+
+def header_of(
+    scene: Scene,
+    interfaces: Sequence[str],
+    steps: Sequence[Step],
+    settings: Mapping[str, Any] | None = None,
+    session: str = "",
+) -> Header:
+    """The header of a recording of these steps at these interfaces, before a meter is connected.
+
+    settings: of the meter, to be set before it begins. session: as of `Header`.
+    """
+    from ..simulator.scene.files import scene_text
+    from ..simulator.scene.reading import frequencies_of_each, through
+    from .record.journal import Header
+
+    read = through(scene, interfaces)
+    whole = tuple(read.frequencies.tolist())
+    own = {name: tuple(each) for name, each in frequencies_of_each(read).items()}
+    return Header(
+        scene=scene_text(scene),
+        name=scene.name,
+        interfaces=tuple(interfaces),
+        frequencies=whole,
+        rows=scene.pixels.rows,
+        columns=scene.pixels.columns,
+        order=tuple(step.press for step in steps),
+        asked=dict(settings or {}),
+        session=session,
+        of_each={name: each for name, each in own.items() if each != whole},
+    )
+
+
+def _check_one_interface(scene: Scene) -> None:
+    """Raises InputError where the scene has several, and nothing says which are measured."""
+    from ..simulator.scene.scene import interface_names
+    from ..simulator.sweeps import InputError
+
+    names = interface_names(scene)
+    if len(names) > 1:
+        raise InputError(
+            f"{scene.name}: has the interfaces {', '.join(names)}, and a meter is at one "
+            "at a time; --switch or --switch-with measures all in turn (--switch ask: you "
+            f"reconnect it), --interface {names[0]} that one alone"
+        )
+
+
+def _steps(order: Path | None, scene: Scene, repetitions: int) -> list[Step]:
+    from itertools import product
+
+    from ..simulator.press.pixels import pixels_with_skin
+    from .record.order import read_order, standard_order
+
+    rows, columns = scene.pixels.shape
+    if order:
+        return read_order(order, rows, columns)
+    every = product(range(1, rows + 1), range(1, columns + 1))
+    without = set(every) - set(pixels_with_skin(scene))
+    return standard_order(rows, columns, repetitions, without)
+
+
+def _settings(
+    speed: str | None,
+    averaging: int | None,
+    level: str | None,
+    amplitude: float | None,
+    range_: int | None,
+    delay: float | None,
+    cable: int | None,
+) -> dict[str, Any]:
+    from ..simulator.sweeps import InputError
+
+    amplitudes = {"V": "voltage", "CV": "constant_voltage", "CC": "constant_current"}
+    held = (level or "V").upper()
+    if held not in amplitudes:
+        raise InputError(f"`level` must be one of {', '.join(amplitudes)}, got {level}")
+    asked = {
+        "level": level and held,
+        amplitudes[held]: amplitude,
+        "range": range_ or None,
+        "auto_range": None if range_ is None else range_ == 0,
+        "speed": speed and speed.upper(),
+        "averaging": averaging,
+        "trigger_delay": delay,
+        "cable": cable,
+    }
+    return {name: value for name, value in asked.items() if value is not None}
+
+
+def _operator(
+    unattended: bool,
+    control: str | None,
+    press_with: str | None,
+    retries: int,
+    steps: list[Step],
+    several: bool,
+) -> tuple[Screen, Operator, Callable[[str], None] | None]:
+    """Where it is shown, who presses, and a person who connects interfaces, where one is there."""
+
+    from ..simulator.sweeps import InputError
+    from .record.operators import Machine, pressing_by_command, pressing_virtually
+    from .record.terminal import Person, Screen
+
+    console = terminal(stderr=True, highlight=False)
+    if control and press_with:
+        raise InputError("`control` and `press-with` cannot both press the skin")
+    if not (control or press_with or unattended):
+        screen = Screen(console, plain=True, several=several)
+        person = Person(console, screen)
+        return screen, person, person.connect
+    if not (control or press_with) and any(step.row for step in steps):
+        raise InputError("unattended, a recording is pressed by --control or --press-with")
+    screen, by = Screen(console, several=several), _untouched
+    if control:
+        by = pressing_virtually(control)
+    elif press_with:
+        by = pressing_by_command(press_with)
+    return screen, Machine(by, screen, retries), None
+
+
+def _untouched(step: Step) -> None:
+    """Nothing is pressed by anyone."""
+
+
+@contextmanager
+def _how_to_go_on(task: Task) -> Iterator[None]:
+    """Where the block ends early, tell what is kept and how to go on with it."""
+    from .meter.errors import MeterError
+    from .record.journal import Journal
+
+    try:
+        yield
+    except (KeyboardInterrupt, SystemExit, MeterError):
+        journal = Journal(task.output)
+        header = journal.header()
+        if header is not None:
+            say(
+                f"rcskin: {len(journal.entries(header))} of {len(header.order)} sweeps are "
+                f"kept in {journal.folder}; the same command goes on after them",
+                err=True,
+            )
+        raise
+
+
+def _remarkable(entries: list[Entry]) -> list[str]:
+    """How many sweeps have remarks, and what the meter flagged."""
+    from .record.sweep import flags
+
+    unsound = sum(bool(entry.remarks) for entry in entries)
+    flagged = flags([entry.sweep for entry in entries])
+    return [f"{unsound} with remarks", *(f"flagged by the meter: {each}" for each in flagged)]
