@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.network.skin import wiring_of
-from ...models.reduced.dense import added, mass_of
+from ...models.reduced.dense import added, between_terminals, mass_of, own_axes
 from ...models.reduced.skin import ReducedSkin
 
 
@@ -56,11 +56,8 @@ class PressedSkin:
         """Of a press with this M, at s in rad/s."""
         skin = self._skin
         N = len(skin.conductance)
-        own, axes = np.linalg.eigh(M[N:, N:])
-        beside = axes.T @ M[N:, :N]
-        P = 1 / (1 + s[:, None] * own)
-        delayed = (beside.T * P[:, None]) @ beside
-        dynamic = s[:, None, None] * M[:N, :N] - s[:, None, None] ** 2 * delayed
+        pressed, axes = own_axes(M, N)
+        dynamic = between_terminals(pressed, s)
         circuit = skin.reduced.circuit
         wiring = wiring_of(circuit.drives, skin.reduced.terminal_field, skin.conductance)
         at, Y = [], []
@@ -70,7 +67,8 @@ class PressedSkin:
             floating = -np.linalg.solve(Y_of[:, 1:, 1:], Y_of[:, 1:, :1])[:, :, 0]
             Y.append(Y_of[:, 0, 0] + (Y_of[:, 0, 1:] * floating).sum(axis=1))
             at.append(allowed[:, :1] + allowed[:, 1:] @ floating.T)
-        weighed = (-s * P.T)[:, None] * beside[:, :, None]
+        delayed = -s / (1 + pressed.diagonal[:, None] * s)
+        weighed = delayed[:, None] * pressed.rows[:, N:].T[:, :, None]
         inside = (axes @ weighed.reshape(len(axes), -1)).reshape(weighed.shape)
         u = np.empty((N + len(inside), N, len(s)), dtype=np.complex128)
         u[:N], u[N:] = np.eye(N)[:, :, None], inside

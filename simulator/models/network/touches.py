@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
-from ..reduced.dense import Rest
+from ..reduced.dense import Rest, between_terminals
 
 SIDE_BY_SIDE = 64
 """Of s, at most: more would not stay in the processor's near memory."""
@@ -38,7 +38,7 @@ class AtRest(NamedTuple):
 def at_rest(rest: Rest, s: NDArray[np.complex128]) -> AtRest:
     """Of a skin. s: rad/s."""
     N = len(rest.rows)
-    terminals, beside = rest.rows[:, :N], rest.rows[:, N:]
+    beside = rest.rows[:, N:]
     at, inside = rest.factors[..., :N], np.ascontiguousarray(rest.factors[..., N:])
     P = 1 / (1 + s[:, None] * rest.diagonal)
     each = s[:, None, None]
@@ -48,8 +48,7 @@ def at_rest(rest: Rest, s: NDArray[np.complex128]) -> AtRest:
         damped = U * P[:, None]
         seen[k] = _apart(U_at - each * (damped @ beside.T))
         own[k] = _apart(damped @ U.T)
-    Y = each * terminals - each**2 * ((beside * P[:, None]) @ beside.T)
-    return AtRest(Y, _apart(P), seen, own)
+    return AtRest(between_terminals(rest, s), _apart(P), seen, own)
 
 
 def _apart(values: NDArray[np.complex128]) -> NDArray[np.float64]:

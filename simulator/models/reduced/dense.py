@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from ...fem.driven import Driven
-from ...fem.lanczos import Pencil
 
 
 class Rest(NamedTuple):
@@ -96,80 +95,6 @@ def _without_common(
     return conductance
 
 
-MANY = 2
-"""What touches see has more directions than the basis over this: M is turned to its own instead."""
-
-
-def solved(
-    drives: Sequence[Driven],
-    rest: Rest,
-    cells: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    s: NDArray[np.complex128],
-) -> list[tuple[NDArray[np.complex128], NDArray[np.complex128]]]:
-    """Potentials of each drive at 1 V, shape (N + n, s), and Y in S.
-
-    weights: rises of the cells' M. s: rad/s.
-    """
-    if MANY * len(cells) * rest.factors.shape[1] <= len(rest.diagonal):
-        return [_by_touches(driven, rest, cells, weights, s) for driven in drives]
-    N, M = len(rest.rows), mass_of(rest, cells, weights)
-    diagonal, axes = eigh(M[N:, N:])
-    pressed = Rest(np.hstack([M[:N, :N], M[:N, N:] @ axes]), diagonal, rest.factors)
-    none = np.zeros(0, dtype=np.int64)
-    found = [_by_touches(driven, pressed, none, np.zeros(0), s) for driven in drives]
-    return [(np.vstack([u[:N], axes @ u[N:]]), Y) for u, Y in found]
-
-
-def mass_of(
-    rest: Rest, cells: NDArray[np.int64], weights: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """M of a press in F, as `written_out`, by one product of matrices."""
-    none = np.zeros(0, dtype=np.int64)
-    return written_out(rest, none, np.zeros(0)) + added(rest.factors, cells, weights)
-
-
-def added(
-    factors: NDArray[np.float64], cells: NDArray[np.int64], weights: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """What cells add to M, in F."""
-    U = factors[cells].reshape(-1, factors.shape[2])
-    return (U.T * np.repeat(weights, factors.shape[1])) @ U
-
-
-def _by_touches(
-    driven: Driven,
-    rest: Rest,
-    cells: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    s: NDArray[np.complex128],
-) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """K + s M is diagonal in the basis but for floating terminals f and what the cells' factors U
-    see of it, z = U v: they are solved for, and v follows."""
-    N, F = len(driven.potential), driven.floating
-    U = rest.factors[cells].reshape(-1, rest.factors.shape[2])
-    C = np.repeat(weights, rest.factors.shape[1])
-    rows = rest.rows + (U[:, :N].T * C) @ U
-    charge = driven.potential @ rows
-    beside = np.vstack([F.T @ rows[:, N:], U[:, N:]])
-    floats = F.shape[1]
-    weighed = np.concatenate([np.ones(floats), C])
-    P = 1 / (1 + s[:, None] * rest.diagonal)
-    sign = np.repeat(np.stack([-(s**2), s], axis=1), [floats, len(C)], axis=1)
-    seen = (beside * P[:, None]) @ beside.T
-    own = np.zeros((len(s), len(weighed), len(weighed)), dtype=complex)
-    own[:, :floats, :floats] = driven.floating_conductance
-    own[:, :floats, :floats] += s[:, None, None] * (F.T @ rows[:, :N] @ F)
-    own[:, range(floats, len(weighed)), range(floats, len(weighed))] = 1.0
-    right = -sign * ((P * charge[N:]) @ beside.T)
-    right[:, :floats] -= s[:, None] * (F.T @ charge[:N])
-    found = np.linalg.solve(own + sign[:, :, None] * seen * weighed, right[:, :, None])[:, :, 0]
-    v = -s[:, None] * P * (charge[N:] + (found * weighed) @ beside)
-    at_terminals = driven.potential + found[:, :floats] @ F.T
-    Y = driven.conductance + s * (at_terminals @ charge[:N] + v @ charge[N:])
-    return np.hstack([at_terminals, v]).T, Y
-
-
 def feed_of(driven: Driven) -> Feed:
     """A drive as the kernel takes it."""
     own = driven.floating_conductance[np.ix_(~driven.common, ~driven.common)]
@@ -182,34 +107,147 @@ def feed_of(driven: Driven) -> Feed:
     )
 
 
-def written_out(
-    rest: Rest, cells: NDArray[np.int64], rises: NDArray[np.float64]
+MANY = 2
+"""What touches see has more directions than the basis over this: M is turned to its own instead."""
+Solved = tuple[NDArray[np.complex128], NDArray[np.complex128]]
+
+
+def solved(
+    drives: Sequence[Driven],
+    rest: Rest,
+    cells: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    s: NDArray[np.complex128],
+) -> list[Solved]:
+    """Potentials of each drive at 1 V, shape (press, s, N + n), and Y in S, shape (press, s).
+
+    cells: as many for each press, shape (press, touch). weights: rises of their M. s: rad/s.
+    """
+    rank = cells.shape[1] * rest.factors.shape[1]
+    U = rest.factors[cells].reshape(len(cells), rank, rest.factors.shape[2])
+    C = np.repeat(weights, rest.factors.shape[1], axis=1)
+    N = len(rest.rows)
+    rows = rest.rows + (U[:, :, :N] * C[:, :, None]).transpose(0, 2, 1) @ U
+    if MANY * rank <= len(rest.diagonal):
+        P = (1 / (1 + s[:, None] * rest.diagonal))[None]
+        seen = _seen(rest, cells, C, s[:, None] * P[0])
+        return [_by_touches(driven, rows, P, U[:, :, N:], C, seen, s) for driven in drives]
+    M = (U[:, :, N:] * C[:, :, None]).transpose(0, 2, 1) @ U[:, :, N:]
+    M[:, range(M.shape[1]), range(M.shape[1])] += rest.diagonal
+    diagonal, axes = np.linalg.eigh(M)
+    P = 1 / (1 + s[:, None] * diagonal[:, None])
+    turned = np.concatenate([rows[:, :, :N], rows[:, :, N:] @ axes], axis=2)
+    nothing = U[:, :0, N:], C[:, :0], np.zeros((len(cells), len(s), 0, 0), dtype=complex)
+    found = [_by_touches(driven, turned, P, *nothing, s) for driven in drives]
+    back = axes.transpose(0, 2, 1)
+    return [(np.concatenate([u[:, :, :N], u[:, :, N:] @ back], axis=2), Y) for u, Y in found]
+
+
+def _seen(
+    rest: Rest, cells: NDArray[np.int64], C: NDArray[np.float64], sP: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    """1 + U s P U' C of each press, the product once for all that touch the same cells.
+
+    C: shape (press, rank). sP: shape (s, n). Shape (press, s, rank, rank).
+    """
+    own, same = cells, np.arange(len(cells))
+    if len(cells) > 1:
+        own, same = np.unique(cells, axis=0, return_inverse=True)
+    U = rest.factors[own].reshape(len(own), -1, rest.factors.shape[2])[:, :, len(rest.rows) :]
+    count, rank, n = U.shape
+    parts = np.stack([sP.real, sP.imag])
+    rows = (parts[:, :, None] * U[:, None, None]).reshape(count, 2 * len(sP) * rank, n)
+    products = (rows @ U.transpose(0, 2, 1)).reshape(count, 2, len(sP), rank, rank)
+    seen = (products[:, 0] + 1j * products[:, 1])[same.ravel()]
+    seen *= C[:, None, None]
+    seen[:, :, range(rank), range(rank)] += 1.0
+    return seen
+
+
+def _by_touches(
+    driven: Driven,
+    rows: NDArray[np.float64],
+    P: NDArray[np.complex128],
+    U: NDArray[np.float64],
+    C: NDArray[np.float64],
+    seen: NDArray[np.complex128],
+    s: NDArray[np.complex128],
+) -> Solved:
+    """K + s M is diagonal in the basis but for floating terminals f and what the cells' factors U
+    see of it, z = U v: they are solved for, and v follows.
+
+    rows: of M at terminals, shape (press, N, N + n). P: 1 / (1 + s M) where M is diagonal,
+    (press or 1, s, n). U, C: what cells see there, (press, rank, n), and their weights, (press,
+    rank). seen: see `_seen`.
+    """
+    N, F = len(driven.potential), driven.floating
+    floats = F.shape[1]
+    charge = driven.potential @ rows
+    beside = np.concatenate([F.T @ rows[:, :, N:], U], axis=1)
+    weighed = np.concatenate([np.ones((len(C), floats)), C], axis=1)
+    sign = np.repeat(np.stack([-(s**2), s], axis=1), [floats, C.shape[1]], axis=1)
+    system = _beside_floating(driven, rows, P, beside, weighed, seen, s) if floats else seen
+    right = -sign * ((P * charge[:, None, N:]) @ beside.transpose(0, 2, 1))
+    right[:, :, :floats] -= s[:, None] * (charge[:, :N] @ F)[:, None]
+    found = np.linalg.solve(system, right[..., None])[..., 0]
+    v = -s[:, None] * P * (charge[:, None, N:] + (found * weighed[:, None]) @ beside)
+    at_terminals = driven.potential + found[:, :, :floats] @ F.T
+    u = np.concatenate([at_terminals, v], axis=2)
+    return u, driven.conductance + s * (u @ charge[:, :, None])[:, :, 0]
+
+
+def _beside_floating(
+    driven: Driven,
+    rows: NDArray[np.float64],
+    P: NDArray[np.complex128],
+    beside: NDArray[np.float64],
+    weighed: NDArray[np.float64],
+    seen: NDArray[np.complex128],
+    s: NDArray[np.complex128],
+) -> NDArray[np.complex128]:
+    """The matrix of what cells see with that of floating terminals before it."""
+    F, N = driven.floating, len(driven.potential)
+    floats, k = F.shape[1], beside.shape[1]
+    system = np.empty((*seen.shape[:2], k, k), dtype=complex)
+    system[:, :, floats:, floats:] = seen
+    across = (beside[:, None, :floats] * P[:, :, None]) @ beside.transpose(0, 2, 1)[:, None]
+    system[:, :, :floats] = -(s[:, None, None] ** 2) * across * weighed[:, None, None]
+    back = across[:, :, :, floats:].transpose(0, 1, 3, 2)
+    system[:, :, floats:, :floats] = s[:, None, None] * back
+    system[:, :, :floats, :floats] += driven.floating_conductance
+    system[:, :, :floats, :floats] += s[:, None, None] * (F.T @ rows[:, :, :N] @ F)[:, None]
+    return system
+
+
+def mass_of(
+    rest: Rest, cells: NDArray[np.int64], weights: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """M of a press in F, shape (m, m)."""
+    """M of a press in F, shape (N + n, N + n)."""
     terminals = len(rest.rows)
-    mass = np.diag(np.concatenate([np.zeros(terminals), rest.diagonal]))
-    mass[:terminals] = rest.rows
-    mass[:, :terminals] = rest.rows.T
-    for cell, rise in zip(cells, rises, strict=True):
-        mass += rise * rest.factors[cell].T @ rest.factors[cell]
-    return mass
+    M = np.diag(np.concatenate([np.zeros(terminals), rest.diagonal]))
+    M[:terminals] = rest.rows
+    M[:, :terminals] = rest.rows.T
+    return M + added(rest.factors, cells, weights)
 
 
-def dense_pencil(mass: NDArray[np.float64], feed: Feed) -> Pencil:
-    """K + s M of one drive. mass: M in F, shape (m, m)."""
-    terminals = len(feed.driven)
-    driven, tied, common = (
-        widened(each, len(mass)) for each in (feed.driven[None], feed.tied, feed.common)
-    )
+def added(
+    factors: NDArray[np.float64], cells: NDArray[np.int64], weights: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """What cells add to M, in F."""
+    U = factors[cells].reshape(-1, factors.shape[2])
+    return (U.T * np.repeat(weights, factors.shape[1])) @ U
 
-    def neutral(v: NDArray[np.float64]) -> NDArray[np.float64]:
-        charge = common @ mass
-        return v - common.T @ np.linalg.solve(charge @ common.T, charge @ v)
 
-    def inverse(y: NDArray[np.float64]) -> NDArray[np.float64]:
-        v = np.concatenate([np.zeros(terminals), y[terminals:]])
-        return neutral(v + tied.T @ (feed.tied_inverse @ (tied @ y)))
+def own_axes(M: NDArray[np.float64], terminals: int) -> tuple[Rest, NDArray[np.float64]]:
+    """M of a press where it is diagonal, and the directions of that inside, shape (n, n)."""
+    N = terminals
+    diagonal, axes = np.linalg.eigh(M[N:, N:])
+    return Rest(np.hstack([M[:N, :N], M[:N, N:] @ axes]), diagonal, np.zeros((0, 0, len(M)))), axes
 
-    potential = neutral(driven[0])
-    start = mass @ potential
-    return Pencil(start, mass.dot, inverse, feed.conductance, float(potential @ start), 0.0)
+
+def between_terminals(rest: Rest, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Y in S beyond that at zero frequency, shape (s, N, N). s: rad/s."""
+    N = len(rest.rows)
+    terminals, beside, each = rest.rows[:, :N], rest.rows[:, N:], s[:, None, None]
+    P = 1 / (1 + s[:, None, None] * rest.diagonal)
+    return each * terminals - each**2 * ((beside * P) @ beside.T)

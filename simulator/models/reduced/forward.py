@@ -40,8 +40,7 @@ from .greedy import reduce
 from .indented.draws import require_whole_pixels
 from .model import Reduced
 from .skin import ReducedSkin
-from .slopes.alone import Sensitivity, sensitivity
-from .slopes.together import sensitivities
+from .slopes import Sensitivity, sensitivities, sensitivity
 from .waved.model import Waved
 
 REACH = 3.0

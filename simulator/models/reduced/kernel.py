@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from ...compiled import compiled
 from ...fem.estimate import LOST_SUSCEPTANCE
 from ...fem.kernels import continued_fractions, next_convergent
-from ...fem.lanczos import FEWEST_STEPS, MOST_STEPS, respond
+from ...fem.lanczos import FEWEST_STEPS, MOST_STEPS
 from ...press.batch import PressBatch
-from .dense import Feed, Rest, dense_pencil, written_out
+from .dense import Feed, Rest
 
 ROOM = 7
 """Vectors that Lanczos' method works with."""
@@ -73,18 +73,6 @@ def impedances(
     contiguous = np.ascontiguousarray(batch.cells)  # or else another `swept` is compiled
     Y = [swept(rest, feed, batch._replace(cells=contiguous), s, rtol) for feed in feeds]
     return (1 / np.stack(Y, axis=1)).astype(np.complex128)
-
-
-def swept_readable(
-    rest: Rest,
-    feed: Feed,
-    batch: PressBatch,
-    s: NDArray[np.complex128],
-    rtol: float,
-) -> NDArray[np.complex128]:
-    """What `swept` does, with matrices written out."""
-    masses = [written_out(rest, *touched) for touched in batch.each()]
-    return np.stack([respond(dense_pencil(mass, feed), s, rtol)[0] for mass in masses])
 
 
 @compiled()

@@ -205,8 +205,9 @@ class ReducedSkin:
 
         Sheets are as they are here, see `under`.
         """
-        found = solved(self.drives, *self.touched(cells, rises), s)
-        return [(self.turn @ u, Y) for u, Y in found]
+        rest, which, weights = self.touched(cells, rises)
+        found = solved(self.drives, rest, which[None], weights[None], s)
+        return [(self.turn @ u[0].T, Y[0]) for u, Y in found]
 
     def touched(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]

@@ -6,14 +6,13 @@ A certificate holds for any potentials; these are close to what the whole basis 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
-from ...fem.lanczos import MOST_STEPS, potentials
-from .dense import Feed, Rest, aligned, dense_pencil, widened, written_out
+from ...fem.lanczos import MOST_STEPS
+from .dense import Feed, Rest, aligned
 from .kernel import ROOM, farthest_of, lanczos_steps
 
 RTOL = 1e-12
@@ -85,17 +84,3 @@ def _shares(
         if step + 1 < steps:
             share[step] -= s * np.sqrt(squared[step + 1]) * share[step + 1]
         share[step] /= pivot[step]
-
-
-def spanned_readable(
-    feed: Feed, rest: Rest, touched: Touched, s: NDArray[np.complex128], rtol: float
-) -> Potentials:
-    """What `spanned` does, with matrices written out."""
-    mass = written_out(rest, *touched)
-    at_zero = widened(feed.driven, len(mass))
-    for sheet in widened(feed.common, len(mass)):
-        at_zero -= sheet * (sheet @ mass @ at_zero) / (sheet @ mass @ sheet)
-    pencil = dense_pencil(mass, feed)
-    at_shifts: Any = s
-    v = potentials(pencil, at_shifts, float(np.sqrt(rtol))).astype(np.complex128)
-    return at_zero[:, None] + v, pencil.admittance + s * (pencil.capacitance + pencil.start @ v)

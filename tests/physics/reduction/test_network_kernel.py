@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.models.network.kernel import admittances, admittances_readable
+from rcskin.simulator.models.network.kernel import admittances
 from rcskin.simulator.models.network.touches import SIDE_BY_SIDE, at_rest
-from rcskin.simulator.models.reduced.dense import Rest
+from rcskin.simulator.models.reduced.dense import Rest, mass_of
 from rcskin.simulator.press.batch import PressBatch
 
 TERMINALS, BASIS, CELLS, RANK = 3, 11, 6, 2
@@ -21,6 +21,18 @@ def rest():
     rows = factors.reshape(-1, TERMINALS + BASIS)
     M = rows.T @ rows
     return Rest(M[:TERMINALS], M.diagonal()[TERMINALS:].copy(), factors)
+
+
+def admittances_readable(rest, batch, s):
+    """Y in S beyond that at zero frequency, of many presses, shape (press, s, N, N)."""
+    N, found = len(rest.rows), []
+    for cells, weights in batch.each():
+        M = mass_of(rest, cells, weights)
+        inner, beside = np.eye(len(M) - N), M[N:, :N]
+        for each in s:
+            delayed = np.linalg.solve(inner + each * M[N:, N:], beside)
+            found.append(each * M[:N, :N] - each**2 * beside.T @ delayed)
+    return np.reshape(found, (batch.count, len(s), N, N))
 
 
 def some_s(count):
