@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import re
-import shutil
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from ..models.parameters import FACTORS
+from ..report.files import files_in, filled_at_once, write_json, write_rows, write_text
 from ..scene.files import scene_text
 from ..shown import shown
-from ..sweeps import made_folder, whole_file
-from ..sweeps.cells import Writer
 from .chart import draw_residuals
 from .estimates import HEADER
 from .sheets import MISMATCH, RATIO
@@ -44,32 +40,22 @@ WIDENED = 1.2
 
 def write_report(
     calibration: Calibration, source: str, folder: Path, ending: str = ".png"
-) -> list[str]:
+) -> Sequence[str]:
     """All files into a folder, each whole; their names.
 
     source: what was fitted to, in words. ending: of the charts.
     """
-    with TemporaryDirectory() as unfinished:
-        made = Path(unfinished)
-        text = calibrated_text(calibration, source)
-        (made / "calibrated.toml").write_text(text, encoding="utf-8")
-        (made / "calibration.json").write_text(
-            json.dumps(numbers(calibration, source), indent=2) + "\n", encoding="utf-8"
-        )
-        _write_csv(made / "quantities.csv", COLUMNS, map(_row, calibration.quantities))
-        _write_csv(made / "parameters.csv", PARAMETER_COLUMNS, _parameter_rows(calibration))
-        _write_csv(
-            made / "correlation.csv", ("parameter", *_names(calibration)), _tied(calibration)
-        )
+    with filled_at_once(folder) as made:
+        write_text(made / "calibrated.toml", calibrated_text(calibration, source))
+        write_json(made / "calibration.json", numbers(calibration, source))
+        write_rows(made / "quantities.csv", COLUMNS, map(_row, calibration.quantities))
+        write_rows(made / "parameters.csv", PARAMETER_COLUMNS, _parameter_rows(calibration))
+        names = "parameter", *_names(calibration)
+        write_rows(made / "correlation.csv", names, _tied(calibration))
         interfaces = calibration.fit.asked.measured.scene.interfaces
         for k, name in enumerate(_file_names([each.name for each in interfaces])):
             draw_residuals(calibration, k, made / f"residuals-{name}{ending}")
-        made_folder(folder)
-        names = sorted(path.name for path in made.iterdir())
-        for name in names:
-            with whole_file(folder / name) as file:
-                shutil.copyfile(made / name, file)
-    return names
+        return files_in(made)
 
 
 def calibrated_text(calibration: Calibration, source: str) -> str:
@@ -247,10 +233,3 @@ def _file_names(interfaces: Sequence[str]) -> list[str]:
     named = [re.sub(r"[^\w-]", "-", each)[:LONGEST] for each in interfaces]
     distinct = len({each.casefold() for each in named}) == len(named)
     return named if distinct else [f"{k}-{each}" for k, each in enumerate(named, 1)]
-
-
-def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = Writer(file)
-        writer.writerow(header)
-        writer.writerows(rows)

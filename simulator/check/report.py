@@ -9,36 +9,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..charts import ENDINGS
-from ..sweeps import InputError, checked_folder, checked_output, made_folder, whole_file
-from ..sweeps.cells import Writer
+from ..report.files import filled_at_once, write_rows
+from ..sweeps import InputError, checked_folder, checked_output
 from ..sweeps.laws.examination import Judgement
 from .residuals import draw_residuals
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-SUMMARY = [
-    "sweep",
-    "press",
-    "interface",
-    "lowest_phase_deg",
-    "highest_phase_deg",
-    "noise",
-    "noise_from",
-    "misfit",
-    "inductance_H",
-    "broken",
-]
-RESIDUALS = [
-    "sweep",
-    "interface",
-    "frequency_Hz",
-    "residual_real",
-    "residual_imag",
-    "allowed",
-    "fitted",
-    "broken",
-]
+SUMMARY = "sweep press interface lowest_phase_deg highest_phase_deg noise noise_from misfit".split()
+SUMMARY += ["inductance_H", "broken"]
+RESIDUALS = "sweep interface frequency_Hz residual_real residual_imag allowed fitted broken".split()
 
 WRITTEN = ("residuals.png", "verdicts.csv", "residuals.csv")
 """Patterns of the names of what is written."""
@@ -62,11 +43,11 @@ def write_report(judgements: Sequence[Judgement], path: Path) -> None:
     if path.suffix in ENDINGS and not path.is_dir():
         draw_residuals(judgements, path)
         return
-    made_folder(path)
-    draw_residuals(judgements, path / "residuals.png")
-    _write_rows(path / "verdicts.csv", SUMMARY, map(_summary, judgements))
     rows = (row for judgement in judgements for row in _readings(judgement))
-    _write_rows(path / "residuals.csv", RESIDUALS, rows)
+    with filled_at_once(path) as folder:
+        draw_residuals(judgements, folder / "residuals.png")
+        write_rows(folder / "verdicts.csv", SUMMARY, map(_summary, judgements))
+        write_rows(folder / "residuals.csv", RESIDUALS, rows)
 
 
 def verdict_table(judgements: Sequence[Judgement]) -> Table:
@@ -136,10 +117,3 @@ def _readings(judgement: Judgement) -> Iterable[list[object]]:
     for row in zip(*(column.tolist() for column in columns), strict=True):
         laws = [each.law for each in judgement.broken if row[0] in each.frequency]
         yield [judgement.sweep, judgement.interface, *row, "; ".join(laws)]
-
-
-def _write_rows(path: Path, header: list[str], rows: Iterable[Sequence[object]]) -> None:
-    with whole_file(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
-        writer = Writer(file)
-        writer.writerow(header)
-        writer.writerows(rows)

@@ -10,13 +10,14 @@ from rich.table import Table
 
 from ..bounds.touches.errors import LaidErrors
 from ..measure.symmetry import repeated_told
+from ..report.files import filled_at_once, write_json
 from ..scene.reading import frequencies_of_each
 from ..scene.scene import Scene
 from ..shown import terminal
 from ..sweeps.meaning import bound_means
 from .figure import draw_distances, draw_maps
 from .identity import Identity
-from .report import summary, write_distances, write_places, write_summary
+from .report import summary, write_distances, write_places
 from .survey import Question, Variant
 
 MOST_ROWS = 14
@@ -49,9 +50,6 @@ class Findings(NamedTuple):
 
     def write(self, folder: Path, ending: str) -> None:
         """Maps, with this ending, tables, and a summary."""
-        self._draw(folder, ending)
-        write_places(self.variants, folder / "limits.csv")
-        write_distances(self.told_apart.apart, self.told_apart.names, folder / "pixels.csv")
         content = {
             "scene": self.scene.name,
             "position_asked": self.question.told,
@@ -62,7 +60,11 @@ class Findings(NamedTuple):
         }
         if each := frequencies_of_each(self.scene):
             content["frequencies_of_each_Hz"] = each
-        write_summary(content, folder / "limits.json")
+        with filled_at_once(folder) as made:
+            self._draw(made, ending)
+            write_places(self.variants, made / "limits.csv")
+            write_distances(self.told_apart.apart, self.told_apart.names, made / "pixels.csv")
+            write_json(made / "limits.json", content)
 
     def show(self, folder: Path) -> None:
         """Print the first rows, and where all are."""

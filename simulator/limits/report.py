@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import itertools
-import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..sweeps import whole_file
-from ..sweeps.cells import Writer
+from ..report.files import write_rows
 from .survey import Variant
 
 NOT_TOLD = "not told"
@@ -35,25 +33,24 @@ def told(value: float, unit: float = 1.0, digits: int = 4) -> float | str:
 
 def write_places(variants: Sequence[Variant], path: Path) -> None:
     """Every place of every variant as a line of a CSV."""
-    with whole_file(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
-        writer = Writer(file)
-        writer.writerow(HEADER)
-        for variant in variants:
-            own = variant.bounds
-            for (x, y), dx, dy, strength in zip(
-                own.places, own.x, own.y, own.strength, strict=True
-            ):
-                row = told(x, 1e3), told(y, 1e3), told(dx, 1e3), told(dy, 1e3), told(strength)
-                writer.writerow([variant.comparison, variant.name, *row])
+    write_rows(
+        path,
+        HEADER,
+        (
+            [variant.comparison, variant.name, *(told(each, 1e3) for each in place), told(strength)]
+            for variant in variants
+            for *place, strength in np.column_stack(
+                [variant.bounds.places, variant.bounds.x, variant.bounds.y, variant.bounds.strength]
+            )
+        ),
+    )
 
 
 def write_distances(apart: NDArray[np.float64], names: Sequence[str], path: Path) -> None:
     """How far each two pixels' sweeps lie apart as a CSV, a line for each pair."""
-    with whole_file(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
-        writer = Writer(file)
-        writer.writerow(["pixel", "other", "distance_errors"])
-        for i, j in itertools.combinations(range(len(names)), 2):
-            writer.writerow([names[i], names[j], told(apart[i, j])])
+    pairs = itertools.combinations(range(len(names)), 2)
+    rows = ([names[i], names[j], told(apart[i, j])] for i, j in pairs)
+    write_rows(path, ["pixel", "other", "distance_errors"], rows)
 
 
 def summary(variant: Variant) -> dict[str, Any]:
@@ -72,11 +69,3 @@ def summary(variant: Variant) -> dict[str, Any]:
         "places_where_y_is_told": float(np.isfinite(own.y).mean()),
         "median_error_mm": told(own.median_error(), 1e3),
     }
-
-
-def write_summary(content: Mapping[str, Any], path: Path) -> None:
-    """The numbers as JSON."""
-    with whole_file(path) as unfinished:
-        unfinished.write_text(
-            json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8"
-        )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..report.files import write_frame
 from ..sweeps import whole_file
 from ..sweeps.formats.netcdf import write_dataset
 from .axis import Axis
@@ -25,12 +26,10 @@ LABELS = {BOTH_SHEETS: "Sheet resistance of both sheets", ALL_PIXELS: "Pixels al
 
 def write_table(findings: xr.Dataset, path: Path) -> None:
     """Write a study as NetCDF, or as CSV with a line for each point, by the path's ending."""
+    if path.suffix == ".csv":
+        return write_frame(path, findings.rename(IN_HERTZ).to_dataframe().reset_index())
     with whole_file(path) as unfinished:
-        if path.suffix == ".nc":
-            write_dataset(findings, unfinished)
-        else:
-            table = findings.rename(IN_HERTZ).to_dataframe().reset_index()
-            table.to_csv(unfinished, index=False, lineterminator="\n")
+        return write_dataset(findings, unfinished)
 
 
 def answers(findings: xr.Dataset, axes: Sequence[Axis]) -> list[str]:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import json
-from base64 import b64encode
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ...report.files import filled_at_once, write_json, write_rows, write_text
+from ...report.page import Grid, Items, Picture, Section, write_page
 from ...scene.files import scene_text
 from ...scene.scene import Scene
-from ...shown import pages
-from ...sweeps import made_folder, whole_file
 from ..bench import Asking
 from ..flat import Along, along_all, worth
 from ..judged import Layout, designed
@@ -19,7 +17,7 @@ from ..picking import sweep_time
 from ..search import Found, Step
 from .figure import draw_flat, draw_steps, draw_wiring
 from .scale import Scale, scale_of
-from .wiring import Row, rows, write_wiring
+from .wiring import Row, rows
 
 DESIGN = "design.toml"
 WRITTEN = (DESIGN, "design.json", "report.html", "wiring.*", "steps.png", "flat.png")
@@ -58,19 +56,24 @@ def write_folder(found: Found, asking: Asking, folder: Path) -> None:
     asking.progress("how flat it is")
     flat, lost = along_all(found.bench, layout), worth(found.bench, layout)
     scale = scale_of(found.bench.scene, asking.asked)
-    made_folder(folder)
-    with whole_file(folder / DESIGN) as unfinished:
-        unfinished.write_text(scene_text(scene), encoding="utf-8")
     table = rows(scene, found.bench.wired, layout.readings)
-    write_wiring(table, folder / "wiring.csv")
-    draw_steps(found.steps, scale.wanted(asking.asked), scale, folder / "steps.png")
-    draw_flat(flat, scale, folder / "flat.png")
-    draw_wiring(scene, layout.readings, folder / "wiring.png")
-    numbers = _numbers(found, flat, lost, scale)
-    with whole_file(folder / "design.json") as unfinished:
-        text = json.dumps(numbers, indent=2, allow_nan=False) + "\n"
-        unfinished.write_text(text, encoding="utf-8")
-    _write_report(found, asking, (flat, lost), scale, table, folder)
+    with filled_at_once(folder) as made:
+        write_text(made / DESIGN, scene_text(scene))
+        write_rows(made / "wiring.csv", Row._fields, table)
+        write_json(made / "design.json", _numbers(found, flat, lost, scale))
+        draw_steps(found.steps, scale.wanted(asking.asked), scale, made / "steps.png")
+        draw_flat(flat, scale, made / "flat.png")
+        draw_wiring(scene, layout.readings, made / "wiring.png")
+        sections = [
+            Section("", [_meant(asking, scale)]),
+            _gained(found, scale, made),
+            _wiring(found, table, lost, scale, made),
+            Section("What to cast", [Items(_cast(scene, flat, scale))]),
+            _flatness(flat, scale, made),
+            Section("How far from the best", [_far(found, scale)]),
+        ]
+        name = f"{found.bench.scene.name}: a design"
+        write_page(made / "report.html", name, sections, answer(found, asking))
 
 
 def _numbers(
@@ -106,64 +109,76 @@ def _numbers(
     }
 
 
-def _write_report(
-    found: Found,
-    asking: Asking,
-    measured: tuple[Sequence[Along], Sequence[float]],
-    scale: Scale,
-    table: Sequence[Row],
-    folder: Path,
-) -> None:
-    environment = pages(Path(__file__).parent, keep_trailing_newline=True)
-    asked, best, (flat, lost) = asking.asked, found.best, measured
-    text = environment.get_template("report.html.jinja").render(
-        name=found.bench.scene.name,
-        answer=answer(found, asking),
-        target=asked.target,
-        scale=scale,
-        against=_against(asked.against_rest),
-        casts=asked.casts,
-        draws=asking.draws,
-        steps=_rows(found.steps, scale),
-        wiring=_wired(table, lost, scale),
-        frequencies=_listed(best.layout),
-        time=f"{_time(best):.2f}",
-        cast=_cast(scene_of(found), flat, scale),
-        flat=[_told(each, scale) for each in flat],
-        far=_far(found, scale),
-        pictures={
-            name: b64encode((folder / f"{name}.png").read_bytes()).decode("ascii")
-            for name in ("steps", "flat", "wiring")
-        },
+def _meant(asking: Asking, scale: Scale) -> str:
+    """What the bounds are."""
+    asked = asking.asked
+    casts = (
+        f"The tenth of {asked.casts} casts that is worst off counts, drawn as [dataset.session] of "
+        "the scene says"
     )
-    with whole_file(folder / "report.html") as unfinished:
-        unfinished.write_text(text, encoding="utf-8")
+    if scale.guess is None:
+        return (
+            f"Bounds are Bayes' accuracy of a {asked.target}, which no classifier of a known skin "
+            f"exceeds: {_against(asked.against_rest)}. {casts}; each over {asking.draws} presses, "
+            "the same for all designs."
+        )
+    return (
+        "Bounds are those of Cramér and Rao on the place of a touch as large as a pixel, whose "
+        f"strength is unknown, on a known skin: {_against(asked.against_rest)}. Half of all errors "
+        f"of an unbiased estimate are larger. {casts}."
+    )
 
 
-def _wired(table: Sequence[Row], lost: Sequence[float], scale: Scale) -> list[dict[str, str]]:
+def _gained(found: Found, scale: Scale, folder: Path) -> Section:
+    of = f"nine of ten casts ({scale.unit})", "gained", f"as it was meant ({scale.unit})"
+    sheets = "top, bottom sheet (kohm/sq)"
+    heads = ["step", *of, sheets, "readings", "frequencies", "sweep (s)", "taken"]
+    before = (None, *found.steps[:-1])
+    rows = [_row(step, other, scale) for step, other in zip(found.steps, before, strict=True)]
+    chart = Picture(folder / "steps.png", "The bound after each step", below=False)
+    return Section("What each step gained", [Grid(heads, rows, (1, 2, 3, 5, 6, 7)), chart])
+
+
+def _wiring(
+    found: Found, table: Sequence[Row], lost: Sequence[float], scale: Scale, folder: Path
+) -> Section:
+    layout, unit = found.best.layout, "points" if scale.guess is None else "mm"
     told = [f"{_change(part, scale):.2g}" for part in lost] or [""]
-    return [row._asdict() | {"worth": part} for row, part in zip(table, told, strict=True)]
+    rows = [[*row, part] for row, part in zip(table, told, strict=True)]
+    shown = (
+        "The foils at each reading. Solid: foils of the top sheet; dashed, outside them: of the "
+        "bottom sheet; grey: left open."
+    )
+    return Section(
+        "Wiring",
+        [
+            Grid(["reading", "H", "L", "open", f"lost without it ({unit})"], rows, (4,)),
+            Picture(folder / "wiring.png", shown),
+            f"Every reading at {_listed(layout)} Hz. On the meter a sweep takes "
+            f"{_time(found.best):.2f} s, at the virtual meter's pace.",
+        ],
+    )
 
 
-def _rows(steps: Sequence[Step], scale: Scale) -> list[dict[str, str]]:
-    before = (None, *steps[:-1])
-    return [_row(step, other, scale) for step, other in zip(steps, before, strict=True)]
+def _flatness(flat: Sequence[Along], scale: Scale, folder: Path) -> Section:
+    chart = Picture(folder / "flat.png", "The bound where numbers are off", below=False)
+    return Section("How flat the optimum is", [chart, Items([_told(each, scale) for each in flat])])
 
 
-def _row(step: Step, before: Step | None, scale: Scale) -> dict[str, str]:
+def _row(step: Step, before: Step | None, scale: Scale) -> list[str]:
     material = step.layout.material
     gained = "" if before is None else f"{scale.change(step.tenth - before.tenth):+.2g}"
-    return {
-        "name": step.name,
-        "tenth": scale.text(step.tenth),
-        "gained": gained,
-        "nominal": scale.text(step.nominal),
-        "sheets": f"{1e-3 * material.top:.3g}, {1e-3 * material.bottom:.3g}",
-        "readings": str(len(step.layout.readings)),
-        "frequencies": _count(step.layout),
-        "time": f"{_time(step):.2f}",
-        "taken": "yes" if step.taken else "no",
-    }
+    return [
+        step.name,
+        scale.text(step.tenth),
+        gained,
+        scale.text(step.nominal),
+        f"{1e-3 * material.top:.3g}, {1e-3 * material.bottom:.3g}",
+        str(len(step.layout.readings)),
+        _count(step.layout),
+        f"{_time(step):.2f}",
+        "yes" if step.taken else "no",
+    ]
 
 
 def _cast(scene: Scene, flat: Sequence[Along], scale: Scale) -> list[str]:

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 from ...scene.contacts import Interface
 from ...scene.scene import Scene
 from ...scene.wiring import joined
-from ...sweeps import whole_file
-from ...sweeps.cells import Writer
 
 
 class Row(NamedTuple):
@@ -36,11 +33,3 @@ def rows(scene: Scene, wired: Sequence[str], readings: Sequence[Interface]) -> l
         )
         found.append(Row(each.name, *map(" + ".join, sides)))
     return found
-
-
-def write_wiring(table: Sequence[Row], path: Path) -> None:
-    """As CSV."""
-    with whole_file(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
-        writer = Writer(file)
-        writer.writerow(Row._fields)
-        writer.writerows(table)

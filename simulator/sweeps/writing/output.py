@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from .register import note_made
-from .replacing import check_free, occasion, tell_replaced
+from .replacing import UNFINISHED, check_free, occasion, tell_replaced
 from .whole import kept_file
 
 
@@ -22,4 +22,5 @@ def whole_file(path: Path) -> Iterator[Path]:
     with kept_file(path) as unfinished:
         yield unfinished
         tell_replaced(path)
-    note_made(path, occasion().command)
+    if occasion() != UNFINISHED:
+        note_made(path, occasion().command)

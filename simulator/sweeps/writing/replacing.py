@@ -45,6 +45,8 @@ class Occasion:
         return f"{name}=True" if self.command == PYTHON else f"--{name.replace('_', '-')}"
 
 
+UNFINISHED = Occasion("a part of an output")
+"""On which files are written that are not outputs yet: none of them is remembered."""
 _now: ContextVar[Occasion] = ContextVar("occasion", default=Occasion())  # noqa: B039
 
 

@@ -19,6 +19,7 @@ from rcskin.localization.gap.given import (
 from rcskin.localization.gap.pair import paired
 from rcskin.localization.gap.question import Question
 from rcskin.localization.gap.trial import prepared
+from rcskin.simulator.progress import silent
 from rcskin.simulator.sweeps import UNPRESSED, build, impedance
 from scipy.optimize import least_squares
 
@@ -212,7 +213,7 @@ def make_findings():
     def make(simulated, other, target="column", touches=2, estimator="ksvm-ovo", extra=()):
         question = Question(target, estimator, seed=0, draws=2, touches=touches)
         pair = paired(simulated, other, TOY, scene="", seed=0)
-        return find(prepared(pair, question, TOY, extra), TOY, lambda items, told: items)
+        return find(prepared(pair, question, TOY, extra), TOY, silent)
 
     return make
 

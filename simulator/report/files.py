@@ -1,0 +1,64 @@
+"""Files of a report: tables as CSV, numbers as JSON, and a folder that is filled at once."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from ..sweeps import made_folder, whole_file
+from ..sweeps.cells import Writer
+from ..sweeps.writing.replacing import UNFINISHED, on_occasion
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text as UTF-8, whole or not at all."""
+    with whole_file(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+
+
+def write_json(path: Path, content: Any, indent: int = 2) -> None:
+    """Write numbers and texts as JSON. Raises ValueError where a number is not finite."""
+    write_text(path, json.dumps(content, indent=indent, allow_nan=False) + "\n")
+
+
+def write_rows(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    """Write a header and rows as CSV; no text in it is a formula to a spreadsheet."""
+    with whole_file(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
+        writer = Writer(file)
+        writer.writerow(header)
+        writer.writerows(rows)
+
+
+def write_frame(path: Path, table: pd.DataFrame) -> None:
+    """Write a table of pandas as CSV, without its index."""
+    with whole_file(path) as unfinished:
+        table.to_csv(unfinished, index=False, lineterminator="\n")
+
+
+@contextmanager
+def filled_at_once(folder: Path) -> Iterator[Path]:
+    """A folder to write a report's files into, which appear in `folder` at the end of the block.
+
+    Where the block fails, nothing appears. Raises InputError where `folder` cannot be made, and as
+    `whole_file`.
+    """
+    with TemporaryDirectory() as unfinished:
+        with on_occasion(UNFINISHED):
+            yield Path(unfinished)
+        made_folder(folder)
+        for name in files_in(unfinished):
+            with whole_file(folder / name) as file:
+                shutil.copyfile(Path(unfinished) / name, file)
+
+
+def files_in(folder: str | Path) -> Sequence[str]:
+    """Names of the files in a folder, in order."""
+    return sorted(path.name for path in Path(folder).iterdir())
