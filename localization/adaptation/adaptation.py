@@ -134,15 +134,10 @@ def widened(guards: Guards, samples: Samples) -> Guards:
 
 
 def _wider(guards: Guards, X: NDArray[np.float64]) -> Guards:
-    def wider(guard: Any) -> Any:
-        if guard is None:
-            return None
-        farther = copy(guard)
-        reach = float(np.quantile(guard.distances(X), WITHIN, method="lower"))
-        farther.limit_ = guard.limit_ * max(1.0, reach)
-        return farther
-
-    return replace(guards, sweeps=wider(guards.sweeps), kinds=wider(guards.kinds))
+    farther = copy(guards.kinds)
+    reach = float(np.quantile(guards.kinds.distances(X), WITHIN, method="lower"))
+    farther.limit_ = guards.kinds.limit_ * max(1.0, reach)
+    return replace(guards, kinds=farther)
 
 
 def _steadied(found: float, before: float, count: int) -> float:

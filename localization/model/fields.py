@@ -23,14 +23,12 @@ from ..learners.ecoc import ECOCClassifier
 from ..learners.gaussians import GaussianClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
 from ..learners.offsets import Offsets
-from ..learners.registry import GONE, gone
 from ..trust.fitted import Classifier, Guards, Regressor
 from ..trust.kinds import KindGuard
-from ..trust.novelty import NoveltyGuard
 from ..trust.several import SeveralGuard
 from .model import Model
 
-LAYOUT = 9
+LAYOUT = 10
 """Counts up where files of a model can no longer be read as they were."""
 EARLIER = {"pipeline", "target", "quantities", "interfaces", "frequencies", "scene", "version"}
 """Fields of layout 1, which did not name itself."""
@@ -78,8 +76,7 @@ KINDS = {
     "gate": dict | None,
 }
 GUARDS = {
-    "sweeps": NoveltyGuard,
-    "kinds": KindGuard | None,
+    "kinds": KindGuard,
     "several": SeveralGuard | None,
     "changes": dict | None,
 }
@@ -98,13 +95,8 @@ OWN_FREQUENCIES = {"taken": tuple}
 
 
 ANOTHER_LAYOUT = f"a model of another layout than {LAYOUT}, which this version reads; train it anew"
-BEFORE_ONE_NAME = "localization."
-"""What types in files of layouts up to 3 begin with."""
-
-
-def made_by_gone(name: str) -> str:
-    """What is reported of a model by an estimator of GONE."""
-    return f"its estimator {gone(name)}, and train it anew"
+OF_EARLIER = "localization.", "rcskin.localization.trust.novelty."
+"""What types begin with in files of layouts up to 3, and of those up to 9 that have guards."""
 
 
 class EarlierLayoutError(Exception):
@@ -157,8 +149,6 @@ def model_of(fields: Any) -> Model:
     """The model of such fields. Raises EarlierLayoutError, or ValueError where they are of none."""
     if _is_earlier(fields):
         raise EarlierLayoutError(ANOTHER_LAYOUT)
-    if isinstance(fields, dict) and (name := fields.get("estimator")) in GONE:
-        raise EarlierLayoutError(made_by_gone(name))
     _check(fields, {"layout": int, **KINDS})
     own = fields["problem"]
     _check(own, PROBLEM | OWN_FREQUENCIES if OWN_FREQUENCIES.keys() <= own.keys() else PROBLEM)

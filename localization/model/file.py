@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import io
+import json
 import warnings
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import skops.io
 from sklearn.exceptions import InconsistentVersionWarning
@@ -13,17 +15,15 @@ from sklearn.exceptions import InconsistentVersionWarning
 from ...simulator.sweeps import InputError, checked_output, digests, inputs, whole_file
 from ...simulator.sweeps.file_kinds import check_file_kind
 from ..cores import count_cores
-from ..learners.registry import Registry
+from ..learners.registry import GONE, Registry, gone
 from ..trust.kinds import KindGuard
-from ..trust.novelty import NoveltyGuard
 from ..trust.several import SeveralGuard
 from .fields import (
     ANOTHER_LAYOUT,
-    BEFORE_ONE_NAME,
+    OF_EARLIER,
     OWN_STEPS,
     EarlierLayoutError,
     fields_of,
-    made_by_gone,
     model_of,
 )
 from .model import Model
@@ -31,12 +31,9 @@ from .soundness import UnsoundError, check_sound
 
 ENDING = ".skops"
 TRUSTED = [
-    f"{kind.__module__}.{kind.__qualname__}"
-    for kind in (*OWN_STEPS, KindGuard, NoveltyGuard, SeveralGuard)
+    f"{kind.__module__}.{kind.__qualname__}" for kind in (*OWN_STEPS, KindGuard, SeveralGuard)
 ]
 """Types that may be built from a file, besides those of scikit-learn that skops vouches for."""
-OF_GAUSSIAN_PROCESS = "sklearn.gaussian_process."
-"""What types begin with in models by an estimator that is gone."""
 
 
 def save(path: str | Path, model: Model) -> None:
@@ -100,10 +97,19 @@ def _trusted_content(path: Path, data: bytes) -> Any:
     except Exception as error:  # a damaged archive can fail anywhere in zipfile, json or skops
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: not a model in the format of skops: {reason}") from error
-    if any(name.startswith(BEFORE_ONE_NAME) for name in untrusted):
-        raise InputError(f"{path}: {ANOTHER_LAYOUT}")
-    if any(name.startswith(OF_GAUSSIAN_PROCESS) for name in untrusted):
-        raise InputError(f"{path}: {made_by_gone('gaussian-process')}")
+    if any(name.startswith(OF_EARLIER) for name in untrusted):
+        name = _estimator(data)
+        told = f"its estimator {gone(name)}, and train it anew" if name in GONE else ANOTHER_LAYOUT
+        raise InputError(f"{path}: {told}")
     if untrusted:
         raise InputError(f"{path}: holds the untrusted type {untrusted[0]}; not loaded")
     return content
+
+
+def _estimator(data: bytes) -> str:
+    """The name of its estimator that stands in a file of any layout; empty where none is found."""
+    try:
+        schema = json.loads(ZipFile(io.BytesIO(data)).read("schema.json"))
+        return str(json.loads(schema["content"]["estimator"]["content"]))
+    except (KeyError, TypeError, ValueError):
+        return ""

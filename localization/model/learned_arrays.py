@@ -31,7 +31,6 @@ from ..learners.gaussians import BENDING, GaussianClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
 from ..learners.offsets import Offsets
 from ..trust.kinds import KindGuard
-from ..trust.novelty import NoveltyGuard
 from ..trust.several import SeveralGuard
 
 
@@ -121,19 +120,13 @@ LEARNED: Mapping[type, Mapping[str, str | Inner]] = {
     AdaptedPosition: ADAPTED,
     Affine: {"estimator": Inner("F"), "centre_": "out", "scale_": "out >0", "correction_": "4 out"},
     Offsets: {"estimator": Inner("F"), "classes_": "K classes", "offsets_": "K"},
-    NoveltyGuard: {
-        "told_": "T <F",
-        "mean_": "T",
-        "whitening_": "T T",
-        "kept_": "n T",
-        "limit_": ">0",
-    },
     KindGuard: {
         "told_": "T <F",
         "scale_": "T >0",
         "pca_": Inner("T"),
         "means_": "kinds out",
         "whitening_": "kinds out out",
+        "beside_": ">=0",
         "limit_": ">0",
     },
     SeveralGuard: {"told_": "T <F", "parting_": Inner("T"), "limit_": ">0"},

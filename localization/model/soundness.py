@@ -156,7 +156,7 @@ def _check_guards(guards: Guards | None, features: int | None) -> None:
     """The guards of changes look at other features than the pipeline."""
     if guards is None:
         return
-    for name in ("sweeps", "kinds", "several"):
+    for name in ("kinds", "several"):
         guard = getattr(guards, name)
         if guard is not None:
             check_estimator(guard, features, f"guards.{name}")
@@ -191,7 +191,7 @@ def _ask(learned: Classifier | Regressor, features: int) -> None:
         return
     sweep, changes = np.zeros((1, features)), None
     if learned.guards is not None and learned.guards.changes is not None:
-        guard: Any = learned.guards.changes.sweeps
+        guard: Any = learned.guards.changes.kinds
         changes = np.zeros((1, guard.n_features_in_))
     with np.errstate(all="ignore"):
         told = (

@@ -12,22 +12,20 @@ from sklearn.pipeline import Pipeline
 from ..learners.decisions import decisions
 from .answers import Answers, decide
 from .kinds import KindGuard
-from .novelty import NoveltyGuard
 from .several import SeveralGuard
 from .temperature import probabilities
 
 
 @dataclass(frozen=True, eq=False)
 class Guards:
-    """What sweeps of the training looked like: all of them, and of presses by one touch each kind.
+    """What sweeps of the training looked like, each kind of press.
 
-    kinds: None where the localizer knows more touches than one. several: None there too, and where
-    the training showed none of more. changes: those of the same sweeps' changes from the skin at
-    rest, where the localizer itself does not look at these.
+    several: None where the localizer knows more touches than one, and where the training showed
+    none of more. changes: those of the same sweeps' changes from the skin at rest, where the
+    localizer itself does not look at these.
     """
 
-    sweeps: NoveltyGuard
-    kinds: KindGuard | None = None
+    kinds: KindGuard
     several: SeveralGuard | None = None
     changes: Guards | None = None
 
@@ -38,8 +36,9 @@ class Guards:
 
         X: shape (n, feature). changes: as of `changes_from_rest`, shape (n, feature).
         """
-        asked = (self.sweeps, self.kinds, self.several)
-        told = np.any([guard.predict(X) < 0 for guard in asked if guard is not None], axis=0)
+        told = self.kinds.predict(X) < 0
+        if self.several is not None:
+            told |= self.several.predict(X) < 0
         if self.changes is not None and changes is not None:
             known = known_at_rest(changes)
             if known.size:

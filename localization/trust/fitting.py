@@ -14,16 +14,14 @@ from sklearn.preprocessing import StandardScaler
 from ...simulator.progress import Progress, silent, tracked
 from ...simulator.sweeps import InputError
 from ..cores import count_cores
-from ..inputs.features import told_by_press
 from ..inputs.samples import Samples, told_by_changes
 from ..learners.drift import drifting
 from ..learners.registry import Estimator
 from .answers import threshold_of
 from .fitted import Classifier, Guards, Regressor, known_at_rest, tells_novelty
-from .folds import PLENTY, Splits, by_session, held_out_of, judging
+from .folds import PLENTY, Splits, held_out_of, judging
 from .held_out import held_out_decisions, held_out_positions
 from .kinds import kind_guard
-from .novelty import NoveltyGuard
 from .several import several_guard
 from .temperature import probabilities, sharpness_of
 from .tuning import trainer
@@ -121,11 +119,9 @@ def _guards(samples: Samples, splits: Splits, pipeline: Pipeline) -> Guards | No
 
 
 def _guards_of(samples: Samples, splits: Splits) -> Guards:
-    some, problem = samples.at_most(PLENTY), samples.problem
-    groups = some.sessions if by_session(some.sessions) else None
-    told, _ = told_by_press(problem.quantities, problem.features)
-    guard = NoveltyGuard().fit(some.X, groups=groups, told=told)
-    return Guards(guard, kind_guard(samples, splits), several_guard(samples, splits))
+    some = samples.at_most(PLENTY)
+    own = splits if some is samples else judging(some.strata, some.sessions)
+    return Guards(kind_guard(some, own), several_guard(samples, splits))
 
 
 def _guards_of_changes(samples: Samples, splits: Splits) -> Guards | None:

@@ -1,10 +1,13 @@
 """Whether a sweep is of no kind of press that a localizer was trained on: two touches are another.
 
 Of one touch at one place the sweeps spread little: by strength, by noise, by what differs between
-skins. A second touch leads out of that spread, though not out of all that one touch can do.
+skins. A second touch leads out of that spread, though not out of all that one touch can do. What no
+press does, as a reading that failed, leads out of the components that presses are looked at by.
 """
 
 from __future__ import annotations
+
+from functools import reduce
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +18,7 @@ from ..inputs.features import told_by_press
 from ..inputs.samples import Samples
 from .answers import NOTHING_PRESSED
 from .folds import Splits, by_session
-from .novelty import Guard
+from .guard import Guard
 
 COMPONENTS = 6
 """Of features, that a press is looked at by: more of them hold noise alone."""
@@ -30,14 +33,24 @@ FURTHER, FURTHER_UNSEEN = 1.15, 2.0
 than sessions that were held out; and where none were, so that none are known to differ."""
 LEAST_VARIANCE = 1e-9
 """Of the largest within kinds."""
+SHARE_BESIDE, FURTHER_BESIDE = 0.99, 1.3
+"""Of sweeps held out, those that lie no farther beside the components; and how many times farther
+beside is no novelty yet: noise alone is there, more of it where fewer rests came before."""
+LEAST_BESIDE = 1e-5
+"""Of how features spread: sweeps held out count as lying at least so far beside the components."""
+TAILS = 0.01
+"""Part of the training at either end of a feature that may be outliers."""
 
 
 class KindGuard(Guard):
-    """Distance to the nearest kind of press, in units of how sweeps of that kind spread.
+    """Distance to the nearest kind of press, in units of how sweeps of that kind spread; or that
+    beside all components, times `beside_`, if it is more.
 
     Each kind is a normal distribution of leading components; the distance is that of
     P. C. Mahalanobis, Proc. Natl. Inst. Sci. India 2 (1936) 49-55. The skin at rest, of which noise
-    alone would be the spread, is lent that of all kinds, for a rest that drifts must stay one.
+    alone would be the spread, is lent that of all kinds, for a rest that drifts must stay one. A
+    few bad sweeps among the training do not widen it: features count no farther than TAILS, and the
+    limit is a quantile.
 
     Parameters
     ----------
@@ -48,7 +61,7 @@ class KindGuard(Guard):
     ----------
     told_: features looked at, shape (told,). scale_: what they are divided by. pca_: components.
     means_: shape (kind, component). whitening_: shape (kind, component, component). limit_: the
-    largest distance that is no novelty.
+    largest distance that is no novelty. beside_: what makes it that of distances beside components.
     """
 
     def __init__(self, share=0.98, reach=FURTHER):
@@ -73,23 +86,33 @@ class KindGuard(Guard):
         X = np.asarray(validate_data(self, X, ensure_min_samples=2, dtype=np.float64))
         kinds = np.asarray(kinds).astype(str)
         self.told_ = np.arange(X.shape[1]) if told is None else told
-        unseen = [self._learn(X[a], kinds[a], alike).away(X[b]) for a, b in splits]
+        unseen = [self._learn(X[a], kinds[a], alike)._both(X[b]) for a, b in splits]
         self._learn(X, kinds, alike)
-        farthest = np.quantile(np.concatenate(unseen), self.share, method="higher")
-        self.limit_ = self.reach * float(farthest) or 1.0
+        within, beside = np.concatenate(unseen, axis=1)
+        self.limit_ = self.reach * float(np.quantile(within, self.share, method="higher")) or 1.0
+        farthest = float(np.quantile(beside, SHARE_BESIDE, method="higher"))
+        least = LEAST_BESIDE * np.sqrt(self.told_.size)
+        self.beside_ = self.limit_ / (FURTHER_BESIDE * max(farthest, least))
         return self
 
     def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
-        """From the nearest kind, in units of its spread, shape (n,)."""
-        seen = self.pca_.transform(X[:, self.told_] / self.scale_)
-        squares = [
+        """From the nearest kind, in units of its spread, or beside all of them, shape (n,)."""
+        within, beside = self._both(X)
+        return np.maximum(within, self.beside_ * beside)
+
+    def _both(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Distance to the nearest kind within the components, and beside these, shape (2, n)."""
+        shown = X[:, self.told_] / self.scale_
+        seen = self.pca_.transform(shown)
+        squares = (
             np.square((seen - mean) @ turn).sum(axis=1)
             for mean, turn in zip(self.means_, self.whitening_, strict=True)
-        ]
-        return np.sqrt(np.min(squares, axis=0))
+        )
+        beside = np.linalg.norm(shown - self.pca_.inverse_transform(seen), axis=1)
+        return np.array([np.sqrt(reduce(np.minimum, squares)), beside])
 
     def _learn(self, X: NDArray[np.float64], kinds: NDArray[np.str_], alike: bool) -> KindGuard:
-        X = X[:, self.told_]
+        X = _without_outliers(X[:, self.told_])
         names, index = np.unique(kinds, return_inverse=True)
         spread = np.full(X.shape[1], X.std()) if alike else X.std(axis=0)
         self.scale_ = np.where(spread > 0, spread, 1.0)
@@ -101,18 +124,19 @@ class KindGuard(Guard):
         return self
 
 
-def kind_guard(samples: Samples, splits: Splits) -> KindGuard | None:
-    """Of presses by one touch each; None where the target is of several.
-
-    splits: sweeps to learn from and to hold out.
-    """
+def kind_guard(samples: Samples, splits: Splits) -> KindGuard:
+    """Of the classes of a target, or of places. splits: sweeps to learn from and to hold out."""
     problem = samples.problem
-    if not problem.of_one_touch:
-        return None
     told, alike = told_by_press(problem.quantities, problem.features)
     kinds = _places(samples.y) if problem.continuous else samples.y
     reach = FURTHER if by_session(samples.sessions) else FURTHER_UNSEEN
     return KindGuard(reach=reach).fit(samples.X, kinds, splits=splits, told=told, alike=alike)
+
+
+def _without_outliers(X: NDArray[np.float64]) -> NDArray[np.float64]:
+    """With features clipped as far beyond TAILS as these are apart."""
+    low, high = np.quantile(X, [TAILS, 1 - TAILS], axis=0)
+    return np.clip(X, 2 * low - high, 2 * high - low)
 
 
 def _whitenings(

@@ -19,7 +19,7 @@ from ..inputs.features import told_by_press
 from ..inputs.samples import Samples, drawn
 from .answers import NOTHING_PRESSED
 from .folds import Splits, by_session
-from .novelty import Guard
+from .guard import Guard
 
 FEWEST, MOST = 50, 5000
 """Sweeps of several touches that it takes, and sweeps of each kind that it learns from at most."""

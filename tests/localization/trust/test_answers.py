@@ -1,17 +1,16 @@
-"""Probabilities, thresholds and the guard against novelties."""
+"""Probabilities and thresholds."""
 
 import numpy as np
 import pytest
 from rcskin.localization.inputs.samples import drawn
 from rcskin.localization.learners.components import Components
 from rcskin.localization.trust.answers import CANNOT_TELL, decide, threshold_of
-from rcskin.localization.trust.novelty import NoveltyGuard
 from rcskin.localization.trust.temperature import calibration_error, probabilities, sharpness_of
 from rcskin.simulator.sweeps import InputError
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
 
-@parametrize_with_checks([Components(), NoveltyGuard()])
+@parametrize_with_checks([Components()])
 def test_it_keeps_the_conventions_of_scikit_learn(estimator, check):
     check(estimator)
 
@@ -62,16 +61,6 @@ def test_no_answer_where_it_is_improbable_or_novel():
     assert told.probability.tolist() == [0.9, 0.6, 0.9]
 
 
-def test_what_lies_off_the_training_is_novel_whatever_the_units():
-    random = np.random.default_rng(1)
-    flat = random.standard_normal((400, 2)) @ random.standard_normal((2, 6))
-    X = (flat + 1e-3 * random.standard_normal(flat.shape)) * np.geomspace(1e-12, 1e6, 6)
-    guard = NoveltyGuard().fit(X[:300])
-    assert (guard.predict(X[300:]) == 1).mean() > 0.97
-    off = X[300:] * (1 + 0.3 * np.eye(6)[2])
-    assert (guard.predict(off) == -1).mean() > 0.9
-
-
 def test_a_rate_asked_is_kept_with_confidence_not_by_luck():
     """A classifier that is right at 94.5 % wherever it is asked must not be said to keep 95 %."""
     random, lucky = np.random.default_rng(2), 0
@@ -83,29 +72,6 @@ def test_a_rate_asked_is_kept_with_confidence_not_by_luck():
         except InputError:
             pass
     assert lucky <= 5
-
-
-def test_one_bad_sweep_of_the_training_does_not_hide_novelties():
-    random = np.random.default_rng(3)
-    X = random.standard_normal((1200, 6))
-    clean, bad = NoveltyGuard().fit(X), np.vstack([X, 1e3 * random.standard_normal(6)])
-    limit = NoveltyGuard().fit(bad)
-    assert limit.limit_ == pytest.approx(clean.limit_, rel=0.3)
-    unseen = random.standard_normal((200, 6))
-    assert (limit.predict(unseen) == 1).mean() > 0.98
-    assert (limit.predict(unseen + 12 * np.eye(6)[0]) == -1).all()
-
-
-def test_the_guard_looks_at_what_it_is_told_to():
-    random = np.random.default_rng(4)
-    change, curve = (
-        random.standard_normal((600, 3)),
-        np.repeat(random.normal(0, 50, (12, 3)), 50, 0),
-    )
-    X, groups = np.hstack([change, curve]), np.repeat(np.arange(12), 50)
-    guard = NoveltyGuard().fit(X, groups=groups, told=np.arange(3))
-    assert (guard.predict(X[:50] + np.array([10, 0, 0, 0, 0, 0])) == -1).all()
-    assert (guard.predict(X[:50] + np.array([0, 0, 0, 99, 0, 0])) == 1).mean() > 0.9
 
 
 def test_sweeps_are_thinned_in_like_shares_whatever_their_order():

@@ -1,4 +1,4 @@
-"""Two fingers are no answer of a localizer that knows one: it cannot tell."""
+"""What is no press that a localizer knows is not answered: two fingers, a reading that failed."""
 
 import numpy as np
 import pytest
@@ -64,15 +64,67 @@ def test_a_localizer_that_knows_pairs_answers_them(press):
     assert (model.answers(press(shown, 9)).labels[4:] != CANNOT_TELL).all()
 
 
+def fifths(count):
+    """Splits of so many sweeps, each held out once."""
+    parts = [np.arange(count) % 5 == k for k in range(5)]
+    return [(np.flatnonzero(~part), np.flatnonzero(part)) for part in parts]
+
+
+def guarded(X, **how):
+    """A guard that knows two kinds of sweeps, which are alike."""
+    return KindGuard().fit(X, np.arange(len(X)) % 2, splits=fifths(len(X)), **how)
+
+
+def test_what_lies_off_the_training_is_novel_whatever_the_units():
+    random = np.random.default_rng(1)
+    flat = random.standard_normal((400, 2)) @ random.standard_normal((2, 12))
+    X = (flat + 1e-3 * random.standard_normal(flat.shape)) * np.geomspace(1e-12, 1e6, 12)
+    guard = guarded(X[:300], alike=False)
+    assert (guard.predict(X[300:]) == 1).mean() > 0.97
+    for feature in (2, 11):
+        off = X[300:] * (1 + 0.3 * np.eye(12)[feature])
+        assert (guard.predict(off) == -1).mean() > 0.9
+
+
+def test_one_bad_sweep_of_the_training_does_not_hide_novelties():
+    random = np.random.default_rng(3)
+    X = random.standard_normal((1200, 8))
+    clean, bad = guarded(X), guarded(np.vstack([X, 1e3 * random.standard_normal(8)]))
+    assert bad.limit_ == pytest.approx(clean.limit_, rel=0.3)
+    unseen = random.standard_normal((200, 8))
+    assert (bad.predict(unseen) == 1).mean() > 0.98
+    for feature in np.eye(8):
+        assert (bad.predict(unseen + 12 * feature) == -1).all()
+
+
+def test_the_guard_looks_at_what_it_is_told_to():
+    random = np.random.default_rng(4)
+    change, curve = (
+        random.standard_normal((600, 3)),
+        np.repeat(random.normal(0, 50, (12, 3)), 50, 0),
+    )
+    X = np.hstack([change, curve])
+    guard = guarded(X, told=np.arange(3))
+    assert (guard.predict(X[:50] + np.array([10, 0, 0, 0, 0, 0])) == -1).all()
+    assert (guard.predict(X[:50] + np.array([0, 0, 0, 99, 0, 0])) == 1).mean() > 0.9
+
+
+@pytest.mark.parametrize("target", ["column", "pair"])
+def test_a_reading_that_failed_is_not_answered(press, known, target):
+    model = train(known, target, quantities=("dlnZ", "dphase"))
+    broken = press(PIXELS, 9)
+    for name in ("Rs", "X"):
+        broken[name][4:, 0, 7] *= 1.1
+    assert (model.answers(broken).labels[4:] == CANNOT_TELL).mean() > 0.95
+
+
 def test_a_rest_that_drifts_stays_one():
     random = np.random.default_rng(0)
     kinds = np.repeat(["0", "1", "2"], 60)
     strength = (kinds != "0") * (1 + 0.2 * random.standard_normal(180))
     course = np.array([np.linspace(1, k, 8) for k in (0, 0, 3)])[kinds.astype(int)]
     X = strength[:, None] * course + 0.01 * random.standard_normal((180, 8))
-    parts = [np.arange(180) % 5 == k for k in range(5)]
-    splits = [(np.flatnonzero(~part), np.flatnonzero(part)) for part in parts]
-    guard = KindGuard().fit(X, kinds, splits=splits)
+    guard = KindGuard().fit(X, kinds, splits=fifths(180))
     drifted = 0.05 * np.linspace(1, 0, 8)
     assert guard.predict(drifted[None])[0] == 1
     assert guard.predict((course[60] + course[120])[None])[0] == -1

@@ -1,0 +1,28 @@
+"""Whether a sweep is unlike all that a localizer was trained on."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.base import BaseEstimator
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+
+class Guard(BaseEstimator):
+    """Tells novelties by how far they are `away` from what was learned, against `limit_`."""
+
+    limit_: float
+
+    def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+        """From what is nearest of what was learned, shape (n,)."""
+        raise NotImplementedError
+
+    def distances(self, X) -> NDArray[np.float64]:
+        """The same over the limit: above 1 is novel. Shape (n,)."""
+        check_is_fitted(self)
+        X = np.asarray(validate_data(self, X, reset=False, dtype=np.float64))
+        return self.away(X) / self.limit_
+
+    def predict(self, X):
+        """1 for a sweep like what was learned, -1 for a novelty; shape (n,)."""
+        return np.where(self.distances(X) > 1, -1, 1)
