@@ -3,50 +3,44 @@
 Presses are drawn, read with the meter's errors, and every hypothesis is weighed by how likely the
 reading is under it, strengths summed over. The mean probability of the likeliest answer is the
 accuracy of the best classifier there can be; its standard error is that of the draws. The sum over
-strengths takes steps of at most STEP of the meter's error, at which it is exact to 3e-4.
+strengths takes steps of at most STEP of the meter's error, at which it is exact to 3e-4. Readings
+are a smooth function of the strength of each touch: those at a few nodes give all others.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from functools import cached_property, reduce
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.experiment import strengths, together
+from ..chebyshev import barycentric, extrema, refined
+from ..measure.experiment import strengths
 from ..press.batch import PressBatch
 from ..progress import Progress, silent, tracked
+from ..remembered import remembered
 from ..scene.randomisation import AnyDistribution
-from ..scene.scene import Scene
 from ..sweeps import InputError
-from .readings import Hypothesis, Pixel, Readings
+from .posterior import Templates, axes_of, posterior, starts_of
+from .readings import Hypothesis, Readings
+from .tiles import in_tiles, posterior_of_tiles
 
 STEP = 1.5
 FIRST_LOOK = 9
 MOST_TEMPLATES = 3_000_000
-AT_ONCE = 20_000_000
-LEFT_OUT = 0.03
-"""Of the meter's error: what readings may lose to fewer numbers."""
+LEFT_OUT = 0.015
+"""Of the meter's error: what readings between nodes may be off by, and lose to fewer numbers."""
+NODES = (3, 65)
+"""Strengths of a touch that others are interpolated between, at first and at most."""
+KEPT = 256
+"""Counts of strengths, of which weights are kept."""
 
-
-class Reads(Protocol):
-    """A known skin and its meter: see `readings.Readings`."""
-
-    @property
-    def scene(self) -> Scene:
-        """Of the skin."""
-        ...
-
-    def of(self, pixels: Sequence[Pixel], factors: NDArray[np.float64], /) -> NDArray[np.float64]:
-        """The same pixels pressed in many ways."""
-        ...
-
-    def of_each(self, batch: PressBatch, /) -> NDArray[np.float64]:
-        """Many presses."""
-        ...
+Array = NDArray[np.float64]
 
 
 class Accuracy(NamedTuple):
@@ -57,22 +51,19 @@ class Accuracy(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Templates:
-    """Readings to expect under all hypotheses and strengths, in few numbers.
+class Judged:
+    """Probability that the best answer to each draw is right, shape (draw,)."""
 
-    readings: shape (template, number). chance: of each, shape (template,). starts: of the templates
-    of each answer. origin, axes: from whitened readings to those numbers.
-    """
+    right: Array
 
-    readings: NDArray[np.float64]
-    chance: NDArray[np.float64]
-    starts: NDArray[np.int64]
-    origin: NDArray[np.float64]
-    axes: NDArray[np.float64]
+    @property
+    def accuracy(self) -> Accuracy:
+        """The mean, and its standard error by the number of draws."""
+        return _mean(self.right)
 
-    def projected(self, readings: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Whitened readings in those numbers; what is left out tells no two templates apart."""
-        return (readings - self.origin) @ self.axes
+    def above(self, other: Judged) -> Accuracy:
+        """By how much the accuracy exceeds another of the same draws, and that one's error."""
+        return _mean(self.right - other.right)
 
 
 def bayes(
@@ -85,99 +76,159 @@ def bayes(
 ) -> Accuracy:
     """The accuracy. among: in order of their answers. Raises InputError for noise too small."""
     readings.train(progress)
-    known = templates(readings, among, presses, progress)
     random = np.random.default_rng(seed)
-    measured = known.projected(drawn(readings, among, presses, random, draws))
-    best = likeliest(known, measured)
-    return Accuracy(float(best.mean()), float(best.std(ddof=1) / math.sqrt(draws)))
+    drawn = Draws(among, presses, random, draws, _enough(readings, among, presses))
+    columns = readings.scene.pixels.columns
+    each = [
+        readings.of_each(drawn.batch([own], columns))
+        for own in tracked(among, "readings", progress)
+    ]
+    nodes = np.stack(each)
+    errors = random.standard_normal((draws, nodes.shape[-1]))
+    return drawn.judged(nodes, errors).accuracy
 
 
-def templates(
-    readings: Reads,
-    among: Sequence[Hypothesis],
-    presses: AnyDistribution,
-    progress: Progress = silent,
-) -> Templates:
-    """All hypotheses at all strengths."""
-    steps = {pixel: _steps(readings, pixel, presses) for pixel in _pixels(among)}
-    count = sum(math.prod(steps[pixel] for pixel in each.pixels) for each in among)
-    require_countable(count)
-    found, chance = [], []
-    for each in tracked(among, "readings", progress):
-        every = together([strengths(presses, steps[pixel]) for pixel in each.pixels])
-        found.append(readings.of(each.pixels, every.factor))
-        chance.append(each.chance * every.weight)
-    answers = [each.answer for each in among]
-    first = [k for k, answer in enumerate(answers) if answers[max(k - 1, 0)] != answer or k == 0]
-    sizes = np.cumsum([0, *(len(each) for each in chance)])
-    return _in_few_numbers(np.concatenate(found), np.concatenate(chance), sizes[first])
+def _enough(readings: Readings, among: Sequence[Hypothesis], presses: AnyDistribution) -> int:
+    """How many strengths give those between them to LEFT_OUT, of every pixel alone."""
+    low, high = float(presses.low), float(presses.high)
+    if low == high:
+        return 1
+    columns = readings.scene.pixels.columns
+    pixels = sorted({pixel for each in among for pixel in each.pixels})
+    cells = np.array([i * columns + j for i, j in pixels], dtype=np.int64)
 
+    def values(factors: Array) -> Array:
+        every = np.repeat(factors, len(cells))[:, None] - 1
+        batch = PressBatch.even(np.tile(cells, len(factors))[:, None], every)
+        return readings.of_each(batch).reshape(len(factors), len(cells), -1)
 
-def require_countable(templates: int) -> None:
-    """Raises InputError where there are too many to compare."""
-    if templates > MOST_TEMPLATES:
+    def close(found: Array, truth: Array) -> bool:
+        return bool(np.linalg.norm(found - truth, axis=-1).max() <= LEFT_OUT)
+
+    found = refined(values, (low, high), NODES, close)
+    if found is None:
         raise InputError(
-            f"the meter's noise is too small to sum over strengths: {templates} readings to "
-            f"compare, at most {MOST_TEMPLATES}"
+            f"the meter's noise is too small: readings at {NODES[1]} strengths do not give those "
+            f"between them to {LEFT_OUT:g} of it"
+        )
+    return (len(found.nodes) + 1) // 2  # half the intervals were close already
+
+
+class Draws:
+    """Presses of hypotheses, drawn, and what the best classifier makes of readings of them."""
+
+    def __init__(
+        self,
+        among: Sequence[Hypothesis],
+        presses: AnyDistribution,
+        random: np.random.Generator,
+        draws: int,
+        nodes: int,
+    ) -> None:
+        """among: in order of their answers. nodes: strengths of each touch that are read."""
+        self._among, self._presses = among, presses
+        self._which = random.choice(len(among), draws, p=[each.chance for each in among])
+        self._touches = max(1, *(len(each.pixels) for each in among))
+        self._factors: Array = presses.at(random.random((draws, self._touches)))
+        low, high = float(presses.low), float(presses.high)
+        self._nodes = extrema(low, high, nodes) if low < high else np.array([low])
+
+    def __len__(self) -> int:
+        return len(self._which)
+
+    def batch(self, among: Sequence[Hypothesis], columns: int) -> PressBatch:
+        """Each hypothesis pressed at nodes in all ways. columns: of pixels."""
+        ways = np.array(list(itertools.product(self._nodes, repeat=self._touches)))
+        cells = [[i * columns + j for i, j in each.pixels] for each in among]
+        return PressBatch.of(
+            (np.array(own, dtype=np.int64), way[: len(own)] - 1) for own in cells for way in ways
         )
 
+    def judged(self, nodes: Array, errors: Array) -> Judged:
+        """nodes: whitened readings of `batch` of all, shape (hypothesis, way, number). errors: of
+        the meter, whitened, shape (draw, number). Raises InputError for noise too small."""
+        axes = axes_of(nodes.reshape(-1, nodes.shape[-1]), LEFT_OUT)
+        nodes = axes.of(nodes)
+        clean = np.einsum("dk,dkn->dn", self._at_draws, nodes[self._which])
+        measured = clean + errors @ axes.turn
+        known, tiles = self._templates(nodes)
+        if self._touches == 1:
+            return Judged(posterior(known, measured).max(axis=1))
+        return Judged(posterior_of_tiles(known, tiles, measured).max(axis=1))
 
-def drawn(
-    readings: Reads,
-    among: Sequence[Hypothesis],
-    presses: AnyDistribution,
-    random: np.random.Generator,
-    draws: int,
-) -> NDArray[np.float64]:
-    """So many readings with the meter's errors, whitened, shape (draw, number)."""
-    columns = readings.scene.pixels.columns
-    which = random.choice(len(among), draws, p=[each.chance for each in among])
-    factors = presses.at(random.random((draws, max(len(each.pixels) for each in among) or 1)))
-    cells = [np.array([i * columns + j for i, j in e.pixels], dtype=np.int64) for e in among]
-    pressed = ((cells[k], f[: len(cells[k])] - 1) for k, f in zip(which, factors, strict=True))
-    clean = readings.of_each(PressBatch.of(pressed))
-    return clean + random.standard_normal(clean.shape)
+    @cached_property
+    def _at_draws(self) -> Array:
+        """From readings in all ways to those drawn, shape (draw, way)."""
+        found = np.ones((len(self._factors), 1))
+        for factors in self._factors.T:
+            more = self._between(factors)
+            found = (found[:, :, None] * more[:, None, :]).reshape(len(found), -1)
+        return found
+
+    def _between(self, factors: Array) -> Array:
+        """From readings at nodes of one touch to those at factors, shape (factor, node)."""
+        if len(self._nodes) == 1:
+            return np.ones((len(factors), 1))
+        return barycentric(self._nodes, factors)
+
+    @remembered(KEPT)
+    def _strengths(self, count: int) -> tuple[Array, Array]:
+        """From readings at nodes of one touch to those at so many strengths, (strength, node), and
+        the weight of each."""
+        found = strengths(self._presses, count)
+        return self._between(found.factor), found.weight
+
+    def _templates(self, nodes: Array) -> tuple[Templates, NDArray[np.int64]]:
+        """All hypotheses at all strengths, and where the tiles of these begin."""
+        counts = [self._steps(own) for own in nodes]
+        sizes = [math.prod(own) for own in counts]
+        if sum(sizes) > MOST_TEMPLATES:
+            raise InputError(
+                f"the meter's noise is too small to sum over strengths: {sum(sizes)} readings to "
+                f"compare, at most {MOST_TEMPLATES}"
+            )
+        readings, chance, tiles = [], [], []
+        for own, each, count in zip(nodes, self._among, counts, strict=True):
+            order, starts, weight = self._tiled(count)
+            readings.append(self._at_strengths(own, count)[order])
+            chance.append(each.chance * weight)
+            tiles.append(starts)
+        begun = np.repeat(np.cumsum([0, *sizes[:-1]]), [len(own) for own in tiles])
+        answers = starts_of([each.answer for each in self._among], sizes)
+        known = Templates(np.concatenate(readings), np.concatenate(chance), answers)
+        return known, begun + np.concatenate(tiles)
+
+    @remembered(KEPT)
+    def _tiled(self, counts: tuple[int, ...]) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+        """As `in_tiles`, and the weight of each strength in that order."""
+        order, starts = in_tiles(counts)
+        weight = reduce(np.multiply.outer, [self._strengths(count)[1] for count in counts])
+        return order, starts, weight.ravel()[order]
+
+    def _at_strengths(self, nodes: Array, counts: Sequence[int]) -> Array:
+        """Readings of one hypothesis at so many strengths of each touch, in all ways."""
+        found = self._by_touch(nodes)
+        for touch, count in enumerate(counts):
+            turned = np.tensordot(self._strengths(count)[0], found, axes=(1, touch))
+            found = np.moveaxis(turned, 0, touch)
+        return found.reshape(-1, found.shape[-1])
+
+    def _steps(self, nodes: Array) -> tuple[int, ...]:
+        """As many strengths of each touch as are no further apart than STEP of the meter's error,
+        however strong the other is."""
+        if len(self._nodes) == 1:
+            return (1,) * self._touches
+        found, (turn, _), counts = self._by_touch(nodes), self._strengths(FIRST_LOOK), []
+        for touch in range(self._touches):
+            apart = np.diff(np.tensordot(turn, found, axes=(1, touch)), axis=0)
+            speed = float(np.linalg.norm(apart, axis=-1).max())
+            counts.append(max(1, math.ceil(speed * FIRST_LOOK / STEP)))
+        return tuple(counts)
+
+    def _by_touch(self, nodes: Array) -> Array:
+        """Readings of one hypothesis, shape (node of the first touch, ..., number)."""
+        return nodes.reshape(*(len(self._nodes),) * self._touches, -1)
 
 
-def likeliest(known: Templates, measured: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Probability of the likeliest answer to each reading, shape (reading,)."""
-    chunk = max(1, AT_ONCE // len(known.chance))
-    parts = [measured[k : k + chunk] for k in range(0, len(measured), chunk)]
-    return np.concatenate([_likeliest(known, part) for part in parts])
-
-
-def _likeliest(known: Templates, measured: NDArray[np.float64]) -> NDArray[np.float64]:
-    with np.errstate(divide="ignore"):
-        prior = np.log(known.chance) - (known.readings**2).sum(axis=1) / 2
-    likely = measured @ known.readings.T
-    likely += prior
-    likely -= likely.max(axis=1, keepdims=True)
-    of_answer = np.add.reduceat(np.exp(likely, out=likely), known.starts, axis=1)
-    return of_answer.max(axis=1) / of_answer.sum(axis=1)
-
-
-def _pixels(among: Sequence[Hypothesis]) -> list[Pixel]:
-    return sorted({pixel for each in among for pixel in each.pixels})
-
-
-def _steps(readings: Reads, pixel: Pixel, presses: AnyDistribution) -> int:
-    """How many strengths of one pixel are no further apart than STEP of the meter's error."""
-    look = strengths(presses, FIRST_LOOK).factor
-    if look.size == 1:
-        return 1
-    speed = np.linalg.norm(np.diff(readings.of([pixel], look[None]), axis=0), axis=1).max()
-    return max(1, math.ceil(float(speed) * FIRST_LOOK / STEP))
-
-
-def _in_few_numbers(
-    readings: NDArray[np.float64], chance: NDArray[np.float64], starts: NDArray[np.int64]
-) -> Templates:
-    """The directions in which the readings differ, until none lies further off than LEFT_OUT."""
-    origin = readings.mean(axis=0)
-    centred = readings - origin
-    _, axes = np.linalg.eigh(centred.T @ centred)
-    axes = axes[:, ::-1]
-    turned = centred @ axes
-    left = (turned[:, ::-1] ** 2).cumsum(axis=1)[:, ::-1].max(axis=0)
-    kept = max(1, int((left > LEFT_OUT**2).sum()))
-    return Templates(turned[:, :kept].copy(), chance, starts, origin, axes[:, :kept])
+def _mean(values: Array) -> Accuracy:
+    return Accuracy(float(values.mean()), float(values.std(ddof=1) / math.sqrt(len(values))))

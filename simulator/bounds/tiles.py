@@ -13,14 +13,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .bayes import AT_ONCE, Templates
+from .posterior import AT_ONCE, Array, Templates
 
 SIDE = 8
 """Strengths of each touch in a tile."""
 NEGLIGIBLE = 1e-12
 """Of a likelihood: what each tile may add that is left out."""
-
-Array = NDArray[np.float64]
 
 
 class Balls(NamedTuple):
@@ -41,15 +39,13 @@ def in_tiles(counts: tuple[int, ...]) -> tuple[NDArray[np.int64], NDArray[np.int
     return order, starts
 
 
-def likeliest_of_tiles(
-    known: Templates, tiles: NDArray[np.int64], measured: Array
-) -> NDArray[np.float64]:
-    """As `bayes.likeliest`, to NEGLIGIBLE times the number of tiles. tiles: their first templates,
+def posterior_of_tiles(known: Templates, tiles: NDArray[np.int64], measured: Array) -> Array:
+    """As `posterior`, to NEGLIGIBLE times the number of tiles. tiles: their first templates,
     ascending, each of one answer."""
     balls = _balls(known, tiles)
     step = max(1, AT_ONCE // len(tiles))
     parts = [measured[k : k + step] for k in range(0, len(measured), step)]
-    return np.concatenate([_likeliest(known, tiles, balls, part) for part in parts])
+    return np.concatenate([_posterior(known, tiles, balls, part) for part in parts])
 
 
 def _balls(known: Templates, tiles: NDArray[np.int64]) -> Balls:
@@ -60,21 +56,18 @@ def _balls(known: Templates, tiles: NDArray[np.int64]) -> Balls:
     return Balls(middle, radius, np.add.reduceat(known.chance, tiles))
 
 
-def _likeliest(
-    known: Templates, tiles: NDArray[np.int64], balls: Balls, measured: Array
-) -> NDArray[np.float64]:
+def _posterior(known: Templates, tiles: NDArray[np.int64], balls: Balls, measured: Array) -> Array:
     near, least = _near(known, tiles, balls, measured)
     ends = np.append(tiles[1:], len(known.chance))
     answers = np.searchsorted(known.starts, tiles, side="right") - 1
-    with np.errstate(divide="ignore"):
-        prior = np.log(known.chance) - (known.readings**2).sum(axis=1) / 2
+    prior = known.prior
     own = (measured**2).sum(axis=1) / 2 + least
     total = np.zeros((len(known.starts), len(measured)))
     for tile in np.flatnonzero(near.any(axis=1)).tolist():
         asked, part = np.flatnonzero(near[tile]), slice(tiles[tile], ends[tile])
         likely = measured[asked] @ known.readings[part].T + prior[part] - own[asked, None]
         total[answers[tile], asked] += np.exp(likely).sum(axis=1)
-    return total.max(axis=0) / total.sum(axis=0)
+    return (total / total.sum(axis=0)).T
 
 
 def _near(

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp, softmax
 
+from ..bounds.posterior import Templates, axes_of, posterior, starts_of
 from ..bounds.readings import CELLS, LARGEST_FACTOR, LEAST_FACTOR, Hypothesis
 from ..measure.readout import errors_of, observed
 from ..models.network.terminals import reduced_for
@@ -152,18 +151,6 @@ class Between(NamedTuple):
     error: float
 
 
-@dataclass(frozen=True)
-class Axes:
-    """From whitened readings to few numbers."""
-
-    origin: Array
-    turn: Array
-
-    def of(self, readings: Array) -> Single:
-        """Shape (reading, number)."""
-        return ((readings - self.origin) @ self.turn).astype(np.float32)
-
-
 def accuracy_of_hand(
     hand: Hand,
     among: Sequence[Hypothesis],
@@ -173,19 +160,25 @@ def accuracy_of_hand(
     samples: int = 4000,
     progress: Progress = silent,
 ) -> Between:
-    """Share of sweeps that the best classifier tells right. samples: presses of each hypothesis."""
+    """Share of sweeps that the best classifier tells right. among: in order of their answers.
+    samples: presses of each hypothesis."""
     drawing, known = (np.random.default_rng([seed, k]) for k in (0, 1))
-    axes = _axes(np.concatenate([hand.pressed(each, known, LOOKED_AT) for each in among]))
-    chances = np.array([each.chance for each in among])
-    which = np.sort(drawing.choice(len(among), draws, p=chances))
+    looked_at = np.concatenate([hand.pressed(each, known, LOOKED_AT) for each in among])
+    axes = axes_of(looked_at, most=NUMBERS)
+    which = np.sort(drawing.choice(len(among), draws, p=[each.chance for each in among]))
+    pressed, counts = np.unique(which, return_counts=True)
     clean = np.concatenate(
-        [hand.pressed(among[k], drawing, int(n)) for k, n in zip(*_counted(which), strict=True)]
+        [hand.pressed(among[k], drawing, int(n)) for k, n in zip(pressed, counts, strict=True)]
     )
-    measured = axes.of(clean + drawing.standard_normal(clean.shape))
-    likely = np.empty((draws, len(among)))
-    for k, each in enumerate(tracked(among, "presses", progress)):
-        likely[:, k] = _evidence(measured, axes.of(hand.pressed(each, known, samples)))
-    return _judged(likely + np.log(chances), among, which)
+    measured = _single(axes.of(clean + drawing.standard_normal(clean.shape)))
+    each = [
+        _single(axes.of(hand.pressed(own, known, samples)))
+        for own in tracked(among, "presses", progress)
+    ]
+    chance = np.repeat([own.chance / samples for own in among], samples)
+    starts = starts_of([own.answer for own in among], [samples] * len(among))
+    found = posterior(Templates(np.concatenate(each), _single(chance), starts), measured)
+    return _judged(found, np.searchsorted(starts, samples * which, side="right") - 1)
 
 
 def distance_of_hand(
@@ -196,56 +189,33 @@ def distance_of_hand(
     """
     drawing, known = (np.random.default_rng([seed, k]) for k in (0, 1))
     places, readings = hand.anywhere(known, samples)
-    axes = _axes(readings[: LOOKED_AT * LOOKED_AT])
-    templates = axes.of(readings)
+    axes = axes_of(readings[: LOOKED_AT * LOOKED_AT], most=NUMBERS)
+    even = np.full(samples, 1 / samples, dtype=np.float32)
+    templates = Templates(_single(axes.of(readings)), even, np.arange(samples))
     truth, clean = hand.anywhere(drawing, draws)
-    measured = axes.of(clean + drawing.standard_normal(clean.shape))
+    measured = _single(axes.of(clean + drawing.standard_normal(clean.shape)))
     parts = np.array_split(measured, max(1, draws * samples // PAIRS_AT_ONCE))
-    told = np.concatenate([_middle(_log_joint(part, templates), places) for part in parts])
+    told = np.concatenate([_middle(posterior(templates, part), places) for part in parts])
     away = np.hypot(*(told - truth).T)
     again = np.random.default_rng([seed, 2]).choice(away, (200, draws))
     return float(np.median(away)), float(np.median(again, axis=1).std(ddof=1))
 
 
-def _counted(which: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    return np.unique(which, return_counts=True)
+def _single(values: Array) -> Single:
+    return values.astype(np.float32)
 
 
-def _axes(readings: Array) -> Axes:
-    origin = readings.mean(axis=0)
-    centred = readings - origin
-    _, turn = np.linalg.eigh(centred.T @ centred)
-    return Axes(origin, turn[:, ::-1][:, :NUMBERS])
-
-
-def _log_joint(measured: Single, templates: Single) -> Single:
-    """ln of the likelihood of each template but for a constant, shape (reading, template)."""
-    return measured @ templates.T - (templates**2).sum(axis=1) / 2
-
-
-def _evidence(measured: Single, templates: Single) -> Array:
-    """ln of the mean likelihood over templates, shape (reading,)."""
-    parts = np.array_split(measured, max(1, len(measured) * len(templates) // PAIRS_AT_ONCE))
-    sums = [np.asarray(logsumexp(_log_joint(part, templates), axis=1)) for part in parts]
-    return np.concatenate(sums) - math.log(len(templates))
-
-
-def _judged(likely: Array, among: Sequence[Hypothesis], which: NDArray[np.int64]) -> Between:
-    answers = [each.answer for each in among]
-    names = sorted(set(answers))
-    answer = np.array([names.index(each) for each in answers])
-    posterior = softmax(likely, axis=1)
-    told = np.stack([posterior[:, answer == k].sum(axis=1) for k in range(len(names))], axis=1)
+def _judged(told: Array, answer: NDArray[np.int64]) -> Between:
+    """told: probability of each answer, shape (reading, answer). answer: that is right."""
     best = told.max(axis=1, keepdims=True)
     ties = told >= best * (1 - 1e-6)
-    right = ties[np.arange(len(told)), answer[which]] / ties.sum(axis=1)
+    right = ties[np.arange(len(told)), answer] / ties.sum(axis=1)
     error = max(right.std(ddof=1), best.std(ddof=1)) / math.sqrt(len(right))
     return Between(float(right.mean()), float(best.mean()), float(error))
 
 
-def _middle(log_joint: Single | Array, places: Array) -> Array:
+def _middle(share: Array, places: Array) -> Array:
     """Of least mean distance from places so likely, by Weiszfeld's iteration, (reading, 2)."""
-    share = np.asarray(softmax(log_joint, axis=1))
     middle = share @ places
     for _ in range(WEISZFELD_STEPS):
         away = np.hypot(*(middle[:, None] - places).transpose(2, 0, 1))

@@ -1,20 +1,20 @@
 """Common draws: the accuracy they give, what differences of them err by, and more readings."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.bayes import bayes, drawn, likeliest, templates
+from rcskin.simulator.bounds.bayes import bayes
 from rcskin.simulator.bounds.common_draws import CommonDraws
 from rcskin.simulator.bounds.fields import CELLS_PER_PIXEL, Fields, fields_of
 from rcskin.simulator.bounds.position import chosen_touch, places_on, position_slopes
+from rcskin.simulator.bounds.posterior import posterior
 from rcskin.simulator.bounds.readings import Readings, hypotheses
-from rcskin.simulator.bounds.tiles import NEGLIGIBLE, in_tiles, likeliest_of_tiles
+from rcskin.simulator.bounds.tiles import NEGLIGIBLE, in_tiles, posterior_of_tiles
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal
 from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.sweeps import InputError
+from rcskin.tests.simulator.bounds.every_strength import compared, exact
 
 SPAN = {"span": (0.01, 1.0)}
 FOILS = dict.fromkeys(("top-left", "bottom-left", "top-bottom", "bottom-bottom"), SPAN)
@@ -48,10 +48,11 @@ def judged(scene, model):
 def test_the_accuracy_is_that_of_the_best_classifier(scene, model, judged):
     readings = Readings(scene, own_presses(scene))
     readings._reduced = read(model, scene.interfaces)
-    exact = bayes(readings, hypotheses(scene, "pixel"), own_presses(scene), seed=2, draws=3000)
-    found = judged(len(READINGS)).accuracy
-    assert 0.4 < exact.share < 0.97
-    assert found.share == pytest.approx(exact.share, abs=4 * np.hypot(found.error, exact.error))
+    asked = readings, hypotheses(scene, "pixel"), own_presses(scene)
+    best = exact(*asked, seed=2, draws=3000)
+    assert 0.4 < best.share < 0.97
+    for found in (judged(len(READINGS)).accuracy, bayes(*asked, seed=3, draws=3000)):
+        assert found.share == pytest.approx(best.share, abs=4 * np.hypot(found.error, best.error))
 
 
 def test_more_readings_never_tell_less(judged):
@@ -100,20 +101,21 @@ def test_two_touches_are_told_as_by_the_best_classifier(pair_scene, model):
     presses = own_presses(pair_scene)
     readings = Readings(pair_scene, presses)
     readings._reduced = read(model, pair_scene.interfaces)
-    exact = bayes(readings, hypotheses(pair_scene, "pair"), presses, seed=2, draws=3000)
+    asked = readings, hypotheses(pair_scene, "pair"), presses
+    best = exact(*asked, seed=2, draws=3000)
     skin = read(model, pair_scene.interfaces).skin(None)
-    found = CommonDraws(pair_scene, "pair", draws=3000).judged(skin).accuracy
-    assert 0.4 < exact.share < 0.97
-    assert found.share == pytest.approx(exact.share, abs=4 * np.hypot(found.error, exact.error))
+    assert 0.4 < best.share < 0.97
+    common = CommonDraws(pair_scene, "pair", draws=3000).judged(skin).accuracy
+    for found in (common, bayes(*asked, seed=3, draws=3000)):
+        assert found.share == pytest.approx(best.share, abs=4 * np.hypot(found.error, best.error))
 
 
 def test_what_tiles_leave_out_is_negligible(pair_scene, model):
-    presses, random = own_presses(pair_scene), np.random.default_rng(3)
+    presses = own_presses(pair_scene)
     readings = Readings(pair_scene, presses)
     readings._reduced = read(model, pair_scene.interfaces)
     among = hypotheses(pair_scene, "pair")
-    known = templates(readings, among, presses)
-    measured = known.projected(drawn(readings, among, presses, random, 200))
+    known, measured = compared(readings, among, presses, 3, 200)
     sizes = np.diff([*known.starts, len(known.chance)])
     orders, tiles = [], []
     for start, size in zip(known.starts, sizes, strict=True):
@@ -124,10 +126,10 @@ def test_what_tiles_leave_out_is_negligible(pair_scene, model):
         tiles.append(start + begun)
     order, tiles = np.concatenate(orders), np.concatenate(tiles)
     assert len(tiles) > 2 * len(among)
-    sorted_ = replace(known, readings=known.readings[order], chance=known.chance[order])
-    found = likeliest_of_tiles(sorted_, tiles, measured)
+    sorted_ = known._replace(readings=known.readings[order], chance=known.chance[order])
+    found = posterior_of_tiles(sorted_, tiles, measured)
     bound = 4 * len(tiles) * NEGLIGIBLE
-    np.testing.assert_allclose(found, likeliest(known, measured), atol=bound + 1e-11)
+    np.testing.assert_allclose(found, posterior(known, measured), atol=bound + 1e-11)
 
 
 def test_other_targets_are_not_judged(scene):

@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.bayes import drawn, likeliest, templates
 from rcskin.simulator.bounds.readings import hypotheses
 from rcskin.simulator.bounds.sets import equation_6
 from rcskin.simulator.design.bench import Asking, Bench
@@ -19,6 +18,7 @@ from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import ErrorModel
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.scene.design import Design
+from rcskin.tests.simulator.bounds.every_strength import exact
 
 SINGLE = {"frequencies": 1, "readings": 1, "casts": 1, "band": (300.0, 30e3), "sheet_ratio": 1.0}
 EVEN = {"sheet_resistance": 1.0, "capacitance": 1.0, "foam_spread": 0.0, "loss_tangent": 0.0}
@@ -132,10 +132,8 @@ def test_common_draws_judge_a_lossy_cast_behind_leads_as_draws_of_its_own_do(str
     told = merits(judge, trained, own, 1)[1]
     assert 0.3 < told < 0.99
     readings, presses = CastReadings(on, scene.frequencies, 6), own_presses(scene)
-    among, random = hypotheses(scene, "pixel"), np.random.default_rng(1)
-    known = templates(readings, among, presses)
-    anew = likeliest(known, known.projected(drawn(readings, among, presses, random, 4000))).mean()
-    assert told == pytest.approx(float(anew), abs=4 * math.sqrt(0.5 / 4000))
+    anew = exact(readings, hypotheses(scene, "pixel"), presses, seed=1, draws=4000)
+    assert told == pytest.approx(anew.share, abs=4 * math.sqrt(0.5 / 4000))
 
 
 def test_the_nearest_pairs_are_those_at_the_strengths_that_bring_them_nearest():

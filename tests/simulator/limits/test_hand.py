@@ -84,7 +84,7 @@ def test_the_distance_shrinks_with_noise_and_is_the_rooms_own_where_nothing_is_t
 
 def test_the_middle_has_the_least_mean_distance():
     places = np.random.default_rng(0).normal(size=(50, 2))
-    found = _middle(np.zeros((1, 50)), places)
+    found = _middle(np.full((1, 50), 1 / 50), places)
 
     def mean(point):
         return np.hypot(*(places - point).T).mean()
