@@ -10,15 +10,13 @@ from functools import cached_property
 import numpy as np
 
 from ..measure.skins import DrawnSkin, drawn_skin
-from ..models.network.terminals import read, require_no_spread, with_chain
+from ..models.network.terminals import read, require_no_spread, trained
 from ..models.parameters import WAVES, nominal
 from ..models.reduced.cases import Case, pixel_touches
-from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced
 from ..progress import Progress, silent
 from ..scene.contacts import Interface
 from ..scene.design import Design
-from ..scene.meter import Sweep
 from ..scene.scene import Scene
 from .on_skin import Material, OnSkin, material_of
 from .places import Touches
@@ -78,12 +76,15 @@ class Trained:
     @cached_property
     def reduced(self) -> Reduced:
         """The model, trained at first use on all that the bounds allow."""
-        swept = Sweep(frequencies=tuple(sorted(set(self._band))))
-        driven = with_chain(self._divided).model_copy(update={"sweep": swept})
 
         rtol = RTOL if self._touches is None else RTOL_OF_TOUCHES
-        return reduce(
-            driven, rtol, self._draw, modes=self.modes, alike=False, progress=self._progress
+        return trained(
+            self._divided,
+            rtol,
+            self._draw,
+            modes=self.modes,
+            progress=self._progress,
+            frequency=np.unique(self._band),
         )
 
     def _draw(self, random: np.random.Generator) -> Case:

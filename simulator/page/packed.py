@@ -18,7 +18,6 @@ from ..models.varied.materials import gauged
 from ..models.varied.meshes import circuit_of
 from ..progress import Progress, silent
 from ..scene.files import scene_text
-from ..scene.reading import reading_at
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from . import base64_arrays
@@ -86,10 +85,9 @@ def reduced_for_page(scene: Scene, rtol: float, cells: int, progress: Progress =
     f = scene.frequencies
     band = np.geomspace(f[0] * slowest, f[-1] * fastest, FREQUENCIES)
     cells = 1 if scene.pixels.groups is not None else cells
-    rows, columns = (cells * count for count in scene.pixels.shape)
-    pixels = scene.pixels.model_copy(update={"rows": rows, "columns": columns})
-    wide = reading_at(scene.model_copy(update={"pixels": pixels}), band.tolist())
-    return reduce(wide, rtol, pressed_anywhere(wide, cells), progress=progress)
+    divided = scene.divided(cells)
+    draw = pressed_anywhere(divided, cells)
+    return reduce(divided, rtol, draw, progress=progress, frequency=band)
 
 
 def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, Any]:

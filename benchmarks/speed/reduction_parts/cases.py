@@ -157,7 +157,8 @@ def unreduced(skin: ReducedSkin, cells: NDArray[np.int64], rises: NDArray[np.flo
     """Z in ohm of one press on the very mesh that was reduced, shape (interface, frequency)."""
     reduced = skin.reduced
     loss = (skin.variation or reduced.scene.skin.foam).loss
-    return reduced.family.solved(skin.weights, loss, skin.map_of(cells, rises), reduced.rtol)[0]
+    asked = skin.weights, loss, skin.map_of(cells, rises), reduced.rtol, reduced.frequency
+    return reduced.family.solved(*asked)[0]
 
 
 def microseconds(skin: ReducedSkin, scene: Scene, count: int = BATCH) -> float:

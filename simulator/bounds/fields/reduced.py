@@ -20,7 +20,6 @@ from ...models.reduced.greedy import Basis
 from ...models.reduced.model import Reduced
 from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
-from ...scene.meter import Sweep
 from ...scene.scene import Scene
 from ..touches.cells import Cells, TouchSize
 from .answer import NONE, Answer, Maps, at_meter
@@ -41,10 +40,9 @@ class ReducedFields:
         does not reduce."""
         self.scene, self.cells = scene, cells
         self.grid = scene.divided(cells).pixels.shape
-        band = Sweep(frequencies=(float(scene.frequencies[0]), highest))
-        divided = scene.on_grid(*self.grid).model_copy(update={"sweep": band})
         self._touch = touch
-        self._skin = read(self._trained(with_chain(divided), highest), scene.interfaces).skin(None)
+        driven = with_chain(scene.on_grid(*self.grid))
+        self._skin = read(self._trained(driven, highest), scene.interfaces).skin(None)
         self._pressed = PressedSkin(self._skin)
 
     def respond(
@@ -75,7 +73,8 @@ class ReducedFields:
         random = np.random.default_rng(0)
         with one_blas_thread():
             family = unreduced(scene, two_fields(scene), MESH_RTOL, highest)
-            return Basis(family, RTOL, 0.0).grow(self._draw, random, silent, most=1)
+            band = np.array([self.scene.frequencies[0], highest])
+            return Basis(family, RTOL, 0.0, band).grow(self._draw, random, silent, most=1)
 
     def _draw(self, random: np.random.Generator) -> Case:
         """A touch anywhere on the skin."""

@@ -11,7 +11,10 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TypeVar
+from typing import TypedDict, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...fem.circuit import two_fields
 from ...progress import Progress, silent
@@ -30,6 +33,14 @@ from ..varied.meshes import single_field
 Model = TypeVar("Model", bound=Projection)
 
 
+class Kept(TypedDict):
+    """What `reduce` is told of any readings alike."""
+
+    modes: int
+    progress: Progress
+    frequency: NDArray[np.float64] | None
+
+
 def trained(
     scene: Scene,
     rtol: float = 1e-5,
@@ -37,14 +48,16 @@ def trained(
     *,
     modes: int = 1,
     progress: Progress = silent,
+    frequency: NDArray[np.float64] | None = None,
 ) -> Reduced:
     """A model of a scene's skin that holds what any terminal charges, read in a `chain`.
 
-    rtol, draw, modes, progress: as of `reduce`; so is what is raised, and InputError where a
-    tension spreads presses.
+    rtol, draw, modes, progress, frequency: as of `reduce`; so is what is raised, and InputError
+    where a tension spreads presses.
     """
     require_no_spread(scene)
-    return reduce(with_chain(scene), rtol, draw, modes=modes, alike=False, progress=progress)
+    driven, more = with_chain(scene), Kept(modes=modes, progress=progress, frequency=frequency)
+    return reduce(driven, rtol, draw, alike=False, **more)
 
 
 def require_no_spread(scene: Scene) -> None:
@@ -64,14 +77,16 @@ def reduced_for(
     modes: int = 1,
     alike: bool = True,
     progress: Progress = silent,
+    frequency: NDArray[np.float64] | None = None,
 ) -> Reduced:
     """A model read in the scene's own ways, trained for all terminals where those are `many`.
 
-    rtol, draw, modes, alike, progress: as of `reduce`.
+    rtol, draw, modes, alike, progress, frequency: as of `reduce`.
     """
+    more = Kept(modes=modes, progress=progress, frequency=frequency)
     if not many(scene, alike):
-        return reduce(scene, rtol, draw, modes=modes, alike=alike, progress=progress)
-    return read(trained(scene, rtol, draw, modes=modes, progress=progress), scene.interfaces)
+        return reduce(scene, rtol, draw, alike=alike, **more)
+    return read(trained(scene, rtol, draw, **more), scene.interfaces)
 
 
 def many(scene: Scene, alike: bool = True) -> bool:

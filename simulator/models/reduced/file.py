@@ -38,7 +38,7 @@ def save(reduced: Reduced, path: Path) -> None:
         "rtol": reduced.rtol,
         "mesh_error": reduced.mesh_error,
     }
-    arrays = {name: getattr(reduced, name) for name in ARRAYS} | of_mesh
+    arrays = {name: getattr(reduced, name) for name in ("frequency", *ARRAYS)} | of_mesh
     arrays |= arrays_of(reduced) if isinstance(reduced, Indented) else {}
     with kept_file(path) as unfinished:
         with unfinished.open("wb") as file:
@@ -75,6 +75,7 @@ def _read(path: Path) -> Reduced:
     with np.load(path, allow_pickle=False) as archive:
         told = json.loads(str(archive["told"]))
         arrays: dict[str, Any] = {name: archive[name] for name in ARRAYS}
+        frequency = archive.get("frequency")
         mesh = _mesh(told, archive)
         beside = beside_from(archive)
         _check_finite({name: archive[name] for name in archive.files if name != digests.MEMBER})
@@ -82,6 +83,7 @@ def _read(path: Path) -> Reduced:
     circuit = circuit_of(scene, told["fields"] == 1)
     if circuit.fields != told["fields"]:
         raise InputError(f"{path}: one field cannot tell what its scene's interfaces drive")
+    arrays["frequency"] = scene.frequencies if frequency is None else frequency
     _check_sizes(arrays, circuit.fields)
     model = Reduced(
         scene=scene,
@@ -105,6 +107,7 @@ def _check_sizes(arrays: Mapping[str, NDArray], fields: int) -> None:
     """Raises ValueError where arrays are not of the sizes that `Reduced` says."""
     N, n = len(arrays["conductance"]), arrays["basis"].shape[1]
     sizes = {
+        "frequency": (arrays["frequency"].size,),
         "terminal_field": (N,),
         "conductance": (N, N),
         "basis": (len(arrays["basis"]), n),

@@ -17,7 +17,7 @@ from ...press.capacitance import touched_cells
 from ...press.press import Press
 from ...progress import Progress, silent
 from ...scene.frequency import laplace_variable, slopes_of_s
-from ...scene.meter import FrequencyGrid, Sweep
+from ...scene.meter import FrequencyGrid
 from ...scene.scene import Scene
 from ..parameters import (
     FOAM_WAVES,
@@ -177,9 +177,15 @@ class Forward:
         """The model, trained at first use."""
         low, high = self.scene.frequencies[0], self.scene.frequencies[-1]
         band = FrequencyGrid(start=low / REACH, stop=high * REACH, points=BAND_POINTS).values()
-        trained = self.divided.model_copy(update={"sweep": Sweep(frequencies=tuple(band))})
-        kept = {"modes": self.modes, "alike": not self._two_fields, "progress": self._progress}
-        return self._train(trained, self.rtol, self._draw(), **kept)
+        return self._train(
+            self.divided,
+            self.rtol,
+            self._draw(),
+            modes=self.modes,
+            alike=not self._two_fields,
+            progress=self._progress,
+            frequency=np.array(band),
+        )
 
     @cached_property
     def _two_fields(self) -> bool:

@@ -75,36 +75,41 @@ def reduce(
     alike: bool = True,
     seed: int = 0,
     progress: Progress = silent,
+    frequency: NDArray[np.float64] | None = None,
 ) -> Reduced:
     """A reduced model of a scene, within rtol in Rs and Cp for skins and presses as drawn.
 
     draw: of what the model is trained on, by default one or two touched pixels. modes: of each
     sheet's conductance, see `variation.WAVES`. alike: whether both sheets vary in the same way, so
-    that one field may serve. Raises ToleranceError where mesh or basis do not get there, InputError
-    where the pixels do not fit in memory.
+    that one field may serve. frequency: Hz, ascending; those of the scene's sweep for None. Raises
+    ToleranceError where mesh or basis do not get there, InputError where the pixels do not fit in
+    memory.
     """
     by_depth = spreading(scene)
     scene = scene if by_depth else electrical(scene)
     draw = apart(draw or pixel_touches(scene), scene) if by_depth else draw or pixel_touches(scene)
     circuit = circuit_of(scene, alike)
     check_grid_fits(scene, circuit)
-    random = np.random.default_rng(seed)
+    random, f = np.random.default_rng(seed), scene.frequencies if frequency is None else frequency
     progress(TRAINING, 0.0)
     with one_blas_thread():
         cases = [draw(random) for _ in range(MESH_DRAWS)]
         resolve = resolved_under_applicators if by_depth else resolved
-        family, mesh_error = resolve(scene, circuit, modes, rtol, cases)
-        return Basis(family, rtol, mesh_error).grow(draw, random, progress)
+        family, mesh_error = resolve(scene, circuit, modes, rtol, cases, f)
+        return Basis(family, rtol, mesh_error, f).grow(draw, random, progress)
 
 
 class Basis:
     """Vectors of a family's space, orthonormal in K, growing."""
 
-    def __init__(self, family: Family, rtol: float, mesh_error: float) -> None:
+    def __init__(
+        self, family: Family, rtol: float, mesh_error: float, frequency: NDArray[np.float64]
+    ) -> None:
+        """frequency: Hz, ascending; the basis is for all between the first and the last."""
         self.family, self.rtol, self.mesh_error = family, rtol, mesh_error
+        self.frequency, loss = frequency, family.scene.skin.foam.loss
         self.vectors: NDArray[np.float64] = np.zeros((family.space.inner, 0))
-        scene, loss = family.scene, family.scene.skin.foam.loss
-        low, high = float(scene.frequencies[0]), float(scene.frequencies[-1])
+        low, high = float(frequency[0]), float(frequency[-1])
         decades = max(4, math.ceil(math.log10(high / low)) + 1)
         self._shifts = np.abs(laplace_variable(np.geomspace(low, high, decades), loss))
         self._s = laplace_variable(np.geomspace(low, high, FREQUENCIES), loss)
@@ -212,6 +217,7 @@ class Basis:
             modes=family.modes,
             rtol=self.rtol,
             mesh_error=self.mesh_error,
+            frequency=self.frequency,
             terminal_field=family.space.terminal_field,
             conductance=family.space.conductance,
             basis=self.vectors,

@@ -27,10 +27,10 @@ class Projection:
     """What `greedy.reduce` leaves of a scene's family: arrays, and how to build the full one.
 
     rtol: of Rs and Cp, asked of mesh and reduction together. mesh_error: estimated, of the mesh's
-    share. terminal_field: shape (N,). conductance: between terminals, S, shape (N, N). basis: V in
-    the full space's inner unknowns, shape (inner, n). stiffness: of each term of K, S, shape (term,
-    N + n, N + n). factors: F of each part of the foam at rest, M = F'F in F, shape (part, rank,
-    N + n).
+    share. frequency: Hz, ascending; rtol is kept at these and between them. terminal_field: shape
+    (N,). conductance: between terminals, S, shape (N, N). basis: V in the full space's inner
+    unknowns, shape (inner, n). stiffness: of each term of K, S, shape (term, N + n, N + n).
+    factors: F of each part of the foam at rest, M = F'F in F, shape (part, rank, N + n).
     """
 
     scene: Scene
@@ -39,6 +39,7 @@ class Projection:
     modes: int
     rtol: float
     mesh_error: float
+    frequency: NDArray[np.float64]
     terminal_field: NDArray[np.int64]
     conductance: NDArray[np.float64]
     basis: NDArray[np.float64]

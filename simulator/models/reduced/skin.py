@@ -46,7 +46,7 @@ class ReducedSkin:
         self.weights = weights_under(variation, *told, factors)
         own = nominal(reduced.scene, reduced.modes) if variation is None else variation
         self.loss, self.rest_factors = own.loss, own.foam(reduced.scene)
-        self.s = laplace_variable(reduced.scene.frequencies, own.loss)
+        self.s = laplace_variable(reduced.frequency, own.loss)
         K = self.stiffness
         rows = (np.sqrt(self.rest_factors)[:, None, None] * reduced.factors).reshape(-1, len(K))
         M = rows.T @ rows
@@ -77,7 +77,7 @@ class ReducedSkin:
     ) -> NDArray[np.complex128]:
         """Z in ohm of many presses of pixels, shape (press, interface, s).
 
-        s: rad/s, by default of the scene's frequencies.
+        s: rad/s, by default of the model's frequencies.
         """
         s = self.s if s is None else s
         if gauged(self.reduced.scene.skin):
@@ -121,7 +121,7 @@ class ReducedSkin:
     ) -> NDArray[np.float64]:
         """Bound on what the reduction leaves out of Rs and Cp of one press, and `doubt`.
 
-        Relatively, of shape (2, interface, s); s in rad/s, by default of the scene's frequencies.
+        Relatively, of shape (2, interface, s); s in rad/s, by default of the model's frequencies.
         """
         s, own = self.s if s is None else s, self.under(cells, rises)
         with one_blas_thread():
@@ -162,7 +162,7 @@ class ReducedSkin:
             return 0.0
         asked = self.under(cells, rises).weights, self.loss, self.map_of(cells, rises)
         with one_blas_thread():
-            return reduced.family.solved(*asked, reduced.rtol)[1]
+            return reduced.family.solved(*asked, reduced.rtol, reduced.frequency)[1]
 
     @property
     def least_conductance(self) -> float:
@@ -177,10 +177,11 @@ class ReducedSkin:
         On the mesh that was reduced where that keeps rtol for this press, on finer ones otherwise.
         Raises ToleranceError where none does.
         """
-        rtol, error, weights = self.reduced.rtol, np.inf, self.under(cells, rises).weights
+        rtol, error, frequency = self.reduced.rtol, np.inf, self.reduced.frequency
+        pressed = self.under(cells, rises).weights, self.loss, self.map_of(cells, rises)
         with one_blas_thread():
             for family in self._families(cells, rises):
-                Z, error = family.solved(weights, self.loss, self.map_of(cells, rises), rtol)
+                Z, error = family.solved(*pressed, rtol, frequency)
                 if error <= rtol:
                     return Z
         raise ToleranceError(f"a press leaves {error:.1e} by the full system, asked {rtol:g}")
@@ -190,7 +191,8 @@ class ReducedSkin:
         reduced = self.reduced
         yield reduced.family
         asked = reduced.scene, reduced.circuit, reduced.modes, reduced.rtol
-        yield from finer_families(*asked, [Case(None, cells, rises).press_on(reduced.scene)])
+        press = Case(None, cells, rises).press_on(reduced.scene)
+        yield from finer_families(*asked, [press], reduced.frequency)
 
     def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
         """c of a pressed skin over the scene's own at rest, shape (part,), see `foam_parts`."""

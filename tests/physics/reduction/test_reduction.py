@@ -256,10 +256,7 @@ def test_common_factors_of_resistance_and_capacitance_only_shift_frequencies(fam
     scaled = reduced.skin(
         Variation(modes / a, modes / a, np.full(2, 1 / a), np.full((2, 3), b), LOSSLESS)
     )
-    sweep = reduced.scene.sweep.model_copy(
-        update={"frequencies": tuple(a * b * reduced.scene.frequencies)}
-    )
-    shifted = replace(reduced, scene=reduced.scene.model_copy(update={"sweep": sweep}))
+    shifted = replace(reduced, frequency=a * b * reduced.frequency)
     cases = drawn(reduced.scene, 3)
     Z, Z_shifted = scaled.sweeps(batch(cases)), shifted.skin(None).sweeps(batch(cases))
     np.testing.assert_allclose(Z, a * Z_shifted, rtol=1e-6)

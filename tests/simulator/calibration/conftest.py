@@ -11,7 +11,7 @@ from rcskin.simulator.models.network.terminals import reduced_for
 from rcskin.simulator.models.parameters import scene_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.meter import Readout
+from rcskin.simulator.scene.meter import Readout, Sweep
 from rcskin.simulator.scene.scene import Pressing
 
 METER = Readout(
@@ -22,6 +22,7 @@ METER = Readout(
     display_digits=9,
 )
 SPREAD = 0.1
+NOWHERE = Sweep(frequencies=(1.0,))
 
 
 @pytest.fixture(scope="session")
@@ -43,9 +44,9 @@ def _solved(scene, presses):
 
 
 def of_the_skin(scene):
-    """The scene without its meter's errors and without what the meter leaves out."""
+    """The scene without its meter's errors, and without what is read and what is left out."""
     every = tuple(each.model_copy(update={"frequencies": None}) for each in scene.interfaces)
-    return scene.model_copy(update={"readout": Readout(), "interfaces": every})
+    return scene.model_copy(update={"readout": Readout(), "interfaces": every, "sweep": NOWHERE})
 
 
 @pytest.fixture(scope="session")
@@ -54,7 +55,7 @@ def models_made_once():
     known = {}
 
     def train(scene, rtol, draw, **more):
-        key = of_the_skin(scene), rtol, more["modes"], more["alike"]
+        key = of_the_skin(scene), rtol, more["modes"], more["alike"], *more["frequency"]
         if key not in known:
             known[key] = reduced_for(scene, rtol, draw, **more)
         return replace(known[key], scene=scene)

@@ -34,10 +34,15 @@ def test_a_flipped_bit_is_refused_or_changes_no_number(model, tmp_path):
     assert refused > 50
 
 
-@pytest.mark.parametrize("name", ["terminal_field", "conductance", "basis", "stiffness", "factors"])
+@pytest.mark.parametrize(
+    "name", ["frequency", "terminal_field", "conductance", "basis", "stiffness", "factors"]
+)
 def test_arrays_that_do_not_fit_are_refused(model, tmp_path, name):
     array = getattr(model, name)
-    spoilt = [array[..., :-1], array - 10**6 if name == "terminal_field" else array * np.nan]
+    spoilt = [
+        array[..., :-1] if name != "frequency" else array[None],
+        array - 10**6 if name == "terminal_field" else array * np.nan,
+    ]
     for each in spoilt:
         save(replace(model, **{name: each}), tmp_path / "model.npz")
         with pytest.raises(InputError, match=r"model\.npz: not a reduced model: `"):

@@ -109,9 +109,14 @@ class Family(ABC):
         return Galerkin(self.varied(weights), self.circuit, self.order)
 
     def solved(
-        self, weights: Weights, loss: Loss, factors: NDArray[np.float64], rtol: float
+        self,
+        weights: Weights,
+        loss: Loss,
+        factors: NDArray[np.float64],
+        rtol: float,
+        frequency: NDArray[np.float64],
     ) -> tuple[NDArray[np.complex128], float]:
-        """Z in ohm at the scene's frequencies, shape (interface, frequency), and its error.
+        """Z in ohm at frequencies in Hz, shape (interface, frequency), and its error.
 
         factors: c over the scene's own at rest, shape (part,). The error is the largest of Rs and
         Cp, relatively, estimated by elements of one order more as `fidelity` does.
@@ -123,7 +128,7 @@ class Family(ABC):
             s = laplace_variable(around, loss)
             return [swept(space, mass, drives, s, tolerance) for space, mass in spaces]
 
-        Z, error = checked(sweep, self.scene.frequencies, rtol)
+        Z, error = checked(sweep, frequency, rtol)
         return Z, float(self.told(error).max())
 
     def varied(self, weights: NDArray[np.float64]) -> System:

@@ -17,7 +17,6 @@ from ....mesh.refining.untangled import finer
 from ....press.batch import NOTHING
 from ....press.press import Press
 from ....press.touch import Touch
-from ....scene.meter import Sweep
 from ....scene.scene import Scene
 from ....sweeps import ToleranceError
 from ...resolution import Ladder
@@ -44,31 +43,39 @@ def family_on(scene: Scene, circuit: Circuit, mesh: Mesh, modes: int) -> Family:
 
 
 def resolved(
-    scene: Scene, circuit: Circuit, modes: int, rtol: float, cases: Sequence[Case]
+    scene: Scene,
+    circuit: Circuit,
+    modes: int,
+    rtol: float,
+    cases: Sequence[Case],
+    frequency: NDArray[np.float64],
 ) -> tuple[Family, float]:
     """The coarsest family whose discretisation keeps its share of the tolerance, and its error.
 
-    Raises ToleranceError where none does.
+    frequency: Hz, ascending. Raises ToleranceError where none does.
     """
     rise = max(float(case.rises.max(initial=0)) for case in cases)
     presses = [_everywhere(scene, rise)] if scene.plain else _in_turns(scene, rise)
-    families = finer_families(scene, circuit, modes, rtol, presses)
+    families = finer_families(scene, circuit, modes, rtol, presses, frequency)
     each = [] if scene.plain else alone(held(scene).numbers, rise, MOST_ALONE)
-    return coarsest(families, [*cases, *each], rtol)
+    return coarsest(families, [*cases, *each], rtol, frequency)
 
 
 def coarsest(
-    families: Iterator[FamilyT], cases: Sequence[Case], rtol: float
+    families: Iterator[FamilyT],
+    cases: Sequence[Case],
+    rtol: float,
+    frequency: NDArray[np.float64],
 ) -> tuple[FamilyT, float]:
     """The first family whose error in these cases is within its share of the tolerance, and that.
 
-    Raises ToleranceError where none is.
+    frequency: Hz, ascending. Raises ToleranceError where none is.
     """
     found = np.inf
     for family in families:
         found = 0.0
         for case in cases:
-            found = max(found, error_of(family, case, rtol))
+            found = max(found, error_of(family, case, rtol, frequency))
             if found > SHARE * rtol:
                 break
         else:
@@ -83,16 +90,16 @@ def unreduced(scene: Scene, circuit: Circuit, rtol: float, highest: float) -> Fa
         ladder = Ladder(scene, circuit)
         resolution = ladder.resolution(ladder.first(rtol), Press(), highest)
         return EvenFamily(scene, circuit, resolution, modes=1)
-    asked = scene.model_copy(update={"sweep": Sweep(frequencies=(highest,))})
     draw, random = pixel_touches(scene), np.random.default_rng(0)
     cases = [Case(None, *NOTHING), *(draw(random) for _ in range(FEW))]
-    return resolved(asked, circuit, 1, rtol / SHARE, cases)[0]
+    return resolved(scene, circuit, 1, rtol / SHARE, cases, np.array([highest]))[0]
 
 
-def error_of(family: Family, case: Case, rtol: float) -> float:
-    """By the mesh alone, of Rs and Cp, relatively."""
+def error_of(family: Family, case: Case, rtol: float, frequency: NDArray[np.float64]) -> float:
+    """By the mesh alone, of Rs and Cp, relatively. frequency: Hz, ascending."""
     loss = (case.variation or family.scene.skin.foam).loss
-    return family.solved(weights_of_case(family, case), loss, family.foam_of(case), rtol)[1]
+    weights, foam = weights_of_case(family, case), family.foam_of(case)
+    return family.solved(weights, loss, foam, rtol, frequency)[1]
 
 
 def weights_of_case(family: Family, case: Case) -> Weights:
@@ -102,24 +109,33 @@ def weights_of_case(family: Family, case: Case) -> Weights:
 
 
 def finer_families(
-    scene: Scene, circuit: Circuit, modes: int, rtol: float, presses: Sequence[Press]
+    scene: Scene,
+    circuit: Circuit,
+    modes: int,
+    rtol: float,
+    presses: Sequence[Press],
+    frequency: NDArray[np.float64],
 ) -> Iterator[Family]:
-    """Families on finer and finer meshes, for these presses of pixels."""
+    """Families on finer and finer meshes, for these presses of pixels and frequencies in Hz."""
     if not scene.plain:
-        for mesh in _triangulations(scene, circuit, rtol, presses):
+        for mesh in _triangulations(scene, circuit, rtol, presses, frequency):
             yield UnevenFamily(scene, circuit, mesh, modes)
         return
     ladder = Ladder(scene, circuit)
     for level in range(ladder.first(rtol), len(ladder.levels)):
-        resolution = ladder.resolution(level, presses[0], scene.frequencies[-1])
+        resolution = ladder.resolution(level, presses[0], frequency[-1])
         yield EvenFamily(scene, circuit, resolution, modes)
 
 
 def _triangulations(
-    scene: Scene, circuit: Circuit, rtol: float, presses: Sequence[Press]
+    scene: Scene,
+    circuit: Circuit,
+    rtol: float,
+    presses: Sequence[Press],
+    frequency: NDArray[np.float64],
 ) -> Iterator[Triangulation]:
     """Each refined where any of the presses was least certain on the one before."""
-    ends = np.unique(scene.frequencies[[0, -1]])
+    ends = np.unique(frequency[[0, -1]])
     bare = Triangles(scene, circuit, Press(), rtol)
     domain = bare.coarsest(float(ends[-1]))
     each = [Triangles(scene, circuit, _on_skin(press, domain, scene), rtol) for press in presses]

@@ -211,7 +211,7 @@ class IndentedSkin(ReducedSkin):
 
     def _families(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> Iterator[Family]:
         yield self.reduced.family
-        yield from finer_families(self.reduced.family, cells, rises)
+        yield from finer_families(self.reduced.family, cells, rises, self.reduced.frequency)
 
 
 SLOPE_STEP = 1e-5

@@ -34,29 +34,37 @@ def family_on(
 
 
 def resolved(
-    scene: Scene, circuit: Circuit, modes: int, rtol: float, cases: Sequence[Case]
+    scene: Scene,
+    circuit: Circuit,
+    modes: int,
+    rtol: float,
+    cases: Sequence[Case],
+    frequency: NDArray[np.float64],
 ) -> tuple[IndentedFamily, float]:
     """The coarsest family whose discretisation keeps its share of the tolerance, and its error.
 
-    Raises ToleranceError where none does, InputError as `applicators`.
+    frequency: Hz, ascending. Raises ToleranceError where none does, InputError as `applicators`.
     """
     known = applicators(scene, rtol)
     rise = float(known.mechanics.factor(np.array(known.deepest / known.thickness))) - 1
     pixels = np.flatnonzero(known.of_pixel >= 0)
     in_turns = [_in_turns(known, turn) for turn in np.ndindex(TURNS, TURNS)]
-    meshes = _triangulations(scene, circuit, rtol, [each for each in in_turns if each])
+    meshes = _triangulations(scene, circuit, rtol, [e for e in in_turns if e], frequency)
     families = (family_on(scene, circuit, mesh, modes, known, rtol) for mesh in meshes)
-    return coarsest(families, [*cases, *alone(pixels, rise, MOST_ALONE)], rtol)
+    return coarsest(families, [*cases, *alone(pixels, rise, MOST_ALONE)], rtol, frequency)
 
 
 def finer_families(
-    family: IndentedFamily, cells: NDArray[np.int64], rises: NDArray[np.float64]
+    family: IndentedFamily,
+    cells: NDArray[np.int64],
+    rises: NDArray[np.float64],
+    frequency: NDArray[np.float64],
 ) -> Iterator[IndentedFamily]:
-    """On finer and finer meshes, for a press."""
+    """On finer and finer meshes, for a press at frequencies in Hz."""
     depth = family.applicators.depth(rises)
     press = _pressed(family.applicators, dict(zip(cells.tolist(), depth.tolist(), strict=True)))
     asked = family.scene, family.circuit
-    for mesh in _triangulations(*asked, family.rtol, [press], family.mesh.domain):
+    for mesh in _triangulations(*asked, family.rtol, [press], frequency, family.mesh.domain):
         yield family_on(*asked, mesh, family.modes, family.applicators, family.rtol)
 
 
@@ -65,11 +73,12 @@ def _triangulations(
     circuit: Circuit,
     rtol: float,
     presses: Sequence[Pressed],
+    frequency: NDArray[np.float64],
     domain: Domain | None = None,
 ) -> Iterator[Triangulation]:
     """Each refined where any of the presses was least certain on the one before; from a domain on,
     where one is given, without that itself."""
-    ends = np.unique(scene.frequencies[[0, -1]])
+    ends = np.unique(frequency[[0, -1]])
     bare = Triangles(scene, circuit, Press(), rtol)
     each = [Triangles(scene, circuit, Press(), rtol, press) for press in presses]
 
