@@ -122,17 +122,21 @@ class Progress:
         """Those that are left, Hz."""
         return self._all[self._left]
 
-    def offer(self, rung: Rung) -> None:
-        """Take what keeps the tolerance of a rung for the frequencies that are left."""
+    def offer(self, rung: Rung, among: NDArray[np.bool_] | None = None) -> None:
+        """Take what keeps the tolerance of a rung for the frequencies that are left.
+
+        among: those of them that the rung is of; all for None.
+        """
+        asked = self._left if among is None else self._left[among]
         within = (rung.error <= self.rtol) & np.isfinite(rung.Z)
         kept = within.all(axis=(0, 1))
-        taken = self._left[kept]
+        taken = asked[kept]
         self._Z[:, taken], self._error[:, :, taken] = rung.Z[:, kept], rung.error[:, :, kept]
         for index in taken:
             self._served[index] = rung.model, rung.unknowns
         if not kept.all():
-            self.reject(self._reason(rung))
-        self._left = self._left[~kept]
+            self.reject(self._reason(rung, self._all[asked]))
+        self._left = np.setdiff1d(self._left, taken)
         self._on_error(float(rung.error.max()))
 
     def reject(self, reason: str) -> None:
@@ -153,10 +157,9 @@ class Progress:
             rejected=tuple(self.rejected),
         )
 
-    def _reason(self, rung: Rung) -> str:
+    def _reason(self, rung: Rung, f: NDArray[np.float64]) -> str:
         error = rung.error.max(axis=1)
         Rs, Cp = (int(np.argmax(each)) for each in error)
-        f = self.frequency
         return (
             f"{rung.model}: estimated error {error[0, Rs]:.1e} of Rs at {f[Rs]:.4g} Hz and "
             f"{error[1, Cp]:.1e} of Cp at {f[Cp]:.4g} Hz, asked {self.rtol:g}"

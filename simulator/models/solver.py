@@ -186,8 +186,7 @@ class Solver:
     def _under_applicators(self, press: Press, progress: Progress) -> None:
         """What a reduced model answers of pixels pressed by depth and force."""
         try:
-            self._check_sweep(progress.frequency)
-            return progress.offer(self._applied.rung(press))
+            return self._within_sweep(self._applied, press, progress)
         except (InputError, ToleranceError) as reason:
             return progress.reject(f"reduced: {reason}")
 
@@ -268,12 +267,23 @@ class Solver:
         return Rung(told, sheet.nested.inner, Z, error)
 
     def _reduced(self, press: Press, progress: Progress) -> None:
-        self._check_sweep(progress.frequency)
-        progress.offer(self._of_pixels.rung(press))
+        self._within_sweep(self._of_pixels, press, progress)
 
-    def _check_sweep(self, frequency: NDArray[np.float64]) -> None:
-        if not np.array_equal(frequency, self.scene.frequencies):
-            raise InputError("a reduced model answers the frequencies of its scene's sweep")
+    def _within_sweep(self, model: OfPixels | Applied, press: Press, progress: Progress) -> None:
+        """A reduced model at all frequencies that it is certified for: within the scene's sweep.
+
+        Raises InputError naming those that are left.
+        """
+        asked, (low, high) = progress.frequency, self.scene.frequencies[[0, -1]]
+        within = (low <= asked) & (asked <= high)
+        if within.any():
+            progress.offer(model.rung(press, asked[within]), within)
+        if not within.all():
+            beyond = ", ".join(f"{f:g}" for f in asked[~within])
+            raise InputError(
+                f"answers frequencies from {low:g} to {high:g} Hz, as of its scene's sweep, "
+                f"got {beyond}"
+            )
 
     @cached_property
     def _of_pixels(self) -> OfPixels:

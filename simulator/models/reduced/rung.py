@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from functools import cached_property
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ...press.capacitance import touched_cells
 from ...press.press import Press
 from ...press.touch import Touch
+from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
 from ...sweeps import InputError
 from ..answer import Rung
@@ -24,8 +28,8 @@ class OfPixels:
     def __init__(self, scene: Scene, rtol: float) -> None:
         self.scene, self.rtol = scene, rtol
 
-    def rung(self, press: Press) -> Rung:
-        """The answer at the scene's frequencies, and its error.
+    def rung(self, press: Press, frequency: NDArray[np.float64]) -> Rung:
+        """The answer at frequencies in Hz within the scene's, and its error.
 
         Raises InputError for touches unlike those that it is trained on.
         """
@@ -33,14 +37,24 @@ class OfPixels:
         skin, (cells, rises) = self._skin, touched_cells(self.scene, press)
         if not skin.reduced.on_skin[cells].all():
             raise InputError(f"press {press}: there is no skin at that place")
-        Z = skin.sweep(cells, rises)
-        at_most = skin.certificate(cells, rises) + KRYLOV_SHARE * self.rtol
-        told = f"reduced to {skin.reduced.size} vectors, {skin.reduced.circuit.told}"
-        return Rung(told, skin.reduced.size, Z, at_most + skin.reduced.mesh_error)
+        return rung_of(skin, cells, rises, frequency)
 
     @cached_property
     def _skin(self) -> ReducedSkin:
         return reduce(self.scene, self.rtol, pixel_touches(self.scene, TRAINED)).skin(None)
+
+
+def rung_of(
+    skin: ReducedSkin,
+    cells: NDArray[np.int64],
+    rises: NDArray[np.float64],
+    frequency: NDArray[np.float64],
+) -> Rung:
+    """What a reduced skin answers of one press, and the certified error with that of its mesh."""
+    model, s = skin.reduced, laplace_variable(frequency, skin.loss)
+    at_most = skin.certificate(cells, rises, s) + KRYLOV_SHARE * model.rtol
+    told = f"reduced to {model.size} vectors, {model.circuit.told}"
+    return Rung(told, model.size, skin.sweep(cells, rises, s), at_most + model.mesh_error)
 
 
 def _check_trained(press: Press) -> None:

@@ -1,7 +1,10 @@
 """What the solver refuses and what it says of its answers; tests/physics has whether they hold."""
 
+import math
+
 import numpy as np
 import pytest
+from rcskin.simulator.fem.estimate import relative_difference
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.solver import Solver
@@ -109,8 +112,17 @@ def test_frequencies_that_are_none_are_refused(make_scene, frequency):
         Solver(make_scene()).solve(Press(), frequency)
 
 
-def test_a_reduced_model_is_of_its_scene_s_frequencies(make_scene):
-    solver = Solver(make_scene(), rtol=1e-3, model="reduced")
-    answer = solver.solve(ACROSS, 1234.0)
-    assert "2-D elements" in answer.model
-    assert "frequencies of its scene" in answer.rejected[0]
+def test_a_reduced_model_answers_between_its_scene_s_frequencies(make_scene):
+    """Beyond them elements do, and why is said in one line."""
+    scene = make_scene()
+    low, high = scene.frequencies[[0, -1]]
+    asked = [low / 2, low, math.sqrt(low * high), high, 2 * high]
+    solver = Solver(scene, rtol=1e-3, model="reduced")
+    answer, truth = solver.solve(ACROSS, asked), Solver(scene, rtol=1e-5).solve(ACROSS, asked)
+    assert ["reduced" in model for model in answer.models] == [False, True, True, True, False]
+    assert relative_difference(answer.Z, truth.Z).max() <= 1e-3
+    (told,) = (reason for reason in answer.rejected if "from" in reason)
+    assert told == (
+        f"reduced: answers frequencies from {low:g} to {high:g} Hz, as of its scene's sweep, "
+        f"got {low / 2:g}, {2 * high:g}"
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -14,7 +15,7 @@ from ....sweeps import InputError
 from ...answer import Rung
 from ..cases import pixel_touches
 from ..greedy import reduce
-from ..skin import KRYLOV_SHARE
+from ..rung import rung_of
 from .applicators import deepest
 from .model import Indented, IndentedSkin
 
@@ -29,18 +30,14 @@ class Applied:
         pressing = scene.press.model_copy(update={"depth": deepest(scene), "force": None})
         self.scene, self.rtol = scene.model_copy(update={"press": pressing}), rtol
 
-    def rung(self, press: Press) -> Rung:
-        """The answer at the scene's frequencies, and its error.
+    def rung(self, press: Press, frequency: NDArray[np.float64]) -> Rung:
+        """The answer at frequencies in Hz within the scene's, and its error.
 
         Raises InputError for touches that are no pixels or deeper than those that are known.
         """
         cells, rises, unsure = self.cells(press)
-        skin = self._skin
-        Z = skin.sweep(cells, rises)
-        model = skin.reduced
-        at_most = skin.certificate(cells, rises) + KRYLOV_SHARE * self.rtol + unsure
-        told = f"reduced to {model.size} vectors, {model.circuit.told}"
-        return Rung(told, model.size, Z, at_most + model.mesh_error)
+        known = rung_of(self._skin, cells, rises, frequency)
+        return replace(known, error=known.error + unsure)
 
     def cells(self, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64], float]:
         """Pixels, rises of the factor under their applicators, and what a force leaves open of
