@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 from .api.files import plot, read, write
 from .api.localizer import evaluate, features, load_model, localize, train
 from .api.simulation import dataset, load, measured, reduce, sweep
-from .api.skin import calibrate, limits
+from .api.skin import calibrate, limits, study
 
 if TYPE_CHECKING:
     __version__: str
@@ -51,6 +51,7 @@ __all__ = [
     "plot",
     "read",
     "reduce",
+    "study",
     "sweep",
     "train",
     "write",

@@ -34,9 +34,6 @@ if TYPE_CHECKING:
 
 __all__ = ["app", "main"]
 
-UNCHECKED = {"assume_finite": True, "skip_parameter_validation": True}
-"""What scikit-learn need not look at again for each of many small machines on simulated sweeps."""
-
 
 @app.command()
 def reproduce(
@@ -49,7 +46,7 @@ def reproduce(
     from sklearn import config_context
 
     from .localization.evaluation.confusion import write_csv
-    from .localization.evaluation.evaluation import cross_validate
+    from .localization.evaluation.evaluation import UNCHECKED, cross_validate
     from .localization.evaluation.plot import draw_confusion
     from .localization.inputs.features import PAPER
     from .localization.model.file import save
@@ -75,12 +72,9 @@ def reproduce(
 
 
 def _accuracies(sweeps: xr.Dataset, target: str) -> list[float]:
-    from sklearn import config_context
-
     from .localization.evaluation.evaluation import held_out
 
-    with config_context(**UNCHECKED):
-        return held_out(sweeps, target)
+    return held_out(sweeps, target)
 
 
 app.command("study")(study_command(_accuracies))

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from ..simulator.limits.limit import Limit
     from ..simulator.scene.randomisation import AnyDistribution
     from ..simulator.scene.scene import Scene
+    from ..simulator.study.separation import Target as PixelTarget
+    from ..simulator.study.study import Study, Vary
 
 
 @checked
@@ -56,6 +58,45 @@ def _factors(
     if given is None:
         return None
     return scene.with_({"dataset.press.factor": given}).dataset.press.factor
+
+
+@checked
+def study(
+    scene: Scene | str | Path,
+    vary: Vary | None = None,
+    *,
+    target: PixelTarget = "column",
+    max_frequency: float | None = None,
+    draws: int = 1,
+    repetitions: int | None = None,
+    seed: int | None = None,
+    rtol: float | None = None,
+    workers: int = 1,
+) -> Study:
+    """How well pixels are told apart while one or two numbers of a scene vary.
+
+    scene: or its name or path. vary: values by key, such as {"pixels": range(2, 11)}, or texts as
+    `rcskin study --vary` takes them; by default sheet resistances and numbers of pixels. target:
+    "column", "row" or "pixel". max_frequency: the meter's upper limit, Hz. draws: how often skins,
+    presses and readings are drawn anew. repetitions: presses of each pixel in a draw, by default
+    2000 sweeps in all. seed: by default the scene's. rtol: the largest relative error of Rs and of
+    Cp, by default what fits the noise. workers: processes; a script that asks for more than one
+    calls this under `if __name__ == "__main__":`. Raises InputError for a key or value that cannot
+    be, ToleranceError where rtol cannot be kept.
+    """
+    from ..localization.evaluation.evaluation import held_out
+    from ..simulator.study.study import planned
+
+    plan = planned(
+        str(scene) if isinstance(scene, str | Path) else scene_of(scene),
+        vary,
+        max_frequency=max_frequency,
+        target=target,
+        draws=draws,
+        repetitions=repetitions,
+        seed=seed,
+    )
+    return plan.carried_out(held_out, rtol=rtol, workers=workers)
 
 
 @checked

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+UNCHECKED = {"assume_finite": True, "skip_parameter_validation": True}
+"""What scikit-learn need not look at again for each of many small machines on simulated sweeps."""
 EXAMPLES = 6
 """Sweeps whose regions are kept."""
 WITHIN = f"touches within {100 * PROBABILITY:g} % regions"

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,27 @@ class Axis:
     def linear(self) -> bool:
         """Whether its values are spaced evenly by difference."""
         return bool(np.allclose(np.diff(self.values, 2), 0, atol=1e-9 * abs(self.values[-1])))
+
+
+def axes_of(
+    vary: str | Sequence[str] | Mapping[str, Iterable[float]], table: Mapping[str, Any]
+) -> list[Axis]:
+    """One or two axes of a scene's table, written in SYNTAX or as values by key.
+
+    Raises InputError as `parse_axes`.
+    """
+    if not isinstance(vary, Mapping):
+        return parse_axes([vary] if isinstance(vary, str) else vary, table)
+    listed = {name: np.atleast_1d(np.asarray(values)).tolist() for name, values in vary.items()}
+    axes = parse_axes([f"{k}={','.join(map(repr, each))}" for k, each in listed.items()], table)
+    return [replace(axis, logarithmic=_even_by_ratio(axis.values)) for axis in axes]
+
+
+def _even_by_ratio(values: Sequence[float]) -> bool:
+    """Whether three values or more are in geometric progression."""
+    if len(values) < 3 or values[0] <= 0:
+        return False
+    return bool(np.allclose(np.diff(np.log(values), 2), 0, atol=1e-9))
 
 
 def parse_axes(texts: Sequence[str], table: Mapping[str, Any]) -> list[Axis]:

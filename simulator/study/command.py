@@ -92,35 +92,35 @@ def study_command(cross_validate: CrossValidate) -> Callable[..., None]:
         from ..progress import on_terminal
         from ..sweeps import checked_output
         from ..sweeps.meaning import CHANGES, accuracy_means
-        from . import run
-        from .axis import READY_MADE, parse_axes
-        from .figure import draw_study
-        from .keys import scene_table
-        from .point import Trial
-        from .report import ENDINGS, answers, experiment_told, screenful, spacing, write_table
-        from .settings import changed, checked_workers
+        from .report import ENDINGS, screenful
+        from .run import warnings_of
+        from .settings import checked_workers
+        from .study import planned
 
         beside = checked_output(output, ENDINGS).with_suffix(".png")
         picture = checked_chart(chart or beside)
         workers = checked_workers(workers)
         asked_scene(scene)
-        table = changed(scene_table(scene), max_frequency, repetitions, seed)
-        axes = parse_axes(vary or READY_MADE, table)
-        varied = [place[0] for axis in axes for place in axis.key.places]
-        trial = Trial(target, draws, repetitions is not None or "experiment" in varied)
-        scenes = run.scenes_of(table, axes, trial)
-        for warning in run.warnings_of(scenes):
+        plan = planned(
+            scene,
+            vary,
+            max_frequency=max_frequency,
+            target=target,
+            draws=draws,
+            repetitions=repetitions,
+            seed=seed,
+        )
+        for warning in warnings_of(plan.scenes):
             warn(f"{scene}: {warning}")
-        tell_if_long(scene, SECONDS_A_POINT * len(scenes) / workers, f"{len(scenes)} points")
+        points = f"{len(plan.scenes)} points"
+        tell_if_long(scene, SECONDS_A_POINT * len(plan.scenes) / workers, points)
         with on_terminal() as progress:
-            findings = run.study(
-                scenes, axes, trial, cross_validate, progress, rtol=rtol, workers=workers
-            )
-        write_table(findings, output)
-        draw_study(findings, axes, experiment_told(table, axes), picture)
+            found = plan.carried_out(cross_validate, progress, rtol=rtol, workers=workers)
+        found.write(output)
+        found.plot(picture)
         meaning = accuracy_means(target, CHANGES, "on skins not trained on", scene)
-        for line in (*screenful(answers(findings, axes), output), meaning, spacing(axes)):
+        for line in (*screenful(found.best, output), meaning, found.spacing):
             say(line)
-        written(f"{len(scenes)} points", output, picture)
+        written(points, output, picture)
 
     return study

@@ -46,16 +46,18 @@ class Key:
         return "" if unit.startswith(NO_UNITS) else unit
 
 
-def scene_table(name_or_path: str) -> dict[str, Any]:
-    """A scene as the nested tables of its file, with defaults filled in.
+def scene_table(given: Scene | str) -> dict[str, Any]:
+    """A scene, or the one of that name or path, as nested tables, with defaults filled in.
 
-    A grid of frequencies stays start, stop and points. Raises InputError as `load_scene` does.
+    Of a file, a grid of frequencies stays start, stop and points. Raises InputError as `load_scene`
+    does.
     """
-    scene = load_scene(name_or_path)
-    builtin = name_or_path in builtin_names()
-    path = BUILTIN / f"{name_or_path}.toml" if builtin else Path(name_or_path)
-    frequencies = inputs.tables(inputs.text(path, inputs.SCENE))["sweep"]["frequencies"]
+    scene = given if isinstance(given, Scene) else load_scene(given)
     table = scene.model_dump(mode="json", by_alias=True, exclude_none=True)
+    if isinstance(given, Scene):
+        return table
+    path = BUILTIN / f"{given}.toml" if given in builtin_names() else Path(given)
+    frequencies = inputs.tables(inputs.text(path, inputs.SCENE))["sweep"]["frequencies"]
     if isinstance(frequencies, dict):
         grid = FrequencyGrid.model_validate(frequencies)
         table["sweep"]["frequencies"] = grid.model_dump(mode="json")

@@ -13,6 +13,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,8 @@ from ..scene.meter import Readout
 from ..sweeps import InputError
 
 Label = tuple[int, ...]
-TARGETS = ("column", "row", "pixel")
+Target = Literal["column", "row", "pixel"]
+TARGETS: tuple[str, ...] = get_args(Target)
 BAND_SHARE = 4
 
 

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 import rcskin
 from rcskin.localization.model.file import save
+from rcskin.simulator.study.axis import axes_of
+from rcskin.simulator.study.keys import scene_table
 from rcskin.simulator.sweeps import InputError
 
 
@@ -179,6 +181,22 @@ def test_limits_are_a_share(scene):
     assert f"{limit.accuracy:.4f}" in repr(limit) and "<table>" in limit._repr_html_()
     given = {"distribution": "uniform", "low": 1.01, "high": 1.02}
     assert rcskin.limits(scene, presses=given, draws=200).accuracy < limit.accuracy
+
+
+def test_a_study_is_the_one_on_the_command_line(run, tmp_path):
+    told = ("--vary", "pixels.columns=2,3", "--repetitions", 5, "--workers", 1)
+    run("study", "strip-1x3", *told, "-o", tmp_path / "all.csv")
+    study = rcskin.study("strip-1x3", {"pixels.columns": range(2, 4)}, repetitions=5)
+    study.write(tmp_path / "again.csv")
+    assert (tmp_path / "again.csv").read_bytes() == (tmp_path / "all.csv").read_bytes()
+    assert study.findings["accuracy"].shape == (2,) and "accuracy_sd" in repr(study)
+    assert study.best[0].startswith("best accuracy ")
+
+
+@pytest.mark.parametrize("values, even", [([1e4, 1e5, 1e6], True), ([1e4, 2e4, 3e4], False)])
+def test_values_by_ratio_stand_on_a_logarithmic_axis(scene, values, even):
+    (axis,) = axes_of({"skin.sheet_resistance": values}, scene_table(scene))
+    assert (axis.logarithmic, axis.linear) == (even, not even)
 
 
 def test_a_skin_is_calibrated_to_its_own_sweeps(scene, sweeps):

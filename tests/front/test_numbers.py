@@ -95,6 +95,9 @@ def test_there_are_all_commands():
         (lambda: rcskin.calibrate(GLOVE, "no.nc", fit="all"), "`fit` must be a list of texts, got"),
         (lambda: rcskin.calibrate(GLOVE, "no.nc", band=1e3), "`band` must be two numbers, got"),
         (lambda: rcskin.calibrate(GLOVE, "no.nc", anyway=1), "`anyway` must be True or False, got"),
+        (lambda: rcskin.study(GLOVE, {"pixels": [2.5]}), "`vary` 'pixels=2.5': pixels takes whole"),
+        (lambda: rcskin.study(GLOVE, "pixels.rows=2", workers=0), "`workers` must be from 1 to"),
+        (lambda: rcskin.study(GLOVE, max_frequency=1), "`max_frequency` must be finite and > "),
         (lambda: rcskin.plot(EMPTY, "a.png", ["Cs"]), "`what` must be of Rs, Cp, change-Rs,"),
     ],
 )

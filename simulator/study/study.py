@@ -1,0 +1,117 @@
+"""A study as one object: what varies and how points are judged, and what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..charts import checked_chart
+from ..progress import Progress, silent
+from ..scene.scene import Scene
+from ..shown import Tabular
+from ..sweeps import checked_output
+from . import run
+from .axis import READY_MADE, Axis, axes_of
+from .figure import draw_study
+from .keys import scene_table
+from .point import CrossValidate, Trial
+from .report import ENDINGS, answers, experiment_told, spacing, write_table
+from .settings import changed
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Vary = str | Sequence[str] | Mapping[str, Iterable[float]]
+"""Keys and their values: each a text as on the command line, or the values by key."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Study(Tabular):
+    """How well pixels are told apart at every value of one or two numbers of a scene.
+
+    findings: `run.VARIABLES` over dimensions named by the keys. axes: what varied. experiment: the
+    scene, its frequencies, noise and presses, in one line.
+    """
+
+    findings: xr.Dataset
+    axes: tuple[Axis, ...]
+    experiment: str
+
+    @property
+    def best(self) -> list[str]:
+        """In one line for each value of the second key, the best value of the first."""
+        return answers(self.findings, self.axes)
+
+    @property
+    def spacing(self) -> str:
+        """How the values of each key are spaced, in one line."""
+        return spacing(self.axes)
+
+    def write(self, path: str | Path) -> None:
+        """Write a table, .csv or .nc. Raises InputError for another ending or an absent folder."""
+        write_table(self.findings, checked_output(path, ENDINGS))
+
+    def plot(self, path: str | Path) -> None:
+        """Draw a chart, .png, .svg or .pdf. Raises InputError as `write`."""
+        draw_study(self.findings, self.axes, self.experiment, checked_chart(path))
+
+    def _table(self) -> tuple[str, list[tuple[str, ...]]]:
+        frame = self.findings.to_dataframe().reset_index()
+        rows = [tuple(f"{value:.6g}" for value in row) for row in frame.itertuples(index=False)]
+        return f"Study of {self.experiment}", [tuple(map(str, frame.columns)), *rows]
+
+
+@dataclass(frozen=True)
+class Planned:
+    """The points of a study before they are computed: checked scenes, and how they are judged."""
+
+    table: Mapping[str, Any]
+    axes: tuple[Axis, ...]
+    trial: Trial
+    scenes: tuple[Scene, ...]
+
+    def carried_out(
+        self,
+        cross_validate: CrossValidate,
+        progress: Progress = silent,
+        *,
+        rtol: float | None = None,
+        workers: int = 1,
+    ) -> Study:
+        """The study; arguments as of `run.study`, which says what is raised."""
+        found = run.study(
+            self.scenes,
+            self.axes,
+            self.trial,
+            cross_validate,
+            progress,
+            rtol=rtol,
+            workers=workers,
+        )
+        return Study(found, self.axes, experiment_told(self.table, self.axes))
+
+
+def planned(
+    scene: Scene | str,
+    vary: Vary | None = None,
+    *,
+    max_frequency: float | None = None,
+    target: str = "column",
+    draws: int = 1,
+    repetitions: int | None = None,
+    seed: int | None = None,
+) -> Planned:
+    """A study of a scene or the one of that name or path.
+
+    vary: READY_MADE where it is None. max_frequency: the meter's upper limit, Hz. draws: how often
+    skins, presses and readings are drawn anew. repetitions: presses of each pixel in a draw. seed:
+    the scene's where it is None. Raises InputError for a key or value that cannot be, and for
+    scenes that cannot be judged.
+    """
+    table = changed(scene_table(scene), max_frequency, repetitions, seed)
+    axes = axes_of(vary or READY_MADE, table)
+    varied = [place[0] for axis in axes for place in axis.key.places]
+    trial = Trial(target, draws, repetitions is not None or "experiment" in varied)
+    return Planned(table, tuple(axes), trial, tuple(run.scenes_of(table, axes, trial)))
