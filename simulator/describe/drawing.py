@@ -6,32 +6,37 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..charts import FOIL, chart, foil_offset
 from ..measure.symmetry import Pixel
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
-from ..scene.contacts import Contact, outwards, path
+from ..report.from_above import (
+    MM,
+    Places,
+    Ribbon,
+    draw_foils,
+    draw_outline,
+    draw_pixels,
+    outline,
+    ribbon,
+)
+from ..scene.contacts import Contact
 from ..scene.scene import Scene
-from ..scene.skin import curves
 from ..sweeps import checked_output
 from .apart import middle
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.patches import Patch
 
 ENDINGS = (".png", ".svg", ".pdf")
 WIDTH = 6.4
 """Of the picture, inches."""
 TALLEST, FLATTEST = 1.5, 0.45
 """Height of the picture over its width."""
-AROUND = 260
-"""Places around a circle."""
 BESIDE = {-1.0: "right", 0.0: "center", 1.0: "left"}
 ABOVE = {-1.0: "top", 0.0: "center", 1.0: "bottom"}
 NAME_AT, NUMBERS, MARGIN = 0.07, 0.06, 0.03
@@ -47,9 +52,7 @@ LETTERS = 120.0
 """Points of a pixel's name, for a pixel as wide as the skin."""
 TITLE = 72
 """Letters of a line of the title."""
-MM = 1e3
 
-Places = NDArray[np.float64]
 Span = tuple[float, float]
 
 
@@ -60,22 +63,23 @@ def draw_scene(scene: Scene, pixels: list[Pixel], path: str | Path) -> Path:
     where a mesh file does not serve.
     """
     path = checked_output(path, ENDINGS)
-    ribbons = [_ribbon(foil, scene) for foil in scene.contacts]
+    ribbons = [ribbon(foil, scene) for foil in scene.contacts]
     x, y = _frame(scene, ribbons)
     tall = float(np.clip((y[1] - y[0]) / (x[1] - x[0]), FLATTEST, TALLEST))
     with chart(path, WIDTH, WIDTH * tall + 0.5) as figure:
         axes = figure.add_subplot()
         _dress(axes, scene, x, y)
-        _pixels(axes, scene, pixels, _outline(axes, scene), (x[1], y[1]))
+        _skin(axes, scene)
+        _pixels(axes, scene, pixels, (x[1], y[1]))
         _foils(axes, scene, ribbons)
     return path
 
 
-def _frame(scene: Scene, ribbons: Sequence[_Ribbon]) -> tuple[Span, Span]:
+def _frame(scene: Scene, ribbons: Sequence[Ribbon]) -> tuple[Span, Span]:
     """What is drawn from where to where, along x and y, m: the skin with names and numbers."""
     length, width = scene.skin.sides
     unit = max(length, width)
-    ways = [out for ribbon in ribbons for _, out in [ribbon.named_at(0.0)]]
+    ways = [out for ribbon in ribbons for _, out in [_named_at(ribbon, 0.0)]]
 
     def beside(axis: int, sign: float) -> float:
         beyond = sum(sign * out[axis] > SLANTED for out in ways)
@@ -99,42 +103,23 @@ def _dress(axes: Axes, scene: Scene, x: Span, y: Span) -> None:
     axes.set_title(fill(told, TITLE))
 
 
-def _around(scene: Scene) -> list[Places]:
-    """The curves that bound a skin, m, each of shape (2, place)."""
-    found = []
-    for curve in curves(scene.skin):
-        corners = curve.marks
-        marks = corners if len(corners) > 2 else np.linspace(0, corners[-1], AROUND)
-        found.append(np.array([curve.at(mark) for mark in marks]).T)
-    return found
-
-
-def _outline(axes: Axes, scene: Scene) -> Patch | None:
-    """The outline as drawn; None of a mesh."""
+def _skin(axes: Axes, scene: Scene) -> None:
+    """The skin in grey within its outline; of a mesh its triangles."""
     if scene.skin.mesh is not None:
         mesh = domain(scene, Press(), max(scene.skin.sides))
         axes.triplot(*(MM * mesh.p[:2]), mesh.t.T, color="0.8", linewidth=0.4)
-        return None
-    first, *holes = _around(scene)
-    (around,) = axes.fill(*(MM * first), facecolor="0.96", edgecolor="none", zorder=1)
-    axes.fill(*(MM * first), fill=False, edgecolor="black", linewidth=1.2, zorder=2.5)
-    for hole in holes:
-        axes.fill(*(MM * hole), facecolor="white", edgecolor="black", linewidth=1.2, zorder=3)
-    return around
+    else:
+        first, *holes = outline(scene)
+        axes.fill(*(MM * first), facecolor="0.96", zorder=1)
+        for hole in holes:
+            axes.fill(*(MM * hole), facecolor="white", zorder=1)
+    draw_outline(axes, scene, linewidth=1.2, zorder=3)
 
 
-def _pixels(
-    axes: Axes, scene: Scene, pixels: list[Pixel], within: Patch | None, far: tuple[float, float]
-) -> None:
+def _pixels(axes: Axes, scene: Scene, pixels: list[Pixel], far: tuple[float, float]) -> None:
     """Lines and names of pixels; numbers of rows and columns stand before `far` (x, y), m."""
     (length, width), (rows, columns) = scene.skin.sides, scene.pixels.shape
-    across_x = [([x] * 2, [0, width]) for x in np.linspace(0, length, columns + 1)]
-    across_y = [([0, length], [y] * 2) for y in np.linspace(0, width, rows + 1)]
-    for x, y in across_x + across_y:
-        (line,) = axes.plot(MM * np.array(x), MM * np.array(y), color="0.6", linewidth=0.7)
-        line.set(linestyle=(0, (4, 3)), zorder=1.5)
-        if within is not None:
-            line.set_clip_path(within)
+    draw_pixels(axes, scene, color="0.6", linewidth=0.7, linestyle=(0, (4, 3)), zorder=1.5)
     if max(rows, columns) <= MOST_NAMED:
         for row, column in pixels:
             (x, y), size = middle((row, column), scene)
@@ -157,40 +142,28 @@ def _shown(name: str, side: float, count: int) -> Iterator[tuple[str, int, float
         yield f"{name} " if k == 0 else "", k + 1, side * (k + 0.5) / count
 
 
-class _Ribbon(NamedTuple):
-    """A foil's line along the edge and the way off the skin there, m, both of shape (2, place)."""
+def _named_at(foil: Ribbon, gap: float) -> tuple[Places, Places]:
+    """Where a foil's name stands, m, and the way off the skin there: that far off its middle.
 
-    path: Places
-    out: Places
-
-    @property
-    def closed(self) -> bool:
-        """Whether it goes all around a curve."""
-        return np.allclose(self.path[:, 0], self.path[:, -1], rtol=0, atol=1e-9)
-
-    def named_at(self, gap: float) -> tuple[Places, Places]:
-        """Where its name stands, m, and the way off the skin there: that far off its middle.
-
-        Of a foil that goes all around a curve it is below the skin.
-        """
-        if self.closed:
-            x = float(self.path[0].min() + self.path[0].max()) / 2
-            return np.array([x, -gap]), np.array([0.0, -1.0])
-        half = self.path.shape[1] // 2
-        return self.path[:, half] + gap * self.out[:, half], self.out[:, half]
+    Of a foil that goes all around a curve it is below the skin.
+    """
+    if foil.closed:
+        x = float(foil.path[0].min() + foil.path[0].max()) / 2
+        return np.array([x, -gap]), np.array([0.0, -1.0])
+    half = foil.path.shape[1] // 2
+    return foil.beside(gap)[:, half], foil.out[:, half]
 
 
-def _foils(axes: Axes, scene: Scene, ribbons: Sequence[_Ribbon]) -> None:
+def _foils(axes: Axes, scene: Scene, ribbons: Sequence[Ribbon]) -> None:
     stacked: dict[tuple[int, int], int] = defaultdict(int)
     longest = max(scene.skin.sides)
-    for foil, ribbon in zip(scene.contacts, ribbons, strict=True):
-        beside = MM * (ribbon.path + foil_offset(foil.electrode, longest) * ribbon.out)
-        axes.plot(*beside, color=FOIL[foil.electrode], linewidth=4, zorder=4)
-        at, out = ribbon.named_at(NAME_AT * longest)
+    draw_foils(axes, scene, linewidth=4)
+    for foil, line in zip(scene.contacts, ribbons, strict=True):
+        at, out = _named_at(line, NAME_AT * longest)
         place = round(MM * float(at[0])), round(MM * float(at[1]))
-        if ribbon.closed:
+        if line.closed:
             x, y = MM * at
-            ends = [y, np.nanmin(beside[1])]
+            ends = [y, MM * np.nanmin(line.beside(foil_offset(foil.electrode, longest))[1])]
             axes.plot([x, x], ends, color=FOIL[foil.electrode], linewidth=0.8, zorder=3.4)
         _name(axes, foil, scene, MM * at, out, stacked[place])
         stacked[place] += 1
@@ -226,20 +199,3 @@ def _role(foil: Contact, scene: Scene) -> str:
         if foil.name in names
     ]
     return ", ".join(roles) or "floats"
-
-
-def _ribbon(foil: Contact, scene: Scene) -> _Ribbon:
-    skin = scene.skin
-    if skin.mesh is not None:
-        return _meshed(foil, scene)
-    along = path(foil, skin)
-    return _Ribbon(along, outwards(along, skin))
-
-
-def _meshed(foil: Contact, scene: Scene) -> _Ribbon:
-    """On a mesh: its facets one after the other, on the edge itself."""
-    mesh = domain(scene, Press(), max(scene.skin.sides))
-    facets = mesh.p[:2][:, mesh.foils[foil.name]]
-    gaps = np.full((2, 1, facets.shape[2]), np.nan)
-    path = np.concatenate([facets, gaps], axis=1).transpose(0, 2, 1).reshape(2, -1)
-    return _Ribbon(path, np.zeros_like(path))

@@ -12,10 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.position import Bounds
-from ..charts import COLOURS, FOIL, LINE_STYLES, chart, foil_offset, plain_numbers
-from ..mesh.skin_mesh import domain
-from ..mesh.triangles import edges_of
-from ..press.press import Press
+from ..charts import COLOURS, LINE_STYLES, chart, plain_numbers
+from ..report.from_above import MM, draw_foils, draw_outline, draw_pixels
 from ..scene.scene import Scene
 from .survey import Variant
 
@@ -34,8 +32,6 @@ LONGER, LEAST_WIDE, LEAST_HIGH = 2.4, 1.5, 1.3
 BESIDE, BETWEEN, AROUND = 1.6, 0.45, 1.4
 """Inches: colour bar and its label, numbers between maps, and all that stands above and below."""
 NOT_TOLD = "0.8"
-WIDTHS = {"top": 5.0, "bottom": 2.5}
-"""Of foils on one edge of an outline, the bottom sheet's over the top's."""
 MARGIN = 0.08
 NOISE = 1.0
 LETTERS_PER_INCH = 11
@@ -137,60 +133,23 @@ def _edges(middles: NDArray[np.float64], alone: float) -> NDArray[np.float64]:
 
 def draw_sheet(axes: Axes, scene: Scene) -> None:
     """Outline, pixel grid and foils, in mm."""
-    skin, pixels = scene.skin, scene.pixels
-    length, width = 1e3 * skin.length, 1e3 * skin.width
+    length, width = MM * np.array(scene.skin.sides)
     longer = max(length, width)
     axes.grid(False)
     axes.set_xlim(-MARGIN * longer, length + MARGIN * longer)
     axes.set_ylim(-MARGIN * longer, width + MARGIN * longer)
     axes.set_aspect("equal")
-    if not skin.rectangular:
-        return _draw_meshed(axes, scene)
-    for x in np.linspace(0, length, pixels.columns + 1)[1:-1]:
-        axes.plot([x, x], [0, width], color="0.4", linewidth=0.5)
-    for y in np.linspace(0, width, pixels.rows + 1)[1:-1]:
-        axes.plot([0, length], [y, y], color="0.4", linewidth=0.5)
-    axes.plot([0, length, length, 0, 0], [0, 0, width, width, 0], color="black", linewidth=1)
-    outward = {"left": (-1, 0), "right": (1, 0), "bottom": (0, -1), "top": (0, 1)}
-    for contact in scene.contacts:
-        off = np.array(outward[contact.edge]) * foil_offset(contact.electrode, longer)
-        ends = 1e3 * np.array(contact.ends(skin)) + off
-        axes.plot(*ends.T, color=FOIL[contact.electrode], linewidth=2.5, solid_capstyle="butt")
-    return None
-
-
-def _draw_meshed(axes: Axes, scene: Scene) -> None:
-    """The same of other outlines, by the edges of triangles; foils lie on the rim itself."""
-    from matplotlib.collections import LineCollection
-
-    mesh = domain(scene, Press(), max(scene.skin.sides))
-    edges, of_triangle = edges_of(mesh.t)
-    of_pixel, times = np.tile(mesh.pixel, 3), np.bincount(of_triangle.ravel())
-    low, high = np.full((2, edges.shape[1]), [[mesh.pixel.max()], [-1]])
-    np.minimum.at(low, of_triangle.ravel(), of_pixel)
-    np.maximum.at(high, of_triangle.ravel(), of_pixel)
-
-    def draw(lines: NDArray[np.int64], **looks: Any) -> None:
-        ends = 1e3 * mesh.p[:2, lines].transpose(2, 1, 0)
-        axes.add_collection(LineCollection(list(ends), **looks))
-
-    draw(edges[:, low < high], colors="0.4", linewidths=0.5)
-    draw(edges[:, times == 1], colors="black", linewidths=1)
-    for contact in scene.contacts:
-        colour, width = FOIL[contact.electrode], WIDTHS[contact.electrode]
-        draw(mesh.foils[contact.name], colors=colour, linewidths=width, zorder=7 - width)
+    draw_pixels(axes, scene)
+    draw_outline(axes, scene)
+    draw_foils(axes, scene)
 
 
 def _draw_legend(figure: Figure) -> None:
-    from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    foils = [
-        Line2D([], [], color=colour, linewidth=2.5, label=f"foil on the {name} sheet")
-        for name, colour in FOIL.items()
-    ]
-    untold = Patch(color=NOT_TOLD, label="not told")
-    figure.legend(handles=[*foils, untold], loc="outside lower center", ncols=3)
+    foils, labels = figure.axes[0].get_legend_handles_labels()
+    handles, named = [*foils, Patch(color=NOT_TOLD)], [*labels, "not told"]
+    figure.legend(handles, named, loc="outside lower center", ncols=3)
 
 
 def _draw_lines(scene: Scene, variants: Sequence[Variant], title: str, path: Path) -> None:

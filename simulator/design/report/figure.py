@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ...charts import AT_REST, COLOURS, chart, foil_offset
-from ...scene.contacts import Interface, outwards, path
+from ...report.from_above import MM, draw_outline, ribbon
+from ...scene.contacts import Interface
 from ...scene.scene import Scene
-from ...scene.skin import curves
 from ..flat import Along
 from ..search import Step
 from .scale import Scale
@@ -22,8 +20,6 @@ if TYPE_CHECKING:
 IN_A_ROW = 5
 ALL = 100.0
 """Percent."""
-AROUND = 401
-"""Places on an outline that is drawn."""
 LETTER_OFF = 0.11
 """How far outside the edge letters stand, over the skin's longer side."""
 LETTER_AT = {"top": 0.35, "bottom": 0.65}
@@ -94,19 +90,15 @@ def draw_wiring(scene: Scene, readings: Sequence[Interface], to: Path) -> None:
 
 def _draw_reading(axes: Axes, scene: Scene, reading: Interface) -> None:
     longer = max(scene.skin.sides)
-    for curve in curves(scene.skin):
-        around = [curve.at(mark) for mark in np.linspace(0, curve.marks[-1], AROUND)]
-        axes.plot(*np.array(around).T, color="0.6", linewidth=1)
+    draw_outline(axes, scene, color="0.6")
     for contact in scene.contacts:
         side = "H" if contact.name in reading.high else "L" if contact.name in reading.low else ""
         colour = {"H": COLOURS[1], "L": COLOURS[0], "": "0.75"}[side]
-        along = path(contact, scene.skin)
-        out = outwards(along, scene.skin)
-        line = along + foil_offset(contact.electrode, longer) * out
-        style = "-" if contact.electrode == "top" else (0, (2, 1))
+        foil, style = ribbon(contact, scene), "-" if contact.electrode == "top" else (0, (2, 1))
+        line = MM * foil.beside(foil_offset(contact.electrode, longer))
         axes.plot(*line, color=colour, linewidth=2.5, linestyle=style, solid_capstyle="butt")
-        at = int(LETTER_AT[contact.electrode] * along.shape[1])
-        where = along[:, at] + LETTER_OFF * longer * out[:, at]
+        at = int(LETTER_AT[contact.electrode] * line.shape[1])
+        where = MM * foil.beside(LETTER_OFF * longer)[:, at]
         axes.annotate(side, (where[0], where[1]), color=colour, ha="center", va="center")
     axes.set_aspect("equal")
     axes.grid(False)
@@ -114,6 +106,6 @@ def _draw_reading(axes: Axes, scene: Scene, reading: Interface) -> None:
     axes.set_yticks([])
     axes.spines[:].set_visible(False)
     room = AROUND_SKIN * longer
-    axes.set_xlim(-room, scene.skin.length + room)
-    axes.set_ylim(-room, scene.skin.width + room)
+    axes.set_xlim(-MM * room, MM * (scene.skin.length + room))
+    axes.set_ylim(-MM * room, MM * (scene.skin.width + room))
     axes.set_title(reading.name.replace(" to ", "\nto "), fontsize=8)

@@ -1,0 +1,128 @@
+"""A skin from above, as charts draw it: its outline, its pixels and its foils, in mm."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..charts import FOIL, foil_offset
+from ..mesh.skin_mesh import domain
+from ..mesh.triangles import edges_of
+from ..press.press import Press
+from ..scene.contacts import Contact, outwards, path
+from ..scene.scene import Scene
+from ..scene.skin import curves, on_skin
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+AROUND = 260
+"""Places around a circle."""
+ALONG = 1001
+"""Places along a line between pixels, at which it is asked whether there is skin."""
+MM = 1e3
+
+Places = NDArray[np.float64]
+
+
+class Ribbon(NamedTuple):
+    """A foil's line along the edge and the way off the skin there, m, both of shape (2, place)."""
+
+    path: Places
+    out: Places
+
+    @property
+    def closed(self) -> bool:
+        """Whether it goes all around a curve."""
+        return np.allclose(self.path[:, 0], self.path[:, -1], rtol=0, atol=1e-9)
+
+    def beside(self, gap: float) -> Places:
+        """The line that far off the skin, m."""
+        return self.path + gap * self.out
+
+
+def outline(scene: Scene) -> list[Places]:
+    """The curves that bound a skin, the outer one first, m, each of shape (2, place)."""
+    if scene.skin.mesh is not None:
+        return [_chained(_of_mesh(scene)[1])]
+    found = []
+    for curve in curves(scene.skin):
+        corners = curve.marks
+        marks = corners if len(corners) > 2 else np.linspace(0, corners[-1], AROUND)
+        found.append(np.array([curve.at(mark) for mark in marks]).T)
+    return found
+
+
+def ribbon(foil: Contact, scene: Scene) -> Ribbon:
+    """Where a foil lies; on a mesh its facets one after the other, on the edge itself."""
+    if scene.skin.mesh is None:
+        along = path(foil, scene.skin)
+        return Ribbon(along, outwards(along, scene.skin))
+    mesh = domain(scene, Press(), max(scene.skin.sides))
+    along = _chained(mesh.p[:2][:, mesh.foils[foil.name]].transpose(0, 2, 1))
+    return Ribbon(along, np.zeros_like(along))
+
+
+def draw_outline(axes: Axes, scene: Scene, **looks: Any) -> None:
+    """Draw the curves that bound a skin. looks: of lines, as matplotlib has them."""
+    for curve in outline(scene):
+        axes.plot(*(MM * curve), **{"color": "black", "linewidth": 1, **looks})
+
+
+def draw_pixels(axes: Axes, scene: Scene, **looks: Any) -> None:
+    """Draw the lines between pixels where there is skin. looks: of lines."""
+    for line in _between_pixels(scene):
+        axes.plot(*(MM * line), **{"color": "0.4", "linewidth": 0.5, **looks})
+
+
+def draw_foils(axes: Axes, scene: Scene, linewidth: float = 2.5, **looks: Any) -> None:
+    """Draw foils in the colour of their sheet; the first of each sheet has a label for legends.
+
+    Those of the bottom sheet lie outside those of the top sheet; on a mesh, where both lie on the
+    edge itself, within them.
+    """
+    named, meshed = set[str](), scene.skin.mesh is not None
+    for foil in scene.contacts:
+        sheet, gap = foil.electrode, foil_offset(foil.electrode, max(scene.skin.sides))
+        wide = linewidth * (2 if meshed and sheet == "top" else 1)
+        label = "_" if sheet in named else f"foil on the {sheet} sheet"
+        (line,) = axes.plot(*(MM * ribbon(foil, scene).beside(gap)), color=FOIL[sheet], label=label)
+        below = 0.1 if sheet == "top" else 0.0
+        zorder = looks.get("zorder", 4) - below
+        line.set(**{"solid_capstyle": "butt", **looks, "linewidth": wide, "zorder": zorder})
+        named.add(sheet)
+
+
+def _between_pixels(scene: Scene) -> list[Places]:
+    if scene.skin.mesh is not None:
+        return [_chained(_of_mesh(scene)[0])]
+    (length, width), (rows, columns) = scene.skin.sides, scene.pixels.shape
+    parts, ends = np.linspace(0, 1, ALONG), np.ones(ALONG)
+    upright = [np.array([x * ends, width * parts]) for x in length * _inner(columns)]
+    level = [np.array([length * parts, y * ends]) for y in width * _inner(rows)]
+    return [np.where(on_skin(scene.skin, line), line, np.nan) for line in [*upright, *level]]
+
+
+def _inner(count: int) -> Places:
+    """Parts of a side at which lines between `count` pixels stand."""
+    return np.arange(1, count) / count
+
+
+def _of_mesh(scene: Scene) -> tuple[Places, Places]:
+    """Edges between pixels and on the rim, m, each of shape (2, edge, end)."""
+    mesh = domain(scene, Press(), max(scene.skin.sides))
+    edges, of_triangle = edges_of(mesh.t)
+    of_pixel, times = np.tile(mesh.pixel, 3), np.bincount(of_triangle.ravel())
+    low, high = np.full((2, edges.shape[1]), [[mesh.pixel.max()], [-1]])
+    np.minimum.at(low, of_triangle.ravel(), of_pixel)
+    np.maximum.at(high, of_triangle.ravel(), of_pixel)
+    ends = mesh.p[:2][:, edges].transpose(0, 2, 1)
+    return ends[:, low < high], ends[:, times == 1]
+
+
+def _chained(ends: Places) -> Places:
+    """Edges of shape (2, edge, end) as one line with gaps, (2, place)."""
+    gaps = np.full((*ends.shape[:2], 1), np.nan)
+    return np.concatenate([ends, gaps], axis=2).reshape(2, -1)
