@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from .shown import charting, painting
 from .sweeps import InputError, checked_output, whole_file
 
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
-    from matplotlib.ticker import Formatter
+    from numpy.typing import NDArray
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Of M. Okabe and K. Ito, "Color Universal Design" (2008), the darker ones first."""
@@ -28,8 +30,10 @@ FOIL_OFF = {"top": 0.018, "bottom": 0.042}
 """From the edge, over the longer side: foils of the bottom sheet are drawn outside the top's."""
 ENDINGS = (".png", ".svg", ".pdf")
 """Of every chart: pixels for screens, lines for papers."""
-MOST_LABELLED = 100.0
-"""End over begin of logarithmic axes whose ticks within a decade have labels, too."""
+ROUND = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7))
+"""First digits of round numbers, the roundest first."""
+LEAST_TICKS, MOST_TICKS = 4, 8
+"""Labelled, on a logarithmic axis."""
 PRINTED_DPI = 300
 """Of pixels within lines."""
 UNDATED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
@@ -70,9 +74,37 @@ def logarithmic_axis(axes: Axes, label: str) -> None:
 
 
 def plain_numbers(axis: Axis) -> None:
-    """Numbers such as 0.5 and 20 at the ticks of a logarithmic axis or colour bar."""
+    """Numbers such as 0.5 and 20 at a few ticks of a logarithmic axis or colour bar."""
+    from matplotlib.ticker import Locator, NullFormatter
+
+    class Round(Locator):
+        def __call__(self) -> NDArray[np.float64]:
+            assert self.axis is not None
+            return self.tick_values(*self.axis.get_view_interval())
+
+        def tick_values(self, vmin: float, vmax: float) -> NDArray[np.float64]:
+            return round_numbers(vmin, vmax)
+
+    axis.set_major_locator(Round())
     axis.set_major_formatter("{x:g}")
-    axis.set_minor_formatter(_between_decades())
+    axis.set_minor_formatter(NullFormatter())
+
+
+def round_numbers(low: float, high: float) -> NDArray[np.float64]:
+    """The roundest numbers between two: as few as make LEAST_TICKS, else even ones.
+
+    Of more decades than MOST_TICKS every second, third and so on.
+    """
+    from matplotlib.ticker import MaxNLocator
+
+    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
+    for digits in ROUND:
+        ticks = np.outer(decades, digits).ravel()
+        inside = ticks[(low <= ticks) & (ticks <= high)]
+        if len(inside) >= LEAST_TICKS:
+            return inside[:: -(-len(inside) // MOST_TICKS)]
+    ticks = np.asarray(MaxNLocator(MOST_TICKS, min_n_ticks=LEAST_TICKS).tick_values(low, high))
+    return ticks[(low <= ticks) & (ticks <= high)]
 
 
 def unit_axis(axis: Axis, name: str, unit: str) -> None:
@@ -88,20 +120,6 @@ def unit_axis(axis: Axis, name: str, unit: str) -> None:
     power = min(max(power, min(prefixes)), max(prefixes))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 10.0**power:g}"))
     axis.set_label_text(f"{name} ({prefixes[power]}{unit})")
-
-
-def _between_decades() -> Formatter:
-    """Labels of the ticks within a decade, on axes up to MOST_LABELLED."""
-    from matplotlib.ticker import LogFormatter
-
-    class Between(LogFormatter):
-        def __call__(self, x: float, pos: int | None = None) -> str:
-            assert self.axis is not None
-            low, high = self.axis.get_view_interval()
-            near = high < MOST_LABELLED * low
-            return f"{x:g}" if near and super().__call__(x, pos) else ""
-
-    return Between(minor_thresholds=(2, 0.4))
 
 
 def checked_chart(path: str | Path, *more: str) -> Path:

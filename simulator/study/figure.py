@@ -22,10 +22,7 @@ CONTOURS = {0.7: ":", 0.8: "--", 0.9: "-"}
 NOISE = 1.0
 CONTOURED = 3
 """Values that an axis must have for contours between them."""
-TITLE_WIDTH, FEW_DECADES = 70, 1000.0
-ROUND = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7))
-LEAST_TICKS, MOST_TICKS = 3, 6
-"""Labelled, on a logarithmic axis."""
+TITLE_WIDTH = 70
 
 
 def draw_study(findings: xr.Dataset, axes: Sequence[Axis], title: str, path: Path) -> None:
@@ -68,7 +65,8 @@ def _draw_separation(axes: Axes, x: NDArray[np.float64], findings: xr.Dataset) -
         values = findings[name].values
         axes.plot(x, np.where(values > 0, values, np.nan), style, color=colour, label=name[:-11])
     axes.axhline(NOISE, color="0.4", linewidth=0.8)
-    _logarithmic(axes, "y")
+    axes.set_yscale("log")
+    plain_numbers(axes.yaxis)
     axes.set_ylabel("Separation\n(meter's errors)")
     axes.legend()
 
@@ -78,7 +76,8 @@ def _draw_band(axes: Axes, x: NDArray[np.float64], findings: xr.Dataset) -> None
     axes.fill_between(x, start, stop, color=COLOURS[5], alpha=0.5, linewidth=0)
     for edge in (start, stop):
         axes.plot(x, edge, color=COLOURS[0])
-    _logarithmic(axes, "y")
+    axes.set_yscale("log")
+    plain_numbers(axes.yaxis)
     axes.set_ylabel("Best band (kHz)")
 
 
@@ -154,7 +153,8 @@ def _scale(panel: Axes, name: Literal["x", "y"], axis: Axis) -> None:
     ruler = panel.xaxis if name == "x" else panel.yaxis
     ruler.set_major_formatter("{x:g}")
     if axis.logarithmic:
-        _logarithmic(panel, name)
+        panel.set(**{f"{name}scale": "log"})
+        plain_numbers(ruler)
     if axis.key.whole:
         ruler.set_major_locator(MaxNLocator(integer=True))
     label = axis_label(axis.key)
@@ -162,36 +162,6 @@ def _scale(panel: Axes, name: Literal["x", "y"], axis: Axis) -> None:
         unit_axis(ruler, label, axis.key.unit)
     else:
         ruler.set_label_text(label)
-
-
-def _logarithmic(panel: Axes, name: Literal["x", "y"]) -> None:
-    """A logarithmic axis with numbers as they are; at every tick where it spans few."""
-    from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
-
-    panel.set(**{f"{name}scale": "log"})
-    ruler, (low, high) = (
-        (panel.xaxis, panel.get_xlim()) if name == "x" else (panel.yaxis, panel.get_ylim())
-    )
-    ruler.set_major_formatter("{x:g}")
-    if high < FEW_DECADES * low:
-        ruler.set_major_locator(FixedLocator(_within(low, high).tolist()))
-        ruler.set_minor_locator(NullLocator())
-    ruler.set_minor_formatter(NullFormatter())
-
-
-def _within(low: float, high: float) -> NDArray[np.float64]:
-    """The roundest numbers of a logarithmic axis: as few as make LEAST_TICKS, else even ones."""
-    from matplotlib.ticker import MaxNLocator
-
-    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
-    for digits in ROUND:
-        ticks = np.outer(decades, digits).ravel()
-        inside = ticks[(low <= ticks) & (ticks <= high)]
-        if len(inside) >= LEAST_TICKS:
-            return inside
-    even = MaxNLocator(MOST_TICKS, min_n_ticks=LEAST_TICKS)
-    ticks = np.asarray(even.tick_values(low, high))
-    return ticks[(low <= ticks) & (ticks <= high)]
 
 
 def _right(findings: xr.Dataset) -> str:
