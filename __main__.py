@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -23,14 +23,10 @@ from .simulator.shown import terminal
 from .simulator.study.command import study_command
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
     import xarray as xr
     from numpy.typing import NDArray
 
     from .hardware.live.answer import Localizer as LiveLocalizer
-    from .localization.evaluation.plan import Plan
-    from .localization.learners.registry import Estimator
 
 __all__ = ["app", "main"]
 
@@ -88,11 +84,10 @@ def _live_localizer(path: Path, manner: Manner) -> LiveLocalizer:
     from .localization.filtering.touching import Touching
     from .localization.inputs.features import needs_rest
     from .localization.inversion.registered import answer_at_once
-    from .localization.learners.registry import estimators
     from .localization.model.file import load
     from .simulator.scene.files import parse_scene
 
-    model = load(path, estimators(_model_based()))
+    model = load(path)
     answer_at_once(model.pipeline)
     tell_age(model, path)
     scene = parse_scene(model.scene, str(path))
@@ -107,62 +102,7 @@ def _live_localizer(path: Path, manner: Manner) -> LiveLocalizer:
     return ModelLocalizer(model, *shape, size, takes_rest, follower, asker, tables)
 
 
-def _model_based() -> list[Estimator]:
-    from .localization.inversion.registered import model_based
-
-    return model_based(_tables)
-
-
-def _tables(*asked: Any, **options: Any) -> Mapping[str, NDArray]:
-    from .simulator.inversion.tables import templates
-
-    return templates(*asked, **options)
-
-
-def _checked_ending(name: str) -> str:
-    from .simulator.charts import checked_ending
-
-    return checked_ending(name)
-
-
-def _plan(text: str) -> Plan | None:
-    import numpy as np
-
-    from .localization.evaluation.plan import Foil, Plan
-    from .simulator.charts import foil_offset
-    from .simulator.scene.contacts import outwards, path
-    from .simulator.scene.files import parse_scene
-    from .simulator.scene.skin import curves
-    from .simulator.sweeps import InputError
-
-    try:
-        scene = parse_scene(text, "scene")
-    except InputError:
-        return None
-    if scene.skin.mesh is not None:
-        return None
-    marks = [
-        np.union1d(each.marks, np.linspace(0, each.marks[-1], 181)) for each in curves(scene.skin)
-    ]
-    outline = [
-        1e3 * np.array([curve.at(mark) for mark in along])
-        for curve, along in zip(curves(scene.skin), marks, strict=True)
-    ]
-    foils = []
-    for each in scene.contacts:
-        line, off = path(each, scene.skin), foil_offset(each.electrode, max(scene.skin.sides))
-        beside = line + off * outwards(line, scene.skin)
-        foils.append(Foil(each.electrode, 1e3 * beside.T))
-    return Plan(outline, foils)
-
-
-def _factors(text: str, press: str) -> Sequence[float]:
-    from .simulator.measure.under_touches import factors_under
-
-    return factors_under(text, press)
-
-
-add_commands(app, on_terminal, _plan, _checked_ending, _factors, _model_based)
+add_commands(app)
 app.command("live")(live_command(_live_localizer))
 app.add_typer(meter, name="meter")
 
@@ -216,15 +156,15 @@ def _explained(text: str, measured: xr.Dataset) -> list[gap.Cause]:
 
 
 def _style() -> gap.Style:
-    from .simulator.charts import COLOURS, chart, frequency_axis
+    from .simulator.charts import COLOURS, chart, checked_ending, frequency_axis
 
-    return gap.Style(chart, frequency_axis, COLOURS, _checked_ending)
+    return gap.Style(chart, frequency_axis, COLOURS, checked_ending)
 
 
 _simulation = gap.Simulation(
     _gap_scene, _reading_error, _resimulated, _read_by_meter, _recalibrated, _explained
 )
-app.command("gap")(gap_command(_simulation, _style, on_terminal, _model_based))
+app.command("gap")(gap_command(_simulation, _style, on_terminal))
 
 
 with_replacing(app)

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ..localization.inputs.targets import Target
-    from ..localization.learners.registry import Registry
     from ..localization.model.model import Model
     from ..localization.trust.answers import Answers
 
@@ -32,8 +31,9 @@ def features(
     no sweep of it before them, Rs and Cp. Raises InputError where these cannot be had.
     """
     from ..localization.inputs.samples import samples_of
+    from ..localization.inputs.touches import told_for
 
-    samples = samples_of(_told_for(target, sweeps_of(sweeps)), target, quantities)
+    samples = samples_of(told_for(target, sweeps_of(sweeps)), target, quantities)
     return samples.X, samples.y
 
 
@@ -57,10 +57,11 @@ def train(
     to 1, on held-out sweeps. tune: choose the estimator's parameters by cross-validation. Raises
     InputError where these cannot be had, or the sweeps are of one class.
     """
+    from ..localization.inputs.touches import told_for
     from ..localization.model.training import train as trained
 
     return trained(
-        _told_for(target, sweeps_of(sweeps)),
+        told_for(target, sweeps_of(sweeps)),
         target,
         estimator,
         quantities=quantities,
@@ -68,7 +69,6 @@ def train(
         rest=None if rest is None else sweeps_of(rest, "rest"),
         certain=certain,
         tune=tune,
-        registry=_registry(),
     )
 
 
@@ -79,7 +79,7 @@ def load_model(path: str | Path) -> Model:
     """
     from ..localization.model.file import load
 
-    return load(path_of(path), _registry())
+    return load(path_of(path))
 
 
 @checked
@@ -111,10 +111,11 @@ def evaluate(
     on make the figures too good. Raises InputError for sweeps unlike those trained on.
     """
     from ..localization.evaluation.evaluation import score
+    from ..localization.inputs.touches import told_for
 
     model, sweeps = _model_of(model), sweeps_of(sweeps)
     resting = None if rest is None else sweeps_of(rest, "rest")
-    samples = model.samples(_told_for(model.target, sweeps), resting)
+    samples = model.samples(told_for(model.target, sweeps), resting)
     return score(model.learned, samples).figures()
 
 
@@ -124,20 +125,3 @@ def _model_of(given: Model | str | Path) -> Model:
     if isinstance(given, str | Path):
         return load_model(given)
     return given if isinstance(given, Model) else refuse("model", "a Model or a path", given)
-
-
-def _registry() -> Registry:
-    """All estimators, those that invert the simulator too."""
-    from ..localization.inversion.registered import model_based
-    from ..localization.learners.registry import estimators
-    from ..simulator.inversion.tables import templates
-
-    return estimators(model_based(templates))
-
-
-def _told_for(target: str, sweeps: xr.Dataset) -> xr.Dataset:
-    """With the factors that depths and forces stand for, where they are asked for."""
-    from ..localization.commands.asking import told_for
-    from ..simulator.measure.under_touches import factors_under
-
-    return told_for(target, sweeps, factors_under)

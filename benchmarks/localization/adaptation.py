@@ -25,7 +25,6 @@ from rcskin.benchmarks.localization.twin_parts.training import (
     RTOL,
     SEED,
     WHOLE,
-    localizers,
     simulated,
 )
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, every_pixel
@@ -125,11 +124,11 @@ def rows(case: Case, model: Model, sweeps: xr.Dataset, touches: tuple[int, ...])
     samples = model.samples(sweeps)
     known, asked = (samples.part(np.flatnonzero(samples.sessions == k)) for k in range(2))
     pressed = ~np.isin(asked.y.astype(str), ("0", "0,0"))
-    asked, registry = asked.part(np.flatnonzero(pressed)), localizers()
+    asked = asked.part(np.flatnonzero(pressed))
     found = {"before": score(model.learned, asked)}
     for count in touches:
         few = few_of_each(known, count)
-        better = taught(model, checked(model, few), few, registry)
+        better = taught(model, checked(model, few), few)
         found[f"{count} of each"] = score(better, asked)
     return [
         {
@@ -150,10 +149,8 @@ def main(run: Run) -> None:
     for case in run.sized(CASES, CASES[:1]):
         scene = spread_by(case.trial.believed, case.spread)
         sweeps = simulated(scene, reduced(scene, RTOL), run.sized(TRAINING, FEW_TRAINING))
-        target, registry = case.trial.target, localizers()
-        model = train(
-            sweeps, target, case.estimator, quantities=case.quantities, registry=registry
-        ).insisting()
+        target = case.trial.target
+        model = train(sweeps, target, case.estimator, quantities=case.quantities).insisting()
         family = reduced(family_scene(case.trial), RTOL)
         for number in range(run.sized(case.twins, 1)):
             sweeps = recorded(case.trial, family, number)

@@ -18,7 +18,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.twin_parts.hands import TALK, TURN
-from rcskin.benchmarks.localization.twin_parts.training import CHANGE, localizers
+from rcskin.benchmarks.localization.twin_parts.training import CHANGE
 from rcskin.hardware.virtual.measurement import conditions
 from rcskin.hardware.virtual.state import Settings
 from rcskin.localization.filtering.asking import Asker
@@ -129,7 +129,7 @@ def main(run: Run) -> int:
     drawn = drawn_sweeps(scene, 99, run.sized(STRENGTHS, STRENGTHS[:2]))
     rest, asked = drawn.isel(sweep=slice(RESTS)), drawn.isel(sweep=slice(RESTS, None))
     for target in TARGETS:
-        model = train(known, target, "model-based", quantities=CHANGE, registry=localizers())
+        model = train(known, target, "model-based", quantities=CHANGE)
         ways = {"all 20 frequencies": whole(model, asked, rest, each)}
         for certain in run.sized(CERTAIN, CERTAIN[1:2]):
             ways[f"chosen, --certain {certain:g}"] = chosen(model, asked, rest, each, certain)

@@ -29,8 +29,6 @@ from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.benchmarks.localization.twin_parts.training import (
     RTOL,
     SEED,
-    equip,
-    localizers,
     simulated,
 )
 from rcskin.benchmarks.localization.twin_parts.trials import ONE, SINGLE, TWO
@@ -185,8 +183,6 @@ def of_skin(
 ) -> list[dict]:
     """Rows of every way to answer one twin."""
     (touches, rest), scene = sizes, question.scene
-    for model in models.values():
-        equip(model)
     hands = visits(np.random.default_rng([SEED, number, 77]), PIXELS, touches)
     names = tuple(each.name for each in scene.interfaces)
     stage = Stage(Twin(built(scene), family, SEED, number), hands, names)
@@ -240,7 +236,7 @@ def asked(run: Run, question: Question) -> None:
     family, plain = reduced(built(scene), RTOL), reduced(scene, RTOL)
     sweeps = simulated(scene, plain, run.sized(TRAINING, 400))
     models = {
-        name: train(sweeps, question.target, name, quantities=WHOLE, registry=localizers())
+        name: train(sweeps, question.target, name, quantities=WHOLE)
         for name in dict.fromkeys(name for name, *_ in question.ways)
     }
     sizes = run.sized((run.asked.touches, run.asked.rest), (2, 3.0))

@@ -20,12 +20,10 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.localization.evaluation.evaluation import ClassScore, score
 from rcskin.localization.inputs.reading import read_some
 from rcskin.localization.inputs.samples import samples_of
-from rcskin.localization.inversion.registered import NAME, model_based
-from rcskin.localization.learners.registry import chosen, estimators
+from rcskin.localization.inversion.registered import NAME, chosen
 from rcskin.localization.trust.fitting import learn_classes, learn_positions
 from rcskin.simulator.dataset.plan import Plan
 from rcskin.simulator.dataset.run import generate
-from rcskin.simulator.inversion.tables import templates
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
 
@@ -148,7 +146,7 @@ def judged(case: Case, sweeps: xr.Dataset, name: str, quantities: tuple[str, ...
     samples = samples_of(sweeps, case.target, quantities)
     known = samples.sessions < (1 - HELD_BACK) * (samples.sessions.max() + 1)
     train, test = samples.part(known.nonzero()[0]), samples.part((~known).nonzero()[0])
-    estimator = chosen(name, case.target, estimators(model_based(templates)))
+    estimator = chosen(name, case.target)
     learn = learn_positions if case.target == "position" else learn_classes
     found = score(learn(train, estimator), test)
     row = {"case": case.title, "localizer": name, "features": ", ".join(quantities)}

@@ -30,12 +30,9 @@ from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.benchmarks.localization.twin_parts.training import (
     RTOL,
     SEED,
-    equip,
-    localizers,
     trained,
 )
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, few_trials, quantile
-from rcskin.localization.learners.registry import Registry
 from rcskin.localization.model.model import Model
 from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.models.reduced.model import Reduced
@@ -56,11 +53,11 @@ class Prepared:
     models: tuple[dict[str, Model], ...]
 
 
-def prepared(trials: tuple[Trial, ...], registry: Registry) -> Prepared:
+def prepared(trials: tuple[Trial, ...]) -> Prepared:
     """Everything that is the same for all skins."""
     scene = trials[0].believed
     family, believed = reduced(built(scene), RTOL), reduced(scene, RTOL)
-    models = tuple(trained(trial, believed, registry) for trial in trials)
+    models = tuple(trained(trial, believed) for trial in trials)
     return Prepared(trials, family, believed, models)
 
 
@@ -73,7 +70,6 @@ def scores(ready: Prepared, number: int) -> list[dict[str, Any]]:
     sweeps.attrs["scene"] = scene_text(first.believed)
     for trial, models in zip(ready.trials, ready.models, strict=True):
         for name, model in models.items():
-            equip(model)
             rows.append(_row(trial, number, name, model, sweeps))
         if trial.touches and number < CALIBRATED:
             again, asked = calibrated(trial, models, ready.believed, sweeps)
@@ -127,7 +123,7 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
 
 def experiment(trials: tuple[Trial, ...], skins: int, processes: int) -> pd.DataFrame:
     """A row for each answer of each localizer on each skin, in trials of one name."""
-    ready = prepared(trials, localizers())
+    ready = prepared(trials)
     work = (delayed(scores)(ready, number) for number in range(skins))
     answers = Parallel(n_jobs=processes, return_as="generator")(work)
     return pd.DataFrame([row for found in answers for row in found])

@@ -14,10 +14,9 @@ from sklearn.pipeline import Pipeline
 from ...simulator.sweeps import InputError
 from ..evaluation.evaluation import ClassScore, Score, joined, score
 from ..inputs.samples import Samples
-from ..inversion.registered import ADAPTED, NAME
+from ..inversion.registered import ADAPTED, NAME, estimators
 from ..learners.decisions import decisions
 from ..learners.offsets import Offsets
-from ..learners.registry import Registry
 from ..model.model import Model
 from ..trust.answers import threshold_of
 from ..trust.fitted import Classifier, Guards, known_at_rest
@@ -49,19 +48,19 @@ class Adaptation:
     notes: tuple[str, ...] = ()
 
 
-def adapted(model: Model, samples: Samples, registry: Registry) -> Adaptation:
+def adapted(model: Model, samples: Samples) -> Adaptation:
     """The model taught by all of the samples, which are of the skin it is to be asked about.
 
-    samples: as `model.samples` tells them. registry: of the estimators, for models that invert the
-    simulator. Raises InputError for models of positions, models that were adapted before, labels
-    that the model does not know, and fewer than FEWEST sweeps of one of its classes.
+    samples: as `model.samples` tells them. Raises InputError for models of positions, models that
+    were adapted before, labels that the model does not know, and fewer than FEWEST sweeps of one of
+    its classes.
     """
     learned = checked(model, samples)
     splits = splits_of(samples.strata, samples.sessions, FOLDS)
     parts = [(samples.part(train), samples.part(test)) for train, test in splits]
-    lessons = [(taught(model, learned, train, registry), test) for train, test in parts]
+    lessons = [(taught(model, learned, train), test) for train, test in parts]
     unseen = [(decisions(each.pipeline, test.X), test.y) for each, test in lessons]
-    whole = taught(model, learned, samples, registry)
+    whole = taught(model, learned, samples)
     index = np.concatenate([np.searchsorted(whole.classes, y) for _, y in unseen])
     decided = np.concatenate([each for each, _ in unseen])
     sharpness = _steadied(sharpness_of(decided, index), learned.sharpness, index.size)
@@ -110,12 +109,12 @@ def _was_adapted(pipeline: Pipeline) -> bool:
     return isinstance(pipeline[-1], Offsets) or any(each != "nothing" for each in lessons)
 
 
-def taught(model: Model, learned: Classifier, samples: Samples, registry: Registry) -> Classifier:
+def taught(model: Model, learned: Classifier, samples: Samples) -> Classifier:
     """The same after these; probabilities are still those that it was trained to."""
     guards = learned.guards and widened(learned.guards, samples)
     pipeline: Any
     if model.estimator in LESSON:
-        pipeline = registry[model.estimator].build(model.problem)
+        pipeline = estimators()[model.estimator].build(model.problem)
         pipeline.set_params(**{LESSON[model.estimator]: "skin"})
     else:
         pipeline = Pipeline(

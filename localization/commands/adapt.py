@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,66 +15,54 @@ BESIDE = ("calibration error", "median error, mm", "90 % error, mm")
 
 if TYPE_CHECKING:
     from ..adaptation.adaptation import Adaptation
-    from ..inputs.touches import Factors
-    from ..learners.registry import Estimator
 
 
-def adapt_command(
-    extra: Callable[[], Iterable[Estimator]], factors: Factors
-) -> Callable[..., None]:
-    """The command; extra tells estimators beside those of this package.
+@options.as_typed
+def adapt(
+    model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
+    touches: Annotated[
+        list[Path], typer.Argument(help="A few sweeps of each class, or places. FILE.nc ...")
+    ],
+    output: Annotated[Path, typer.Option("--output", "-o", help="BETTER.skops.")],
+    rest: options.Rest = None,
+    most: options.Most = options.MOST_SWEEPS,
+    anyway: options.Anyway = False,
+) -> None:
+    """Teach a model the skin at hand by a few touches whose places are known.
 
-    factors: as `with_factors` asks them.
+    A learned model is corrected by a number for each class, or its places
+    are moved and stretched; one that inverts the simulator learns what its
+    curve at rest leaves open of the skin (of classes only). What is told
+    before and after is of the same sweeps, and after never of sweeps that
+    taught it: whole sessions are held out in turn where there are several.
+    The model that is written learned from all.
     """
+    from ...simulator.sweeps import InputError, checked_output
+    from ..adaptation.adaptation import adapted
+    from ..adaptation.places import adapted_places
+    from ..inputs.reading import read_some
+    from ..inputs.touches import told_for
+    from ..model.file import ENDING, save
+    from .asking import model_for
 
-    @options.as_typed
-    def adapt(
-        model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
-        touches: Annotated[
-            list[Path], typer.Argument(help="A few sweeps of each class, or places. FILE.nc ...")
-        ],
-        output: Annotated[Path, typer.Option("--output", "-o", help="BETTER.skops.")],
-        rest: options.Rest = None,
-        most: options.Most = options.MOST_SWEEPS,
-        anyway: options.Anyway = False,
-    ) -> None:
-        """Teach a model the skin at hand by a few touches whose places are known.
-
-        A learned model is corrected by a number for each class, or its places
-        are moved and stretched; one that inverts the simulator learns what its
-        curve at rest leaves open of the skin (of classes only). What is told
-        before and after is of the same sweeps, and after never of sweeps that
-        taught it: whole sessions are held out in turn where there are several.
-        The model that is written learned from all.
-        """
-        from ...simulator.sweeps import InputError, checked_output
-        from ..adaptation.adaptation import adapted
-        from ..adaptation.places import adapted_places
-        from ..inputs.reading import read_some
-        from ..learners.registry import estimators
-        from ..model.file import ENDING, save
-        from .asking import model_for, told_for
-
-        checked_output(output, (ENDING,))
-        known = read_some(touches, most)
-        resting = None if rest is None else read_some(rest, most)
-        asked = model_for(known, touches, model, extra(), anyway=anyway)
-        samples = asked.samples(told_for(asked.target, known, factors), resting)
-        try:
-            if samples.problem.continuous:
-                counted = asked.gate and asked.gate.samples(known, resting)
-                found = adapted_places(asked, samples, counted)
-            else:
-                found = adapted(asked, samples, estimators(extra()))
-        except InputError as error:
-            files = ", ".join(map(str, touches))
-            raise InputError(f"{files} for {model}: {error}") from error
-        save(output, found.model.marked(known.isel(sweep=samples.rows)))
-        for line in _told(found):
-            say(line)
-        say(f"model: adapted by {len(samples.X)} sweeps -> {output}")
-
-    return adapt
+    checked_output(output, (ENDING,))
+    known = read_some(touches, most)
+    resting = None if rest is None else read_some(rest, most)
+    asked = model_for(known, touches, model, anyway=anyway)
+    samples = asked.samples(told_for(asked.target, known), resting)
+    try:
+        if samples.problem.continuous:
+            counted = asked.gate and asked.gate.samples(known, resting)
+            found = adapted_places(asked, samples, counted)
+        else:
+            found = adapted(asked, samples)
+    except InputError as error:
+        files = ", ".join(map(str, touches))
+        raise InputError(f"{files} for {model}: {error}") from error
+    save(output, found.model.marked(known.isel(sweep=samples.rows)))
+    for line in _told(found):
+        say(line)
+    say(f"model: adapted by {len(samples.X)} sweeps -> {output}")
 
 
 def _told(found: Adaptation) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ..inputs.samples import Problem
-    from ..inputs.touches import Factors
-    from ..learners.registry import Estimator
     from ..model.model import Model
 
 
@@ -21,35 +19,22 @@ def model_for(
     sweeps: xr.Dataset,
     files: Sequence[Path],
     path: Path,
-    extra: Iterable[Estimator],
     *,
     anyway: bool,
 ) -> Model:
     """The model at a path; notes say where the sweeps of files do not tell their skin, and where
     the model was trained with other versions.
 
-    extra: estimators beside those of this package. anyway: it answers sweeps of another skin too.
-    Raises InputError as `load`.
+    anyway: it answers sweeps of another skin too. Raises InputError as `load`.
     """
-    from ..learners.registry import estimators
     from ..model.file import load
 
-    model = load(path, estimators(extra))
+    model = load(path)
     if model.scene and not sweeps.attrs.get("scene"):
         names = ", ".join(map(str, files))
         say(f"rcskin: note: {names}: stores no scene, so its skin is not checked", err=True)
     tell_age(model, path)
     return model.insisting() if anyway else model
-
-
-def told_for(target: str, sweeps: xr.Dataset, factors: Factors) -> xr.Dataset:
-    """The sweeps as a target needs them: of positions also the factors that depths and forces are.
-
-    factors: as `with_factors` asks them.
-    """
-    from ..inputs.touches import with_factors
-
-    return with_factors(sweeps, factors) if target == "position" else sweeps
 
 
 def tell_age(model: Model, path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,101 +14,80 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ...simulator.progress import Progress
-    from ..evaluation.plan import Plan
     from ..evaluation.report import Found
     from ..inputs.samples import Samples
-    from ..inputs.touches import Factors
-    from ..learners.registry import Estimator
     from ..model.model import Model
 
 FILES = "A model to evaluate, MODEL.skops, if any; then sweeps: .nc, .zarr or .csv, joined."
 
 
-def evaluate_command(
-    extra: Callable[[], Iterable[Estimator]],
-    progress: options.Progress,
-    plan: Callable[[str], Plan | None],
-    checked_ending: Callable[[str], str],
-    factors: Factors,
-) -> Callable[..., None]:
-    """The command, told of further estimators.
+@options.as_typed
+def evaluate(
+    files: Annotated[list[Path], typer.Argument(metavar="[MODEL] SWEEPS", help=FILES)],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="A folder for tables and a chart.")
+    ] = None,
+    rest: options.Rest = None,
+    target: options.Target = "column",
+    name: options.Name = None,
+    quantities: options.Quantities = None,
+    interface: options.Interfaces = None,
+    certain: options.Certain = None,
+    tune: options.Tune = False,
+    folds: Annotated[int, typer.Option(help="Of the outer cross-validation, >= 2.")] = 5,
+    most: options.Most = options.MOST_SWEEPS,
+    anyway: options.Anyway = False,
+    charts: options.Charts = "png",
+) -> None:
+    """How often a localizer is right.
 
-    progress: opens what tells how far work has come. plan: the skin of a scene's text from above,
-    None where the text says none. factors: as `with_factors` asks them.
+    With a model: on these sweeps, which should be others than it was
+    trained on. Without: by nested cross-validation of TARGET and the
+    options after it; what is scored was used for no training, tuning or
+    calibration, and figures are means over folds, with their spread. Whole
+    sessions are held out where there are three or more.
     """
+    from ...simulator.charts import checked_ending
+    from ...simulator.progress import on_terminal
+    from ...simulator.sweeps import InputError, checked_folder
+    from ..evaluation.plan import plan_of
+    from ..evaluation.report import WRITTEN, lines_of, write_report
+    from ..inputs.reading import read_some
+    from ..inputs.samples import samples_of
+    from ..inputs.touches import told_for
+    from ..model.file import ENDING
+    from .asking import looked_at, model_for, tell_features, tell_known
 
-    @options.as_typed
-    def evaluate(
-        files: Annotated[list[Path], typer.Argument(metavar="[MODEL] SWEEPS", help=FILES)],
-        output: Annotated[
-            Path | None, typer.Option("--output", "-o", help="A folder for tables and a chart.")
-        ] = None,
-        rest: options.Rest = None,
-        target: options.Target = "column",
-        name: options.Name = None,
-        quantities: options.Quantities = None,
-        interface: options.Interfaces = None,
-        certain: options.Certain = None,
-        tune: options.Tune = False,
-        folds: Annotated[int, typer.Option(help="Of the outer cross-validation, >= 2.")] = 5,
-        most: options.Most = options.MOST_SWEEPS,
-        anyway: options.Anyway = False,
-        charts: options.Charts = "png",
-    ) -> None:
-        """How often a localizer is right.
-
-        With a model: on these sweeps, which should be others than it was
-        trained on. Without: by nested cross-validation of TARGET and the
-        options after it; what is scored was used for no training, tuning or
-        calibration, and figures are means over folds, with their spread. Whole
-        sessions are held out where there are three or more.
-        """
-        from ...simulator.sweeps import InputError, checked_folder
-        from ..evaluation.report import WRITTEN, lines_of, write_report
-        from ..inputs.reading import read_some
-        from ..inputs.samples import samples_of
-        from ..model.file import ENDING
-        from .asking import looked_at, model_for, tell_features, tell_known, told_for
-
-        by_model = files[0].suffix == ENDING
-        recordings = files[by_model:]
-        if not recordings:
-            raise InputError("takes sweeps beside the model, got none")
-        if folds < 2:
-            raise InputError(f"--folds must be >= 2, got {folds}")
-        ending = checked_ending(charts)
-        folder = None if output is None else checked_folder(output, *WRITTEN)
-        sweeps = read_some(recordings, most)
-        resting = None if rest is None else read_some(rest, most)
-        if by_model:
-            model = model_for(sweeps, recordings, files[0], extra(), anyway=anyway)
-            found = _by_model(model, told_for(model.target, sweeps, factors), resting)
-            problem, judged = model.problem, "those given"
-            tell_known(model, sweeps, files[0])
-        else:
-            told = told_for(target, sweeps, factors)
-            samples = samples_of(told, target, quantities, interfaces=interface, rest=resting)
-            tell_features(quantities, samples.problem.quantities)
-            problem, judged = samples.problem, "not trained on"
-            with progress() as reported:
-                found = _by_folds(
-                    samples,
-                    name,
-                    extra(),
-                    certain=certain,
-                    tune=tune,
-                    folds=folds,
-                    progress=reported,
-                )
-        meaning = [] if problem.continuous else [looked_at(problem, judged, sweeps)]
-        for line in (*lines_of(found), *meaning):
-            say(line)
-        if folder is not None:
-            text = str(sweeps.attrs.get("scene", ""))
-            write_report(folder, found, plan(text), ending)
-            say(f"evaluation: {len(found.score.truth)} sweeps -> {folder}")
-
-    return evaluate
+    by_model = files[0].suffix == ENDING
+    recordings = files[by_model:]
+    if not recordings:
+        raise InputError("takes sweeps beside the model, got none")
+    if folds < 2:
+        raise InputError(f"--folds must be >= 2, got {folds}")
+    ending = checked_ending(charts)
+    folder = None if output is None else checked_folder(output, *WRITTEN)
+    sweeps = read_some(recordings, most)
+    resting = None if rest is None else read_some(rest, most)
+    if by_model:
+        model = model_for(sweeps, recordings, files[0], anyway=anyway)
+        found = _by_model(model, told_for(model.target, sweeps), resting)
+        problem, judged = model.problem, "those given"
+        tell_known(model, sweeps, files[0])
+    else:
+        told = told_for(target, sweeps)
+        samples = samples_of(told, target, quantities, interfaces=interface, rest=resting)
+        tell_features(quantities, samples.problem.quantities)
+        problem, judged = samples.problem, "not trained on"
+        with on_terminal() as progress:
+            found = _by_folds(
+                samples, name, certain=certain, tune=tune, folds=folds, progress=progress
+            )
+    meaning = [] if problem.continuous else [looked_at(problem, judged, sweeps)]
+    for line in (*lines_of(found), *meaning):
+        say(line)
+    if folder is not None:
+        write_report(folder, found, plan_of(sweeps), ending)
+        say(f"evaluation: {len(found.score.truth)} sweeps -> {folder}")
 
 
 def _by_model(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -> Found:
@@ -130,7 +108,6 @@ def _by_model(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -> Foun
 def _by_folds(
     samples: Samples,
     name: str | None,
-    extra: Iterable[Estimator],
     *,
     certain: float | None,
     tune: bool,
@@ -139,9 +116,9 @@ def _by_folds(
 ) -> Found:
     from ..evaluation.evaluation import nested
     from ..evaluation.report import Found
-    from ..learners.registry import chosen, estimators
+    from ..inversion.registered import chosen
 
-    estimator = chosen(name, samples.problem.target, estimators(extra))
+    estimator = chosen(name, samples.problem.target)
     found = nested(samples, estimator, certain=certain, tune=tune, folds=folds, progress=progress)
     left_out = samples.left_out.told(samples.problem.target)
     return Found(found.whole, dict(found.figures()), found.validation, left_out)

@@ -2,32 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ...simulator.shown import terminal
 from . import options
-from .options import Progress, as_typed
+from .options import as_typed
 
 if TYPE_CHECKING:
     from ..gap.findings import Findings
     from ..gap.given import Simulation, Style
-    from ..learners.registry import Estimator
 
 
 def gap_command(
     simulation: Simulation,
     style: Callable[[], Style],
-    progress: Progress,
-    extra: Callable[[], Iterable[Estimator]] = tuple,
+    progress: Callable[[], AbstractContextManager[Any]],
 ) -> Callable[..., None]:
     """The command, told how skins are simulated and charts are drawn.
 
-    progress: opens what tells on a terminal how far the work has come. extra: tells estimators
-    beside those of `localization`.
+    progress: opens what tells on a terminal how far the work has come.
     """
 
     @as_typed
@@ -101,7 +99,7 @@ def gap_command(
         if own is not None:
             if target or estimator:
                 raise InputError("--model tells target and estimator: leave these out")
-            model = model_for(sides[1], measured, own, extra(), anyway=anyway)
+            model = model_for(sides[1], measured, own, anyway=anyway)
             model.samples(sides[1])
             simulation_side, other = (seen_from(each, model.interfaces) for each in sides)
             sides = simulation_side, other
@@ -119,9 +117,7 @@ def gap_command(
         pair = paired(*sides, simulation, text, seed)
         checked_folder(made_folder(output), JSON, HTML)
         with progress() as reported:
-            findings = find(
-                prepared(pair, question, simulation, extra(), model), simulation, reported
-            )
+            findings = find(prepared(pair, question, simulation, model), simulation, reported)
         write_report(output, findings, drawing, ending)
         _show(findings, output / HTML)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,65 +14,59 @@ from . import options
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..learners.registry import Estimator
     from ..model.model import Model
 
 
-def localize_command(extra: Callable[[], Iterable[Estimator]]) -> Callable[..., None]:
-    """The command; extra tells estimators beside those of this package."""
+@options.as_typed
+def localize(
+    model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
+    sweeps: Annotated[list[Path], typer.Argument(help=options.SWEEPS)],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="OUT.csv, instead of the terminal.")
+    ] = None,
+    rest: options.Rest = None,
+    most: options.Most = options.MOST_SWEEPS,
+    anyway: options.Anyway = False,
+    filtered: options.Filtered = False,
+    touch_lasts: options.TouchLasts = options.TOUCH_LASTS,
+    touch_every: options.TouchEvery = options.TOUCH_EVERY,
+    touch_speed: options.TouchSpeed = options.TOUCH_SPEED,
+    pace: Annotated[
+        float, typer.Option(help="Seconds from sweep to sweep, where the file tells no times.")
+    ] = 0.4,
+) -> None:
+    """Tell where sweeps were pressed, each with its probability.
 
-    @options.as_typed
-    def localize(
-        model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
-        sweeps: Annotated[list[Path], typer.Argument(help=options.SWEEPS)],
-        output: Annotated[
-            Path | None, typer.Option("--output", "-o", help="OUT.csv, instead of the terminal.")
-        ] = None,
-        rest: options.Rest = None,
-        most: options.Most = options.MOST_SWEEPS,
-        anyway: options.Anyway = False,
-        filtered: options.Filtered = False,
-        touch_lasts: options.TouchLasts = options.TOUCH_LASTS,
-        touch_every: options.TouchEvery = options.TOUCH_EVERY,
-        touch_speed: options.TouchSpeed = options.TOUCH_SPEED,
-        pace: Annotated[
-            float, typer.Option(help="Seconds from sweep to sweep, where the file tells no times.")
-        ] = 0.4,
-    ) -> None:
-        """Tell where sweeps were pressed, each with its probability.
+    A line for each sweep: the answer, or 'cannot tell'; how probable the best
+    answer is; and of positions x and y in mm and the strength, with their
+    standard deviations, where there is one touch to place. --filter takes any model.
+    """
+    from ...simulator.sweeps import checked_output
+    from ...simulator.sweeps.cells import guarded
+    from ..evaluation.report import write_table
+    from ..inputs.reading import read_some
+    from ..trust.answers import CANNOT_TELL
+    from .asking import model_for, tell_known
 
-        A line for each sweep: the answer, or 'cannot tell'; how probable the best
-        answer is; and of positions x and y in mm and the strength, with their
-        standard deviations, where there is one touch to place. --filter takes any model.
-        """
-        from ...simulator.sweeps import checked_output
-        from ...simulator.sweeps.cells import guarded
-        from ..evaluation.report import write_table
-        from ..inputs.reading import read_some
-        from ..trust.answers import CANNOT_TELL
-        from .asking import model_for, tell_known
-
-        if output is not None:
-            checked_output(output, (".csv",))
-        resting = None if rest is None else read_some(rest, most)
-        asked = read_some(sweeps, most)
-        told = model_for(asked, sweeps, model, extra(), anyway=anyway)
-        if filtered:
-            touching = touch_lasts, touch_every, touch_speed
-            header, rows = _followed(told, asked, resting, touching, pace)
-        else:
-            header, rows = _table(told, asked, resting)
-        _tell_unguarded(told, asked, resting)
-        tell_known(told, asked, model)
-        if output is not None:
-            write_table(output, header, rows)
-            silent = sum(row[2] == CANNOT_TELL for row in rows)
-            say(f"answers: {len(rows)} sweeps, {silent} cannot be told -> {output}")
-            return
-        for row in (header, *rows):
-            say(",".join(f'"{cell}"' if "," in cell else cell for cell in map(guarded, row)))
-
-    return localize
+    if output is not None:
+        checked_output(output, (".csv",))
+    resting = None if rest is None else read_some(rest, most)
+    asked = read_some(sweeps, most)
+    told = model_for(asked, sweeps, model, anyway=anyway)
+    if filtered:
+        touching = touch_lasts, touch_every, touch_speed
+        header, rows = _followed(told, asked, resting, touching, pace)
+    else:
+        header, rows = _table(told, asked, resting)
+    _tell_unguarded(told, asked, resting)
+    tell_known(told, asked, model)
+    if output is not None:
+        write_table(output, header, rows)
+        silent = sum(row[2] == CANNOT_TELL for row in rows)
+        say(f"answers: {len(rows)} sweeps, {silent} cannot be told -> {output}")
+        return
+    for row in (header, *rows):
+        say(",".join(f'"{cell}"' if "," in cell else cell for cell in map(guarded, row)))
 
 
 def _tell_unguarded(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -> None:

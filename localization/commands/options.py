@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Callable
-from contextlib import AbstractContextManager
 from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any
@@ -17,9 +16,6 @@ SWEEPS = "Sweeps: FILE.nc, FILE.zarr or FILE.csv; several are joined."
 MOST = "Take the first so many sweeps, of whole sessions."
 REST = "Sweeps of the skin at rest, where SWEEPS has none and the model is to be told them."
 
-Progress = Callable[[], AbstractContextManager[Any]]
-"""Opens what tells on a terminal how far work has come."""
-
 
 def _targets() -> list[str]:
     from ..inputs.targets import TARGETS
@@ -29,10 +25,9 @@ def _targets() -> list[str]:
 
 def complete_estimator() -> list[str]:
     """Names of all localizers for the shell."""
-    from ..inversion.registered import ADAPTED, NAME
-    from ..learners.registry import estimators
+    from ..inversion.registered import estimators
 
-    return [*estimators(), NAME, ADAPTED]
+    return list(estimators())
 
 
 def complete_scene(incomplete: str) -> list[str]:

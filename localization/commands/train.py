@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,67 +13,55 @@ from . import options
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..inputs.touches import Factors
-    from ..learners.registry import Estimator
     from ..model.model import Model
 
 
-def train_command(
-    extra: Callable[[], Iterable[Estimator]], progress: options.Progress, factors: Factors
-) -> Callable[..., None]:
-    """The command, told of further estimators.
+@options.as_typed
+def train(
+    sweeps: Annotated[list[Path], typer.Argument(help=options.SWEEPS)],
+    output: Annotated[Path, typer.Option("--output", "-o", help="MODEL.skops.")],
+    target: options.Target = "column",
+    name: options.Name = None,
+    quantities: options.Quantities = None,
+    interface: options.Interfaces = None,
+    certain: options.Certain = None,
+    tune: options.Tune = False,
+    most: options.Most = options.MOST_SWEEPS,
+) -> None:
+    """Train a localizer on sweeps whose presses are known.
 
-    progress: opens what tells how far work has come. factors: as `with_factors` asks them.
+    Its probabilities, or standard deviations of positions, are found on
+    sweeps held out: whole sessions where there are three or more. Sweeps
+    that are like none of the training are answered 'cannot tell'; that
+    nothing is pressed, only where the training shows the skin at rest.
     """
+    from ...simulator.progress import on_terminal
+    from ...simulator.sweeps import checked_output
+    from ..inputs.reading import read_some
+    from ..inputs.touches import told_for
+    from ..model.file import ENDING, save
+    from ..model.training import train as train_model
+    from .asking import tell_features
 
-    @options.as_typed
-    def train(
-        sweeps: Annotated[list[Path], typer.Argument(help=options.SWEEPS)],
-        output: Annotated[Path, typer.Option("--output", "-o", help="MODEL.skops.")],
-        target: options.Target = "column",
-        name: options.Name = None,
-        quantities: options.Quantities = None,
-        interface: options.Interfaces = None,
-        certain: options.Certain = None,
-        tune: options.Tune = False,
-        most: options.Most = options.MOST_SWEEPS,
-    ) -> None:
-        """Train a localizer on sweeps whose presses are known.
-
-        Its probabilities, or standard deviations of positions, are found on
-        sweeps held out: whole sessions where there are three or more. Sweeps
-        that are like none of the training are answered 'cannot tell'; that
-        nothing is pressed, only where the training shows the skin at rest.
-        """
-        from ...simulator.sweeps import checked_output
-        from ..inputs.reading import read_some
-        from ..learners.registry import estimators
-        from ..model.file import ENDING, save
-        from ..model.training import train as train_model
-        from .asking import tell_features, told_for
-
-        checked_output(output, (ENDING,))
-        given = read_some(sweeps, most, in_parts=True)
-        known = told_for(target, given, factors)
-        with progress() as reported:
-            model = train_model(
-                known,
-                target,
-                name,
-                quantities=quantities,
-                interfaces=interface,
-                certain=certain,
-                tune=tune,
-                registry=estimators(extra()),
-                progress=reported,
-            )
-        save(output, model)
-        tell_features(quantities, model.quantities)
-        for line in [*_told(model), *_meaning(model, known), *_hints(model, known)]:
-            say(f"{output}: {line}")
-        say(f"model: {_size(model)} -> {output}")
-
-    return train
+    checked_output(output, (ENDING,))
+    given = read_some(sweeps, most, in_parts=True)
+    known = told_for(target, given)
+    with on_terminal() as progress:
+        model = train_model(
+            known,
+            target,
+            name,
+            quantities=quantities,
+            interfaces=interface,
+            certain=certain,
+            tune=tune,
+            progress=progress,
+        )
+    save(output, model)
+    tell_features(quantities, model.quantities)
+    for line in [*_told(model), *_meaning(model, known), *_hints(model, known)]:
+        say(f"{output}: {line}")
+    say(f"model: {_size(model)} -> {output}")
 
 
 def _told(model: Model) -> list[str]:

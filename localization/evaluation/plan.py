@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    import xarray as xr
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
@@ -28,6 +29,37 @@ class Plan(NamedTuple):
 
     outline: Sequence[NDArray]
     foils: Sequence[Foil]
+
+
+def plan_of(sweeps: xr.Dataset) -> Plan | None:
+    """Plan of the scene that the sweeps carry; None where they carry none, or a mesh."""
+    import numpy as np
+
+    from ...simulator.charts import foil_offset
+    from ...simulator.scene.contacts import outwards, path
+    from ...simulator.scene.files import parse_scene
+    from ...simulator.scene.skin import curves
+    from ...simulator.sweeps import InputError
+
+    try:
+        scene = parse_scene(str(sweeps.attrs.get("scene", "")), "scene")
+    except InputError:
+        return None
+    if scene.skin.mesh is not None:
+        return None
+    marks = [
+        np.union1d(each.marks, np.linspace(0, each.marks[-1], 181)) for each in curves(scene.skin)
+    ]
+    outline = [
+        1e3 * np.array([curve.at(mark) for mark in along])
+        for curve, along in zip(curves(scene.skin), marks, strict=True)
+    ]
+    foils = []
+    for each in scene.contacts:
+        line, off = path(each, scene.skin), foil_offset(each.electrode, max(scene.skin.sides))
+        beside = line + off * outwards(line, scene.skin)
+        foils.append(Foil(each.electrode, 1e3 * beside.T))
+    return Plan(outline, foils)
 
 
 def draw_plan(axes: Axes, plan: Plan) -> None:

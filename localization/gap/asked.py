@@ -11,7 +11,6 @@ from ...simulator.sweeps import InputError
 from ..adaptation.adaptation import checked, taught
 from ..evaluation.evaluation import ClassScore, score
 from ..inputs.samples import Samples as Learnable
-from ..learners.registry import Registry
 from ..model.model import Model
 from .accuracy import Accuracy, over_draws
 from .samples import Samples
@@ -23,10 +22,7 @@ BY_MODEL = "model"
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """registry: of the estimators, for models that invert the simulator."""
-
     model: Model
-    registry: Registry
 
     def accuracies(
         self, other: Samples, splits: Mapping[int, Sequence[Split]]
@@ -52,7 +48,7 @@ class Asked:
         learned = self.model.learned
         if adapt:
             touches = _learnable(other.chosen(split.added))
-            learned = taught(self.model, checked(self.model, touches), touches, self.registry)
+            learned = taught(self.model, checked(self.model, touches), touches)
         found = score(learned, _learnable(other.chosen(split.tested)))
         assert isinstance(found, ClassScore)
         return found

@@ -5,7 +5,7 @@ What cannot be had is left out, and a note says so.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.sweeps import InputError
-from ..learners.registry import Estimator, chosen, estimators
+from ..inversion.registered import chosen
+from ..learners.registry import Estimator
 from .asked import BY_MODEL, Asked
 from .distance import MeterError, meter_error
 from .given import Estimate, ReadingError, Simulation
@@ -71,16 +72,14 @@ def prepared(
     pair: Pair,
     question: Question,
     simulation: Simulation,
-    extra: Iterable[Estimator] = (),
     model: Model | None = None,
 ) -> Trial:
-    """extra: estimators that can be named beside those of `localization`. model: to be asked.
+    """model: to be asked.
 
     Raises InputError where there is no such estimator, nothing is left to test, or the classes
     cannot be told.
     """
-    registry = estimators(extra)
-    estimator = chosen(question.estimator, question.target, registry)
+    estimator = chosen(question.estimator, question.target)
     sets = FEATURE_SETS if model is None else {BY_MODEL: model.quantities}
     row, column, session = (pair.other[name].values for name in ("row", "column", "session"))
     reserved = reserved_for_calibration(row, column, question.touches, session)
@@ -100,7 +99,7 @@ def prepared(
         others,
         splits,
         [*pair.notes, *versions.notes, *left_out, *not_told],
-        None if model is None else Asked(model, registry),
+        None if model is None else Asked(model),
     )
 
 

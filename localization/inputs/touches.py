@@ -24,10 +24,6 @@ NUMBERS = ("touches", "touch_x", "touch_y", "touch_factor")
 """Variables of data sets."""
 
 
-Factors = Callable[[str, str], Sequence[float]]
-"""The factor of each touch, from the TOML text of a scene and that of a press on it."""
-
-
 @dataclass(frozen=True, eq=False)
 class Touches:
     """How many touches each sweep has, shape (sweep,), and their centres and strengths.
@@ -64,18 +60,25 @@ def touches_of(sweeps: xr.Dataset) -> Touches:
     return _of_texts(sweeps, None)
 
 
-def with_factors(sweeps: xr.Dataset, factors: Factors) -> xr.Dataset:
+def told_for(target: str, sweeps: xr.Dataset) -> xr.Dataset:
+    """The sweeps as a target needs them: for positions, with factors for depths and forces."""
+    return with_factors(sweeps) if target == "position" else sweeps
+
+
+def with_factors(sweeps: xr.Dataset) -> xr.Dataset:
     """The sweeps, with touches as numbers where a press says a depth or a force; none of presses of
     more than MOST.
 
-    factors: asked where neither the press nor the scene says a factor. Raises InputError as that
-    and `touches_of` do.
+    Raises InputError as `touches_of` and, where neither the press nor the scene says a factor, as
+    `factors_under`.
     """
+    from ...simulator.measure.under_touches import factors_under
+
     texts, plan = np.unique(sweeps["press"].values.astype(str)), plan_of(sweeps)
     if all(name in sweeps for name in NUMBERS) or all(_said(str(each), plan) for each in texts):
         return sweeps
     count = counts_of(sweeps)
-    told, asked = count <= MOST, partial(factors, str(sweeps.attrs.get("scene", "")))
+    told, asked = count <= MOST, partial(factors_under, str(sweeps.attrs.get("scene", "")))
     found = _of_texts(sweeps.isel(sweep=told), asked)
     numbers = np.zeros((3, len(count), MOST))
     numbers[:, told] = found.x, found.y, found.factor

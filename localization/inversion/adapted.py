@@ -16,7 +16,7 @@ from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from .classifier import QUANTITIES as CHANGE
-from .classifier import Builder, ModelBased
+from .classifier import Builder, ModelBased, simulated
 from .position import ModelBasedPosition
 from .region import Places
 from .skins import Skins
@@ -31,7 +31,7 @@ class _Adapted(BaseEstimator):
     Parameters
     ----------
     inner: of the mean skin, unfitted; those of other skins are made like it. builder: makes the
-    tables; not kept on disk: a model that is read back is given it anew.
+    tables; None for the simulator's.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class _Adapted(BaseEstimator):
         self.builder = builder
 
     def fit(self, X, y=None):
-        """Take the tables of the mean skin. Raises ValueError without builder.
+        """Take the tables of the mean skin.
 
         X: shape (sweep, feature), y: labels; they teach where `inner` is to learn, and are only
         checked else.
@@ -71,18 +71,17 @@ class _Adapted(BaseEstimator):
         return self._of_skin(curve)
 
     def __getstate__(self):
-        """Numbers and text only, once it is fitted."""
+        """Without what is made again when it is needed."""
         state: Any = super().__getstate__()
-        kept = {name: value for name, value in state.items() if name != "_skins"}
-        return {**kept, "builder": None} if "mean_" in kept else kept
+        return {name: value for name, value in state.items() if name != "_skins"}
 
     def _fitted(self, curve: NDArray[np.float64] | None):
-        if self.builder is None:
-            raise ValueError("`builder` is needed: it makes the tables of each skin")
         inner: Any = self.kind() if self.inner is None else clone(self.inner)
-        known = {} if curve is None else {"rest": curve, "averaged": inner.rest_sweeps}
-        lesson = [] if curve is None else getattr(self, "taught_", [])
-        return inner.set_params(builder=partial(self.builder, **known)).fit(*lesson)
+        inner.set_params(builder=self.builder)
+        if curve is None:
+            return inner.fit()
+        of_skin = partial(self.builder or simulated, rest=curve, averaged=inner.rest_sweeps)
+        return inner.set_params(builder=of_skin).fit(*getattr(self, "taught_", []))
 
     def _told(self, X, ask: Callable[[Any, NDArray], NDArray]) -> NDArray[np.float64]:
         """What the estimator of each row's skin tells of it, shape (sweep, ...)."""

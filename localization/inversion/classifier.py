@@ -21,17 +21,17 @@ from .lessons import LESSONS, learned
 from .mixture import Mixture
 
 Builder = Callable[..., Mapping[str, NDArray]]
-"""Tables of a scene's TOML text, a target, and how strengths are drawn: `simulator.inversion`; with
-`rest` and `averaged`, those of the skin that is read so at rest."""
+"""As `simulator.inversion.tables.templates`."""
 TARGETS = ("column", "row", "pixel", "touches", "pair")
 QUANTITIES = ("dlnZ", "dphase")
 """Features that it takes, in this order."""
 
 
-def without_builder(state: Any) -> dict[str, Any]:
-    """What is kept of a fitted estimator: it needs no simulator any more."""
-    kept = {name: value for name, value in state.items() if name != "_parts"}
-    return {**kept, "builder": None} if "noise_" in kept else kept
+def simulated(*asked: Any, **options: Any) -> Mapping[str, NDArray]:
+    """The simulator's tables; see `templates`, which is imported where tables are made."""
+    from ...simulator.inversion.tables import templates
+
+    return templates(*asked, **options)
 
 
 class ModelBased(ClassifierMixin, BaseEstimator):
@@ -39,7 +39,8 @@ class ModelBased(ClassifierMixin, BaseEstimator):
 
     Parameters
     ----------
-    scene: TOML text. target: one of TARGETS. builder: makes the tables, once; not kept on disk.
+    scene: TOML text. target: one of TARGETS. builder: makes the tables, once; None for the
+    simulator's.
     presses: whether strengths are drawn as in [dataset.press] ("dataset") or as in [press].
     rest_sweeps: of the skin at rest, of which the features are the difference.
     learn: what `fit` takes from labelled sweeps: "nothing"; "skin": all are of the one skin that is
@@ -135,17 +136,16 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         return float(chi2.isf(self.doubt, mixture.mean.shape[1]))
 
     def __getstate__(self):
-        """Numbers and text only, once it is fitted."""
-        return without_builder(super().__getstate__())
+        """Without what is made again when it is needed."""
+        state: Any = super().__getstate__()
+        return {name: value for name, value in state.items() if name != "_parts"}
 
     def _tables(self) -> Mapping[str, NDArray]:
         for name, allowed in (("target", TARGETS), ("learn", LESSONS)):
             if getattr(self, name) not in allowed:
                 told = ", ".join(allowed)
                 raise ValueError(f"`{name}` must be one of {told}, got {getattr(self, name)!r}")
-        if self.builder is None:
-            raise ValueError("`builder` is needed to fit: it makes the tables of the scene")
-        return self.builder(self.scene, self.target, self.presses)
+        return (self.builder or simulated)(self.scene, self.target, self.presses)
 
     def _possible(self, y) -> NDArray[np.bool_]:
         """Entries that agree with each label, shape (sweep, entry)."""

@@ -11,7 +11,7 @@ from scipy.stats import chi2
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from .classifier import Builder, without_builder
+from .classifier import Builder, simulated
 from .ground import Ground, ground
 from .mixture import Mixture, mixture
 from .region import Places, Region, region_of
@@ -72,7 +72,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         self.doubt = doubt
 
     def fit(self, X=None, y=None):
-        """Take the simulator's tables; X, y are only checked. Raises ValueError without builder."""
+        """Take the simulator's tables; X, y are only checked."""
         tables = self._tables()
         self.noise_ = tables["deviation"] * np.sqrt(1 + 1 / self.rest_sweeps)
         self.n_features_in_ = self.noise_.size
@@ -128,14 +128,8 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
             return None
         return Ground(self.on_skin_, self.sides_)
 
-    def __getstate__(self):
-        """Numbers and text only, once it is fitted."""
-        return without_builder(super().__getstate__())
-
     def _tables(self) -> Mapping[str, NDArray]:
-        if self.builder is None:
-            raise ValueError("`builder` is needed to fit: it makes the tables of the scene")
-        return self.builder(self.scene, POSITION, self.presses)
+        return (self.builder or simulated)(self.scene, POSITION, self.presses)
 
     def _scaled(self, X) -> NDArray[np.float64]:
         check_is_fitted(self)

@@ -1,9 +1,10 @@
-"""The localizers that invert the simulator, among the named ones, told who makes tables."""
+"""All localizers by name: those that learn, and those that invert the simulator."""
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,12 +13,13 @@ from sklearn.pipeline import Pipeline
 from ...simulator.sweeps import InputError, inputs
 from ..inputs.rest import FEWEST
 from ..inputs.samples import Problem
-from ..inputs.targets import TARGETS
-from ..learners.registry import Estimator
+from ..inputs.targets import CLASSES, TARGETS
+from ..learners.classifiers import REFERENCE
+from ..learners.registry import GONE, Estimator, gone, learners
 from . import adapted as inversion_adapted
 from . import classifier as inversion
 from .adapted import AdaptedClassifier, AdaptedPosition
-from .classifier import Builder, ModelBased
+from .classifier import ModelBased
 from .position import ModelBasedPosition
 
 NAME, ADAPTED = "model-based", "model-adapted"
@@ -25,19 +27,46 @@ SKINS = 4
 """Sessions that probabilities and deviations are found on: each skin costs seconds."""
 
 
-def model_based(builder: Builder) -> list[Estimator]:
-    """Both estimators: of the skin in the mean, and of the skin at hand, by its curve at rest.
+DEFAULT_OF = {
+    **dict.fromkeys(CLASSES, REFERENCE),
+    "touches": "ksvm-components",
+    "pair": "ksvm-components",
+    "position": "kernel-ridge",
+}
+"""The localizer of a target where none is named."""
 
-    builder: tables of a scene's text, a target, strengths, and maybe a curve at rest.
+
+def estimators() -> dict[str, Estimator]:
+    """All localizers by name."""
+    return learners() | {each.name: each for each in model_based()}
+
+
+def chosen(name: str | None, target: str) -> Estimator:
+    """The localizer of that name, or the default one.
+
+    Raises InputError for an unknown target, an unknown name, or one that cannot tell the target.
     """
+    if target not in TARGETS:
+        raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
+    known = estimators()
+    able = [each.name for each in known.values() if target in each.targets]
+    name = name or DEFAULT_OF[target]
+    if name in GONE:
+        raise InputError(f"`estimator` {gone(name)}")
+    if name not in able:
+        raise InputError(
+            f"`estimator` must be one of {', '.join(able)} for `target` {target}, got {name!r}"
+        )
+    return known[name]
 
-    def equip(pipeline: Pipeline) -> None:
-        pipeline.set_params(invert__builder=builder)
 
-    adapted = _pipeline_by(builder, ADAPTED)
+def model_based() -> list[Estimator]:
+    """Both that invert the simulator: of the mean skin, and of the skin at hand, by its curve at
+    rest."""
+    adapted = partial(_pipeline, ADAPTED)
     return [
-        Estimator(NAME, TARGETS, _pipeline_by(builder, NAME), taught=False),
-        Estimator(ADAPTED, TARGETS, adapted, sessions=SKINS, taught=False, equip=equip),
+        Estimator(NAME, TARGETS, partial(_pipeline, NAME), taught=False),
+        Estimator(ADAPTED, TARGETS, adapted, sessions=SKINS, taught=False),
     ]
 
 
@@ -48,21 +77,17 @@ def answer_at_once(pipeline: Pipeline) -> None:
         step.beside = True
 
 
-def _pipeline_by(builder: Builder, name: str) -> Callable[[Problem], Pipeline]:
-    def build(problem: Problem) -> Pipeline:
-        takes = inversion_adapted.QUANTITIES if name == ADAPTED else inversion.QUANTITIES
-        _check(problem, name, takes)
-        step: Any = (
-            ModelBasedPosition(problem.scene, builder, rest_sweeps=FEWEST)
-            if problem.continuous
-            else ModelBased(problem.scene, problem.target, builder, rest_sweeps=FEWEST)
-        )
-        if name == ADAPTED:
-            kind = AdaptedPosition if problem.continuous else AdaptedClassifier
-            step = kind(step.set_params(builder=None), builder)
-        return Pipeline([("invert", step)])
-
-    return build
+def _pipeline(name: str, problem: Problem) -> Pipeline:
+    takes = inversion_adapted.QUANTITIES if name == ADAPTED else inversion.QUANTITIES
+    _check(problem, name, takes)
+    step: Any = (
+        ModelBasedPosition(problem.scene, rest_sweeps=FEWEST)
+        if problem.continuous
+        else ModelBased(problem.scene, problem.target, rest_sweeps=FEWEST)
+    )
+    if name == ADAPTED:
+        step = (AdaptedPosition if problem.continuous else AdaptedClassifier)(step)
+    return Pipeline([("invert", step)])
 
 
 def _check(problem: Problem, name: str, takes: Sequence[str]) -> None:

@@ -15,7 +15,7 @@ from sklearn.exceptions import InconsistentVersionWarning
 from ...simulator.sweeps import InputError, checked_output, digests, inputs, whole_file
 from ...simulator.sweeps.file_kinds import check_file_kind
 from ..cores import count_cores
-from ..learners.registry import GONE, Registry, gone
+from ..learners.registry import GONE, gone
 from ..trust.kinds import KindGuard
 from ..trust.several import SeveralGuard
 from .fields import (
@@ -46,11 +46,10 @@ def save(path: str | Path, model: Model) -> None:
         digests.seal_archive(unfinished)
 
 
-def load(path: str | Path, registry: Registry | None = None) -> Model:
+def load(path: str | Path) -> Model:
     """A model written by `save`. Nothing in the file is built before all its types are known.
 
-    registry: of the estimators that may have been trained, which equip what was read. Raises
-    InputError naming the file where it is absent, not of skops, holds a type not in TRUSTED
+    Raises InputError naming the file where it is absent, not of skops, holds a type not in TRUSTED
     (named too), holds something other than a model, or one of an earlier layout.
     """
     path = Path(path)
@@ -61,7 +60,7 @@ def load(path: str | Path, registry: Registry | None = None) -> Model:
     fields = _trusted_content(path, data)
     try:
         count_cores()
-        return _equipped(_sound(model_of(fields)), registry or {})
+        return _sound(model_of(fields))
     except EarlierLayoutError as error:
         raise InputError(f"{path}: {error}") from error
     except UnsoundError as error:
@@ -74,12 +73,6 @@ def _sound(model: Model) -> Model:
     check_sound(model.learned, model.problem.features)
     if model.gate is not None:
         _sound(model.gate)
-    return model
-
-
-def _equipped(model: Model, registry: Registry) -> Model:
-    if model.estimator in registry:
-        registry[model.estimator].equip(model.pipeline)
     return model
 
 

@@ -12,7 +12,7 @@ from ..inputs.features import Quantities
 from ..inputs.marks import marks_of
 from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import has_target, labels
-from ..learners.registry import Registry, chosen
+from ..inversion.registered import chosen
 from ..trust.fitting import learn_classes, learn_positions
 from ..trust.folds import judging, told
 from .model import Model, versions_here
@@ -31,18 +31,17 @@ def train(
     rest: xr.Dataset | None = None,
     certain: float | None = None,
     tune: bool = False,
-    registry: Registry | None = None,
     progress: Progress = silent,
 ) -> Model:
     """A model that tells of sweeps like these what `target` asks for.
 
     Sweeps whose press has no such target are left out. target, quantities, interfaces, rest: as of
-    `samples_of`. estimator: a name in `registry`, or that of DEFAULT_OF. certain: the rate at which
+    `samples_of`. estimator: of `estimators()`, or that of DEFAULT_OF. certain: the rate at which
     answers are to be right on held-out sweeps; without it every sweep that is no novelty is
     answered. tune: choose the estimator's parameters by cross-validation. progress: of the
     fits. Raises InputError where these cannot be had, or the sweeps are of one class.
     """
-    made = chosen(estimator, target, registry)
+    made = chosen(estimator, target)
     samples = samples_of(sweeps, target, quantities, interfaces=interfaces, rest=rest)
     if samples.problem.continuous:
         gate = _gate(sweeps, samples, rest, certain)

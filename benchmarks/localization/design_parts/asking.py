@@ -14,7 +14,7 @@ from rcskin.benchmarks.localization.twin_parts.reading import read_at_once
 from rcskin.benchmarks.localization.twin_parts.recording import recorded
 from rcskin.benchmarks.localization.twin_parts.scenes import built
 from rcskin.benchmarks.localization.twin_parts.skin import Drift, Twin
-from rcskin.benchmarks.localization.twin_parts.training import SEED, localizers
+from rcskin.benchmarks.localization.twin_parts.training import SEED
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
 from rcskin.localization.model.file import load as load_model
 from rcskin.simulator.models.reduced.model import Reduced
@@ -38,7 +38,7 @@ def scores(
     """Of one twin: a row for each localizer and each way of reading it, of WAYS."""
     scene = trial.believed
     presses = trial.recording(np.random.default_rng([SEED, number]))
-    known, rows = {name: load_model(path, localizers()) for name, path in models.items()}, []
+    known, rows = {name: load_model(path) for name, path in models.items()}, []
     for way in ways:
         twin = still(trial, family, number)
         twin = twin if way == STILL else replace(twin, drift=Drift())

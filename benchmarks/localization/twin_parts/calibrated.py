@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from rcskin.benchmarks.localization.twin_parts.training import (
     RTOL,
     localized,
-    localizers,
     simulated,
 )
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
 from rcskin.localization.inputs.samples import samples_of
+from rcskin.localization.inversion.registered import estimators
 from rcskin.localization.learners.registry import Estimator
 from rcskin.localization.model.model import Model
 from rcskin.simulator.calibration.choice import Options
@@ -39,11 +39,11 @@ def calibrated(
     rest = np.flatnonzero(sweeps["press"].values == "none")
     found = calibrate(trial.believed, sweeps.isel(sweep=np.union1d(rest, known)), Options())
     examples = _examples(_narrowed(trial.believed, found.values), believed)
-    registry = localizers()
-    taught = tuple(name for name in models if registry[name].taught)
-    again = localized(replace(trial, estimators=taught), examples, registry)
+    named = estimators()
+    taught = tuple(name for name in models if named[name].taught)
+    again = localized(replace(trial, estimators=taught), examples)
     moved = {
-        name: _moved(model, examples, registry[name])
+        name: _moved(model, examples, named[name])
         for name, model in models.items()
         if name not in again
     }

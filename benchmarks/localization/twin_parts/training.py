@@ -10,14 +10,11 @@ from pathlib import Path
 import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
 from rcskin.localization.inputs.reading import read_some
-from rcskin.localization.inversion.registered import model_based
-from rcskin.localization.learners.registry import Registry, estimators
 from rcskin.localization.model.model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.model import Training
 from rcskin.simulator.dataset.plan import Plan
 from rcskin.simulator.dataset.run import generate
-from rcskin.simulator.inversion.tables import templates
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.model import Reduced
 from rcskin.simulator.scene.scene import Scene
@@ -33,16 +30,11 @@ NETWORK, PLENTY = "network", 20_000
 """A localizer, and simulated sweeps for all the others, which are shown no more."""
 
 
-def localizers() -> Registry:
-    """All that there are, with the one that inverts the simulator."""
-    return estimators(model_based(templates))
-
-
-def trained(trial: Trial, believed: Reduced, registry: Registry) -> dict[str, Model]:
+def trained(trial: Trial, believed: Reduced) -> dict[str, Model]:
     """The trial's localizers, trained on as many sweeps as it asks for."""
     asked = trial.training if NETWORK in trial.estimators else min(trial.training, PLENTY)
     with on_disk(trial.believed, believed, asked) as sweeps:
-        return localized(trial, sweeps, registry)
+        return localized(trial, sweeps)
 
 
 def simulated(scene: Scene, believed: Reduced, count: int) -> xr.Dataset:
@@ -61,7 +53,7 @@ def on_disk(scene: Scene, believed: Reduced, count: int) -> Iterator[xr.Dataset]
         yield read_some(path, count, in_parts=True)
 
 
-def localized(trial: Trial, sweeps: xr.Dataset, registry: Registry) -> dict[str, Model]:
+def localized(trial: Trial, sweeps: xr.Dataset) -> dict[str, Model]:
     """The trial's localizers, trained on sweeps: a network on all of them."""
     plenty = sweeps.isel(sweep=slice(PLENTY))
     return {
@@ -70,12 +62,6 @@ def localized(trial: Trial, sweeps: xr.Dataset, registry: Registry) -> dict[str,
             trial.target,
             name,
             quantities=CHANGE if name in BY_CHANGE else WHOLE,
-            registry=registry,
         )
         for name in trial.estimators
     }
-
-
-def equip(model: Model) -> None:
-    """Give a model what it lost on its way to this process: who makes tables of skins."""
-    localizers()[model.estimator].equip(model.pipeline)

@@ -14,11 +14,10 @@ from rcskin.benchmarks.localization.localizers import AGAINST_REST, CASES, sweep
 from rcskin.benchmarks.speed.answers_parts.question import Answer, Question
 from rcskin.localization.evaluation.evaluation import score
 from rcskin.localization.inputs.samples import Problem, Samples, samples_of
-from rcskin.localization.inversion.registered import NAME, model_based
+from rcskin.localization.inversion.registered import NAME, chosen
 from rcskin.localization.learners.networks import SHORT
-from rcskin.localization.learners.registry import Estimator, chosen, estimators
+from rcskin.localization.learners.registry import Estimator
 from rcskin.localization.trust.fitting import learn_classes
-from rcskin.simulator.inversion.tables import templates
 from sklearn.pipeline import Pipeline
 
 CASE = replace(CASES[1], sweeps=8000, session=100)
@@ -63,7 +62,7 @@ def _answered(way: str, name: str, samples: Samples, sessions: int) -> Answer:
     held_back = samples.sessions >= (1 - HELD_BACK) * (samples.sessions.max() + 1)
     train = samples.part(np.flatnonzero(samples.sessions < sessions))
     test = samples.part(np.flatnonzero(held_back))
-    estimator = chosen(name, "pixel", estimators(model_based(templates)))
+    estimator = chosen(name, "pixel")
     learned = learn_classes(train, replace(estimator, build=partial(_built, estimator)))
     wrong = 1 - float(score(learned, test).right.mean())
     one = test.part(np.array([0]))

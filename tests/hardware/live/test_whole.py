@@ -5,7 +5,6 @@ import pytest
 from rcskin import __main__ as rcskin
 from rcskin.hardware.steer import ask
 from rcskin.hardware.virtual.serving import instrument, simulated
-from rcskin.localization.learners.registry import estimators
 from rcskin.localization.model.file import save
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.readout import read_out
@@ -72,9 +71,8 @@ def test_touches_are_followed_by_few_frequencies_where_a_model_inverts_the_simul
     presses = [*NOTHING, *(f"1,{j}:{f}" for j in (1, 2, 3) for f in (1.8, 2.2))]
     exact = simulate(Solver(scene), [parse_press(press, 2.0) for press in presses])
     sweeps = concatenate([read_out(exact, scene.readout, random, k) for k in range(3)])
-    registry = estimators(rcskin._model_based())
     inverting = model.with_name("inverting.skops")
-    made = train(sweeps, "column", "model-based", quantities=("dlnZ", "dphase"), registry=registry)
+    made = train(sweeps, "column", "model-based", quantities=("dlnZ", "dphase"))
     save(inverting, made)
     served = load_scene(SCENE)
     meter = instrument(simulated(served, seed=7), pace=0)
@@ -95,11 +93,11 @@ def test_two_interfaces_are_read_by_choice_and_shown_on_a_page(tmp_path, serve):
     pixels = [f"{i},{j}" for i in (1, 2) for j in (1, 2)]
     presses = [*NOTHING, *(f"{pixel}:{f}" for pixel in pixels for f in (1.8, 2.2))]
     exact = simulate(Solver(scene), [parse_press(press, 2.0) for press in presses])
-    random, registry = np.random.default_rng(0), estimators(rcskin._model_based())
+    random = np.random.default_rng(0)
     sweeps = concatenate([read_out(exact, scene.readout, random, k) for k in range(2)])
     path = tmp_path / "pixels.skops"
     quantities = ("dlnZ", "dphase")
-    save(path, train(sweeps, "pixel", "model-based", quantities=quantities, registry=registry))
+    save(path, train(sweeps, "pixel", "model-based", quantities=quantities))
     (tmp_path / "two.toml").write_text(scene_text(scene))
     served = load_scene(str(tmp_path / "two.toml"))
     exhibit = simulated(served, seed=7)

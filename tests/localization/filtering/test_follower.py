@@ -5,11 +5,9 @@ import pytest
 from rcskin.localization.filtering.asking import Asker
 from rcskin.localization.filtering.follower import Follower
 from rcskin.localization.filtering.touching import Touching
-from rcskin.localization.inversion.registered import NAME, model_based
-from rcskin.localization.learners.registry import estimators
+from rcskin.localization.inversion.registered import NAME
 from rcskin.localization.model.training import train
 from rcskin.localization.trust.answers import CANNOT_TELL
-from rcskin.simulator.inversion.tables import templates
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
@@ -34,11 +32,7 @@ def models(exact):
     scene, random = load_scene("strip-1x3"), np.random.default_rng(0)
     some = exact.isel(sweep=[0, 0, *range(10)])
     sweeps = concatenate([read_out(some, scene.readout, random, k) for k in range(4)])
-    registry = estimators(model_based(templates))
-    return {
-        name: train(sweeps, "column", name, quantities=CHANGE, registry=registry)
-        for name in (NAME, "ksvm-ovo")
-    }
+    return {name: train(sweeps, "column", name, quantities=CHANGE) for name in (NAME, "ksvm-ovo")}
 
 
 @pytest.fixture

@@ -210,10 +210,10 @@ def style():
 def make_findings():
     """A function that asks everything of a pair."""
 
-    def make(simulated, other, target="column", touches=2, estimator="ksvm-ovo", extra=()):
+    def make(simulated, other, target="column", touches=2, estimator="ksvm-ovo"):
         question = Question(target, estimator, seed=0, draws=2, touches=touches)
         pair = paired(simulated, other, TOY, scene="", seed=0)
-        return find(prepared(pair, question, TOY, extra), TOY, silent)
+        return find(prepared(pair, question, TOY), TOY, silent)
 
     return make
 

@@ -6,7 +6,7 @@ from rcskin.localization.gap.accuracy import cross_validated, transferred
 from rcskin.localization.gap.samples import FEATURE_SETS, Samples, samples_of
 from rcskin.localization.gap.splits import Split
 from rcskin.localization.inputs.samples import Problem
-from rcskin.localization.learners.registry import chosen
+from rcskin.localization.inversion.registered import chosen
 
 KSVM = chosen("ksvm-ovo", "column")
 

@@ -10,7 +10,7 @@ from rcskin.localization.inversion.adapted import AdaptedClassifier, AdaptedPosi
 from rcskin.localization.inversion.classifier import ModelBased
 from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.localization.inversion.regions import regions_of
-from rcskin.localization.inversion.registered import ADAPTED, NAME, model_based
+from rcskin.localization.inversion.registered import ADAPTED, NAME, estimators
 from rcskin.localization.inversion.skins import ALIKE, SKINS_KEPT
 from rcskin.localization.trust.fitted import Regressor
 from rcskin.simulator.sweeps import InputError
@@ -224,23 +224,23 @@ def test_few_touches_of_a_skin_teach_what_its_curve_at_rest_does_not_tell(tables
     assert sure[1] > sure[0]
 
 
-def test_a_model_read_back_is_given_the_tables_anew(adapted, tables, tmp_path):
+def test_a_model_read_back_makes_the_tables_of_skins_anew(tables, tmp_path, monkeypatch):
+    monkeypatch.setattr("rcskin.simulator.inversion.tables.templates", tables)
+    inner = ModelBased("", "column", rest_sweeps=REST)
+    adapted = AdaptedClassifier(inner).fit(np.zeros((1, 2 * NUMBERS)))
     X = rows([1, 3], [0.2, 0.2])
     before = adapted.predict_proba(X)
     skops.io.dump(adapted, tmp_path / "m.skops")
     untrusted = skops.io.get_untrusted_types(file=tmp_path / "m.skops")
     again = skops.io.load(tmp_path / "m.skops", trusted=untrusted)
     np.testing.assert_array_equal(again.classes_, adapted.classes_)
-    with pytest.raises(ValueError, match="`builder` is needed"):
-        again.predict(X)
-    by_name = {each.name: each for each in model_based(tables)}
-    by_name[ADAPTED].equip(Pipeline([("invert", again)]))
     np.testing.assert_array_equal(again.predict_proba(X), before)
+    assert len(tables.curves) == 2
 
 
 @pytest.mark.parametrize("name", [NAME, ADAPTED])
-def test_other_features_and_sweeps_without_their_scene_are_refused(tables, name):
-    (made,) = [each for each in model_based(tables) if each.name == name]
+def test_other_features_and_sweeps_without_their_scene_are_refused(name):
+    made = estimators()[name]
     takes = ("dlnZ", "dphase", "lnZ0", "phase0")[: 2 if name == NAME else 4]
     problem = Problem("column", NUMBERS, takes, ("left",), (1e3,), SCENE)
     assert made.build(problem).steps[0][0] == "invert"

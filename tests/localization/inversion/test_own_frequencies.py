@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from rcskin import __main__ as front
 from rcskin.localization.filtering.asking import Asker, skin_at_hand
 from rcskin.localization.inputs.features import features
-from rcskin.localization.learners.registry import estimators
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
@@ -50,9 +48,8 @@ def sweeps(shared, own):
 
 
 def trained(sweeps, name, target="pixel"):
-    registry = estimators(front._model_based())
     quantities = WITH_REST if name == "model-adapted" else CHANGES
-    return train(sweeps, target, name, quantities=quantities, registry=registry)
+    return train(sweeps, target, name, quantities=quantities)
 
 
 @pytest.fixture(scope="module", params=["model-based", "model-adapted"])

@@ -1,5 +1,7 @@
 """Position and strength of a touch by inversion, on a skin of closed form."""
 
+from copy import copy
+
 import numpy as np
 import pytest
 import skops.io
@@ -123,13 +125,11 @@ def test_an_absurd_sweep_is_novel(own):
 
 def test_a_model_read_back_needs_no_simulator(own, tmp_path):
     X, _ = touches(10, 5)
-    skops.io.dump(own, tmp_path / "m.skops")
+    skops.io.dump(copy(own).set_params(builder=None), tmp_path / "m.skops")
     untrusted = skops.io.get_untrusted_types(file=tmp_path / "m.skops")
     assert untrusted == ["rcskin.localization.inversion.position.ModelBasedPosition"]
     again = skops.io.load(tmp_path / "m.skops", trusted=untrusted)
     np.testing.assert_array_equal(again.predict(X), own.predict(X))
-    with pytest.raises(ValueError, match="`builder` is needed to fit"):
-        again.fit()
 
 
 def test_a_copy_is_made_anew(own):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rcskin.localization.inputs.samples import Problem, Samples
 from rcskin.localization.learners.networks import SHORT, STAGES
-from rcskin.localization.learners.registry import estimators
+from rcskin.localization.learners.registry import learners
 from rcskin.localization.trust.tuning import trainer
 from sklearn.model_selection import ParameterGrid
 
@@ -19,7 +19,7 @@ def asked(target):
 
 TOLD = [
     (made, target)
-    for made in estimators().values()
+    for made in learners().values()
     for target in ("column", "position")
     if target in made.targets
 ]
@@ -35,7 +35,7 @@ def test_whatever_is_tuned_is_a_parameter_of_the_pipeline(made, target):
 
 
 def test_networks_may_be_tuned_to_a_short_course():
-    network = estimators()["network"]
+    network = learners()["network"]
     assert network.grid_for(asked("column")) == {"classify__stages": [STAGES, SHORT]}
     assert network.grid_for(asked("position")) == {"regress__regressor__stages": [STAGES, SHORT]}
 
@@ -46,7 +46,7 @@ def test_a_tuned_network_learns_in_the_steps_that_tell_more():
     y = np.tile(np.arange(1, 3), 60)
     X = random.standard_normal((120, 8)) + 3 * y[:, None]
     few, none = ((1e-2, 100),), ((1e-9, 1),)
-    made = replace(estimators()["network"], grid={"classify__stages": [none, few]})
+    made = replace(learners()["network"], grid={"classify__stages": [none, few]})
     samples = Samples(asked("column"), X, y, sessions, np.arange(120))
     pipeline = trainer(made, tune=True)(samples)
     assert pipeline.named_steps["classify"].stages == few

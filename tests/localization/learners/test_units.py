@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 from rcskin.localization.inputs.samples import Problem
-from rcskin.localization.learners.registry import estimators
+from rcskin.localization.learners.registry import learners
 
 OHM, FARAD = 1e5, 1e-10
-QUICK = tuple(name for name in estimators() if name != "network")
+QUICK = tuple(name for name in learners() if name != "network")
 
 
 @pytest.mark.parametrize("name", QUICK)
 def test_what_only_the_capacitance_tells_is_learned(name):
-    made, random = estimators()[name], np.random.default_rng(0)
+    made, random = learners()[name], np.random.default_rng(0)
     target = "position" if "position" in made.targets else "column"
     told, other = np.repeat([1.0, 2.0], 60), random.normal(size=(120, 3))
     Cp = told[:, None] + 0.1 * random.normal(size=(120, 3))
