@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.contacts import Contact
+from ..scene.contacts import Contact, Interface
 from ..scene.scene import Scene
 from ..scene.wiring import joined
 
@@ -70,6 +70,10 @@ class Circuit:
         own = [terminal for terminal in self.terminals if terminal.field == field]
         return [contact.name for terminal in own for contact in terminal.contacts]
 
+    def read(self, interfaces: Sequence[Interface]) -> Circuit:
+        """The same circuit, which is of two fields, driven by other interfaces."""
+        return replace(self, drives=_drives(self.terminals, interfaces))
+
     def field_alone(self, field: int) -> NDArray[np.float64]:
         """What picks one field of all, shape (field, field)."""
         return np.diag(np.eye(self.fields)[field])
@@ -93,10 +97,7 @@ def two_fields(scene: Scene) -> Circuit:
         ),
         coupling=np.array([[1.0, -1.0], [-1.0, 1.0]]),
         terminals=tuple(terminals),
-        drives=tuple(
-            Drive(_indices(interface.high, terminal_of), _indices(interface.low, terminal_of))
-            for interface in scene.interfaces
-        ),
+        drives=_drives(terminals, scene.interfaces),
     )
 
 
@@ -125,6 +126,14 @@ def one_field(scene: Scene) -> Circuit | None:
 def _terminal(scene: Scene, terminal_of: dict[str, int], index: int) -> Terminal:
     contacts = tuple(c for c in scene.contacts if terminal_of[c.name] == index)
     return Terminal(("top", "bottom").index(contacts[0].electrode), contacts)
+
+
+def _drives(terminals: Sequence[Terminal], interfaces: Sequence[Interface]) -> tuple[Drive, ...]:
+    terminal_of = {c.name: k for k, terminal in enumerate(terminals) for c in terminal.contacts}
+    return tuple(
+        Drive(_indices(each.high, terminal_of), _indices(each.low, terminal_of))
+        for each in interfaces
+    )
 
 
 def _indices(names: Sequence[str], terminal_of: dict[str, int]) -> tuple[int, ...]:

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from ...fem.circuit import two_fields
 from ...fem.factors import one_blas_thread
-from ...models.network.terminals import read, with_chain
+from ...models.network.terminals import chain, read
 from ...models.parameters import by_sheets
+from ...models.plain import electrical
 from ...models.reduced.cases import Case
 from ...models.reduced.families.resolving import unreduced
 from ...models.reduced.greedy import Basis
@@ -41,8 +42,8 @@ class ReducedFields:
         self.scene, self.cells = scene, cells
         self.grid = scene.divided(cells).pixels.shape
         self._touch = touch
-        driven = with_chain(scene.on_grid(*self.grid))
-        self._skin = read(self._trained(driven, highest), scene.interfaces).skin(None)
+        model = self._trained(electrical(scene.on_grid(*self.grid)), highest)
+        self._skin = read(model, scene.interfaces).skin(None)
         self._pressed = PressedSkin(self._skin)
 
     def respond(
@@ -72,7 +73,8 @@ class ReducedFields:
         """A basis that a batch of fresh touches is told in, on the mesh that `Fields` takes."""
         random = np.random.default_rng(0)
         with one_blas_thread():
-            family = unreduced(scene, two_fields(scene), MESH_RTOL, highest)
+            circuit = two_fields(scene).read(chain(scene))
+            family = unreduced(scene, circuit, MESH_RTOL, highest)
             band = np.array([self.scene.frequencies[0], highest])
             return Basis(family, RTOL, 0.0, band).grow(self._draw, random, silent, most=1)
 

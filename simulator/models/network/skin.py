@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.circuit import Drive, two_fields
+from ...fem.circuit import Drive
 from ...fem.network import allowed_potentials
 from ...press.batch import PressBatch
 from ...scene.contacts import Interface
@@ -51,8 +51,8 @@ class NetworkSkin:
 
     def wiring(self, readings: Sequence[Interface]) -> Wiring:
         """Readings as the kernel takes them. Raises InputError as `read` does."""
-        circuit = two_fields(read(self.skin.reduced, readings).scene)
-        return wiring_of(circuit.drives, self.skin.reduced.terminal_field, self.conductance)
+        drives = read(self.skin.reduced, readings).circuit.drives
+        return wiring_of(drives, self.skin.reduced.terminal_field, self.conductance)
 
     def impedances(self, wiring: Wiring, Y: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Z in ohm of every reading, shape (press, reading, s). Y: of `admittances`."""

@@ -8,7 +8,6 @@ training: floating and tied terminals are eliminated in the small system, exactl
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypedDict, TypeVar
@@ -16,13 +15,11 @@ from typing import TypedDict, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.circuit import two_fields
 from ...progress import Progress, silent
 from ...scene.contacts import Contact, Interface
 from ...scene.scene import Scene
 from ...scene.wiring import check_wiring, joined
 from ...sweeps import InputError
-from ..plain import electrical
 from ..reduced.cases import Draw
 from ..reduced.greedy import reduce
 from ..reduced.indented.draws import spreading
@@ -56,8 +53,8 @@ def trained(
     where a tension spreads presses.
     """
     require_no_spread(scene)
-    driven, more = with_chain(scene), Kept(modes=modes, progress=progress, frequency=frequency)
-    return reduce(driven, rtol, draw, alike=False, **more)
+    more = Kept(modes=modes, progress=progress, frequency=frequency)
+    return reduce(scene, rtol, draw, alike=False, readings=chain(scene), **more)
 
 
 def require_no_spread(scene: Scene) -> None:
@@ -99,26 +96,19 @@ def many(scene: Scene, alike: bool = True) -> bool:
     return len(scene.interfaces) > len(chain(scene))
 
 
-def with_chain(scene: Scene) -> Scene:
-    """The same, electrically, read in a `chain`."""
-    return electrical(scene).model_copy(update={"interfaces": tuple(chain(scene))})
-
-
 def read(reduced: Model, readings: Sequence[Interface]) -> Model:
     """The same model read in other ways, without training. reduced: as `trained` gives it.
 
     Raises InputError for contacts that there are not, shorts, and a model of one field.
     """
-    scene = reduced.scene.model_copy(update={"interfaces": tuple(readings)})
+    scene = reduced.scene
     if reduced.circuit.fields != 2:
         raise InputError(f"{scene.name}: a model of one field has readings of its own alone")
     try:
-        check_wiring(scene.contacts, scene.interfaces, scene.skin)
+        check_wiring(scene.contacts, readings, scene.skin)
     except ValueError as error:
         raise InputError(f"{scene.name}: {error}") from error
-    circuit, family = two_fields(scene), copy.copy(reduced.family)
-    family.scene, family.circuit = scene, circuit
-    return replace(reduced, scene=scene, circuit=circuit, built=family)
+    return replace(reduced, circuit=reduced.circuit.read(readings))
 
 
 def chain(scene: Scene) -> list[Interface]:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import zipfile
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...fem.circuit import Drive
 from ...mesh.arcs import Arcs
 from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import Resolution
@@ -33,6 +34,7 @@ def save(reduced: Reduced, path: Path) -> None:
     told = {
         "scene": scene_text(reduced.scene),
         "fields": reduced.circuit.fields,
+        "drives": [asdict(drive) for drive in reduced.circuit.drives],
         **mesh,
         "modes": reduced.modes,
         "rtol": reduced.rtol,
@@ -83,6 +85,9 @@ def _read(path: Path) -> Reduced:
     circuit = circuit_of(scene, told["fields"] == 1)
     if circuit.fields != told["fields"]:
         raise InputError(f"{path}: one field cannot tell what its scene's interfaces drive")
+    if "drives" in told:
+        drives = tuple(Drive(tuple(own["high"]), tuple(own["low"])) for own in told["drives"])
+        circuit = replace(circuit, drives=drives)
     arrays["frequency"] = scene.frequencies if frequency is None else frequency
     _check_sizes(arrays, circuit.fields)
     model = Reduced(

@@ -8,7 +8,7 @@ draws keep the tolerance.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -23,6 +23,7 @@ from ...fem.galerkin import Galerkin
 from ...fem.lanczos import potentials_of_all
 from ...fem.system import check_grid_fits
 from ...progress import Progress, silent
+from ...scene.contacts import Interface
 from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
@@ -76,19 +77,21 @@ def reduce(
     seed: int = 0,
     progress: Progress = silent,
     frequency: NDArray[np.float64] | None = None,
+    readings: Sequence[Interface] | None = None,
 ) -> Reduced:
     """A reduced model of a scene, within rtol in Rs and Cp for skins and presses as drawn.
 
     draw: of what the model is trained on, by default one or two touched pixels. modes: of each
     sheet's conductance, see `variation.WAVES`. alike: whether both sheets vary in the same way, so
-    that one field may serve. frequency: Hz, ascending; those of the scene's sweep for None. Raises
-    ToleranceError where mesh or basis do not get there, InputError where the pixels do not fit in
-    memory.
+    that one field may serve. frequency: Hz, ascending; those of the scene's sweep for None.
+    readings: how two fields are driven; by the scene's interfaces for None. Raises ToleranceError
+    where mesh or basis do not get there, InputError where the pixels do not fit in memory.
     """
     by_depth = spreading(scene)
     scene = scene if by_depth else electrical(scene)
     draw = apart(draw or pixel_touches(scene), scene) if by_depth else draw or pixel_touches(scene)
     circuit = circuit_of(scene, alike)
+    circuit = circuit if readings is None else circuit.read(readings)
     check_grid_fits(scene, circuit)
     random, f = np.random.default_rng(seed), scene.frequencies if frequency is None else frequency
     progress(TRAINING, 0.0)

@@ -162,7 +162,8 @@ class ReducedSkin:
             return 0.0
         asked = self.under(cells, rises).weights, self.loss, self.map_of(cells, rises)
         with one_blas_thread():
-            return reduced.family.solved(*asked, reduced.rtol, reduced.frequency)[1]
+            read = reduced.rtol, reduced.frequency, reduced.circuit.drives
+            return reduced.family.solved(*asked, *read)[1]
 
     @property
     def least_conductance(self) -> float:
@@ -177,11 +178,11 @@ class ReducedSkin:
         On the mesh that was reduced where that keeps rtol for this press, on finer ones otherwise.
         Raises ToleranceError where none does.
         """
-        rtol, error, frequency = self.reduced.rtol, np.inf, self.reduced.frequency
+        reduced, rtol, error = self.reduced, self.reduced.rtol, np.inf
         pressed = self.under(cells, rises).weights, self.loss, self.map_of(cells, rises)
         with one_blas_thread():
             for family in self._families(cells, rises):
-                Z, error = family.solved(*pressed, rtol, frequency)
+                Z, error = family.solved(*pressed, rtol, reduced.frequency, reduced.circuit.drives)
                 if error <= rtol:
                     return Z
         raise ToleranceError(f"a press leaves {error:.1e} by the full system, asked {rtol:g}")

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
-from ....fem.circuit import Circuit
+from ....fem.circuit import Circuit, Drive
 from ....fem.estimate import Swept, checked
 from ....fem.factors import without_zeros
 from ....fem.galerkin import Galerkin, swept
@@ -115,18 +115,20 @@ class Family(ABC):
         factors: NDArray[np.float64],
         rtol: float,
         frequency: NDArray[np.float64],
+        drives: Sequence[Drive] | None = None,
     ) -> tuple[NDArray[np.complex128], float]:
-        """Z in ohm at frequencies in Hz, shape (interface, frequency), and its error.
+        """Z in ohm at frequencies in Hz, shape (drive, frequency), and its error.
 
-        factors: c over the scene's own at rest, shape (part,). The error is the largest of Rs and
-        Cp, relatively, estimated by elements of one order more as `fidelity` does.
+        factors: c over the scene's own at rest, shape (part,). drives: those of the family's
+        circuit for None. The error is the largest of Rs and Cp, relatively, estimated by elements
+        of one order more as `fidelity` does.
         """
         spaces = (self.skin(weights), self.mass(factors)), self.finer(weights, factors)
-        drives = self.circuit.drives
+        driven = self.circuit.drives if drives is None else drives
 
         def sweep(around: NDArray[np.float64], tolerance: float) -> list[Swept]:
             s = laplace_variable(around, loss)
-            return [swept(space, mass, drives, s, tolerance) for space, mass in spaces]
+            return [swept(space, mass, driven, s, tolerance) for space, mass in spaces]
 
         Z, error = checked(sweep, frequency, rtol)
         return Z, float(self.told(error).max())
