@@ -17,7 +17,8 @@ from ..models.reduced.skin import ReducedSkin
 from ..remembered import remembered
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import AnyDistribution
-from ..scene.scene import Scene, interface_names
+from ..scene.readings import Reading
+from ..scene.scene import Scene
 from ..sweeps import InputError
 from .bayes import Array, Draws, Judged
 from .readings import hypotheses
@@ -52,19 +53,19 @@ class CommonDraws:
         self._among, random = hypotheses(scene, target), np.random.default_rng(seed)
         self._draws = Draws(self._among, presses or own_presses(scene), random, draws, NODES)
 
-    def judged(self, skin: ReducedSkin, told: NDArray[np.bool_] | None = None) -> Judged:
-        """For one skin and the readings of its model's scene, all at that scene's frequencies.
+    def judged(
+        self, skin: ReducedSkin, reading: Reading, told: NDArray[np.bool_] | None = None
+    ) -> Judged:
+        """For one skin whose model is read in these ways.
 
-        told: which readings are taken, shape (interface, frequency); those of the scene for None.
+        told: which of the readings are taken, shape (interface, frequency); as they say for None.
         """
-        scene = skin.reduced.scene
-        whole = len(scene.interfaces), len(scene.frequencies)
-        told = scene.taken if told is None else told
-        told = np.ones(whole, dtype=np.bool_) if told is None else told
-        names = interface_names(scene)
-        noise = [self._noise(name, len(f))[..., f] for name, f in zip(names, told, strict=True)]
+        told = reading.taken if told is None else told
+        told = np.ones(reading.shape, dtype=np.bool_) if told is None else told
+        each = zip(reading.interfaces, told, strict=True)
+        noise = [self._noise(interface.name, len(f))[..., f] for interface, f in each]
         errors = np.concatenate([each.reshape(len(each), -1) for each in noise], axis=1)
-        return self._draws.judged(self._whitened(skin, told), errors)
+        return self._draws.judged(self._whitened(skin, reading, told), errors)
 
     @remembered(KEPT)
     def _noise(self, interface: str, frequencies: int) -> Array:
@@ -72,15 +73,13 @@ class CommonDraws:
         random = np.random.default_rng([self._seed, zlib.crc32(interface.encode())])
         return random.standard_normal((len(self._draws), 2, frequencies))
 
-    def _whitened(self, skin: ReducedSkin, told: NDArray[np.bool_]) -> Array:
+    def _whitened(self, skin: ReducedSkin, reading: Reading, told: NDArray[np.bool_]) -> Array:
         """Readings of every hypothesis in all ways, shape (hypothesis, way, number)."""
-        scene = skin.reduced.scene
+        frequency = reading.frequency
         batch = self._draws.batch(self._among, self._scene.pixels.columns)
-        s = laplace_variable(scene.frequencies, scene.skin.foam.loss)
-        Z = skin.sweeps(batch, s)
-        seen = observed(scene.leads.seen_through(Z, scene.frequencies))
-        shape = 2, len(scene.interfaces), len(scene.frequencies)
-        numbers = np.moveaxis(seen.reshape(-1, *shape), 1, 2)
+        Z = skin.sweeps(batch, laplace_variable(frequency, skin.loss))
+        seen = observed(reading.leads.seen_through(Z, frequency))
+        numbers = np.moveaxis(seen.reshape(-1, 2, *reading.shape), 1, 2)
         whitened = [self._of_interface(numbers[:, k], own) for k, own in enumerate(told)]
         flat = np.concatenate(whitened, axis=1)
         return flat.reshape(len(self._among), -1, flat.shape[1])

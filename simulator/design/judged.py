@@ -63,7 +63,7 @@ class Judge:
     def merit(self, on: OnSkin, frequency: NDArray[np.float64]) -> float:
         """The share of sweeps of one skin told right at best; frequency in Hz. Raises InputError
         where the meter's noise is too small."""
-        return float(self._common.judged(on.at(frequency)).accuracy.share)
+        return float(self._common.judged(on.skin, on.reading(frequency)).accuracy.share)
 
 
 class PlaceJudge:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +16,7 @@ from ..models.reduced.skin import ReducedSkin
 from ..press.batch import PressBatch
 from ..scene.contacts import Interface
 from ..scene.frequency import laplace_variable
-from ..scene.meter import Sweep
+from ..scene.readings import Reading
 from ..scene.scene import Scene
 
 
@@ -44,25 +43,16 @@ class OnSkin:
 
     def __init__(self, reduced: Reduced, readings: Sequence[Interface], drawn: DrawnSkin) -> None:
         self.scene, self._readings, self._leads = reduced.scene, readings, drawn.leads
-        self._loss, self._skin = drawn.variation.loss, reduced.skin(drawn.variation)
+        self.skin: ReducedSkin = reduced.skin(drawn.variation)
 
-    def at(self, frequency: NDArray[np.float64]) -> ReducedSkin:
-        """The skin with its own losses and leads, as its scene at these frequencies in Hz."""
-        loss, skin = self._loss, self.scene.skin
-        lossy = {"loss_tangent": loss.tangent, "phase_exponent": loss.exponent}
-        changes = {
-            "skin": skin.model_copy(update={"foam": skin.foam.model_copy(update=lossy)}),
-            "leads": self._leads,
-            "sweep": Sweep(frequencies=tuple(frequency.tolist())),
-        }
-        found = copy(self._skin)
-        found.reduced = replace(self._skin.reduced, scene=self.scene.model_copy(update=changes))
-        return found
+    def reading(self, frequency: NDArray[np.float64]) -> Reading:
+        """What is read of it at these frequencies in Hz, behind its own leads."""
+        return Reading(self._readings, frequency, self._leads)
 
     def observed(self, batch: PressBatch, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
         """ln |Z| and phase of many presses, shape (press, 2 * readings)."""
-        s = laplace_variable(frequency, self._loss)
-        network = NetworkSkin(self._skin, s)
+        s = laplace_variable(frequency, self.skin.loss)
+        network = NetworkSkin(self.skin, s)
         Y = network.admittances(batch)
         Z = network.impedances(network.wiring(self._readings), Y)
         return observed(self._leads.seen_through(Z, frequency))

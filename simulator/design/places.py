@@ -53,11 +53,10 @@ class Touches:
 
     def slopes(self, on: OnSkin, frequency: NDArray[np.float64], against_rest: int) -> Slopes:
         """Of a skin of the divided scene, at every place; frequency in Hz, ascending."""
-        skin = on.at(frequency)
-        scene = skin.reduced.scene
-        model = errors_of(scene, against_rest)
-        s = laplace_variable(frequency, scene.skin.foam.loss)
-        pressed = PressedSkin(skin)
+        reading = on.reading(frequency)
+        model = errors_of(on.scene, against_rest, reading=reading)
+        s = laplace_variable(frequency, on.skin.loss)
+        pressed = PressedSkin(on.skin)
         errors, prior = session_errors(model)
         found = []
         with one_blas_thread():
@@ -66,7 +65,7 @@ class Touches:
                 M = pressed.rest + pressed.mass(self.size.rise * changes["strength"])
                 u = pressed.solved(M, s)
                 by = {name: s * u.energy(pressed.mass(changes[name])) for name in WANTED}
-                told = at_meter(1 / u.Y, by, scene.leads, frequency)
+                told = at_meter(1 / u.Y, by, reading.leads, frequency)
                 own = in_noise(told.Z, [told.by[name] for name in WANTED], model)
                 found.append(np.concatenate([own, errors], axis=-1))
         known = np.concatenate([np.zeros(len(WANTED)), prior])

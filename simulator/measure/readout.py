@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.meter import Readout
+from ..scene.readings import Reading
 from ..sweeps import InputError, build, impedance, parallel_capacitance
 from ..sweeps.schema import taken_of
 
@@ -156,13 +157,16 @@ class ErrorModel:
         return flat.T.reshape(numbers.shape).astype(np.float64)
 
 
-def errors_of(scene: Scene, against_rest: int = 0, averaged: int = 1) -> ErrorModel:
-    """Of what is read of a scene, at its own frequencies. Raises InputError without noise."""
+def errors_of(
+    scene: Scene, against_rest: int = 0, averaged: int = 1, reading: Reading | None = None
+) -> ErrorModel:
+    """Of what a scene's meter reads, all that the scene has for None. Raises InputError without
+    noise."""
+    read = scene.reading if reading is None else reading
     return ErrorModel(
         scene.readout,
-        len(scene.interfaces),
-        len(scene.frequencies),
+        *read.shape,
         averaged=averaged,
         against_rest=against_rest,
-        taken=scene.taken,
+        taken=read.taken,
     )

@@ -35,6 +35,7 @@ from .keys.changing import put
 from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
 from .randomisation import Randomisation
 from .ranges import CapacitanceFactor, Force, Thickness
+from .readings import Reading
 from .skin import Name, Skin
 from .validation import Number, Table, Whole, one_line
 from .wiring import DrivenByTouch, check_wiring, driven_by_touch
@@ -158,6 +159,11 @@ class Scene(Table):
     def taken(self) -> NDArray[np.bool_] | None:
         """Which interface is read at which frequency, see `contacts.taken`."""
         return taken(self.interfaces, self.frequencies)
+
+    @property
+    def reading(self) -> Reading:
+        """What is read of its skin."""
+        return Reading(self.interfaces, self.frequencies, self.leads)
 
     @property
     def beyond_plain(self) -> str | None:

@@ -158,7 +158,7 @@ def unreduced(skin: ReducedSkin, cells: NDArray[np.int64], rises: NDArray[np.flo
     reduced = skin.reduced
     loss = (skin.variation or reduced.scene.skin.foam).loss
     asked = skin.weights, loss, skin.map_of(cells, rises), reduced.rtol, reduced.frequency
-    return reduced.family.solved(*asked)[0]
+    return reduced.family.solved(*asked, reduced.circuit.drives)[0]
 
 
 def microseconds(skin: ReducedSkin, scene: Scene, count: int = BATCH) -> float:

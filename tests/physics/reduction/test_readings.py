@@ -70,7 +70,8 @@ def test_the_certificate_bounds_every_reading(scene, model):
     skin = read(model, scene.interfaces).skin(None)
     bound = skin.certificate(CELLS, RISES)
     asked = skin.weights, skin.loss, skin.map_of(CELLS, RISES), RTOL, model.frequency
-    exact, Z = skin.reduced.family.solved(*asked)[0], skin.sweep(CELLS, RISES)
+    drives = skin.reduced.circuit.drives
+    exact, Z = skin.reduced.family.solved(*asked, drives)[0], skin.sweep(CELLS, RISES)
     off = relative_difference(Z, exact)
     assert (off <= bound + RTOL * 0.05).all()
 

@@ -13,6 +13,7 @@ from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal
 from rcskin.simulator.models.reduced.cases import pixel_touches
+from rcskin.simulator.scene.readings import Reading
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.simulator.bounds.every_strength import compared, exact
 
@@ -38,11 +39,17 @@ def model(scene):
     return trained(scene, 1e-4, pixel_touches(scene, (0.5, 3.0)))
 
 
+def read_by(model, scene, count=None):
+    """The skin and what is read of it: through so many of a scene's interfaces."""
+    some = scene.interfaces[:count]
+    return read(model, some).skin(None), Reading(some, scene.frequencies, scene.leads)
+
+
 @pytest.fixture(scope="module")
 def judged(scene, model):
     """A function from a number of readings to what they tell."""
     draws = CommonDraws(scene, draws=3000)
-    return lambda count: draws.judged(read(model, scene.interfaces[:count]).skin(None))
+    return lambda count: draws.judged(*read_by(model, scene, count))
 
 
 def test_the_accuracy_is_that_of_the_best_classifier(scene, model, judged):
@@ -71,9 +78,10 @@ def test_a_difference_errs_far_less_than_each(scene, model):
         other.top * 0.97, other.bottom, other.films, other.capacitance, other.loss
     )
     skins = readings.skin(None), readings.skin(conducting)
+    asked = Reading(scene.interfaces[:2], scene.frequencies)
     gains = []
     for seed in range(12):
-        one, two = (CommonDraws(scene, draws=500, seed=seed).judged(skin) for skin in skins)
+        one, two = (CommonDraws(scene, draws=500, seed=seed).judged(skin, asked) for skin in skins)
         gains.append(one.above(two))
     assert gains[0].error < 0.2 * one.accuracy.error
     spread = np.std([gain.share for gain in gains], ddof=1)
@@ -84,8 +92,7 @@ def test_readings_left_out_are_not_told(scene, model, judged):
     """At no frequency of the others, the first is alone."""
     told = np.zeros((len(READINGS), 3), dtype=bool)
     told[0] = True
-    all_of_them = read(model, scene.interfaces).skin(None)
-    found = CommonDraws(scene, draws=3000).judged(all_of_them, told)
+    found = CommonDraws(scene, draws=3000).judged(*read_by(model, scene), told)
     np.testing.assert_allclose(found.right, judged(1).right, atol=1e-3)
 
 
@@ -103,9 +110,9 @@ def test_two_touches_are_told_as_by_the_best_classifier(pair_scene, model):
     readings._reduced = read(model, pair_scene.interfaces)
     asked = readings, hypotheses(pair_scene, "pair"), presses
     best = exact(*asked, seed=2, draws=3000)
-    skin = read(model, pair_scene.interfaces).skin(None)
     assert 0.4 < best.share < 0.97
-    common = CommonDraws(pair_scene, "pair", draws=3000).judged(skin).accuracy
+    draws = CommonDraws(pair_scene, "pair", draws=3000)
+    common = draws.judged(*read_by(model, pair_scene)).accuracy
     for found in (common, bayes(*asked, seed=3, draws=3000)):
         assert found.share == pytest.approx(best.share, abs=4 * np.hypot(found.error, best.error))
 

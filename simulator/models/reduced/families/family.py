@@ -115,20 +115,18 @@ class Family(ABC):
         factors: NDArray[np.float64],
         rtol: float,
         frequency: NDArray[np.float64],
-        drives: Sequence[Drive] | None = None,
+        drives: Sequence[Drive],
     ) -> tuple[NDArray[np.complex128], float]:
         """Z in ohm at frequencies in Hz, shape (drive, frequency), and its error.
 
-        factors: c over the scene's own at rest, shape (part,). drives: those of the family's
-        circuit for None. The error is the largest of Rs and Cp, relatively, estimated by elements
-        of one order more as `fidelity` does.
+        factors: c over the scene's own at rest, shape (part,). The error is the largest of Rs and
+        Cp, relatively, estimated by elements of one order more as `fidelity` does.
         """
         spaces = (self.skin(weights), self.mass(factors)), self.finer(weights, factors)
-        driven = self.circuit.drives if drives is None else drives
 
         def sweep(around: NDArray[np.float64], tolerance: float) -> list[Swept]:
             s = laplace_variable(around, loss)
-            return [swept(space, mass, driven, s, tolerance) for space, mass in spaces]
+            return [swept(space, mass, drives, s, tolerance) for space, mass in spaces]
 
         Z, error = checked(sweep, frequency, rtol)
         return Z, float(self.told(error).max())

@@ -99,7 +99,7 @@ def error_of(family: Family, case: Case, rtol: float, frequency: NDArray[np.floa
     """By the mesh alone, of Rs and Cp, relatively. frequency: Hz, ascending."""
     loss = (case.variation or family.scene.skin.foam).loss
     weights, foam = weights_of_case(family, case), family.foam_of(case)
-    return family.solved(weights, loss, foam, rtol, frequency)[1]
+    return family.solved(weights, loss, foam, rtol, frequency, family.circuit.drives)[1]
 
 
 def weights_of_case(family: Family, case: Case) -> Weights:
