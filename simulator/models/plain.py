@@ -39,9 +39,12 @@ def electrical(scene: Scene) -> Scene:
     return even.model_copy(update={"skin": _stretched(skin)})
 
 
-def electrical_press(scene: Scene, press: Press) -> Press | None:
-    """The same press on `electrical(scene)`; None where that is no plain press on a plain scene."""
-    if not (press.plain and electrical(scene).plain):
+def electrical_press(scene: Scene, press: Press, even: Scene | None = None) -> Press | None:
+    """The same press on `electrical(scene)`; None where that is no plain press on a plain scene.
+
+    even: `electrical(scene)`, where it is known.
+    """
+    if not (press.plain and (even or electrical(scene)).plain):
         return None
     ratios = scene.skin.stretch.ratios if scene.skin.stretch else (1.0, 1.0)
     if ratios == (1.0, 1.0):

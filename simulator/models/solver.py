@@ -59,11 +59,22 @@ def checked_model(name: str) -> ModelName:
 class Solver:
     """A scene at a tolerance: answers any press, refining as far as the tolerance needs."""
 
-    def __init__(self, scene: Scene, rtol: float = DEFAULT_RTOL, model: ModelName = "auto") -> None:
-        """rtol: largest relative error of Rs and of Cp. Raises InputError where it is not > 0."""
+    def __init__(
+        self,
+        scene: Scene,
+        rtol: float = DEFAULT_RTOL,
+        model: ModelName = "auto",
+        frequency: ArrayLike | None = None,
+    ) -> None:
+        """rtol: largest relative error of Rs and of Cp. frequency: Hz, ascending, of a press where
+        no other is asked for; those of the scene's sweep for None.
+
+        Raises InputError where rtol is not > 0, and for frequencies that are none.
+        """
         if not (np.isfinite(rtol) and rtol > 0):
             raise InputError(f"`rtol` must be finite and > 0, got {rtol}")
         self.scene, self.rtol = scene, rtol
+        self.frequency = scene.frequencies if frequency is None else checked_frequencies(frequency)
         self._even, self._outlook = electrical(scene), Outlook(rtol)
         self.model: ModelName = model
         self._sheets: dict[Resolution, Sheet] = {}
@@ -76,12 +87,12 @@ class Solver:
     def solve(self, press: Press, frequency: ArrayLike | None = None) -> Answer:
         """The answer, at each frequency, of the cheapest rung that keeps the tolerance.
 
-        frequency: Hz, ascending; those of the scene's sweep without. Behind leads the skin is
+        frequency: Hz, ascending; the solver's own without. Behind leads the skin is
         solved as much closer as they need for it. Raises ToleranceError where no rung keeps it,
         InputError where a model asked for by name does not apply to the scene or the press, and for
         frequencies that are none.
         """
-        asked = self.scene.frequencies if frequency is None else _checked_frequencies(frequency)
+        asked = self.frequency if frequency is None else checked_frequencies(frequency)
         self._check_depth(press, float(asked[-1]))
         solver = self
         while True:
@@ -100,7 +111,7 @@ class Solver:
 
     @cached_property
     def _closer(self) -> Solver:
-        return Solver(self.scene, CLOSER * self.rtol, self.model)
+        return Solver(self.scene, CLOSER * self.rtol, self.model, self.frequency)
 
     def _of_skin(self, press: Press, frequency: NDArray[np.float64]) -> Answer:
         """The answer at the skin's own contacts."""
@@ -116,7 +127,7 @@ class Solver:
 
             place = self._places.of(press)
             sharp, pressed = indented(self.scene, press, self.rtol, place=place)
-        even = None if pressed else electrical_press(self.scene, sharp)
+        even = None if pressed else electrical_press(self.scene, sharp, self._even)
         if even is None:
             self._varied(sharp, pressed, progress, place)
         else:
@@ -194,7 +205,7 @@ class Solver:
     def _applied(self) -> Applied:
         from .reduced.indented.applied import Applied
 
-        return Applied(self.scene, self.rtol)
+        return Applied(self.scene, self.rtol, self.frequency)
 
     def explain(self, press: Press, answer: Answer) -> str:
         """What answered a press at each frequency, its own estimated error, and what did not."""
@@ -270,18 +281,18 @@ class Solver:
         self._within_sweep(self._of_pixels, press, progress)
 
     def _within_sweep(self, model: OfPixels | Applied, press: Press, progress: Progress) -> None:
-        """A reduced model at all frequencies that it is certified for: within the scene's sweep.
+        """A reduced model at all frequencies that it is certified for: between the solver's own.
 
         Raises InputError naming those that are left.
         """
-        asked, (low, high) = progress.frequency, self.scene.frequencies[[0, -1]]
+        asked, (low, high) = progress.frequency, self.frequency[[0, -1]]
         within = (low <= asked) & (asked <= high)
         if within.any():
             progress.offer(model.rung(press, asked[within]), within)
         if not within.all():
             beyond = ", ".join(f"{f:g}" for f in asked[~within])
             raise InputError(
-                f"answers frequencies from {low:g} to {high:g} Hz, as of its scene's sweep, "
+                f"answers frequencies from {low:g} to {high:g} Hz, those it is trained for, "
                 f"got {beyond}"
             )
 
@@ -289,7 +300,7 @@ class Solver:
     def _of_pixels(self) -> OfPixels:
         from .reduced.rung import OfPixels
 
-        return OfPixels(self._even, self.rtol)
+        return OfPixels(self._even, self.rtol, self.frequency)
 
     def _sheet(self, resolution: Resolution) -> Sheet:
         """Discretised at a resolution; the oldest are forgotten, for they are large."""
@@ -308,7 +319,7 @@ class Solver:
         return Ladder(self._even, self._circuit)
 
 
-def _checked_frequencies(frequency: ArrayLike) -> NDArray[np.float64]:
+def checked_frequencies(frequency: ArrayLike) -> NDArray[np.float64]:
     """The same as an array, shape (frequency,). Raises InputError where they are none."""
     asked = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     finite = np.isfinite(asked).all() and (asked > 0).all()

@@ -146,9 +146,7 @@ def pressed_factor(scene: Scene, touch: AnyTouch) -> float:
     """c under a touch over that at rest. Raises InputError for one by a force."""
     if not isinstance(touch, Indentation):
         return touch.factor
-    by = {"depth": touch.by.value} if isinstance(touch.by, Depth) else {"force": touch.by.value}
-    pressing = scene.press.model_copy(update={"depth": None, "force": None, **by})
-    return scene.model_copy(update={"press": pressing}).pressed_factor
+    return scene.factor_at(touch.by.value if isinstance(touch.by, Depth) else None)
 
 
 def every_press(scene: Scene) -> list[Press]:

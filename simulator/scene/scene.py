@@ -194,22 +194,29 @@ class Scene(Table):
     def pressed_factor(self) -> float:
         """c under a pixel that is pressed as the scene says, over that at rest.
 
-        Raises InputError where it is pressed by a force: how deep that goes differs by pixel.
+        Raises InputError as `factor_at`.
         """
-        if self.press.force is not None:
+        press = self.press
+        return press.capacitance_factor if press.plain else self.factor_at(press.depth)
+
+    def factor_at(self, depth: float | None) -> float:
+        """c under an applicator at a depth in m, over that at rest; None for that of a force.
+
+        Raises InputError where the foam cannot be pressed so far, and for a force: how deep that
+        goes differs by pixel.
+        """
+        if depth is None:
             raise InputError(
                 f"{self.name}: `press.force` presses pixels to different depths; give "
                 "`press.depth` here"
             )
-        if self.press.depth is None:
-            return self.press.capacitance_factor
         most = self._mechanics.elastic.greatest_strain * self._thickness
-        if self.press.depth > most:
+        if depth > most:
             raise InputError(
                 f"{self.name}: `press.depth` must be <= {most:.4g} m, where the foam's cells are "
-                f"closed, got {self.press.depth:g}"
+                f"closed, got {depth:g}"
             )
-        return float(self.pressed_factors(np.array(self.press.depth)))
+        return float(self.pressed_factors(np.array(depth)))
 
     def pressed_factors(self, depth: NDArray[np.float64]) -> NDArray[np.float64]:
         """c under applicators at depths in m that the foam can be pressed to, over that at rest."""

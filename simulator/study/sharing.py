@@ -16,13 +16,13 @@ from ..measure.symmetry import AT_REST, Pixel, representative
 from ..models.solver import ModelName, Solver
 from ..models.varied.meshes import circuit_of
 from ..press.press import Press, every_press, pixel_pressed
-from ..scene.meter import Sweep
 from ..scene.scene import Scene
 from .curve import Curve, trace
 from .point import Trial
 
 SAME = 1e-12
-NOT_OF_THE_SKIN = {"name", "description", "press", "sweep", "readout", "experiment", "dataset"}
+OF_THE_IMPEDANCE = {"skin", "contacts", "pixels", "interfaces", "leads"}
+"""The specimen, and how it is read at any frequency."""
 
 COUNTED_BY_THE_LAW: dict[str, Any] = {
     "skin": {
@@ -31,8 +31,8 @@ COUNTED_BY_THE_LAW: dict[str, Any] = {
         "foam": {"capacitance_per_area", "thickness", "relative_permittivity"},
     },
     "contacts": {"__all__": {"resistance"}},
+    "interfaces": {"__all__": {"frequencies"}},
 }
-READ_AT: dict[str, Any] = {"interfaces": {"__all__": {"frequencies"}}}
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,7 @@ class Skin:
     """What the impedance of a scene depends on, apart from the press and the frequencies."""
 
     def __init__(self, scene: Scene) -> None:
-        excluded: Any = {**COUNTED_BY_THE_LAW, **READ_AT, **dict.fromkeys(NOT_OF_THE_SKIN, True)}
-        self._shape = scene.model_dump(exclude=excluded)
+        self._shape = scene.model_dump(include=OF_THE_IMPEDANCE, exclude=COUNTED_BY_THE_LAW)
         self._shape |= {"spread": None if scene.press.plain else scene.skin.foam.thickness}
         self._resistances = _resistances(circuit_of(scene))
         self._capacitance = scene.skin.foam.rest_capacitance_per_area
@@ -105,9 +104,13 @@ class Family:
 
 @dataclass(frozen=True)
 class Task:
-    """Some pixels of a scene, each with the strengths at which it is pressed."""
+    """Some pixels of a scene, each with the strengths at which it is pressed.
+
+    frequency: at which it is solved, Hz, ascending.
+    """
 
     scene: Scene
+    frequency: NDArray[np.float64]
     factors: dict[Pixel, list[float]]
     rtol: float
 
@@ -138,9 +141,7 @@ def families(scenes: Sequence[Scene]) -> list[Family]:
 
 def tasks(family: Family, scenes: Sequence[Scene], trial: Trial, rtol: float) -> list[Task]:
     """What is to be solved for a family: a row of pixels at a time; all by a model to train."""
-    scene = family.leader.model_copy(
-        update={"sweep": Sweep(frequencies=tuple(_joined(family, scenes).tolist()))}
-    )
+    scene, frequency = family.leader, _joined(family, scenes)
     of = representative(scene)
     factors: dict[Pixel, set[float]] = defaultdict(set)
     for point in family.members:
@@ -149,13 +150,13 @@ def tasks(family: Family, scenes: Sequence[Scene], trial: Trial, rtol: float) ->
     rows: dict[int, dict[Pixel, list[float]]] = defaultdict(dict)
     for pixel in sorted(factors):
         rows[0 if _trained(scene) else pixel[0]][pixel] = sorted(factors[pixel])
-    return [Task(scene, row, rtol) for row in rows.values()]
+    return [Task(scene, frequency, row, rtol) for row in rows.values()]
 
 
 def solve(task: Task) -> Solution:
     """The curves of a task's pixels. Raises ToleranceError where the tolerance is not reached."""
     model: ModelName = "reduced" if _trained(task.scene) else "auto"
-    solver = Solver(task.scene, SOLVER_SHARE * task.rtol, model)
+    solver = Solver(task.scene, SOLVER_SHARE * task.rtol, model, task.frequency)
     solves = 0
 
     def curve(pixel: Pixel, factors: list[float]) -> Curve:

@@ -78,18 +78,20 @@ def reduce(
     progress: Progress = silent,
     frequency: NDArray[np.float64] | None = None,
     readings: Sequence[Interface] | None = None,
+    by_depth: bool | None = None,
 ) -> Reduced:
     """A reduced model of a scene, within rtol in Rs and Cp for skins and presses as drawn.
 
     draw: of what the model is trained on, by default one or two touched pixels. modes: of each
     sheet's conductance, see `variation.WAVES`. alike: whether both sheets vary in the same way, so
     that one field may serve. frequency: Hz, ascending; those of the scene's sweep for None.
-    readings: how two fields are driven; by the scene's interfaces for None. Raises ToleranceError
+    readings: how two fields are driven; by the scene's interfaces for None. by_depth: whether
+    pixels are pressed by depth or force; as the scene presses them for None. Raises ToleranceError
     where mesh or basis do not get there, InputError where the pixels do not fit in memory.
     """
-    by_depth = spreading(scene)
-    scene = scene if by_depth else electrical(scene)
-    draw = apart(draw or pixel_touches(scene), scene) if by_depth else draw or pixel_touches(scene)
+    applied = spreading(scene, by_depth)
+    scene = scene if applied else electrical(scene)
+    draw = apart(draw or pixel_touches(scene), scene) if applied else draw or pixel_touches(scene)
     circuit = circuit_of(scene, alike)
     circuit = circuit if readings is None else circuit.read(readings)
     check_grid_fits(scene, circuit)
@@ -97,7 +99,7 @@ def reduce(
     progress(TRAINING, 0.0)
     with one_blas_thread():
         cases = [draw(random) for _ in range(MESH_DRAWS)]
-        resolve = resolved_under_applicators if by_depth else resolved
+        resolve = resolved_under_applicators if applied else resolved
         family, mesh_error = resolve(scene, circuit, modes, rtol, cases, f)
         return Basis(family, rtol, mesh_error, f).grow(draw, random, progress)
 

@@ -23,13 +23,13 @@ TRAINED = (0.5, 3.0)
 
 
 class OfPixels:
-    """Trained at first use. rtol: of Rs and Cp."""
+    """Trained at first use. rtol: of Rs and Cp. frequency: Hz, ascending."""
 
-    def __init__(self, scene: Scene, rtol: float) -> None:
-        self.scene, self.rtol = scene, rtol
+    def __init__(self, scene: Scene, rtol: float, frequency: NDArray[np.float64]) -> None:
+        self.scene, self.rtol, self.frequency = scene, rtol, frequency
 
     def rung(self, press: Press, frequency: NDArray[np.float64]) -> Rung:
-        """The answer at frequencies in Hz within the scene's, and its error.
+        """The answer at frequencies in Hz within those, and its error.
 
         Raises InputError for touches unlike those that it is trained on.
         """
@@ -41,7 +41,8 @@ class OfPixels:
 
     @cached_property
     def _skin(self) -> ReducedSkin:
-        return reduce(self.scene, self.rtol, pixel_touches(self.scene, TRAINED)).skin(None)
+        draw = pixel_touches(self.scene, TRAINED)
+        return reduce(self.scene, self.rtol, draw, frequency=self.frequency).skin(None)
 
 
 def rung_of(

@@ -24,14 +24,13 @@ SHALLOW = 0.05
 
 
 class Applied:
-    """Trained at first use. rtol: of Rs and Cp."""
+    """Trained at first use. rtol: of Rs and Cp. frequency: Hz, ascending."""
 
-    def __init__(self, scene: Scene, rtol: float) -> None:
-        pressing = scene.press.model_copy(update={"depth": deepest(scene), "force": None})
-        self.scene, self.rtol = scene.model_copy(update={"press": pressing}), rtol
+    def __init__(self, scene: Scene, rtol: float, frequency: NDArray[np.float64]) -> None:
+        self.scene, self.rtol, self.frequency = scene, rtol, frequency
 
     def rung(self, press: Press, frequency: NDArray[np.float64]) -> Rung:
-        """The answer at frequencies in Hz within the scene's, and its error.
+        """The answer at frequencies in Hz within those, and its error.
 
         Raises InputError for touches that are no pixels or deeper than those that are known.
         """
@@ -82,14 +81,9 @@ class Applied:
 
     @cached_property
     def _skin(self) -> IndentedSkin:
-        factors = (
-            self.scene.model_copy(
-                update={"press": self.scene.press.model_copy(update={"depth": depth})}
-            ).pressed_factor
-            for depth in (SHALLOW * deepest(self.scene), deepest(self.scene))
-        )
-        low, high = factors
-        model = reduce(self.scene, self.rtol, pixel_touches(self.scene, (low, high)))
+        scene, most = self.scene, deepest(self.scene)
+        trained = pixel_touches(scene, (scene.factor_at(SHALLOW * most), scene.factor_at(most)))
+        model = reduce(scene, self.rtol, trained, frequency=self.frequency, by_depth=True)
         assert isinstance(model, Indented)
         return model.skin(None)
 

@@ -15,12 +15,14 @@ from ..cases import Case, Draw
 from .applicators import deepest
 
 
-def spreading(scene: Scene) -> bool:
+def spreading(scene: Scene, by_depth: bool | None = None) -> bool:
     """Whether pixels are pressed by depth or force, and that is felt beside them.
 
-    Raises InputError where this changes a sheet's resistance, too.
+    by_depth: whether they are so pressed; as the scene presses them for None. Raises InputError
+    where this changes a sheet's resistance, too.
     """
-    if not felt_beside(scene):
+    by_depth = not scene.press.plain if by_depth is None else by_depth
+    if not (by_depth and spreads(scene)):
         return False
     if gauged(scene.skin):
         raise InputError(
@@ -54,9 +56,7 @@ def apart(draw: Draw, scene: Scene) -> Draw:
     """The same draws, no deeper than applicators are known, and no pull; of touches on pixels that
     meet only the first is left, and of those without skin none."""
     on_skin = held(scene).part > 0
-    columns, deep = scene.pixels.columns, {"depth": deepest(scene), "force": None}
-    pressing = scene.press.model_copy(update=deep)
-    most = scene.model_copy(update={"press": pressing}).pressed_factor - 1
+    columns, most = scene.pixels.columns, scene.factor_at(deepest(scene)) - 1
 
     def drawn(random: np.random.Generator) -> Case:
         case = draw(random)
