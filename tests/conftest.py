@@ -205,6 +205,18 @@ def run(monkeypatch, capsys):
     return run
 
 
+@pytest.fixture
+def refused(run):
+    """Runs `rcskin ARGUMENTS`, which must end by code 2 and one line; gives that line."""
+
+    def refused(*arguments):
+        code, out, err = run(*arguments)
+        assert (code, out, err.count("\n")) == (2, "", 1) and err.startswith("rcskin: "), err
+        return err
+
+    return refused
+
+
 @pytest.fixture(scope="session")
 def random():
     """Hypothesis strategies of scenes and presses."""

@@ -146,9 +146,8 @@ def test_the_saved_model_knows_the_sweeps_it_was_trained_on(results, name):
     assert np.mean(load(results / f"{name}.skops").predict(measured) == labels(measured)) > 0.97
 
 
-def test_a_folder_that_cannot_be_made_is_bad_input(run, tmp_path):
+def test_a_folder_that_cannot_be_made_is_bad_input(refused, tmp_path):
     occupied = tmp_path / "file"
     occupied.touch()
-    code, _, err = run("reproduce", "-o", occupied)
-    assert code == 2
+    err = refused("reproduce", "-o", occupied)
     assert err.startswith(f"rcskin: {occupied}: cannot be written: is a file")

@@ -45,17 +45,18 @@ def test_recordings_are_drawn_over_each_other(run, file, tmp_path):
         (["-o", "out.png", "--what", "Q"], "--what must be of Rs, Cp, change-Rs, "),
     ],
 )
-def test_what_cannot_be_drawn_is_one_line(run, file, words, told):
-    code, _, err = run("plot", file, *words)
-    assert code == 2 and told in err and err.count("\n") == 1
+def test_what_cannot_be_drawn_is_one_line(refused, file, words, told):
+    assert told in refused("plot", file, *words)
 
 
-def test_changes_without_rest_are_refused(run, make_sweeps, tmp_path):
+def test_changes_without_rest_are_refused(refused, make_sweeps, tmp_path):
     pressed = make_sweeps(2, press=["1,1", "1,2"], row=[1, 1], column=[1, 2])
     write(pressed, tmp_path / "run.nc")
     output = tmp_path / "out.png"
-    code, _, err = run("plot", tmp_path / "run.nc", "-o", output, "--what", "change-Cp")
-    assert code == 2 and "has no sweep at rest" in err and not output.exists()
+    assert "has no sweep at rest" in refused(
+        "plot", tmp_path / "run.nc", "-o", output, "--what", "change-Cp"
+    )
+    assert not output.exists()
 
 
 def test_changes_are_from_the_mean_at_rest_of_their_session(make_sweeps):
@@ -137,10 +138,11 @@ def test_a_page_holds_every_curve_and_needs_no_network(run, two_files, tmp_path)
         assert text.count(f'"name":"{name}"') == 2 * len(QUANTITIES)
 
 
-def test_a_page_without_plotly_is_told_in_one_line(run, file, tmp_path, monkeypatch):
+def test_a_page_without_plotly_is_told_in_one_line(refused, file, tmp_path, monkeypatch):
     monkeypatch.setattr("rcskin.simulator.sweeps.needs.find_spec", lambda name: None)
-    code, _, err = run("plot", file, "-o", tmp_path / "page.html")
-    assert code == 2 and "needs plotly: pip install 'rcskin[view]'" in err
+    assert "needs plotly: pip install 'rcskin[view]'" in refused(
+        "plot", file, "-o", tmp_path / "page.html"
+    )
     assert not (tmp_path / "page.html").exists()
 
 

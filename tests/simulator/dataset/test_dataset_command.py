@@ -88,11 +88,9 @@ def test_what_was_certified_is_told_beside_the_sessions_that_it_was_drawn_from(
         ),
     ],
 )
-def test_bad_input_ends_with_one_line_and_code_2(run, tmp_path, monkeypatch, arguments, told):
+def test_bad_input_ends_with_one_line_and_code_2(refused, tmp_path, monkeypatch, arguments, told):
     monkeypatch.chdir(tmp_path)
-    code, out, err = run("dataset", *arguments)
-    assert (code, out) == (2, "")
-    assert told in err and err.count("\n") == 1
+    assert told in refused("dataset", *arguments)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -182,9 +182,10 @@ def test_a_drawing_names_foils_and_pixels(run, tmp_path, kind, ending):
         assert "<!-- column 1 -->" in drawn and "<!-- row 1 -->" in drawn
 
 
-def test_another_ending_is_refused_before_any_work(run):
-    code, _, err = run("describe", "no-such-scene", "-o", "out.bmp")
-    assert code == 2 and "must end in .png or .svg or .pdf" in err
+def test_another_ending_is_refused_before_any_work(refused):
+    assert "must end in .png or .svg or .pdf" in refused(
+        "describe", "no-such-scene", "-o", "out.bmp"
+    )
 
 
 def test_each_interface_has_the_cut_off_of_its_own_foils():

@@ -107,13 +107,12 @@ def test_outlines_that_bound_no_skin_are_refused(outline, told):
     assert "\n" not in str(refused.value)
 
 
-def test_the_command_line_tells_in_one_line(tmp_path, run):
+def test_the_command_line_tells_in_one_line(tmp_path, refused):
     path = tmp_path / "bad.toml"
     path.write_text(text_of("circle = [0, 0, 0.1]"), encoding="utf-8")
-    code, _, err = run("sweep", path, "-o", tmp_path / "out.csv")
-    assert code == 2
-    assert err.count("\n") == 1
-    assert f"{path}: `skin` outline must lie within x = 0..0.12 m, got -0.1..0.1 m" in err
+    assert f"{path}: `skin` outline must lie within x = 0..0.12 m, got -0.1..0.1 m" in refused(
+        "sweep", path, "-o", tmp_path / "out.csv"
+    )
 
 
 @pytest.mark.parametrize(

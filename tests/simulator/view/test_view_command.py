@@ -131,13 +131,11 @@ def test_with_a_display_a_window_is_opened(run, solved, scene_file, monkeypatch)
     ],
 )
 def test_bad_input_is_told_in_one_line(
-    run, solved, scene_file, tmp_path, monkeypatch, arguments, says
+    refused, solved, scene_file, tmp_path, monkeypatch, arguments, says
 ):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("rcskin.simulator.view.painting.check_drawing", lambda: None)
-    code, out, err = run("view", scene_file, *arguments)
-    assert (code, out) == (2, "")
-    assert says in err and err.count("\n") == 1
+    assert says in refused("view", scene_file, *arguments)
     assert [path.name for path in tmp_path.iterdir()] == ["scene.toml"]
 
 
