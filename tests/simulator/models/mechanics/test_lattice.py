@@ -189,18 +189,11 @@ def test_skin_is_where_the_outline_leaves_it(lattice_on):
     assert w[beyond] < closed[beyond]
 
 
-def test_it_comes_to_rest(lattice_on, monkeypatch):
-    """With limp skins and stiff ones."""
-    swept = []
-
-    def counted(*asked):
-        swept.append(settled(*asked))
-        return swept[-1]
-
-    monkeypatch.setattr(presses, "settled", counted)
+def test_it_comes_to_rest_in_half_the_sweeps_allowed(lattice_on, monkeypatch):
+    """With limp skins and stiff ones; else ToleranceError is raised."""
+    monkeypatch.setattr(presses, "MOST_SWEEPS", presses.MOST_SWEEPS // 2)
     for tension in (0.5, 20.0, 2000.0):
         raised(lattice_on(tension=tension), disc(0.06, 0.05, 0.006, 2e-3))
-    assert max(swept) < presses.MOST_SWEEPS / 2
 
 
 def test_foam_that_does_not_come_to_rest_is_told(lattice_on, monkeypatch):
