@@ -24,19 +24,22 @@ Part = TypeVar("Part", Sheet, Foam)
 
 
 def electrical(scene: Scene) -> Scene:
-    """The scene with all folded in that a plain scene can hold.
+    """The scene with all folded in that a plain scene can hold, see `form`.
 
-    Even maps and directions of no preference always are, and bending to a cylinder; a stretch where
-    nothing else is left that is not plain. A plain scene is returned as it is.
+    A plain scene is returned as it is.
     """
-    even = _evened(scene)
-    skin = even.skin
-    if skin.stretch is None:
-        return even
-    unstretched = even.model_copy(update={"skin": skin.model_copy(update={"stretch": None})})
-    if not unstretched.plain:
-        return even
-    return even.model_copy(update={"skin": _stretched(skin)})
+    skin = form(scene.skin)
+    return scene if skin is scene.skin else scene.model_copy(update={"skin": skin})
+
+
+def form(skin: Skin) -> Skin:
+    """What a skin is electrically.
+
+    Even maps and directions of no preference are always folded in, and bending to a cylinder; a
+    stretch where nothing else is left that is not plain.
+    """
+    even = _evened(skin)
+    return _stretched(even) if even.beyond_plain == ["skin.stretch"] else even
 
 
 def electrical_press(scene: Scene, press: Press, even: Scene | None = None) -> Press | None:
@@ -72,7 +75,7 @@ def evenly_pressed(scene: Scene, what: str) -> Scene:
         return _by_depth_alone(scene, what)
     factor, spread = scene.pressed_factor, scene.press.factor_spread
     pressing = Pressing(capacitance_factor=factor, factor_spread=spread)
-    return electrical(scene.model_copy(update={"press": pressing}))
+    return scene.model_copy(update={"press": pressing, "skin": form(scene.skin)})
 
 
 def require_plain(scene: Scene, what: str) -> Scene:
@@ -80,8 +83,7 @@ def require_plain(scene: Scene, what: str) -> Scene:
 
     Raises InputError naming the key by which the scene is another one.
     """
-    key = scene.beyond_plain
-    if key is not None:
+    for key in scene.skin.beyond_plain:
         raise InputError(
             f"{scene.name}: {what} cannot take `{key}`: it needs uniform sheets and foam on a "
             "rectangle"
@@ -96,9 +98,8 @@ def _by_depth_alone(scene: Scene, what: str) -> NoReturn:
     )
 
 
-def _evened(scene: Scene) -> Scene:
+def _evened(skin: Skin) -> Skin:
     """Without even maps, without directions of no preference, and flat where it only bends."""
-    skin = scene.skin
     changed = {
         "top": _without_even_map(_without_idle_direction(skin.top)),
         "bottom": _without_even_map(_without_idle_direction(skin.bottom)),
@@ -106,8 +107,8 @@ def _evened(scene: Scene) -> Scene:
         "shape": None if skin.shape is not None and skin.shape.developable else skin.shape,
     }
     if all(getattr(skin, name) is part for name, part in changed.items()):
-        return scene
-    return scene.model_copy(update={"skin": skin.model_copy(update=changed)})
+        return skin
+    return skin.model_copy(update=changed)
 
 
 def _without_idle_direction(sheet: Sheet) -> Sheet:

@@ -166,29 +166,9 @@ class Scene(Table):
         return Reading(self.interfaces, self.frequencies, self.leads)
 
     @property
-    def beyond_plain(self) -> str | None:
-        """The first key by which it is more than uniform sheets and foam on a rectangle at rest.
-
-        None where there is none. What `electrical` folds in is one until then; bending to a
-        cylinder never is one.
-        """
-        skin = self.skin
-        keys = {
-            "skin.outline": skin.outline is not None,
-            "skin.mesh": skin.mesh is not None,
-            "skin.stretch": skin.stretch is not None,
-            "skin.shape": skin.shape is not None and not skin.shape.developable,
-            **dict.fromkeys(skin.maps, True),
-        }
-        for name, sheet in (("top", skin.top), ("bottom", skin.bottom)):
-            keys[f"skin.{name}.anisotropy"] = sheet.anisotropy is not None
-            keys[f"skin.{name}.piezoresistance"] = sheet.piezoresistance != 0
-        return next((key for key, there in keys.items() if there), None)
-
-    @property
     def plain(self) -> bool:
         """Whether uniform sheets and foam on a rectangle at rest are all there is."""
-        return self.beyond_plain is None
+        return not self.skin.beyond_plain
 
     @property
     def pressed_factor(self) -> float:

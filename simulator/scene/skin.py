@@ -252,6 +252,24 @@ class Skin(Table):
         parts = {"top": self.top, "bottom": self.bottom, "foam": self.foam}
         return {f"skin.{name}.map": part.map for name, part in parts.items() if part.map}
 
+    @property
+    def beyond_plain(self) -> list[str]:
+        """The keys by which it is more than uniform sheets and foam on a rectangle at rest.
+
+        What `plain.form` folds in is one until then; bending to a cylinder never is one.
+        """
+        keys = {
+            "skin.outline": self.outline is not None,
+            "skin.mesh": self.mesh is not None,
+            "skin.stretch": self.stretch is not None,
+            "skin.shape": self.shape is not None and not self.shape.developable,
+            **dict.fromkeys(self.maps, True),
+        }
+        for name, sheet in (("top", self.top), ("bottom", self.bottom)):
+            keys[f"skin.{name}.anisotropy"] = sheet.anisotropy is not None
+            keys[f"skin.{name}.piezoresistance"] = sheet.piezoresistance != 0
+        return [key for key, there in keys.items() if there]
+
     def sheet(self, electrode: Electrode) -> Sheet:
         """The sheet that is the named electrode."""
         return self.top if electrode == "top" else self.bottom

@@ -128,9 +128,14 @@ def meshes(
 def circuit_of(scene: Scene, alike: bool = True) -> Circuit:
     """One field where both sheets and their foils vary alike. alike: whether they do on all skins
     that are meant."""
-    return (single_field(scene) if alike else None) or two_fields(electrical(scene))
+    even = electrical(scene)
+    return (_single(scene, even) if alike else None) or two_fields(even)
 
 
 def single_field(scene: Scene) -> Circuit | None:
     """The circuit of the potential difference; None where it would not be exact."""
-    return one_field(electrical(scene)) if Materials(scene).alike else None
+    return _single(scene, electrical(scene))
+
+
+def _single(scene: Scene, even: Scene) -> Circuit | None:
+    return one_field(even) if Materials(scene).alike else None
