@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from ..measure.readout import ErrorModel
 from ..mesh.held import held
 from ..models.parameters import session_spreads
+from ..models.response import Response
 from ..press.batch import PressBatch
 from ..progress import Progress, silent, tracked
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .fields import Answer, AnyFields, TouchSize
+from .fields import AnyFields, TouchSize
 from .information import (
     covariances,
     error_model,
@@ -185,7 +186,7 @@ def position_slopes(
         factors, changes = laying.laid(place, touch)
         of_foam = skin.maps(factors) if skin else {}
         answer = fields.respond(factors, changes, frequency, of_foam)
-        own = in_noise(answer.Z, [answer.by[name] for name in WANTED], model)
+        own = in_noise(answer.Z, [answer.by_parameter[name] for name in WANTED], model)
         found.append(np.concatenate([own, errors, *([skin.slopes(answer)] if skin else [])], -1))
     prior = np.concatenate([np.zeros(len(WANTED)), prior, *([skin.prior] if skin else [])])
     room = scene.skin.length - touch.width, scene.skin.width - touch.height
@@ -229,7 +230,7 @@ class SkinUnknowns:
         self.deviations = {
             name: spread.deviation
             for name, spread in session_spreads(scene).items()
-            if spread.deviation > 0 and name in self._rest.by
+            if spread.deviation > 0 and name in self._rest.by_parameter
         }
         if spread := scene.dataset.session.foam_spread:
             self.deviations |= dict.fromkeys(self._pixels, spread)
@@ -239,13 +240,15 @@ class SkinUnknowns:
         """How c changes with the foam of each pixel."""
         return {name: pixel * factors for name, pixel in self._pixels.items()}
 
-    def slopes(self, answer: Answer) -> NDArray[np.float64]:
+    def slopes(self, answer: Response) -> NDArray[np.float64]:
         """Of a press, less those of the skin at rest where that is what it is compared with."""
         found = self._in_noise(answer)
         return found - self._in_noise(self._rest) if self._model.against_rest else found
 
-    def _in_noise(self, answer: Answer) -> NDArray[np.float64]:
-        return in_noise(answer.Z, [answer.by[name] for name in self.deviations], self._model)
+    def _in_noise(self, answer: Response) -> NDArray[np.float64]:
+        return in_noise(
+            answer.Z, [answer.by_parameter[name] for name in self.deviations], self._model
+        )
 
 
 def _along(length: float, cells: int, size: float, most: int | None) -> list[float]:

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.fields import TouchSize
-from ..bounds.fields.answer import at_meter
 from ..bounds.fields.pressed import PressedSkin
 from ..bounds.information import in_noise, session_errors
 from ..bounds.position import WANTED, Slopes, chosen_touch, places_on
@@ -14,6 +13,7 @@ from ..bounds.touches.cells import Cells, Place
 from ..fem.factors import one_blas_thread
 from ..measure.readout import errors_of
 from ..models.reduced.cases import Case
+from ..models.response import at_meter
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -66,7 +66,7 @@ class Touches:
                 u = pressed.solved(M, s)
                 by = {name: s * u.energy(pressed.mass(changes[name])) for name in WANTED}
                 told = at_meter(1 / u.Y, by, reading.leads, frequency)
-                own = in_noise(told.Z, [told.by[name] for name in WANTED], model)
+                own = in_noise(told.Z, [told.by_parameter[name] for name in WANTED], model)
                 found.append(np.concatenate([own, errors], axis=-1))
         known = np.concatenate([np.zeros(len(WANTED)), prior])
         return Slopes(np.array(self.places), np.stack(found), known, frequency, self.room)

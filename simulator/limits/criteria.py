@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds.fields import Answer, AnyFields, TouchSize
+from ..bounds.fields import AnyFields, TouchSize
 from ..bounds.information import (
     error_model,
     in_noise,
@@ -31,6 +31,7 @@ from ..bounds.touches.cells import Laid
 from ..bounds.touches.deep import touches_on
 from ..measure.readout import ErrorModel, observed
 from ..models.reduced.indented.draws import felt_beside
+from ..models.response import Response
 from ..progress import Progress, silent, tracked
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -149,7 +150,7 @@ def _pressed(
     pixels: Sequence[Laid],
     hypothesis: Hypothesis,
     frequency: NDArray[np.float64],
-) -> Answer:
+) -> Response:
     """One pixel pressed, and the derivative by its strength."""
     columns, none = fields.scene.pixels.columns, np.zeros(fields.grid)
     own = [pixels[i * columns + j] for i, j in hypothesis.pixels]
@@ -162,14 +163,16 @@ def _pair_slopes(
     scene: Scene,
     rise: float,
     pairs: Sequence[tuple[int, int]],
-    answers: Sequence[Answer],
+    answers: Sequence[Response],
     model: ErrorModel,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """From one pixel to the other, by both strengths and by the session's errors, over noise."""
     shape = 2, model.interfaces, model.frequencies
     deviation = np.moveaxis(model.deviation.reshape(shape), 0, -1)
     levels = [np.moveaxis(observed(each.Z).reshape(shape), 0, -1) / deviation for each in answers]
-    by_strength = [in_noise(each.Z, [each.by["strength"]], model)[..., 0] for each in answers]
+    by_strength = [
+        in_noise(each.Z, [each.by_parameter["strength"]], model)[..., 0] for each in answers
+    ]
     errors, known = session_errors(model)
     spread = scene.press.factor_spread * abs(rise)
     strengths = 2 if spread else 0

@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 from ..press.press import Press
 from ..press.touch import Touch
 from ..scene.frequency import laplace_variable, slopes_of_s
-from ..scene.meter import Leads
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .line import Line, tanh_ratio
 from .parameters import all_values, by_sheets, leads_of, loss_of, own_values
-from .response import Response
+from .response import Response, at_meter
 
 SMALL = 1e-2
 TAYLOR = (248 / 2835, -51 / 315, 4 / 15, -1 / 3)
@@ -126,35 +125,23 @@ class LineModel:
         slopes["contact_resistance"] = np.full_like(Z, film)
         of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
         slopes |= {name: by_s * slope for name, slope in of_s.items()}
-        return self._at_meter(Z + film, slopes, by_cell, leads_of(values))
+        to_Y, times = -1 / (Z + film) ** 2, len(self.scene.interfaces)
+
+        def everywhere(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+            return np.repeat(values[:, None], times, axis=1)
+
+        return at_meter(
+            everywhere(Z + film),
+            {name: everywhere(to_Y * slope) for name, slope in slopes.items()},
+            leads_of(values),
+            self.scene.frequencies,
+            everywhere(to_Y[..., None] * by_cell),
+        )
 
     def _both_sheets(self, values: Mapping[str, float]) -> NDArray[np.float64]:
         """Resistance of each whole sheet in ohm."""
         half = values["sheet_mismatch"] / 2
         return self._sheets * np.exp(values["sheet_resistance"] + np.array([half, -half]))
-
-    def _at_meter(
-        self,
-        Z: NDArray[np.complex128],
-        slopes: Mapping[str, NDArray[np.complex128]],
-        by_cell: NDArray[np.complex128],
-        leads: Leads,
-    ) -> Response:
-        """Behind the leads, alike at every interface."""
-        frequencies = self.scene.frequencies
-        seen, by_leads = leads.slopes(Z, frequencies)
-        by_parameter = {name: seen * slope for name, slope in slopes.items()} | by_leads
-        times = len(self.scene.interfaces)
-
-        def everywhere(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
-            return np.repeat(values[:, None], times, axis=1)
-
-        return Response(
-            everywhere(leads.seen_through(Z, frequencies)),
-            {name: everywhere(slope) for name, slope in by_parameter.items()},
-            everywhere(seen[..., None] * by_cell),
-            np.zeros((len(Z), times, len(frequencies), 0), dtype=complex),
-        )
 
 
 def chain(

@@ -69,7 +69,7 @@ def test_slopes_and_bounds_are_those_of_differences_of_the_full_model(foam, size
     largest = max(np.abs(expected[name]).max() for name in ("x", "y"))
     for name, slope in expected.items():
         scale = largest if name != "strength" else np.abs(slope).max()
-        assert np.abs(found.by[name] - slope).max() < 0.05 * scale
+        assert np.abs(found.by_parameter[name] - slope).max() < 0.05 * scale
     told = position_slopes(fields, [(x, y)], touch, frequency)
     model = error_model(scene, len(frequency))
     own = in_noise(impedance(0, 0, 0), list(expected.values()), model)

@@ -56,10 +56,10 @@ def test_fields_answer_and_change_as_the_full_solver(kinds, name):
     found, truth = answer(2.0), Solver(scene, 1e-4).solve(parse_press("1,2", 2.0)).Z
     assert relative_difference(found.Z, truth).max() < 3e-3
     apart = (answer(2 + STEP).Z - answer(2 - STEP).Z) / (2 * STEP)
-    np.testing.assert_allclose(found.by["strength"], apart, rtol=1e-4)
+    np.testing.assert_allclose(found.by_parameter["strength"], apart, rtol=1e-4)
     stiffer = scene_with(scene, {"sheet_resistance": STEP})
     moved = Fields(stiffer, scene.frequencies[-1], 1).respond(1 + pixel, {}, scene.frequencies)
-    by = found.by["sheet_resistance"]
+    by = found.by_parameter["sheet_resistance"]
     np.testing.assert_allclose((moved.Z - found.Z) / STEP, by, rtol=2e-2, atol=1e-3 * abs(by).max())
 
 

@@ -1,8 +1,7 @@
 """What a sweep of a skin under any map of capacitance is, and how it changes."""
 
 from ..touches.cells import TouchSize
-from .answer import Answer, Maps
 from .chosen import AnyFields, fields_of
-from .full import CELLS_PER_PIXEL, Fields
+from .full import CELLS_PER_PIXEL, Fields, Maps
 
-__all__ = ["CELLS_PER_PIXEL", "AnyFields", "Answer", "Fields", "Maps", "TouchSize", "fields_of"]
+__all__ = ["CELLS_PER_PIXEL", "AnyFields", "Fields", "Maps", "TouchSize", "fields_of"]

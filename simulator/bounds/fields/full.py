@@ -23,13 +23,16 @@ from ...fem.lanczos import Pencil, potentials, respond
 from ...models.parameters import by_sheets, of_parts
 from ...models.reduced.families.family import Weights, weights_under
 from ...models.reduced.families.resolving import unreduced
+from ...models.response import Response, at_meter
 from ...models.varied.materials import gauge_slopes, gauged
 from ...models.varied.meshes import circuit_of
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.scene import Scene
 from ...sweeps import InputError
-from .answer import NONE, Answer, Maps, at_meter
 
+Maps = Mapping[str, NDArray[np.float64]]
+"""Of c over that at rest, or of its changes, by name."""
+NONE: Maps = {}
 RTOL = 1e-3
 CELLS_PER_PIXEL = 4
 KRYLOV_RTOL = 1e-6
@@ -64,11 +67,11 @@ class Fields:
         directions: Maps,
         frequency: NDArray[np.float64],
         of_foam: Maps = NONE,
-    ) -> Answer:
+    ) -> Response:
         """Of one map of c over that at rest, shape (row, column) of cells; frequency in Hz.
 
         directions: by name, how the map changes with something, of the same shape; of_foam: how the
-        foam changes, which tells nothing of how far it is pressed. The answer holds their
+        foam changes, which tells nothing of how far it is pressed. The response holds their
         derivatives and those of the skin's and leads' parameters (see `parameters`). Raises
         InputError where frequencies lie too far above cut-off.
         """

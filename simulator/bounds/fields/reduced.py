@@ -19,12 +19,12 @@ from ...models.reduced.cases import Case
 from ...models.reduced.families.resolving import unreduced
 from ...models.reduced.greedy import Basis
 from ...models.reduced.model import Reduced
+from ...models.response import Response, at_meter
 from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.scene import Scene
 from ..touches.cells import Cells, TouchSize
-from .answer import NONE, Answer, Maps, at_meter
-from .full import CELLS_PER_PIXEL
+from .full import CELLS_PER_PIXEL, NONE, Maps
 from .full import RTOL as MESH_RTOL
 from .pressed import PressedSkin
 
@@ -52,7 +52,7 @@ class ReducedFields:
         directions: Maps,
         frequency: NDArray[np.float64],
         of_foam: Maps = NONE,
-    ) -> Answer:
+    ) -> Response:
         """Of one map of c, as `Fields` does."""
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
         with one_blas_thread():

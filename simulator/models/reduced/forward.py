@@ -30,7 +30,7 @@ from ..parameters import (
     own_values,
     variation_of,
 )
-from ..response import Response, seen_by_meter
+from ..response import Response, at_meter
 from ..slow.sheets import Terms, drawn_waves, uneven_sheets
 from ..slow.waves import amplitudes
 from ..varied.materials import gauge_slopes, gauged, gauges
@@ -97,14 +97,12 @@ class Forward:
             asked.append(self._waves.masses(float(skin.rest_factors[0]), cells, rises))
         with one_blas_thread():
             found = sensitivity(skin, cells, rises, s, np.concatenate(asked))
-        at_meter = self._at_meter(found, skin, values, len(asked[0]))
-        if not gauged(self.scene.skin):
-            return at_meter
-        assert skin.weights is not None
-        own = found.by_weight[..., : len(self.reduced.stiffness)] * skin.weights
-        by_gauge = self._by_gauge(own, touched(self.divided, cells, rises))
-        turned = leads_of(values).slopes(1 / found.Y, self.scene.frequencies)[0] / -(found.Y**2)
-        return replace(at_meter, by_gauge=turned[..., None] * by_gauge)
+        by_gauge: NDArray[np.complex128] | float = 0.0
+        if gauged(self.scene.skin):
+            assert skin.weights is not None
+            own = found.by_weight[..., : len(self.reduced.stiffness)] * skin.weights
+            by_gauge = self._by_gauge(own, touched(self.divided, cells, rises))
+        return self._at_meter(found, skin, values, len(asked[0]), by_gauge)
 
     def alike(self, given: Mapping[str, float] | None = None) -> bool:
         """Whether all that a press does is to raise M by fixed parts: as `respond_together` takes
@@ -130,7 +128,12 @@ class Forward:
         return self._at_meter(found, skin, values)
 
     def _at_meter(
-        self, found: Sensitivity, skin: ReducedSkin, values: Mapping[str, float], beside: int = 0
+        self,
+        found: Sensitivity,
+        skin: ReducedSkin,
+        values: Mapping[str, float],
+        beside: int = 0,
+        by_gauge: NDArray[np.complex128] | float = 0.0,
     ) -> Response:
         """beside: how many terms were asked for that K has not."""
         ends = np.cumsum([len(self.reduced.stiffness), beside])
@@ -143,7 +146,8 @@ class Forward:
         of_waves = np.moveaxis(self._s(values)[:, None] * by_wave, -1, 0)
         named = zip(FOAM_WAVES, of_waves, strict=False)
         by_name |= {name: slope for name, slope in named if name in values}
-        return seen_by_meter(found, by_name, by_term, leads_of(values), self.scene.frequencies)
+        at = leads_of(values), self.scene.frequencies
+        return at_meter(1 / found.Y, by_name, *at, found.by_cell, by_term, by_gauge)
 
     def impedances(
         self,

@@ -50,9 +50,9 @@ def test_derivatives_are_those_of_a_touch_that_moves_and_grows(name):
     found = answered(Fields(scene, 2e5), place, touch, scene.frequencies)
     np.testing.assert_allclose(found.Z, impedance(*place, touch.rise), rtol=2e-3)
     expected = differences(impedance, place, touch)
-    assert_close(found.by["x"], expected["x"], 0.02)
-    assert_close(found.by["y"], expected["y"], 0.02)
-    assert_close(found.by["strength"], expected["strength"], 2e-3)
+    assert_close(found.by_parameter["x"], expected["x"], 0.02)
+    assert_close(found.by_parameter["y"], expected["y"], 0.02)
+    assert_close(found.by_parameter["strength"], expected["strength"], 2e-3)
 
 
 def test_an_edge_that_moves_on_a_strip_is_that_of_the_exact_line(noisy):
@@ -64,9 +64,9 @@ def test_an_edge_that_moves_on_a_strip_is_that_of_the_exact_line(noisy):
 
     found = answered(Fields(scene, 1e4), place, touch, scene.frequencies)
     expected = differences(impedance, place, touch)
-    assert_close(found.by["x"], expected["x"], 5e-3)
-    assert_close(found.by["strength"], expected["strength"], 1e-3)
-    assert not found.by["y"].any()
+    assert_close(found.by_parameter["x"], expected["x"], 5e-3)
+    assert_close(found.by_parameter["strength"], expected["strength"], 1e-3)
+    assert not found.by_parameter["y"].any()
 
 
 def test_derivatives_by_the_skin_are_differences_of_skins(noisy):
@@ -96,9 +96,9 @@ def test_derivatives_by_the_skin_are_differences_of_skins(noisy):
             for value in two
         )
         between = Fields(scene_with(scene, {name: own + step * unit}), 1e5)
-        slope = between.respond(press, {}, frequency).by[name]
+        slope = between.respond(press, {}, frequency).by_parameter[name]
         assert_close(slope, (high - low) / (2 * step * unit), 1e-3)
-        assert found.by[name].shape == found.Z.shape
+        assert found.by_parameter[name].shape == found.Z.shape
 
 
 def test_cells_are_covered_as_far_as_the_touch_moves():

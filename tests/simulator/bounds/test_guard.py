@@ -28,6 +28,6 @@ def test_limits_are_those_of_what_is_left(make_scene):
     frequency, at_rest = guarded.frequencies, np.ones(Fields(guarded, 1e5).grid)
     one, other = (Fields(each, 1e5).respond(at_rest, {}, frequency) for each in (guarded, seen))
     np.testing.assert_allclose(one.Z, other.Z, rtol=1e-13)
-    for name, slope in other.by.items():
-        np.testing.assert_allclose(one.by[name], slope, rtol=1e-12)
+    for name, slope in other.by_parameter.items():
+        np.testing.assert_allclose(one.by_parameter[name], slope, rtol=1e-12)
     assert one.Z == pytest.approx(Solver(guarded).solve(Press()).Z, rel=1e-3)
