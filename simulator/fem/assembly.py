@@ -9,28 +9,25 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from skfem import (
-    Element,
-    ElementQuad1,
-    ElementQuad2,
-    ElementQuadP,
-    MeshQuad,
-)
-from skfem.assembly import Basis, FacetBasis
-from skfem.assembly.basis import AbstractBasis
+from skfem import Element, ElementQuad1, ElementQuad2, ElementQuadP
 
 from ..mesh.rings import Cells
 from .dropped import DROPPED
+from .quadrature import (
+    Rule,
+    edge_rule,
+    gauss_rule,
+    mass_terms,
+    rule_at,
+    stiffness_terms,
+    surface,
+)
 from .warming import Warming
 
 EXTRA_ORDER = 40
-
-ROUNDING = 1e-14
-"""Of the largest integral: what is smaller is 0. Factors of sparse matrices are the smaller."""
 
 SHAPES_KEPT = 128
 """Of cells that are no parallelograms, 0.1 MB each at order 8; a mesh has four for each order."""
@@ -76,67 +73,6 @@ def quadrilateral(order: int) -> Element:
 
 
 @dataclass(frozen=True)
-class ReferenceMatrices:
-    """Element matrices of the unit square, shape (local, local), and of its four edges.
-
-    stiffness: of d/dx d/dx, d/dy d/dy and d/dx d/dy + d/dy d/dx, shape (3, local, local).
-    edge_mass: of u v on each edge, shape (4, local, local).
-    """
-
-    mass: NDArray[np.float64]
-    stiffness: NDArray[np.float64]
-    edge_mass: NDArray[np.float64]
-
-
-@cache
-def reference_matrices(order: int) -> ReferenceMatrices:
-    """Of the quadrilateral of that order, integrated exactly by scikit-fem's quadrature."""
-    mesh, element = MeshQuad(), quadrilateral(order)
-    inside = _at_points(Basis(mesh, element, intorder=2 * order))
-    edges = [
-        FacetBasis(mesh, element, facets=np.asarray(mesh.t2f)[edge], intorder=2 * order)
-        for edge in range(4)
-    ]
-    return ReferenceMatrices(
-        mass=inside.products(inside.values, inside.values),
-        stiffness=np.stack(
-            [
-                inside.products(inside.slopes[0], inside.slopes[0]),
-                inside.products(inside.slopes[1], inside.slopes[1]),
-                2 * inside.products(inside.slopes[0], inside.slopes[1]),
-            ]
-        ),
-        edge_mass=np.stack(
-            [on.products(on.values, on.values) for on in map(_at_points, edges)],
-        ),
-    )
-
-
-class AtPoints(NamedTuple):
-    """Functions of one element at points of a quadrature.
-
-    values: shape (local, point). slopes: along x and y, shape (2, local, point). weights: (point,).
-    """
-
-    values: NDArray[np.float64]
-    slopes: NDArray[np.float64]
-    weights: NDArray[np.float64]
-
-    def products(self, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Integrals of (u_i v_j + u_j v_i) / 2, shape (local, local); 0 where rounding is left."""
-        one_way = (u * self.weights) @ v.T
-        found = (one_way + one_way.T) / 2
-        return np.where(np.abs(found) > ROUNDING * np.abs(found).max(), found, 0.0)
-
-
-def _at_points(basis: AbstractBasis) -> AtPoints:
-    fields = [field for (field,) in basis.basis]
-    values = np.stack([np.asarray(field)[0] for field in fields])
-    slopes = np.stack([np.asarray(field.grad)[:, 0] for field in fields], axis=1)
-    return AtPoints(values, slopes, basis.dx[0])
-
-
-@dataclass(frozen=True)
 class Group:
     """Cells whose matrices are weighted sums of the same reference matrices.
 
@@ -170,23 +106,28 @@ def groups(cells: Cells, order: int) -> list[Group]:
     return found
 
 
+@cache
+def _rules(order: int) -> tuple[Rule, Rule]:
+    """Exact on parallelograms, and of their first corner alone."""
+    element = quadrilateral(order)
+    return gauss_rule(element, 2 * order), rule_at(element, np.zeros((2, 1)), np.ones(1))
+
+
+@cache
+def edge_masses(order: int) -> list[NDArray[np.float64]]:
+    """Integrals of u v over each edge of the unit square, shape (local, local)."""
+    return [edge_rule(quadrilateral(order), edge, order + 1)[0].mass for edge in range(4)]
+
+
 def _parallelograms(cells: Cells, which: NDArray[np.int64], order: int) -> Group:
-    """Weights of the three stiffness reference matrices are |J| J^-1 J^-T."""
-    reference, along, across = (
-        reference_matrices(order),
-        cells.along[:, which],
-        cells.across[:, which],
-    )
-    area = np.abs(along[0] * across[1] - along[1] * across[0])
-    weights = np.stack(
-        [
-            np.sum(across * across, axis=0) / area,
-            np.sum(along * along, axis=0) / area,
-            -np.sum(along * across, axis=0) / area,
-        ],
-        axis=1,
-    )
-    return Group(which, weights, reference.stiffness, area, reference.mass)
+    """The same at all points of each cell: one point tells the weights."""
+    rule, corner = _rules(order)
+    at, even = surface(cells.some(which), corner), np.ones((len(which), 1))
+    ((area, mass),) = mass_terms(rule, at, even)
+    ((weights, stiffness),) = stiffness_terms(rule, at, even)
+    local = len(rule.values)
+    stiffness = stiffness.reshape(-1, local, local)
+    return Group(which, weights, stiffness, area[:, 0], mass.reshape(local, local))
 
 
 @lru_cache(maxsize=SHAPES_KEPT)
@@ -197,9 +138,13 @@ def _shape_matrices(
 
     The integrand of the stiffness is rational; EXTRA_ORDER more than a polynomial's leaves 1e-13.
     """
-    along, across, twist = np.array(shape).reshape(3, 2)
-    corners = np.stack([np.zeros(2), along, along + across + twist, across], axis=1)
-    basis = Basis(MeshQuad(corners), quadrilateral(order), intorder=2 * order + EXTRA_ORDER)
-    inside = _at_points(basis)
-    x, y = (inside.products(slope, slope) for slope in inside.slopes)
-    return inside.products(inside.values, inside.values), x + y
+    along, across, twist = np.array(shape).reshape(3, 2, 1)
+    cell = Cells(np.zeros((2, 1)), np.zeros((4, 1), dtype=np.int64), along, across, twist)
+    rule = gauss_rule(quadrilateral(order), 2 * order + EXTRA_ORDER)
+    at = surface(cell, rule)
+    local, even = len(rule.values), np.ones_like(at.area)
+    mass, stiffness = (
+        np.sum([weights @ matrices for weights, matrices in terms(rule, at, even)], axis=0)
+        for terms in (mass_terms, stiffness_terms)
+    )
+    return mass.reshape(local, local), stiffness.reshape(local, local)

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,8 @@ from skfem.refdom import RefQuad, RefTri
 
 from ..mesh.rings import Cells
 
+ROUNDING = 1e-14
+"""Of the largest integral: what is smaller is 0. Factors of sparse matrices are the smaller."""
 BLOCK = 4_000_000
 ONE_FIELD = np.ones((1, 1))
 
@@ -40,6 +43,24 @@ class Rule:
     weights: NDArray[np.float64]
     values: NDArray[np.float64]
     slopes: NDArray[np.float64]
+
+    @cached_property
+    def mass(self) -> NDArray[np.float64]:
+        """Integrals of u v, shape (function, function)."""
+        return self._products(self.values, self.values)
+
+    @cached_property
+    def stiffness(self) -> NDArray[np.float64]:
+        """Of d/da d/da, d/db d/db and d/da d/db + d/db d/da, shape (3, function, function)."""
+        a, b = self.slopes
+        both = 2 * self._products(a, b)
+        return np.stack([self._products(a, a), self._products(b, b), both])
+
+    def _products(self, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Integrals of (u_i v_j + u_j v_i) / 2, shape (local, local); 0 where rounding is left."""
+        one_way = (u * self.weights) @ v.T
+        found = (one_way + one_way.T) / 2
+        return np.where(np.abs(found) > ROUNDING * np.abs(found).max(), found, 0.0)
 
 
 @dataclass(frozen=True)
@@ -97,6 +118,15 @@ def rule_at(element: Element, points: NDArray[np.float64], weights: NDArray[np.f
     )
 
 
+def edge_rule(element: Element, edge: int, count: int) -> tuple[Rule, NDArray[np.float64]]:
+    """So many points along one edge of the reference cell, and the direction of that edge."""
+    corners = np.asarray(element.refdom.p)
+    start, end = (corners[:, k] for k in np.asarray(element.refdom.facets)[edge])
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    points = start[:, None] + (end - start)[:, None] * (nodes + 1) / 2
+    return rule_at(element, points, weights / 2), end - start
+
+
 def _reference_mesh(element: Element) -> MeshQuad | MeshTri:
     if element.refdom is RefQuad:
         return MeshQuad()
@@ -122,8 +152,7 @@ def mass_terms(
     """
     density = surface.area * c
     if _even(density):
-        whole = np.einsum("ip,jp,p->ij", rule.values, rule.values, rule.weights)
-        yield density[:, :1], _between_fields(fields, whole[None])
+        yield density[:, :1], _between_fields(fields, rule.mass[None])
         return
     weights = rule.weights * density
     for some in _blocks(rule, fields):
@@ -143,11 +172,8 @@ def stiffness_terms(
     With J = [along, across] the weights are |J| J^-1 S J^-T, of da da, db db and da db + db da.
     """
     density = _pulled_back(surface, conductance)
-    a, b = rule.slopes
     if _even(density):
-        pairs = ((a, a), (b, b), (a, b))
-        aa, bb, ab = (np.einsum("ip,jp,p->ij", u, v, rule.weights) for u, v in pairs)
-        yield density[..., 0].T, _between_fields(fields, np.stack([aa, bb, ab + ab.T]))
+        yield density[..., 0].T, _between_fields(fields, rule.stiffness)
         return
     weights = rule.weights * density
     for some in _blocks(rule, fields):

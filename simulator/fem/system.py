@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from ..mesh.quadrilaterals import PixelMesh, Resolution, pixel_mesh
+from ..scene.contacts import Contact
 from ..scene.scene import Scene
 from ..sweeps.space import check_memory
-from .assembly import Group, add_terms, fill, groups, reference_matrices
+from .assembly import Group, add_terms, edge_masses, fill, groups
 from .circuit import Circuit, Terminal
 from .pattern import Pattern
 from .unknowns import Unknowns, numbered, quadrilateral_trial
@@ -79,17 +80,19 @@ class System:
 class PixelSystem(System):
     """That of uniform sheets, for any capacitance that is even within each pixel.
 
-    coupling: how s c enters between fields, shape (field, field). element_pixel: shape (cell,).
+    coupling: how s c enters between fields, shape (field, field). pixels: the mesh. It is one with
+    `varied.system` but for M: that of a cell is its area times one matrix, which a press fills in
+    a tenth of the time that the points of a rule take.
     """
 
     coupling: NDArray[np.float64]
     groups: list[Group]
-    element_pixel: NDArray[np.int64]
+    pixels: PixelMesh
 
     def mass(self, c: NDArray[np.float64]) -> csc_matrix:
         """M(c) in F, in the pattern of K. c: F/m², shape (row, column)."""
         values = np.zeros(len(self.pattern.indices))
-        c_of_cell = c.ravel()[self.element_pixel]
+        c_of_cell = c.ravel()[self.pixels.pixel]
         for group in self.groups:
             weights = (group.mass_weights * c_of_cell[group.cells])[:, None]
             fill(values, self.slots[group.cells], weights, _both(self.coupling, group.mass))
@@ -126,10 +129,10 @@ def build_system(scene: Scene, circuit: Circuit, resolution: Resolution) -> Pixe
     return PixelSystem(
         unknowns=unknowns,
         sheets=conducting(circuit.conductance, unknowns.pattern, unknowns.slots, cells),
-        films=_pixel_films(circuit, pixels, unknowns, resolution.order),
+        films=pixel_films(circuit, pixels, unknowns, resolution.order),
         coupling=circuit.coupling,
         groups=cells,
-        element_pixel=pixels.pixel,
+        pixels=pixels,
     )
 
 
@@ -161,14 +164,21 @@ def films(circuit: Circuit, unknowns: Unknowns, film: Callable[[Terminal], csc_m
     return Films(unknowns.pattern.matrix(stiffness), current, conductance)
 
 
-def _pixel_films(circuit: Circuit, pixels: PixelMesh, unknowns: Unknowns, order: int) -> Films:
-    edge_mass = reference_matrices(order).edge_mass
+def pixel_films(
+    circuit: Circuit,
+    pixels: PixelMesh,
+    unknowns: Unknowns,
+    order: int,
+    only: Contact | None = None,
+) -> Films:
+    """What contact resistance adds on a mesh of pixels; only: that of this foil alone."""
+    edge_mass = edge_masses(order)
 
     def film(terminal: Terminal) -> csc_matrix:
         of_fields = _both(circuit.field_alone(terminal.field), *edge_mass)
         values = np.zeros(len(unknowns.pattern.indices))
         for contact in terminal.contacts:
-            if not contact.ideal:
+            if not contact.ideal and (only is None or contact is only):
                 element, lengths = pixels.edges(pixels.facets(contact))
                 fill(values, unknowns.slots[element], lengths / contact.resistance, of_fields)
         return unknowns.pattern.matrix(values)

@@ -16,6 +16,7 @@ from ...fem.quadrature import (
     Rule,
     Surface,
     divided,
+    edge_rule,
     gauss_rule,
     rule_at,
     surface,
@@ -74,11 +75,7 @@ class Elements:
 
     def edge_rule(self, edge: int) -> tuple[Rule, NDArray[np.float64]]:
         """A rule along one edge of the reference cell, and the direction of that edge."""
-        corners = np.asarray(self.element.refdom.p)
-        start, end = (corners[:, k] for k in np.asarray(self.element.refdom.facets)[edge])
-        nodes, weights = np.polynomial.legendre.leggauss(self.order + 1 + MORE_ON_TRIANGLES // 2)
-        points = start[:, None] + (end - start)[:, None] * (nodes + 1) / 2
-        return rule_at(self.element, points, weights / 2), end - start
+        return edge_rule(self.element, edge, self.order + 1 + MORE_ON_TRIANGLES // 2)
 
 
 def squares(pixels: PixelMesh, order: int) -> Elements:

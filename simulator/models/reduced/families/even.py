@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -11,15 +10,13 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from ....fem.assembly import EXTRA_ORDER, add_terms, fill, quadrilateral
-from ....fem.dropped import DROPPED
 from ....fem.galerkin import Galerkin
 from ....fem.quadrature import Rule, Surface, gauss_rule, mass_terms, stiffness_terms, surface
-from ....fem.system import Films, PixelSystem, build_system, conducting
-from ....mesh.quadrilaterals import Resolution, pixel_mesh
-from ....scene.contacts import Contact
+from ....fem.system import Films, PixelSystem, build_system, conducting, pixel_films
+from ....mesh.quadrilaterals import Resolution
 from ...parameters import mode_values
 from .family import Checking, Family, Weights, resistive
-from .masses import Masses, Part
+from .masses import Masses, Part, taken
 
 MODE_DEGREE = 6
 """Of the polynomial that half a cosine over the skin is in one of its cells."""
@@ -66,8 +63,8 @@ class EvenFamily(Family):
     @cached_property
     def film_terms(self) -> list[Films]:
         """As of `Family`."""
-        halved = [self._films_with_half(contact) for contact in resistive(self.circuit)]
-        return [self.with_films(films, -np.ones(1), [self.system.films]) for films in halved]
+        known = self.circuit, self.system.pixels, self.system.unknowns, self.mesh.order
+        return [pixel_films(*known, only=contact) for contact in resistive(self.circuit)]
 
     def _mode_term(self, conductance: NDArray[np.float64], mode: int) -> csc_matrix:
         rule, points, wave = self._mode_at_points(mode)
@@ -81,53 +78,31 @@ class EvenFamily(Family):
         system, c = self.system, self.scene.skin.foam.rest_capacitance_per_area * wave
         values = np.zeros(len(system.pattern.indices))
         for pixel in range(self.scene.pixels.rows * self.scene.pixels.columns):
-            own = np.flatnonzero(system.element_pixel == pixel)
+            own = np.flatnonzero(system.pixels.pixel == pixel)
             terms = mass_terms(rule, points.some(own), c[own], system.coupling)
             add_terms(values, system.slots[own], terms)
-            yield _taken(values, system.slots[own])
+            yield taken(values, system.slots[own])
 
     def _mode_at_points(self, mode: int) -> tuple[Rule, Surface, NDArray[np.float64]]:
         """A mode at the points of a rule that is exact for it, shape (cell, point)."""
-        cells = pixel_mesh(self.scene, self.circuit.contacts, self.mesh).cells
-        order = self.mesh.order
+        cells, order = self.system.pixels.cells, self.mesh.order
         more = EXTRA_ORDER if cells.twist.any() else MODE_DEGREE
         rule = gauss_rule(quadrilateral(order), 2 * order + more)
         points = surface(cells, rule)
         return rule, points, mode_values(self.scene, points.x, mode + 1)[mode]
 
-    def _films_with_half(self, contact: Contact) -> Films:
-        """The films where one contact resistance is half of what it is."""
-        half = contact.model_copy(update={"resistance": contact.resistance / 2})
-        terminals = tuple(
-            replace(
-                terminal, contacts=tuple(half if c is contact else c for c in terminal.contacts)
-            )
-            for terminal in self.circuit.terminals
-        )
-        circuit = replace(self.circuit, terminals=terminals)
-        return build_system(self.scene, circuit, self.mesh).films
-
 
 def _parts(system: PixelSystem, capacitance: float, pixels: int) -> Iterator[Part]:
     """Of each pixel. capacitance: F/m²."""
-    cells = len(system.element_pixel)
+    cells = len(system.pixels.pixel)
     group_of, weights = np.empty(cells, dtype=np.int64), np.empty(cells)
     for number, group in enumerate(system.groups):
         group_of[group.cells], weights[group.cells] = number, capacitance * group.mass_weights
     of_cell = [np.kron(system.coupling, group.mass).reshape(1, -1) for group in system.groups]
     values = np.zeros(len(system.pattern.indices))
     for pixel in range(pixels):
-        own = np.flatnonzero(system.element_pixel == pixel)
+        own = np.flatnonzero(system.pixels.pixel == pixel)
         for number in np.unique(group_of[own]):
             here = own[group_of[own] == number]
             fill(values, system.slots[here], weights[here][:, None], of_cell[number])
-        yield _taken(values, system.slots[own])
-
-
-def _taken(values: NDArray[np.float64], slots: NDArray[np.int64]) -> Part:
-    """What was added at slots, which is 0 again."""
-    own = np.unique(slots)
-    own = own[own != DROPPED]
-    taken = values[own]
-    values[own] = 0.0
-    return own, taken
+        yield taken(values, system.slots[own])

@@ -19,6 +19,15 @@ Part = tuple[NDArray[np.int64], NDArray[np.float64]]
 """Slots in a system's pattern, and values of M there in F."""
 
 
+def taken(values: NDArray[np.float64], slots: NDArray[np.int64]) -> Part:
+    """What was added at slots, which is 0 again."""
+    own = np.unique(slots)
+    own = own[own != DROPPED]
+    added = values[own]
+    values[own] = 0.0
+    return own, added
+
+
 class Masses:
     """M of each part at rest, in the pattern of a system and among the unknowns of a space."""
 

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from ....fem.dropped import DROPPED
 from ....fem.system import Films, System, films
 from ...parameters import foam_parts, mode_values
 from ...varied.coefficients import Coefficients
@@ -17,7 +16,7 @@ from ...varied.elements import Elements, triangles
 from ...varied.materials import Materials, gauged
 from ...varied.system import add_foam, add_sheet, film_of, pressed_system
 from .family import Checking, Family, Triangulation, Weights, resistive
-from .masses import Masses, Part
+from .masses import Masses, Part, taken
 
 LESS_GAINED = 2.0
 """How much less than on plain skins the next order may gain, at the worst of singularities: where a
@@ -108,7 +107,4 @@ class UnevenFamily(Family):
         values = np.zeros(len(self.system.pattern.indices))
         for within in self._cells_of_parts:
             add_foam(values, self.circuit.coupling, elements, unknowns, c, within)
-            slots = np.unique(unknowns.slots[within])
-            slots = slots[slots != DROPPED]
-            yield slots, values[slots]
-            values[slots] = 0.0
+            yield taken(values, unknowns.slots[within])
