@@ -20,6 +20,12 @@ SMOOTH = [*ONE_CELL, (6, 2), (8, 2), (10, 2), (8, 3), (10, 3)]
 SINGULAR = [*ONE_CELL, (8, 2), (10, 2)]
 RINGS_PER_ORDER, RINGS_AT_LEAST = 1.2, 3
 FAINTEST = 1e-3
+HARDER = 1e-3
+"""From which tolerance down ends of foils take an order more."""
+LAYER_SHARE = 0.3
+"""Of the tolerance: what cells in layers may take."""
+LAYER_TAKES, GAINED = 2.6, 90.0
+"""Of Rs and Cp, over `GAINED`^order: what cells as wide as a layer is deep take at that order."""
 
 
 class Ladder:
@@ -30,15 +36,25 @@ class Ladder:
     order from the depth the field reaches, as a polynomial follows an exponential over p/4 of that.
     """
 
-    def __init__(self, scene: Scene, circuit: Circuit) -> None:
+    def __init__(self, scene: Scene, circuit: Circuit, own: float | None = None) -> None:
+        """own: the tolerance of one press that shares no mesh with others: cells are as wide as
+        that allows, and do not narrow with the order: the next one has the error to gain on."""
         self.scene = scene
         contacts = circuit.contacts
         self.singular = bool(singular_ends(contacts, scene.skin))
         self.levels = SINGULAR if self.singular else SMOOTH
+        self._widths: float | None = None
+        if own is not None:
+            order, _ = ONE_CELL[self.lowest(own)]
+            self._widths = (LAYER_SHARE * own / LAYER_TAKES * GAINED**order) ** (1 / (2 * order))
 
     def first(self, rtol: float) -> int:
         """The level to begin at: one that often serves."""
         return max(0, min(round(-0.45 * math.log10(rtol) - 1.05), 4))
+
+    def lowest(self, rtol: float) -> int:
+        """As `first`, of a press that is solved on one mesh after the other."""
+        return self.first(rtol) + (self.singular and rtol <= HARDER)
 
     def resolution(self, level: int, press: Press, frequency: float) -> Resolution:
         """The mesh and order of a level, up to a frequency in Hz.
@@ -75,10 +91,15 @@ class Ladder:
 
     def followed(self, order: int) -> float:
         """Widths of a cell, of the depth of a layer that elements of that order follow."""
-        return max(1.0, order / 4)
+        return self._widths or max(1.0, order / 4)
 
     def halved(self, width: float) -> float:
-        """No wider, and one of few widths, so that presses and frequencies share meshes."""
+        """No wider, and one of few widths, so that presses and frequencies share meshes.
+
+        The same where they share none.
+        """
+        if self._widths:
+            return width
         skin = self.scene.skin
         longest = max(skin.length, skin.width)
         if width >= self._widest_pixel:

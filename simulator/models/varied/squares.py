@@ -32,34 +32,10 @@ CELLS_TO_A_LENGTH = 2.0
 
 MOST_UNKNOWNS = 300_000
 """Of a field, where a map asks for more cells than pixels do: they take some ten seconds."""
-HARDER = 1e-3
-"""From which tolerance down ends of foils take an order more."""
 AN_ORDER = 15.0
 """What it takes off an error, as a rule: orders that will not do are left out."""
 FEW = 2
 """Meshes more that are tried, where the latest tell that they will do; triangles need as long."""
-LAYER_SHARE = 0.3
-"""Of the tolerance: what cells in layers may take."""
-LAYER_TAKES, GAINED = 2.6, 90.0
-"""Of Rs and Cp, over `GAINED`^order: what cells as wide as a layer is deep take at that order."""
-
-
-class _OwnLadder(Ladder):
-    """Meshes for one press and one tolerance alone, with cells as wide as these allow."""
-
-    def __init__(self, scene: Scene, circuit: Circuit, rtol: float) -> None:
-        super().__init__(scene, circuit)
-        self.lowest = self.first(rtol) + (self.singular and rtol <= HARDER)
-        order, _ = ONE_CELL[self.lowest]
-        self._widths = (LAYER_SHARE * rtol / LAYER_TAKES * GAINED**order) ** (1 / (2 * order))
-
-    def followed(self, order: int) -> float:
-        """Of the first order, whichever follows: the next ones have the error to gain on it."""
-        return self._widths
-
-    def halved(self, width: float) -> float:
-        """The same: presses share no meshes."""
-        return width
 
 
 class Squares:
@@ -73,8 +49,8 @@ class Squares:
         self.materials = Materials(scene)
         self.rtol = rtol
         self._course = Course()
-        self._ladder = _OwnLadder(scene, circuit, rtol)
-        self._level = self._ladder.lowest
+        self._ladder = Ladder(scene, circuit, own=rtol)
+        self._level = self._ladder.lowest(rtol)
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
         """The next one, for frequencies in Hz.
