@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fem.estimate import relative_difference
+from ..fem.safety import SAMPLED
 from ..measure.streams import CELLS, stream
-from ..models.mechanics.lattice.triangles import SAFETY
 from ..models.parameters import nominal
 from ..models.reduced.indented.draws import spreading
 from ..models.solver import Solver
@@ -27,13 +27,13 @@ def error_of_cells(scene: Scene, family: Family, seed: int, rtol: float) -> floa
     """Largest relative error of Rs and Cp by laying touches on cells, of a sample of presses.
 
     Against the full model, which follows every edge, on the scene's own skin. Where a tension
-    spreads presses it includes what `error_of_deflections` tells, and SAFETY.
+    spreads presses it includes what `error_of_deflections` tells, and SAMPLED.
     """
     presses = _sample(scene, family, seed)
     solver = Solver(scene, rtol)
     exact = np.stack([solver.solve(parse_press(text, np.nan)).Z for text in presses.text])
     laid = _answers(scene, family, presses.batch)
-    return (SAFETY if spreading(scene) else 1.0) * _largest(laid, exact)
+    return (SAMPLED if spreading(scene) else 1.0) * _largest(laid, exact)
 
 
 def error_of_deflections(scene: Scene, family: Family, seed: int) -> float:
@@ -46,7 +46,7 @@ def error_of_deflections(scene: Scene, family: Family, seed: int) -> float:
     laid = _answers(scene, family, presses.batch)
     traced = raised_by_triangles(scene, presses.touches, presses.placed, family.grid)
     exact = _answers(scene, family, traced)
-    return SAFETY * _largest(laid, exact)
+    return SAMPLED * _largest(laid, exact)
 
 
 def _sample(scene: Scene, family: Family, seed: int) -> Presses:

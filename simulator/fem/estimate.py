@@ -7,14 +7,12 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from .safety import MOST_GAINED, UNIFORM
+
 ROUNDING = 1e-12
 LOST_SUSCEPTANCE = 1e-9
 ROUNDINGS = 1000
-SAFETY = 4.0
 WINDOW = 2**0.5
-MOST_GAINED = 10.0
-"""What an order is believed to gain on the one before it, at most. In a cell far wider than a layer
-every second order hardly changes the answer: there the next one alone told a ninth of the error."""
 KRYLOV_SHARE = 1e-2
 """Of the tolerance: what the real solves of a sweep may leave."""
 Swept = tuple[NDArray[np.complex128], NDArray[np.float64]]
@@ -76,11 +74,16 @@ def estimated_error(difference: NDArray[np.float64]) -> NDArray[np.float64]:
 
     difference: of the two, shape (..., 3 * f). Returns shape (..., f). Where error and difference
     change sign they vanish at frequencies that are not quite the same; the geometric mean with the
-    largest difference nearby covers that. SAFETY: what the finer one still lacks; on 226
-    random skins the true error was at most 3.8 times this mean, and equal to it in the median.
+    largest difference nearby covers that. UNIFORM: what the finer one still lacks.
     """
     at_three = difference.reshape(*difference.shape[:-1], 3, -1)
-    return SAFETY * np.sqrt(at_three[..., 0, :] * at_three.max(axis=-2))
+    return UNIFORM * np.sqrt(at_three[..., 0, :] * at_three.max(axis=-2))
+
+
+def both(off: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of errors of Rs and Cp, shape (2, ...): parts may cancel in one of them alone, which the
+    geometric mean with the larger one covers."""
+    return np.sqrt(off * off.max(axis=0))
 
 
 def checked(

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fem.estimate import SAFETY, told_susceptance
+from ..fem.estimate import told_susceptance
+from ..fem.safety import UNIFORM
 from ..scene.meter import Leads
 
 
@@ -57,13 +58,13 @@ class Answer:
     def seen_through(self, leads: Leads) -> Answer:
         """The same at the meter's end of the leads.
 
-        The error of Z is taken to be SAFETY times as large as that of Rs or of Cp tells: near a
+        The error of Z is taken to be UNIFORM times as large as that of Rs or of Cp tells: near a
         phase of -45 degrees Cp does not tell X.
         """
         if leads.ideal:
             return self
         Z, omega = leads.seen_through(self.Z, self.frequency), 2 * np.pi * self.frequency
-        off = SAFETY * np.maximum(self.Rs_error, omega * self.Cp_error * np.abs(self.Z) ** 2)
+        off = UNIFORM * np.maximum(self.Rs_error, omega * self.Cp_error * np.abs(self.Z) ** 2)
         off /= np.abs(1 + 1j * omega * leads.unguarded * self.Z) ** 2
         return replace(self, Z=Z, Rs_error=off, Cp_error=off / (omega * np.abs(Z) ** 2))
 

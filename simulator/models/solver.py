@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..fem.circuit import Circuit, one_field, two_fields
-from ..fem.estimate import ROUNDING, SAFETY, checked, relative_difference
+from ..fem.estimate import ROUNDING, checked, relative_difference
+from ..fem.safety import UNIFORM
 from ..mesh.quadrilaterals import Resolution
 from ..press.press import Press
 from ..press.press import require_plain as require_plain_press
@@ -236,7 +237,7 @@ class Solver:
         sheet = self._sheet(self._ladder.resolution(self._first_level, press, frequency[-1]))
         lumped, finer = Lumped(sheet, sheet.nested), Lumped(sheet)
         Z = lumped.impedance(press, frequency)
-        resolved = SAFETY * relative_difference(Z, finer.impedance(press, frequency))
+        resolved = UNIFORM * relative_difference(Z, finer.impedance(press, frequency))
         error = resolved + lumped.left_out(press, frequency) + ROUNDING
         return progress.offer(Rung(LUMPED, sheet.nested.inner, Z, error))
 

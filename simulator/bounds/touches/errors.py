@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.estimate import relative_difference
+from ...fem.safety import SAMPLED
 from ...models.mechanics.lattice.presses import Applied
 from ...models.mechanics.lattice.skin import Lattice
-from ...models.mechanics.lattice.triangles import SAFETY, as_press, traced
+from ...models.mechanics.lattice.triangles import as_press, traced
 from ...models.solver import Solver
 from ...press.batch import PressBatch
 from ...scene.scene import Scene
@@ -24,7 +25,7 @@ Impedances = Callable[[PressBatch], NDArray[np.complex128]]
 
 
 class LaidErrors(NamedTuple):
-    """Largest relative errors of Rs and Cp to expect, SAFETY times those of a sample.
+    """Largest relative errors of Rs and Cp to expect, SAMPLED times those of a sample.
 
     cells: by cells and lattice together, against the full model. deflection: of that by the
     lattice, against the membrane on triangles laid on the same cells.
@@ -64,7 +65,7 @@ def laid_errors(
     found = impedances(own)
     by_triangles = impedances(PressBatch.of(traced(scene, lattice, applied) for applied in each))
     cells, deflection = (
-        SAFETY * float(relative_difference(found, truth).max()) for truth in (exact, by_triangles)
+        SAMPLED * float(relative_difference(found, truth).max()) for truth in (exact, by_triangles)
     )
     return LaidErrors(cells, deflection)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...fem.safety import DEFLECTION
 from ...press.press import Press
 from ...press.touch import Depth
 from ...progress import Progress, silent
@@ -21,9 +22,6 @@ from .levels import Again, Level
 from .membrane import ELEMENT, Membrane, Surface, tails
 from .pressed import check_reached
 
-SAFETY = 5.0
-"""Error of the factor over what the highest order alone holds of it: 4.7 at the point of a narrow
-polygon, less at right angles and where all is smooth."""
 SHRINKS = 2 ** (-2 / 3)
 """The error at the corner of a square, where w grows like r^(2/3), as its triangles are halved."""
 OF_TAIL = 0.2
@@ -95,7 +93,7 @@ def solved(
     level = pressing.again(known, known.level, rtol) if known.level else pressing.level(ground)
     while True:
         check_reached(press, level.rest.depth, mechanics, thickness)
-        found = SAFETY * pressing.relative(level)
+        found = DEFLECTION * pressing.relative(level)
         progress(PRESSING, remaining.share(max(float(found.max()), _least(rtol, level))))
         if not (found > rtol).any():
             if level.refined:

@@ -14,6 +14,7 @@ from ...fem.estimate import (
     KRYLOV_SHARE,
     ROUNDING,
     Swept,
+    both,
     frequencies_around,
     relative_difference,
 )
@@ -21,12 +22,13 @@ from ...fem.factors import one_blas_thread
 from ...fem.galerkin import Galerkin, swept
 from ...fem.lanczos import KeptSteps
 from ...fem.quadrature import interpolated
+from ...fem.safety import VARIED
 from ...fem.unknowns import on_cells
 from ...mesh.refining.graded import fewest
 from ...scene.frequency import Loss, laplace_variable
 from ..answer import Rung
 from .coefficients import Coefficients
-from .effect import SAFETY, Course, by_orders, evened
+from .effect import Course, by_orders, evened
 from .elements import Elements, raising
 from .system import PressedSystem, foam, pressed_system
 from .unsure import NEGLIGIBLE, Raised, missed, of_rule
@@ -72,11 +74,7 @@ class Discretised:
     felt: NDArray[np.float64] | float = 0.0
 
     def rung(self, frequency: NDArray[np.float64], rtol: float) -> Rung:
-        """The answer at these frequencies in Hz, and its error.
-
-        Parts of the error may cancel in the difference of two orders alone, in Rs or in Cp: the
-        geometric mean with the larger one covers that.
-        """
+        """The answer at these frequencies in Hz, and its error."""
         around = frequencies_around(frequency)
         (Z, change), (finer, _), *lower = self._swept(around, KRYLOV_SHARE * rtol)
         if lower:
@@ -86,7 +84,7 @@ class Discretised:
             shown = evened(relative_difference(Z, finer))
             off = self.course.effect(frequency, Z, finer) * shown
         here = np.s_[:, : len(frequency)]
-        told = SAFETY * np.sqrt(off * off.max(axis=0)) + change[here] + ROUNDING
+        told = VARIED * both(off) + change[here] + ROUNDING
         told = told + self.error + self.felt
         if self.missed.max() > NEGLIGIBLE * rtol:
             told += self.changes(of_rule(self.coefficients, self.missed), frequency, rtol)
@@ -113,8 +111,7 @@ class Discretised:
                 swept(each.space, each.system.mass, drives, s, KRYLOV_SHARE * rtol)[0]
                 for each in (own, other)
             )
-        off = relative_difference(Z, moved)
-        return np.sqrt(off * off.max(axis=0))
+        return both(relative_difference(Z, moved))
 
     @cached_property
     def missed(self) -> NDArray[np.float64]:

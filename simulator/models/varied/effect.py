@@ -14,23 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.estimate import relative_difference
+from ...fem.safety import (
+    FORESEEN,
+    LEAST,
+    MOST,
+    MOST_BY_ORDERS,
+    PARITY,
+    TELLS,
+    UNSEEN,
+    VARIED,
+)
 
-SAFETY = 2.0
-"""Of 230 meshes of 50 random skins E was at most 1.2 times k D in 99 %, in half equal to it."""
-UNSEEN = 3.0
-"""k of a first mesh. At worst 3.7 was seen, 2.5 at ends of foils."""
-LEAST, MOST = 1.3, 4.0
-"""Of k: what is smooth may have been refined alone; where a mesh is far too coarse k is noise. It
-is larger at corners where conductance jumps far."""
-FORESEEN = 1.5
-"""Times k that corners tell of a mesh in advance: of some 60 meshes of 20 skins k was at most 1.6
-times that, and 2.2 times at one place where Cp changes sign."""
-TELLS = 0.1
-"""Of a difference: by how much it has to fall from mesh to mesh for k to be told."""
-PARITY = 0.8
-"""Of the difference before, where the latest two orders agree and those before did not gain: in a
-cell far wider than a layer every second order hardly changes the answer."""
-MOST_BY_ORDERS = 5.0
 Admittances = NDArray[np.complex128]
 
 
@@ -149,7 +143,7 @@ def by_orders(order: int, Z: list[Admittances]) -> NDArray[np.float64]:
     if not first:
         return k * steps[0]
     odd = np.minimum(PARITY, 1 / _ratio(first[0], before))
-    return np.maximum(k * steps[0], odd * steps[1] / SAFETY)
+    return np.maximum(k * steps[0], odd * steps[1] / VARIED)
 
 
 def _ratio(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -18,9 +18,6 @@ FACTOR_RTOL = 1e-3
 """Of the factor anywhere, which lattices are compared with."""
 POINTS = 24
 """Along each side of a cell, at which that is seen."""
-SAFETY = 4.0
-"""What other presses by depth may be off by, over the largest of a sample: deep ones in a corner
-beside foils were seen at 2.9 times that."""
 
 
 def traced(scene: Scene, lattice: Lattice, applied: Applied) -> TouchedCells:

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from ....fem.estimate import both
+from ....fem.safety import SINGULAR
 from ....fem.system import Films, System, films
 from ...parameters import foam_parts, mode_values
 from ...varied.coefficients import Coefficients
@@ -17,11 +19,6 @@ from ...varied.materials import Materials, gauged
 from ...varied.system import add_foam, add_sheet, film_of, pressed_system
 from .family import Checking, Family, Triangulation, Weights, resistive
 from .masses import Masses, Part, taken
-
-LESS_GAINED = 2.0
-"""How much less than on plain skins the next order may gain, at the worst of singularities: where a
-foil ends at an inner corner, or in a sheet that conducts far better along one direction. One mesh
-serves all presses here, so none tells how much: see `varied.effect`."""
 
 
 class UnevenFamily(Family):
@@ -48,8 +45,8 @@ class UnevenFamily(Family):
         return self._finer.skin(weights), self._finer.mass(factors)
 
     def told(self, difference: NDArray[np.float64]) -> NDArray[np.float64]:
-        """As of `Family`; parts may cancel in Rs or in Cp alone, as `Discretised` has it."""
-        return LESS_GAINED * np.sqrt(difference * difference.max(axis=0))
+        """As of `Family`."""
+        return SINGULAR * both(difference)
 
     @cached_property
     def masses(self) -> Masses:

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ....fem.estimate import relative_difference
+from ....fem.estimate import both, relative_difference
 from ....press.batch import PressBatch
 from ....sweeps import InputError
 from ...parameters import Variation
@@ -119,8 +119,7 @@ class IndentedSkin(ReducedSkin):
         Y = np.stack([each for _, each in found])
         more = s * np.stack([self._doubted(cells, rises, u) for u, _ in found])
         Z, raised = (each.astype(np.complex128) for each in (1 / Y, 1 / (Y + more)))
-        off = relative_difference(raised, Z)
-        return np.sqrt(off * off.max(axis=0))
+        return both(relative_difference(raised, Z))
 
     def charges(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]

@@ -3,16 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.simulator.fem.estimate import WINDOW, frequencies_around, relative_difference
-from rcskin.simulator.models.varied.effect import (
-    FORESEEN,
-    LEAST,
-    SAFETY,
-    UNSEEN,
-    Course,
-    at_corners,
-    by_orders,
-    evened,
-)
+from rcskin.simulator.fem.safety import FORESEEN, LEAST, UNSEEN, VARIED
+from rcskin.simulator.models.varied.effect import Course, at_corners, by_orders, evened
 
 FREQUENCY = np.array([1e3, 1e4, 1e5])
 AROUND = frequencies_around(FREQUENCY)
@@ -88,7 +80,7 @@ def test_smooth_errors_are_not_taken_for_less_than_the_least():
 def test_orders_tell_how_their_errors_fall(order, power):
     orders = [off_by(1e-2 * p**-power) for p in range(order + 1, max(order - 3, 0), -1)]
     true = evened(relative_difference(orders[1], Z))
-    told = SAFETY * by_orders(order, orders)
+    told = VARIED * by_orders(order, orders)
     assert (told >= true).all()
     assert (told <= 5 * true).all()
 
@@ -96,7 +88,7 @@ def test_orders_tell_how_their_errors_fall(order, power):
 def test_orders_that_gain_by_twos_are_not_believed():
     """In a cell far wider than a layer the next order hardly changes the answer."""
     orders = [off_by(error) for error in (0.99e-2, 1e-2, 2.5e-2, 2.6e-2)]
-    assert (SAFETY * by_orders(3, orders)).max() >= 1e-2
+    assert (VARIED * by_orders(3, orders)).max() >= 1e-2
 
 
 def test_meshes_that_gain_too_little_will_not_reach_a_tolerance():
