@@ -80,9 +80,9 @@ class System:
 class PixelSystem(System):
     """That of uniform sheets, for any capacitance that is even within each pixel.
 
-    coupling: how s c enters between fields, shape (field, field). pixels: the mesh. It is one with
-    `varied.system` but for M: that of a cell is its area times one matrix, which a press fills in
-    a tenth of the time that the points of a rule take.
+    coupling: how s c enters between fields, shape (field, field). pixels: the mesh. M is
+    apart from that of `varied.system`, which integrates at points: here it is the area of each cell
+    times one matrix, and a press fills it three times as fast.
     """
 
     coupling: NDArray[np.float64]

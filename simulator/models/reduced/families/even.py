@@ -23,7 +23,11 @@ MODE_DEGREE = 6
 
 
 class EvenFamily(Family):
-    """On the mesh of a resolution, of which elements of one order more are part."""
+    """On the mesh of a resolution, of which elements of one order more are part.
+
+    Apart from `UnevenFamily`, which takes other elements to check its own, and a rule's points for
+    all integrals: on the trapezoids around ends of foils those would lose digits or time.
+    """
 
     mesh: Resolution
     system: PixelSystem
