@@ -20,7 +20,6 @@ from .simulator.asked.replacing import with_replacing
 from .simulator.cli import app, run, with_examples
 from .simulator.progress import on_terminal
 from .simulator.shown import terminal
-from .simulator.study.command import study_command
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -65,15 +64,6 @@ def reproduce(
         f"{agreeing} of the paper's {len(claims)} statements agree; see {output / 'report.html'}",
         soft_wrap=True,
     )
-
-
-def _accuracies(sweeps: xr.Dataset, target: str) -> list[float]:
-    from .localization.evaluation.evaluation import held_out
-
-    return held_out(sweeps, target)
-
-
-app.command("study")(study_command(_accuracies))
 
 
 def _live_localizer(path: Path, manner: Manner) -> LiveLocalizer:

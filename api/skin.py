@@ -11,14 +11,14 @@ from .arguments import checked, scene_of, sweeps_of
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ..localization.study.separation import Target as PixelTarget
+    from ..localization.study.study import Study, Vary
     from ..simulator.bounds.readings import Target
     from ..simulator.calibration.prior import Kind
     from ..simulator.calibration.run import Calibration
     from ..simulator.limits.limit import Limit
     from ..simulator.scene.randomisation import AnyDistribution
     from ..simulator.scene.scene import Scene
-    from ..simulator.study.separation import Target as PixelTarget
-    from ..simulator.study.study import Study, Vary
 
 
 @checked
@@ -84,8 +84,7 @@ def study(
     calls this under `if __name__ == "__main__":`. Raises InputError for a key or value that cannot
     be, ToleranceError where rtol cannot be kept.
     """
-    from ..localization.evaluation.evaluation import held_out
-    from ..simulator.study.study import planned
+    from ..localization.study.study import planned
 
     plan = planned(
         str(scene) if isinstance(scene, str | Path) else scene_of(scene),
@@ -96,7 +95,7 @@ def study(
         repetitions=repetitions,
         seed=seed,
     )
-    return plan.carried_out(held_out, rtol=rtol, workers=workers)
+    return plan.carried_out(rtol=rtol, workers=workers)
 
 
 @checked

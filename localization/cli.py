@@ -1,4 +1,4 @@
-"""The localizer's commands: train it, evaluate it, and let it tell where sweeps were pressed."""
+"""The localizer's commands: studies, training, evaluation and use of localizers."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from .commands.adapt import adapt
 from .commands.evaluate import evaluate
 from .commands.localize import localize
 from .commands.train import train
+from .study.command import study
 
 
 def add_commands(app: typer.Typer) -> None:
     """Add the localizer's commands."""
-    for command in (train, adapt, evaluate, localize):
+    for command in (study, train, adapt, evaluate, localize):
         app.command()(command)

@@ -255,7 +255,7 @@ def unpainted(monkeypatch):
 @pytest.fixture
 def short_studies(monkeypatch):
     """Points of a study are of few sweeps, where one process finds them."""
-    monkeypatch.setattr("rcskin.simulator.study.point.SWEEPS", 400)
+    monkeypatch.setattr("rcskin.localization.study.point.SWEEPS", 400)
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from sklearn import config_context
 
 from ...simulator.sweeps import InputError
 from ..evaluation.confusion import Confusion, compare, over_folds
+from ..evaluation.evaluation import UNCHECKED
 from ..learners.registry import Estimator
 from ..trust.folds import folds_of
 from .samples import Samples
@@ -82,7 +83,7 @@ def cross_validated(
 def answered(training: Samples, test: Samples, estimator: Estimator) -> NDArray:
     """What a localizer that is trained on the ones tells of the others."""
     training = training.chosen(training.told)
-    with config_context(assume_finite=True, skip_parameter_validation=True):
+    with config_context(**UNCHECKED):
         trained = estimator.build(training.problem).fit(training.X, training.y)
         return trained.predict(test.X)
 
@@ -90,7 +91,7 @@ def answered(training: Samples, test: Samples, estimator: Estimator) -> NDArray:
 def _over_folds(
     samples: Samples, folds: Sequence[tuple[NDArray, NDArray]], estimator: Estimator
 ) -> Accuracy:
-    with config_context(assume_finite=True, skip_parameter_validation=True):
+    with config_context(**UNCHECKED):
         untrained = estimator.build(samples.problem)
         confusion = over_folds(untrained, samples.X, samples.y, folds)
     return Accuracy(confusion.accuracy, 0.0, 1, confusion)

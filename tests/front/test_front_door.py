@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import rcskin
 from rcskin.localization.model.file import save
-from rcskin.simulator.study.axis import axes_of
-from rcskin.simulator.study.keys import scene_table
+from rcskin.localization.study.axis import axes_of
+from rcskin.localization.study.keys import scene_table
 from rcskin.simulator.sweeps import InputError
 
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from rcskin.localization.study.point import Trial
+from rcskin.localization.study.sharing import families, member_curves, solve, tasks
 from rcskin.simulator.bounds.position import chosen_touch
 from rcskin.simulator.calibration.choice import Options
 from rcskin.simulator.calibration.run import calibrate
@@ -24,8 +26,6 @@ from rcskin.simulator.press.press import every_press, parse_press
 from rcskin.simulator.press.touch import Depth
 from rcskin.simulator.scene.frequency import Loss
 from rcskin.simulator.scene.scene import Scene
-from rcskin.simulator.study.point import Trial
-from rcskin.simulator.study.sharing import families, member_curves, solve, tasks
 from rcskin.simulator.sweeps import InputError, impedance, open_zarr
 
 RTOL, CLOSELY = 1e-3, 1e-4

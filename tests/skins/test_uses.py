@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+from rcskin.localization.study.curve import Curve
+from rcskin.localization.study.point import Trial
+from rcskin.localization.study.sharing import families, member_curves, solve, tasks
 from rcskin.simulator.bounds.fields import Fields
 from rcskin.simulator.bounds.position import chosen_touch, places_on
 from rcskin.simulator.bounds.readings import hypotheses
@@ -17,9 +20,6 @@ from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press, parse_press
 from rcskin.simulator.scene.files import scene_text
-from rcskin.simulator.study.curve import Curve
-from rcskin.simulator.study.point import Trial
-from rcskin.simulator.study.sharing import families, member_curves, solve, tasks
 
 STEP = 1e-4
 UNEVEN = pytest.param("uneven", marks=pytest.mark.slow)

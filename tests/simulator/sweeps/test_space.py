@@ -5,11 +5,11 @@ import shutil
 
 import pytest
 from rcskin.hardware.record.order import standard_order
+from rcskin.localization.study.point import Trial
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.files import load_scene, scene_text
-from rcskin.simulator.study.point import Trial
 from rcskin.simulator.sweeps import InputError, space
 
 CORNER = Press((Touch(1, 1, 2.0),))

@@ -1,11 +1,11 @@
 """A study that folds in keys of materials."""
 
 import pytest
+from rcskin.localization.study.axis import Axis
+from rcskin.localization.study.keys import find_key, scene_table
+from rcskin.localization.study.point import Trial
+from rcskin.localization.study.run import scenes_of
 from rcskin.simulator.scene.files import BUILTIN
-from rcskin.simulator.study.axis import Axis
-from rcskin.simulator.study.keys import find_key, scene_table
-from rcskin.simulator.study.point import Trial
-from rcskin.simulator.study.run import scenes_of
 
 
 def test_a_study_may_stretch_a_skin(tmp_path):

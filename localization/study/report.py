@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..report.files import write_frame
-from ..sweeps import whole_file
-from ..sweeps.formats.netcdf import write_dataset
+from ...simulator.report.files import write_frame
+from ...simulator.sweeps import whole_file
+from ...simulator.sweeps.formats.netcdf import write_dataset
 from .axis import Axis
 from .keys import ALL_PIXELS, BOTH_SHEETS, Key, with_values
 

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ..sweeps import InputError
+from ...simulator.sweeps import InputError
 from .keys import find_key, with_values
 
 MOST_WORKERS = 256

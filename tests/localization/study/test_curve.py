@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from rcskin.localization.study.curve import trace
 from rcskin.simulator.fem.estimate import relative_difference
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.files import load_scene
-from rcskin.simulator.study.curve import trace
 
 SCENE = load_scene("sheet-4x4")
 FREQUENCY = SCENE.frequencies

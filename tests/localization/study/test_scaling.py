@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rcskin.localization.study.sharing import Scaling, Skin
 from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.measure.symmetry import representative
 from rcskin.simulator.mesh.quadrilaterals import Resolution
@@ -13,7 +14,6 @@ from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.meter import Leads
-from rcskin.simulator.study.sharing import Scaling, Skin
 
 FREQUENCY = np.geomspace(1e2, 1e6, 3)
 PAIR = {"top-left": {}, "bottom-left": {}}

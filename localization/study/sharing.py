@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fem.circuit import Circuit
-from ..measure.symmetry import AT_REST, Pixel, representative
-from ..models.solver import ModelName, Solver
-from ..models.varied.meshes import circuit_of
-from ..press.press import Press, every_press, pixel_pressed
-from ..scene.scene import Scene
+from ...simulator.fem.circuit import Circuit
+from ...simulator.measure.symmetry import AT_REST, Pixel, representative
+from ...simulator.models.solver import ModelName, Solver
+from ...simulator.models.varied.meshes import circuit_of
+from ...simulator.press.press import Press, every_press, pixel_pressed
+from ...simulator.scene.scene import Scene
 from .curve import Curve, trace
 from .point import Trial
 

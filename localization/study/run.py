@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from ..fem.factors import one_blas_thread
-from ..measure.symmetry import Pixel
-from ..models.mechanics.in_depths import foldable
-from ..models.validity import warnings
-from ..processes import each_of, hired
-from ..progress import Progress, tracked
-from ..scene.files import scene_text
-from ..scene.scene import Scene
+from ...simulator.fem.factors import one_blas_thread
+from ...simulator.measure.symmetry import Pixel
+from ...simulator.models.mechanics.in_depths import foldable
+from ...simulator.models.validity import warnings
+from ...simulator.processes import each_of, hired
+from ...simulator.progress import Progress, tracked
+from ...simulator.scene.files import scene_text
+from ...simulator.scene.scene import Scene
 from .axis import Axis
 from .curve import Curve
 from .keys import with_values
-from .point import LOOSEST, CrossValidate, Findings, Trial, judge
+from .point import LOOSEST, Findings, Trial, judge
 from .sharing import families, member_curves, solve, tasks
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 Given = TypeVar("Given")
 Made = TypeVar("Made")
-NEEDED = ("rcskin.simulator.cli", "rcskin.simulator.study.run")
+NEEDED = ("rcskin.localization.cli", "rcskin.localization.study.run")
 """What starts the command and what every task needs, imported once for all processes."""
 NOISE_SHARE, TIGHTEST = 0.1, 1e-7
 VARIABLES = {
@@ -76,7 +76,6 @@ def study(
     scenes: Sequence[Scene],
     axes: Sequence[Axis],
     trial: Trial,
-    cross_validate: CrossValidate,
     progress: Progress,
     *,
     rtol: float | None = None,
@@ -91,10 +90,7 @@ def study(
     rtol = fitting_rtol(scenes) if rtol is None else rtol
     with hired(workers, NEEDED, "too little memory may be the cause; fewer --workers") as pool:
         curves, solves = _solved(scenes, trial, rtol, progress, pool)
-        jobs = [
-            (scene, trial, curves[point], rtol, cross_validate)
-            for point, scene in enumerate(scenes)
-        ]
+        jobs = [(scene, trial, curves[point], rtol) for point, scene in enumerate(scenes)]
         findings = list(_spread(_judge, jobs, "accuracy", progress, pool))
     attributes = {
         "scene": scene_text(scenes[0]),
@@ -131,7 +127,7 @@ def _solved(
 
 
 def _judge(
-    job: tuple[Scene, Trial, Mapping[Pixel, Curve], float, CrossValidate],
+    job: tuple[Scene, Trial, Mapping[Pixel, Curve], float],
 ) -> Findings:
     return judge(*job)
 

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..charts import checked_chart
-from ..progress import Progress, silent
-from ..scene.scene import Scene
-from ..shown import Tabular
-from ..sweeps import checked_output
+from ...simulator.charts import checked_chart
+from ...simulator.progress import Progress, silent
+from ...simulator.scene.scene import Scene
+from ...simulator.shown import Tabular
+from ...simulator.sweeps import checked_output
 from . import run
 from .axis import READY_MADE, Axis, axes_of
 from .figure import draw_study
 from .keys import scene_table
-from .point import CrossValidate, Trial
+from .point import Trial
 from .report import ENDINGS, answers, experiment_told, spacing, write_table
 from .settings import changed
 
@@ -74,22 +74,13 @@ class Planned:
 
     def carried_out(
         self,
-        cross_validate: CrossValidate,
         progress: Progress = silent,
         *,
         rtol: float | None = None,
         workers: int = 1,
     ) -> Study:
         """The study; arguments as of `run.study`, which says what is raised."""
-        found = run.study(
-            self.scenes,
-            self.axes,
-            self.trial,
-            cross_validate,
-            progress,
-            rtol=rtol,
-            workers=workers,
-        )
+        found = run.study(self.scenes, self.axes, self.trial, progress, rtol=rtol, workers=workers)
         return Study(found, self.axes, experiment_told(self.table, self.axes))
 
 

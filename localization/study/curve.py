@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..chebyshev import barycentric, refined
-from ..fem.estimate import relative_difference
+from ...simulator.chebyshev import barycentric, refined
+from ...simulator.fem.estimate import relative_difference
 
 NODES = (3, 5, 9, 17, 33)
 

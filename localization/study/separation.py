@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
-from ..measure.symmetry import Pixel
-from ..scene.meter import Readout
-from ..sweeps import InputError
+from ...simulator.measure.symmetry import Pixel
+from ...simulator.scene.meter import Readout
+from ...simulator.sweeps import InputError
 
 Label = tuple[int, ...]
 Target = Literal["column", "row", "pixel"]

@@ -10,12 +10,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..scene.files import BUILTIN, builtin_names, load_scene
-from ..scene.keys.tables import at, keys
-from ..scene.meter import FrequencyGrid
-from ..scene.scene import BOTH, Scene
-from ..scene.validation import one_line, unit_of
-from ..sweeps import InputError, inputs
+from ...simulator.scene.files import BUILTIN, builtin_names, load_scene
+from ...simulator.scene.keys.tables import at, keys
+from ...simulator.scene.meter import FrequencyGrid
+from ...simulator.scene.scene import BOTH, Scene
+from ...simulator.scene.validation import one_line, unit_of
+from ...simulator.sweeps import InputError, inputs
 
 Place = tuple[str | int, ...]
 """Where a number stands in nested tables and lists; lists count from 0."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..sweeps import InputError
+from ...simulator.sweeps import InputError
 from .keys import ALL_PIXELS, BOTH_SHEETS, Key, find_key
 
 SYNTAX = (

@@ -7,29 +7,26 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dataset.memory import in_memory
-from ..dataset.model import Family, reduced
-from ..dataset.plan import Plan, check_cells
-from ..dataset.presses import FIRST_RESTS
-from ..measure.experiment import own_presses
-from ..measure.simulate import check_fits
-from ..measure.symmetry import Pixel
-from ..press.pixels import pixels_with_skin
-from ..press.press import Press, every_press, pressed_factor
-from ..scene.meter import Experiment, Readout
-from ..scene.randomisation import DrawnPress
-from ..scene.scene import Pressing, Scene
-from ..sweeps import InputError
+from ...simulator.dataset.memory import in_memory
+from ...simulator.dataset.model import Family, reduced
+from ...simulator.dataset.plan import Plan, check_cells
+from ...simulator.dataset.presses import FIRST_RESTS
+from ...simulator.measure.experiment import own_presses
+from ...simulator.measure.simulate import check_fits
+from ...simulator.measure.symmetry import Pixel
+from ...simulator.press.pixels import pixels_with_skin
+from ...simulator.press.press import Press, every_press, pressed_factor
+from ...simulator.scene.meter import Experiment, Readout
+from ...simulator.scene.randomisation import DrawnPress
+from ...simulator.scene.scene import Pressing, Scene
+from ...simulator.sweeps import InputError
+from ..evaluation.evaluation import held_out
 from .curve import Curve
 from .separation import TARGETS, Label, Separation, in_units_of_error, label_of, separation
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 FOLDS, LOOSEST = 5, 1e-4
 
@@ -42,13 +39,6 @@ KEPT = 4
 """Families of skins that a process keeps for further points."""
 REST_EVERY = 5
 """Presses from one sweep of the unpressed skin to the next, in draws of few presses."""
-
-
-class CrossValidate(Protocol):
-    """The shares of sweeps whose class is found, by a localizer that `rcskin train` makes by
-    default, one for each part that it was not trained on: whole sessions where there are two."""
-
-    def __call__(self, sweeps: xr.Dataset, target: str, /) -> Sequence[float]: ...
 
 
 @dataclass(frozen=True)
@@ -138,7 +128,6 @@ def judge(
     trial: Trial,
     curves: Mapping[Pixel, Curve],
     rtol: float,
-    cross_validate: CrossValidate,
 ) -> Findings:
     """Draw a scene's sweeps and cross-validate a localizer on them; separate its nominal presses.
 
@@ -151,7 +140,7 @@ def judge(
     readings = in_units_of_error(Z, scene.readout, scene.taken)
     plans = [trial.plan(scene, draw, rtol) for draw in range(trial.draws)]
     family = _family(_unread(plans[0].scene), rtol)  # pyright: ignore[reportArgumentType]
-    shares = [cross_validate(in_memory(plan, family), trial.target) for plan in plans]
+    shares = [held_out(in_memory(plan, family), trial.target) for plan in plans]
     return Findings(
         tuple(share for each in shares for share in each),
         separation(readings, labels, scene.frequencies),

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.scene.meter import Readout
-from rcskin.simulator.study.separation import (
+from rcskin.localization.study.separation import (
     class_distances,
     in_units_of_error,
     label_of,
     separation,
 )
+from rcskin.simulator.scene.meter import Readout
 from rcskin.simulator.sweeps import InputError
 
 FREQUENCY = np.geomspace(1e3, 1e5, 8)

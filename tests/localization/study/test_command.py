@@ -1,12 +1,15 @@
 """`rcskin study` as its user meets it: table, chart, answers, and one line for bad input."""
 
+import subprocess
+import sys
+
 import pandas as pd
 import pytest
 import xarray as xr
 from matplotlib.image import imread
+from rcskin.localization.study.keys import scene_table
+from rcskin.localization.study.settings import changed
 from rcskin.simulator.scene.files import BUILTIN
-from rcskin.simulator.study.keys import scene_table
-from rcskin.simulator.study.settings import changed
 
 FAST = ("--repetitions", "8", "--workers", "1")
 COLUMNS = [
@@ -196,3 +199,14 @@ def test_a_scene_of_ones_own_keeps_its_grid_of_frequencies(run, tmp_path):
         *("-o", tmp_path / "out.csv"),
     )
     assert (code, err) == (0, "")
+
+
+def test_any_number_of_workers_finds_the_same(tmp_path):
+    """Processes import what they need by its name, also where the command is `python -m rcskin`."""
+    axes = ("--vary", "press.factor_spread=0,0.2", "--vary", "pixels.columns=2:3")
+    asked = (sys.executable, "-m", "rcskin", "study", "strip-1x3", *axes, "--rtol", "1e-2")
+    tables = [tmp_path / f"{workers}.csv" for workers in "12"]
+    for path in tables:
+        chosen = ("--repetitions", "8", "--workers", path.stem, "-o", path)
+        subprocess.run([*asked, *chosen], check=True)
+    assert tables[0].read_bytes() == tables[1].read_bytes()

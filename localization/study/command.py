@@ -1,0 +1,114 @@
+"""The command `rcskin study`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ...simulator.asked.options import SceneName
+from ...simulator.shown import say
+
+SECONDS_A_POINT = 1.0
+"""About, of one process: a reduced model of the paper's sheets, 2000 sweeps, four trainings."""
+
+
+def study(
+    scene: SceneName,
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", help="OUT.csv or OUT.nc; the chart is OUT.png."),
+    ],
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="KEY=START:STOP:POINTS[:log|linear], of whole numbers KEY=START:STOP, or "
+            "KEY=VALUE,VALUE,...; once or twice. Real numbers are spaced logarithmically "
+            "unless :linear is said. Without it: skin.sheet_resistance="
+            "1e3:1e6:13:log and pixels=2:10."
+        ),
+    ] = None,
+    chart: Annotated[Path | None, typer.Option(help="The chart's own: .png, .svg or .pdf.")] = None,
+    max_frequency: Annotated[
+        float | None,
+        typer.Option(
+            help="The meter's upper limit in Hz: a grid of frequencies ends there, of a list "
+            "those above are left out."
+        ),
+    ] = None,
+    target: Annotated[
+        str,
+        typer.Option(
+            help="column, row or pixel.", autocompletion=lambda: ["column", "row", "pixel"]
+        ),
+    ] = "column",
+    draws: Annotated[
+        int, typer.Option(help="How often skins, presses and readings are drawn anew.")
+    ] = 1,
+    repetitions: Annotated[
+        int | None,
+        typer.Option(help="Presses of each pixel in a draw; else 2000 sweeps in all."),
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(help="Of all random numbers; the scene's if absent.")
+    ] = None,
+    rtol: Annotated[
+        float | None,
+        typer.Option(
+            help="Largest relative error of Rs, Cp, 1e-8 to 1e-2; else what fits the noise."
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(help="Processes; else one for each core. Same results.")
+    ] = None,
+) -> None:
+    """How well pixels are told apart while one or two numbers of the scene vary.
+
+    KEY is the dotted path of a number in the scene file, such as
+    skin.foam.loss_tangent, contact.top-left.resistance or
+    readout.phase_noise; skin.sheet_resistance stands for both sheets,
+    pixels for rows and columns.
+
+    At each point: the accuracy that `rcskin train` reaches on a data set of
+    the scene (random skins, presses as strong as the scene says, the meter's
+    noise), on skins not trained on; the distance between classes in units of
+    the meter's error; and the band of frequencies that tells neighbours best.
+    """
+    from ...simulator.asked.durations import tell_if_long
+    from ...simulator.asked.scene import asked_scene
+    from ...simulator.asked.telling import warn, written
+    from ...simulator.charts import checked_chart
+    from ...simulator.progress import on_terminal
+    from ...simulator.sweeps import checked_output
+    from ...simulator.sweeps.meaning import CHANGES, accuracy_means
+    from .report import ENDINGS, screenful
+    from .run import warnings_of
+    from .settings import checked_workers
+    from .study import planned
+
+    beside = checked_output(output, ENDINGS).with_suffix(".png")
+    picture = checked_chart(chart or beside)
+    workers = checked_workers(workers)
+    asked_scene(scene)
+    plan = planned(
+        scene,
+        vary,
+        max_frequency=max_frequency,
+        target=target,
+        draws=draws,
+        repetitions=repetitions,
+        seed=seed,
+    )
+    for warning in warnings_of(plan.scenes):
+        warn(f"{scene}: {warning}")
+    points = f"{len(plan.scenes)} points"
+    tell_if_long(scene, SECONDS_A_POINT * len(plan.scenes) / workers, points)
+    with on_terminal() as progress:
+        found = plan.carried_out(progress, rtol=rtol, workers=workers)
+    found.write(output)
+    found.plot(picture)
+    meaning = accuracy_means(target, CHANGES, "on skins not trained on", scene)
+    for line in (*screenful(found.best, output), meaning, found.spacing):
+        say(line)
+    written(points, output, picture)
