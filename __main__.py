@@ -10,7 +10,7 @@ import typer
 
 from .examples import EXAMPLES, OF_THE_METER
 from .hardware.cli import app as meter
-from .hardware.live.command import Manner, live_command
+from .hardware.live.command import live
 from .hardware.meter.errors import MeterError
 from .localization.cli import add_commands
 from .localization.commands.gap import gap_command
@@ -24,8 +24,6 @@ from .simulator.shown import terminal
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
-
-    from .hardware.live.answer import Localizer as LiveLocalizer
 
 __all__ = ["app", "main"]
 
@@ -66,34 +64,8 @@ def reproduce(
     )
 
 
-def _live_localizer(path: Path, manner: Manner) -> LiveLocalizer:
-    from .hardware.live.model import ModelLocalizer
-    from .localization.commands.asking import tell_age
-    from .localization.filtering.asking import Asker, skin_at_hand
-    from .localization.filtering.follower import Follower
-    from .localization.filtering.touching import Touching
-    from .localization.inputs.features import needs_rest
-    from .localization.inversion.registered import answer_at_once
-    from .localization.model.file import load
-    from .simulator.scene.files import parse_scene
-
-    model = load(path)
-    answer_at_once(model.pipeline)
-    tell_age(model, path)
-    scene = parse_scene(model.scene, str(path))
-    size = 1e3 * scene.skin.length, 1e3 * scene.skin.width
-    shape = scene.pixels.rows, scene.pixels.columns
-    touching, adaptive, certain, within = manner
-    follower = touching and Follower(model, Touching(*touching), certain)
-    asker = Asker(model, certain, follower, within) if adaptive else None
-    told_by_rest = needs_rest(model.quantities)
-    tables = partial(skin_at_hand, model) if told_by_rest else None
-    takes_rest = told_by_rest or model.watches_changes
-    return ModelLocalizer(model, *shape, size, takes_rest, follower, asker, tables)
-
-
 add_commands(app)
-app.command("live")(live_command(_live_localizer))
+app.command()(live)
 app.add_typer(meter, name="meter")
 
 

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -34,15 +33,16 @@ from rcskin.benchmarks.localization.twin_parts.training import (
 from rcskin.benchmarks.localization.twin_parts.trials import ONE, SINGLE, TWO
 from rcskin.hardware.live.answer import NOTHING_PRESSED
 from rcskin.hardware.live.link import Link
+from rcskin.hardware.live.localizer import Localizer
 from rcskin.hardware.live.log import Log
-from rcskin.hardware.live.model import ModelLocalizer
 from rcskin.hardware.live.rest import Rest
 from rcskin.hardware.live.session import Session
-from rcskin.localization.filtering.asking import Asker, skin_at_hand
+from rcskin.localization.filtering.asking import Asker
 from rcskin.localization.filtering.follower import Follower
 from rcskin.localization.model.model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.model import reduced
+from rcskin.simulator.scene.files import parse_scene
 from rcskin.simulator.scene.scene import Scene
 
 PIXELS, TRAINING = 5, 2000
@@ -96,16 +96,15 @@ LATE = 0.6
 CERTAIN = 0.95
 
 
-def localizer(model: Model, filters: bool, asks: bool) -> ModelLocalizer:
+def localizer(model: Model, filters: bool, asks: bool) -> Localizer:
     """As `rcskin live` makes it."""
     certain = CERTAIN if asks else None
     follower = Follower(model, certain=certain) if filters else None
     asker = Asker(model, certain, follower) if asks else None
-    size = PIXELS, PIXELS, (120.0, 120.0)
-    return ModelLocalizer(model, *size, True, follower, asker, partial(skin_at_hand, model))
+    return Localizer(model, parse_scene(model.scene, "the model"), follower, asker)
 
 
-def session(way: ModelLocalizer, link: Any, stage: Any) -> Session:
+def session(way: Localizer, link: Any, stage: Any) -> Session:
     """Of live localization, in the meter's own time."""
     return Session(way, link, Rest(3), Told(stage), Log(), clock=lambda: stage.now)
 

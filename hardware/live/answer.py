@@ -1,22 +1,23 @@
-"""What live localization asks of a localizer, and what it is told: an answer that can be drawn."""
+"""What a localizer answers to one sweep, in words and so that it can be drawn."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...localization.trust.answers import CANNOT_TELL
 from ...simulator.sweeps.press_text import named_pixels
 
 if TYPE_CHECKING:
-    import xarray as xr
     from numpy.typing import NDArray
 
+    from ...localization.model.model import Model
+
 NOTHING_PRESSED = "nothing pressed"
-CANNOT_TELL = "cannot tell"
 NAMED = {"column": "column {}", "row": "row {}", "touches": "{} touches"}
 
 
@@ -62,100 +63,9 @@ class Answer:
         return ", ".join(parts)
 
 
-class Questions(Protocol):
-    """A sweep whose readings are chosen one after the other."""
-
-    def next(self, seconds: NDArray[np.float64], /) -> tuple[str, float] | None:
-        """Interface and frequency [Hz] to be read next; None where enough is known to answer.
-
-        seconds: that a reading takes at each of the localizer's interfaces and frequencies, with
-        the turn of the switch where there is one, shape (interface, frequency).
-        """
-        ...
-
-    def tell(self, interface: str, frequency: float, Z: complex, /) -> None:
-        """What was read there, ohm."""
-        ...
-
-    def answer(self, during: float, /) -> Answer:
-        """Where the skin was pressed. during: s that the readings took."""
-        ...
-
-
-class Localizer(Protocol):
-    """A model that tells touches from sweeps. Everything is fixed but what it answers.
-
-    Sweeps at rest that it is given are of the opening or the latest, as their coordinate OPENING
-    of `simulator.sweeps` says.
-    """
-
-    @property
-    def frequencies(self) -> tuple[float, ...]:
-        """Hz, ascending."""
-        ...
-
-    @property
-    def of_each(self) -> Mapping[str, tuple[float, ...]]:
-        """Hz, ascending, of interfaces that have frequencies of their own, by name."""
-        ...
-
-    @property
-    def interfaces(self) -> tuple[str, ...]:
-        """Names of the interfaces that it needs the sweep of."""
-        ...
-
-    @property
-    def target(self) -> str:
-        """What it tells: column, row, pixel, position, touches or pair."""
-        ...
-
-    @property
-    def rows(self) -> int:
-        """Of pixels."""
-        ...
-
-    @property
-    def columns(self) -> int:
-        """Of pixels."""
-        ...
-
-    @property
-    def size(self) -> tuple[float, float]:
-        """Length and width of the skin, mm."""
-        ...
-
-    @property
-    def needs_rest(self) -> bool:
-        """Whether it looks at what differs from the skin at rest."""
-        ...
-
-    @property
-    def scene(self) -> str:
-        """TOML text of the skin that it was trained for."""
-        ...
-
-    def prepare(self, rest: xr.Dataset | None, /) -> None:
-        """Get ready for the first sweep of a skin that is like this at rest."""
-        ...
-
-    def questions(self, rest: xr.Dataset | None, gap: float, /) -> Questions | None:
-        """For the next sweep, gap s after the one before; None where whole sweeps are wanted."""
-        ...
-
-    def answer(
-        self, sweep: xr.Dataset, rest: xr.Dataset | None, gap: float, during: float, /
-    ) -> Answer:
-        """Where one sweep was pressed. rest: sweeps of the skin at rest, where there are any.
-
-        gap: s from the end of the sweep before to its beginning. during: s that it took.
-        """
-        ...
-
-
-def readings_of(localizer: Localizer) -> int:
+def readings_of(model: Model) -> int:
     """How many readings a sweep is of."""
-    whole = localizer.frequencies
-    return sum(len(localizer.of_each.get(name, whole)) for name in localizer.interfaces)
+    return sum(len(model.of_each.get(name, model.frequencies)) for name in model.interfaces)
 
 
 def answer_of_classes(

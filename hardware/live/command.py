@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -22,147 +22,135 @@ from ..options import (
 )
 
 if TYPE_CHECKING:
+    from ...localization.model.model import Model
     from ..record.journal import Journal
-    from .answer import Localizer
+    from .localizer import Localizer
     from .rest import Rest
     from .session import Session, Show
 
 MOST_REST = 1000
 
 
-class Manner(NamedTuple):
-    """How a localizer is to be asked.
+def live(
+    model: Annotated[Path, typer.Option(help="A trained model, .skops.")],
+    resource: Resource,
+    interface: Annotated[
+        str | None, typer.Option(help="Where the meter is connected; else the model's.")
+    ] = None,
+    switch: SwitchName = None,
+    switch_with: SwitchWith = None,
+    settle: Settle = None,
+    rest: Annotated[int, typer.Option(help="Sweeps at rest, where the model needs any.")] = 3,
+    rest_file: Annotated[
+        list[Path] | None, typer.Option(help="Take the sweeps at rest (press none) of files.")
+    ] = None,
+    sweeps: Annotated[int | None, typer.Option(help="End after so many answers.")] = None,
+    plain: Annotated[
+        bool, typer.Option("--plain", help="A line for each answer, as in a pipe.")
+    ] = False,
+    log: Annotated[
+        Path | None, typer.Option(help="Write all sweeps and answers: OUT.nc or .csv.")
+    ] = None,
+    drift: Annotated[float, typer.Option(help="Of |Z| at rest that is not told.")] = 0.05,
+    patience: Annotated[
+        float, typer.Option(help="Seconds without the meter until it is given up.")
+    ] = 30.0,
+    timeout: Timeout = 2.0,
+    baud: Baud = 9600,
+    accuracy: Accuracy = None,
+    anyway: Annotated[
+        bool, typer.Option("--anyway", help="Take sweeps at rest of another skin, too.")
+    ] = False,
+    filtered: Annotated[
+        bool, typer.Option("--filter", help="Let sweeps add up, with any model.")
+    ] = False,
+    touch_lasts: Annotated[float, typer.Option(help="Seconds of a touch, with --filter.")] = 2,
+    touch_every: Annotated[
+        float, typer.Option(help="Seconds from a touch to the next, with --filter.")
+    ] = 5,
+    touch_speed: Annotated[
+        float, typer.Option(help="mm/s that a touch moves by, with --filter.")
+    ] = 20,
+    adaptive: Annotated[
+        bool,
+        typer.Option(
+            "--adaptive",
+            help="Read what tells most next, until certain: model-based, -adapted.",
+        ),
+    ] = False,
+    certain: Annotated[
+        float | None,
+        typer.Option(help="Probability that --filter answers from and --adaptive reads up to."),
+    ] = None,
+    within: Annotated[
+        float,
+        typer.Option(help="mm: --adaptive reads until a position's region is a disc of this."),
+    ] = 10.0,
+    page: Annotated[
+        bool, typer.Option("--page", help="Show it on a page, too: its address is told.")
+    ] = False,
+    port: Annotated[
+        int | None, typer.Option(help="TCP port of the page; else any free one.")
+    ] = None,
+) -> None:
+    """Localize presses as they come: time, answer, probability and latency in ms in a pipe."""
+    from ...localization.filtering.touching import Touching
+    from ..meter.accuracy import DERIVED, read_table
+    from ..meter.ending import ending_in_order
+    from ..meter.hioki import open_meter
+    from ..record.checks import Limits
+    from ..switch.asked import asked_switch
+    from .link import Link
+    from .localizer import localizer_of
+    from .log import Log
+    from .session import Session
 
-    touching: s that a touch lasts, s from one to the next, mm/s that it moves by; None: each sweep
-    alone. adaptive: whether it chooses readings. certain: probability of answers, may be None.
-    within: mm, of places.
-    """
-
-    touching: tuple[float, float, float] | None = None
-    adaptive: bool = False
-    certain: float | None = None
-    within: float = 10.0
-
-
-def live_command(load: Callable[[Path, Manner], Localizer]) -> Callable[..., None]:
-    """The command, localizing by what `load` reads from a file (it raises InputError)."""
-
-    def live(
-        model: Annotated[Path, typer.Option(help="A trained model, .skops.")],
-        resource: Resource,
-        interface: Annotated[
-            str | None, typer.Option(help="Where the meter is connected; else the model's.")
-        ] = None,
-        switch: SwitchName = None,
-        switch_with: SwitchWith = None,
-        settle: Settle = None,
-        rest: Annotated[int, typer.Option(help="Sweeps at rest, where the model needs any.")] = 3,
-        rest_file: Annotated[
-            list[Path] | None, typer.Option(help="Take the sweeps at rest (press none) of files.")
-        ] = None,
-        sweeps: Annotated[int | None, typer.Option(help="End after so many answers.")] = None,
-        plain: Annotated[
-            bool, typer.Option("--plain", help="A line for each answer, as in a pipe.")
-        ] = False,
-        log: Annotated[
-            Path | None, typer.Option(help="Write all sweeps and answers: OUT.nc or .csv.")
-        ] = None,
-        drift: Annotated[float, typer.Option(help="Of |Z| at rest that is not told.")] = 0.05,
-        patience: Annotated[
-            float, typer.Option(help="Seconds without the meter until it is given up.")
-        ] = 30.0,
-        timeout: Timeout = 2.0,
-        baud: Baud = 9600,
-        accuracy: Accuracy = None,
-        anyway: Annotated[
-            bool, typer.Option("--anyway", help="Take sweeps at rest of another skin, too.")
-        ] = False,
-        filtered: Annotated[
-            bool, typer.Option("--filter", help="Let sweeps add up, with any model.")
-        ] = False,
-        touch_lasts: Annotated[float, typer.Option(help="Seconds of a touch, with --filter.")] = 2,
-        touch_every: Annotated[
-            float, typer.Option(help="Seconds from a touch to the next, with --filter.")
-        ] = 5,
-        touch_speed: Annotated[
-            float, typer.Option(help="mm/s that a touch moves by, with --filter.")
-        ] = 20,
-        adaptive: Annotated[
-            bool,
-            typer.Option(
-                "--adaptive",
-                help="Read what tells most next, until certain: model-based, -adapted.",
-            ),
-        ] = False,
-        certain: Annotated[
-            float | None,
-            typer.Option(help="Probability that --filter answers from and --adaptive reads up to."),
-        ] = None,
-        within: Annotated[
-            float,
-            typer.Option(help="mm: --adaptive reads until a position's region is a disc of this."),
-        ] = 10.0,
-        page: Annotated[
-            bool, typer.Option("--page", help="Show it on a page, too: its address is told.")
-        ] = False,
-        port: Annotated[
-            int | None, typer.Option(help="TCP port of the page; else any free one.")
-        ] = None,
-    ) -> None:
-        """Localize presses as they come: time, answer, probability and latency in ms in a pipe."""
-        from ..meter.accuracy import DERIVED, read_table
-        from ..meter.ending import ending_in_order
-        from ..meter.hioki import open_meter
-        from ..record.checks import Limits
-        from ..switch.asked import asked_switch
-        from .link import Link
-        from .log import Log
-        from .session import Session
-
-        touching = (touch_lasts, touch_every, touch_speed) if filtered else None
-        manner = Manner(touching, adaptive, certain, within)
-        _check_options(manner, sweeps, log, port, page)
-        journal = _journal(log) if log else None
-        localizer = load(model, manner)
-        _check_interface(localizer, interface)
-        connect = partial(
-            Link,
-            localizer,
-            lambda: open_meter(resource, timeout, baud),
-            read_table(accuracy or DERIVED),
-            Limits(drift=drift),
-            patience,
-            asked_switch(switch, switch_with, settle, localizer.interfaces),
-            journal=journal,
-        )
-        at_rest = _rest(localizer, rest, rest_file, anyway)
-        kept = Log(journal)
-        paged = _paged(localizer, model, port or 0) if page else nullcontext(())
-        try:
-            with ending_in_order() as tell, journal.lock() if journal else nullcontext():
-                link = connect(tell=tell)
-                with paged as others, _showing(localizer, plain, others) as (show, key):
-                    _run(Session(localizer, link, at_rest, show, kept, key), sweeps)
-        finally:
-            if kept.told:
-                say(kept.told, err=True)
-
-    return live
+    _check_options(sweeps, log, port if not page else None, certain, filtered, adaptive)
+    journal = _journal(log) if log else None
+    touching = Touching(touch_lasts, touch_every, touch_speed) if filtered else None
+    localizer = localizer_of(model, touching, adaptive, certain, within)
+    _check_interface(localizer.model, interface)
+    connect = partial(
+        Link,
+        localizer,
+        lambda: open_meter(resource, timeout, baud),
+        read_table(accuracy or DERIVED),
+        Limits(drift=drift),
+        patience,
+        asked_switch(switch, switch_with, settle, localizer.model.interfaces),
+        journal=journal,
+    )
+    at_rest = _rest(localizer, rest, rest_file, anyway)
+    kept = Log(journal)
+    paged = _paged(localizer, port or 0) if page else nullcontext(())
+    try:
+        with ending_in_order() as tell, journal.lock() if journal else nullcontext():
+            link = connect(tell=tell)
+            with paged as others, _showing(localizer, plain, others) as (show, key):
+                _run(Session(localizer, link, at_rest, show, kept, key), sweeps)
+    finally:
+        if kept.told:
+            say(kept.told, err=True)
 
 
 def _check_options(
-    manner: Manner, sweeps: int | None, log: Path | None, port: int | None, page: bool
+    sweeps: int | None,
+    log: Path | None,
+    port: int | None,
+    certain: float | None,
+    filtered: bool,
+    adaptive: bool,
 ) -> None:
-    """Raises InputError for options that do not go together."""
+    """Raises InputError for options that do not go together. port: None where there is a page."""
     from ...simulator.sweeps import InputError
 
     if sweeps is not None and sweeps < 1:
         raise InputError(f"`sweeps` must be at least 1, got {sweeps}")
-    if manner.adaptive and log:
+    if adaptive and log:
         raise InputError("--log keeps whole sweeps, and --adaptive measures parts of them")
-    if manner.certain is not None and not (manner.touching or manner.adaptive):
+    if certain is not None and not (filtered or adaptive):
         raise InputError("--certain needs --filter or --adaptive; else `train` takes it")
-    if port is not None and not page:
+    if port is not None:
         raise InputError("--port is of the page: it needs --page")
 
 
@@ -190,9 +178,8 @@ def _run(session: Session, answers: int | None) -> None:
 
 
 @contextmanager
-def _paged(localizer: Localizer, model: Path, port: int) -> Iterator[Sequence[Show]]:
+def _paged(localizer: Localizer, port: int) -> Iterator[Sequence[Show]]:
     """A page of the localizer's skin, served beside. Raises InputError where there is none."""
-    from ...simulator.scene.files import parse_scene
     from ...simulator.scene.reading import reading_at, through
     from ..counting import counting
     from ..page.document import Document
@@ -200,13 +187,14 @@ def _paged(localizer: Localizer, model: Path, port: int) -> Iterator[Sequence[Sh
     from ..record.dataset import taken_at
     from .shown import Shown
 
-    scene = through(parse_scene(localizer.scene, str(model)), localizer.interfaces)
-    taken = taken_at(localizer.interfaces, localizer.frequencies, localizer.of_each)
-    document = Document.of(reading_at(scene, localizer.frequencies, taken), "live")
+    model = localizer.model
+    taken = taken_at(model.interfaces, model.frequencies, model.of_each)
+    scene = reading_at(through(localizer.scene, model.interfaces), model.frequencies, taken)
+    document = Document.of(scene, "live")
     shown = counting(lambda text: say(f"rcskin: page: {text}", err=True))
     with shown, beside(document, port) as (address, post):
         say(f"rcskin: page {address.url}", err=True)
-        yield (Shown(localizer, post),)
+        yield (Shown(model, post),)
 
 
 @contextmanager
@@ -237,14 +225,14 @@ def _rest(localizer: Localizer, wanted: int, files: list[Path] | None, anyway: b
         raise InputError(f"`rest` must be in 1..{MOST_REST}, got {wanted}")
     rest = Rest(wanted if localizer.needs_rest else 0)
     if files:
-        rest.give(read_rest(files, localizer, anyway=anyway))
+        rest.give(read_rest(files, localizer.model, anyway=anyway))
     return rest
 
 
-def _check_interface(localizer: Localizer, interface: str | None) -> None:
+def _check_interface(model: Model, interface: str | None) -> None:
     """Raises InputError where the meter is said to be at an interface that is not the model's."""
     from ...simulator.sweeps import InputError
 
-    if interface is not None and (interface,) != localizer.interfaces:
-        names = ", ".join(localizer.interfaces)
+    if interface is not None and (interface,) != model.interfaces:
+        names = ", ".join(model.interfaces)
         raise InputError(f"the model was trained on interface {names}, got {interface!r}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,8 +27,10 @@ from ..record.sweep import (
 )
 from ..switch.errors import NoSwitchError, SwitchError
 from ..switch.switch import Switch
-from .answer import Localizer
 from .turns import Turns
+
+if TYPE_CHECKING:
+    from .localizer import Localizer
 
 FIRST_WAIT, LONGEST_WAIT = 0.25, 4.0
 LOOKED_AT = 1.0
@@ -78,14 +81,14 @@ class Link:
 
     def sweep(self, watch: Watch) -> Sweep:
         """Readings that were all measured with those settings, once ready. Raises MeterError."""
-        localizer = self._localizer
+        model = self._localizer.model
         sweep = measure_sweep(
             self._meter,
-            localizer.frequencies,
-            localizer.interfaces,
+            model.frequencies,
+            model.interfaces,
             self.turns,
             watch,
-            of_each=localizer.of_each,
+            of_each=model.of_each,
         )
         self._look()
         return sweep
@@ -145,17 +148,17 @@ class Link:
                 self.turns.close()
 
     def _begin(self, meter: Meter) -> None:
-        localizer = self._localizer
-        check_frequencies(meter, localizer.frequencies)
+        model, pixels = self._localizer.model, self._localizer.scene.pixels
+        check_frequencies(meter, model.frequencies)
         settings = snapshot(meter)
         restore(meter, settings)
         self._station.header = Header(
-            scene=localizer.scene,
+            scene=model.scene,
             name="live",
-            interfaces=localizer.interfaces,
-            frequencies=localizer.frequencies,
-            rows=localizer.rows,
-            columns=localizer.columns,
+            interfaces=model.interfaces,
+            frequencies=model.frequencies,
+            rows=pixels.rows,
+            columns=pixels.columns,
             order=(),
             asked={},
             meter=meter.identity.text,
@@ -163,10 +166,10 @@ class Link:
             begun=(begun := now()),
             session=begun,
             accuracy=self._table.name,
-            of_each=dict(localizer.of_each),
+            of_each=dict(model.of_each),
         )
-        frequency, own = np.array(localizer.frequencies), localizer.of_each
-        self.judge = Judge(frequency, self._table, settings, self._limits, own)
+        frequency = np.array(model.frequencies)
+        self.judge = Judge(frequency, self._table, settings, self._limits, model.of_each)
 
     def _recovered(self) -> None:
         self._failing_since, self._wait = None, FIRST_WAIT

@@ -1,4 +1,4 @@
-"""Measured sweeps as a localizer takes them, and the log of a live session."""
+"""Measured sweeps as a model takes them, and the log of a live session."""
 
 from __future__ import annotations
 
@@ -18,47 +18,49 @@ from ..record.journal import Entry, Header, Journal, tell_if_set_back
 from ..record.order import UNKNOWN
 from ..record.output import finish, write_all
 from ..record.sweep import Sweep, Trace, now
-from .answer import Answer, Localizer
+from .answer import Answer
 from .rest import Rest
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from ...localization.model.model import Model
+
 
 def as_dataset(
-    sweeps: Sequence[Sweep], localizer: Localizer, press: Sequence[str] | str = UNKNOWN
+    sweeps: Sequence[Sweep], model: Model, press: Sequence[str] | str = UNKNOWN
 ) -> xr.Dataset:
-    """Sweeps at the localizer's interfaces and frequencies. press: of each, or of all."""
-    taken = taken_at(localizer.interfaces, localizer.frequencies, localizer.of_each)
+    """Sweeps at the model's interfaces and frequencies. press: of each, or of all."""
+    taken = taken_at(model.interfaces, model.frequencies, model.of_each)
     presses = [press] * len(sweeps) if isinstance(press, str) else list(press)
     places = [0 if each == UNPRESSED else -1 for each in presses]
     return build(
         np.stack([spread([each.Z for each in sweep.traces], taken) for sweep in sweeps]),
-        np.array(localizer.frequencies),
-        interface=list(localizer.interfaces),
+        np.array(model.frequencies),
+        interface=list(model.interfaces),
         press=presses,
         row=places,
         column=places,
         Cp=np.stack([spread([each.Cp for each in sweep.traces], taken) for sweep in sweeps]),
-        taken=taken if localizer.of_each else None,
-        attributes={"scene": localizer.scene},
+        taken=taken if model.of_each else None,
+        attributes={"scene": model.scene},
     )
 
 
-def rest_dataset(rest: Rest, localizer: Localizer) -> xr.Dataset:
+def rest_dataset(rest: Rest, model: Model) -> xr.Dataset:
     """Sweeps of the skin at rest, those of the opening told apart from the latest."""
     both = [*rest.opening, *rest.sweeps]
     opening = [True] * len(rest.opening) + [False] * len(rest.sweeps)
-    return as_dataset(both, localizer, UNPRESSED).assign_coords({OPENING: ("sweep", opening)})
+    return as_dataset(both, model, UNPRESSED).assign_coords({OPENING: ("sweep", opening)})
 
 
 @dataclass
 class RestData:
-    """The skin at rest as a localizer takes it, made anew where another sweep counts."""
+    """The skin at rest as a model takes it, made anew where another sweep counts."""
 
     rest: Rest
-    localizer: Localizer
+    model: Model
     _of: tuple[list[Sweep], list[Sweep]] = field(default_factory=lambda: ([], []), init=False)
     _made: xr.Dataset | None = field(default=None, init=False)
 
@@ -67,11 +69,11 @@ class RestData:
         """See `rest_dataset`."""
         counting = self.rest.opening, list(self.rest.sweeps)
         if self._made is None or counting != self._of:
-            self._of, self._made = counting, rest_dataset(self.rest, self.localizer)
+            self._of, self._made = counting, rest_dataset(self.rest, self.model)
         return self._made
 
 
-def read_rest(paths: Sequence[Path], localizer: Localizer, *, anyway: bool = False) -> list[Sweep]:
+def read_rest(paths: Sequence[Path], model: Model, *, anyway: bool = False) -> list[Sweep]:
     """The unpressed sweeps of a file or several.
 
     anyway: of another skin too. Raises InputError where there are none, or of another skin, other
@@ -80,18 +82,18 @@ def read_rest(paths: Sequence[Path], localizer: Localizer, *, anyway: bool = Fal
     sweeps = read_joined(paths)
     path = ", ".join(map(str, paths))
     if not anyway:
-        check_same_skin(str(sweeps.attrs.get("scene", "")), localizer.scene, path)
+        check_same_skin(str(sweeps.attrs.get("scene", "")), model.scene, path)
     unpressed = sweeps.isel(sweep=np.flatnonzero(sweeps["press"].values == UNPRESSED))
     if not unpressed.sizes["sweep"]:
         raise InputError(f"{path}: holds no sweep of the skin at rest (press `none`)")
     frequencies = unpressed["frequency"].values
-    same = len(frequencies) == len(localizer.frequencies) and np.allclose(
-        frequencies, localizer.frequencies, rtol=1e-9, atol=0
+    same = len(frequencies) == len(model.frequencies) and np.allclose(
+        frequencies, model.frequencies, rtol=1e-9, atol=0
     )
-    taken = taken_at(localizer.interfaces, localizer.frequencies, localizer.of_each)
+    taken = taken_at(model.interfaces, model.frequencies, model.of_each)
     if (
         not same
-        or tuple(unpressed["interface"].values) != localizer.interfaces
+        or tuple(unpressed["interface"].values) != model.interfaces
         or not np.array_equal(_taken(unpressed), taken)
     ):
         raise InputError(f"{path}: has other interfaces or frequencies than the model")
@@ -101,7 +103,7 @@ def read_rest(paths: Sequence[Path], localizer: Localizer, *, anyway: bool = Fal
         Sweep(
             tuple(
                 _trace(values_there[:, read], name)
-                for name, values_there, read in zip(localizer.interfaces, each, taken, strict=True)
+                for name, values_there, read in zip(model.interfaces, each, taken, strict=True)
             )
         )
         for each in values

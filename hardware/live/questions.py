@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..meter.reading import Reading
 from ..record.sweep import Sweep, Watch
-from .answer import Localizer, Questions
 from .link import Link
 from .turns import Turns
+
+if TYPE_CHECKING:
+    from ...localization.filtering.questioning import Questioning
+    from ...localization.model.model import Model
 
 USUAL = 0.02
 """s that a reading takes where none was taken yet."""
@@ -26,7 +30,7 @@ class Pace:
     one.
     """
 
-    localizer: Localizer
+    model: Model
     show: Watch
     clock: Callable[[], float]
     turns: Turns | None = None
@@ -45,9 +49,9 @@ class Pace:
 
     @property
     def seconds(self) -> NDArray[np.float64]:
-        """At each of the localizer's interfaces and frequencies, shape (interface, frequency)."""
-        known = [self._latest.get(f, USUAL) for f in self.localizer.frequencies]
-        names = self.localizer.interfaces
+        """At each of the model's interfaces and frequencies, shape (interface, frequency)."""
+        known = [self._latest.get(f, USUAL) for f in self.model.frequencies]
+        names = self.model.interfaces
         turning = np.zeros(len(names))
         if self.turns is not None:
             away = np.array([name != self.turns.selected for name in names])
@@ -63,7 +67,7 @@ class Pace:
 class Part:
     """What was measured of a sweep. frequencies: of each of its traces, Hz, ascending."""
 
-    questions: Questions
+    questions: Questioning
     frequencies: tuple[NDArray[np.float64], ...]
 
     @property
@@ -72,7 +76,7 @@ class Part:
         return sum(each.size for each in self.frequencies)
 
 
-def questioned(link: Link, questions: Questions, pace: Pace) -> tuple[Part, Sweep]:
+def questioned(link: Link, questions: Questioning, pace: Pace) -> tuple[Part, Sweep]:
     """The readings that were asked for. Raises MeterError."""
     asked: list[tuple[str, float]] = []
 

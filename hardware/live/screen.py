@@ -7,13 +7,15 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from ..meter.reading import Reading
-from .answer import Localizer, readings_of
+from .answer import readings_of
 from .grid import fitting
 from .session import END_KEY, REST_KEY, Moment
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.text import Text
+
+    from .localizer import Localizer
 
 NOTES = 3
 WIDEST = 80
@@ -28,7 +30,7 @@ class Screen:
         from rich.live import Live
 
         self._localizer, self._console = localizer, console
-        self._readings = readings_of(localizer)
+        self._readings = readings_of(localizer.model)
         self._moment: Moment | None = None
         self._why, self._done, self._frequency = "connecting", 0, 0.0
         self._notes = deque[str](maxlen=NOTES)
@@ -73,13 +75,14 @@ class Screen:
         from rich.panel import Panel
         from rich.text import Text
 
-        localizer = self._localizer
+        localizer, skin = self._localizer, self._localizer.scene.skin
         width = min(self._console.width, WIDEST)
         room = width - 4, self._console.height - BESIDE_GRID
-        grid = fitting(localizer.rows, localizer.columns, localizer.size, room)
+        grid = fitting(*localizer.scene.pixels.shape, (1e3 * skin.length, 1e3 * skin.width), room)
         current = None if self._why or not self._moment else self._moment.answer
         parts = [grid.draw(current), self._words(), *self._figures(), self._beside()]
-        return Panel(Group(*parts), title=Text(f"rcskin live: {localizer.target}"), width=width)
+        title = Text(f"rcskin live: {localizer.model.target}")
+        return Panel(Group(*parts), title=title, width=width)
 
     def _words(self) -> Text:
         from rich.text import Text

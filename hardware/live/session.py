@@ -13,7 +13,7 @@ from ..meter.errors import MeterError
 from ..meter.reading import Reading
 from ..record.order import UNKNOWN
 from ..record.sweep import Sweep, apart, flags, now
-from .answer import Answer, Localizer
+from .answer import Answer
 from .link import Link
 from .log import Log, RestData, as_dataset
 from .questions import Pace, Part, questioned
@@ -21,6 +21,8 @@ from .rest import Rest, at_rest
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from .localizer import Localizer
 
 RATED = 10
 RESTLESS = 5
@@ -122,8 +124,8 @@ class Session:
     _known: RestData = field(init=False)
 
     def __post_init__(self) -> None:
-        self._pace = Pace(self.localizer, self.show.reading, self.clock, self.link.turns)
-        self._known = RestData(self.rest, self.localizer)
+        self._pace = Pace(self.localizer.model, self.show.reading, self.clock, self.link.turns)
+        self._known = RestData(self.rest, self.localizer.model)
 
     def run(self, answers: int | None = None) -> None:
         """Answer so often, or until the key of the end.
@@ -194,8 +196,8 @@ class Session:
 
     def _told(self, measured: Measured) -> Answer:
         if measured.part is not None:
-            return measured.part.questions.answer(measured.during)
-        sweep = as_dataset([measured.sweep], self.localizer)
+            return self.localizer.worded(measured.part.questions.answer(measured.during))
+        sweep = as_dataset([measured.sweep], self.localizer.model)
         return self.localizer.answer(sweep, self._at_rest(), measured.gap, measured.during)
 
     def _answer(self, measured: Measured) -> None:
@@ -228,9 +230,11 @@ class Session:
             self.show.note("rest renewed by one sweep, to follow slow drift")
 
     def _seen(self, measured: Measured) -> Seen:
-        part, whole, own = measured.part, self.localizer.frequencies, self.localizer.of_each
+        part, model = measured.part, self.localizer.model
         read = tuple(
-            own.get(trace.interface, whole) if part is None else tuple(part.frequencies[k].tolist())
+            model.of_each.get(trace.interface, model.frequencies)
+            if part is None
+            else tuple(part.frequencies[k].tolist())
             for k, trace in enumerate(measured.sweep.traces)
         )
         return Seen(measured.sweep, read, tuple(self.rest.sweeps))

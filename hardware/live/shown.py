@@ -6,14 +6,17 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..meter.reading import Reading
 from ..record.sweep import Sweep
-from .answer import Answer, Localizer, readings_of
+from .answer import Answer, readings_of
 from .session import Moment, Seen, Show
+
+if TYPE_CHECKING:
+    from ...localization.model.model import Model
 
 NOTES = 5
 OFTEN = 0.25
@@ -51,7 +54,7 @@ class Together:
 class Shown:
     """Posts a session's state each time that it changes, all of it in plain numbers and words."""
 
-    localizer: Localizer
+    model: Model
     post: Callable[[Mapping[str, Any]], None]
     _state: dict[str, Any] = field(init=False)
     _notes: deque[str] = field(default_factory=lambda: deque(maxlen=NOTES), init=False)
@@ -61,7 +64,7 @@ class Shown:
     def __post_init__(self) -> None:
         self._state = {
             "kind": "live",
-            "target": self.localizer.target,
+            "target": self.model.target,
             "why": "connecting",
             "answer": None,
             "measured": None,
@@ -82,7 +85,7 @@ class Shown:
         self._state |= {
             "why": "",
             "answer": _told(moment.answer),
-            "measured": {"at": moment.at, **_measured(moment.seen, self.localizer)},
+            "measured": {"at": moment.at, **_measured(moment.seen, self.model)},
             "times": {
                 "measuring": moment.measuring,
                 "localizing": moment.localizing,
@@ -107,7 +110,7 @@ class Shown:
 
     def _tell(self, frequency: float | None = None) -> None:
         self._posted = time.monotonic()
-        whole = readings_of(self.localizer)
+        whole = readings_of(self.model)
         progress = {"done": self._done, "of": whole, "frequency": frequency}
         self.post({**self._state, "notes": list(self._notes), "progress": progress})
 
@@ -123,15 +126,15 @@ def _told(answer: Answer) -> dict[str, Any]:
     }
 
 
-def _measured(seen: Seen, localizer: Localizer) -> dict[str, Any]:
+def _measured(seen: Seen, model: Model) -> dict[str, Any]:
     """Z and its mean at rest, ohm, by interface and frequency; None where it was not read."""
     read = {
         trace.interface: dict(zip(at, trace.Z.tolist(), strict=True))
         for trace, at in zip(seen.sweep.traces, seen.frequencies, strict=True)
     }
     rows = [
-        [_pair(of[f]) if f in of else None for f in localizer.frequencies]
-        for of in (read.get(name, {}) for name in localizer.interfaces)
+        [_pair(of[f]) if f in of else None for f in model.frequencies]
+        for of in (read.get(name, {}) for name in model.interfaces)
     ]
     rest = _mean(seen.rest) if seen.rest else None
     return {"Z": rows, "rest": rest, "rests": len(seen.rest)}

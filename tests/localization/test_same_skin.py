@@ -3,7 +3,6 @@
 import pytest
 from rcskin import localize, train
 from rcskin.hardware.live.log import read_rest
-from rcskin.hardware.live.model import ModelLocalizer
 from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, read, write
 
@@ -69,11 +68,10 @@ def test_a_model_in_memory_keeps_to_its_skin(model, files):
 
 
 def test_live_takes_rest_of_its_own_skin_only(model, files):
-    localizer = ModelLocalizer(model, 1, 3, (90.0, 30.0), True)
-    assert read_rest([files / "calibrated.nc"], localizer)
+    assert read_rest([files / "calibrated.nc"], model)
     with pytest.raises(InputError, match="recorded for strip-1x4, asked of strip-1x3"):
-        read_rest([files / "other.nc"], localizer)
-    assert read_rest([files / "other.nc"], localizer, anyway=True)
+        read_rest([files / "other.nc"], model)
+    assert read_rest([files / "other.nc"], model, anyway=True)
 
 
 def test_a_gap_is_told_between_sweeps_of_one_skin(run, refused, files, tmp_path):

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.hardware.live.answer import Localizer
 from rcskin.hardware.live.link import Link
+from rcskin.hardware.live.localizer import Localizer
 from rcskin.hardware.meter.accuracy import Conditions, read_table
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.record.checks import Limits

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 import typer
+from rcskin.hardware.live.command import live as command
 from rcskin.hardware.live.link import Link
 from rcskin.hardware.live.log import Log
 from rcskin.hardware.live.rest import Rest
@@ -71,8 +72,9 @@ def start(spawn, ports):
 def live(ports, monkeypatch):
     """A function that runs the command in this process; gives the typer result."""
     monkeypatch.setattr("rcskin.simulator.page.linked.linked_page", _rig["document"])
+    monkeypatch.setattr("rcskin.hardware.live.localizer.localizer_of", _rig["localizer_of"])
     app = typer.Typer()
-    app.command("live")(_rig["command"])
+    app.command("live")(command)
     with_replacing(app)
 
     def live(*arguments, model="m.skops"):

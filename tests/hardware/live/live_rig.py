@@ -1,19 +1,23 @@
 """`rcskin live` with a localizer of three columns in closed form: `python live_rig.py live ...`."""
 
 import math
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 from rcskin.hardware.live.answer import answer_of_classes
-from rcskin.hardware.live.command import live_command
+from rcskin.hardware.live.command import live
 from rcskin.hardware.meter.errors import MeterError
 from rcskin.simulator.asked.replacing import with_replacing
 from rcskin.simulator.cli import app, run
 from rcskin.simulator.page import linked
+from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.sweeps import OPENING, InputError, impedance
 
 R, C, RISE = 10e3, 1e-9, 0.01
 SCENE = Path(__file__).parents[1] / "scenes" / "cushion.toml"
+CUSHION = load_scene(str(SCENE))
 SHAPE = ROWS, COLUMNS = 2, 3
 
 
@@ -50,15 +54,22 @@ SKINS = {"left": Cushion(), "bottom": FromBelow()}
 class Columns:
     """Tells the column from how far C is above C at rest; keeps what it was asked."""
 
-    target, frequencies, interfaces = "column", (1e3, 4e3, 16e3), ("left",)
-    rows, columns, size = ROWS, COLUMNS, (120.0, 80.0)
-    needs_rest, scene = True, SCENE.read_text()
-    of_each: dict = {}
+    target, interfaces, scene, needs_rest = "column", ("left",), CUSHION, True
+    frequencies = (1e3, 4e3, 16e3)
 
-    def __init__(self, **other):
-        self.asked = []
-        for name, value in other.items():
-            setattr(self, name, value)
+    def __init__(self, needs_rest=True, frequencies=frequencies):
+        self.asked, self.needs_rest = [], needs_rest
+        self.model = SimpleNamespace(
+            target=self.target,
+            interfaces=self.interfaces,
+            frequencies=frequencies,
+            of_each={},
+            scene=SCENE.read_text(),
+        )
+
+    def worded(self, answer):
+        """Answers of questions are in words already."""
+        return answer
 
     def prepare(self, rest, /):
         """Nothing to get ready."""
@@ -110,7 +121,7 @@ def by_column(column, probabilities):
     return answer_of_classes("column", str(column), classes, probabilities, (ROWS, COLUMNS))
 
 
-def load(path, manner):
+def localizer_of(path, *manner):
     """The localizer, whatever the path; `two.skops` is one that needs two interfaces."""
     return Pixels() if Path(path).name == "two.skops" else Columns()
 
@@ -120,10 +131,9 @@ def document(data, kind, nonce):
     return f'<title>{data.name}</title><script nonce="{nonce}">"{kind}";</script>'
 
 
-command = live_command(load)
-
 if __name__ == "__main__":
+    sys.modules["rcskin.hardware.live.localizer"] = SimpleNamespace(localizer_of=localizer_of)
     linked.linked_page = document
-    app.command("live")(command)
+    app.command()(live)
     with_replacing(app)
     run((MeterError,))

@@ -66,16 +66,16 @@ class Once:
 
     def next(self, seconds, /):
         self.seconds.append(seconds)
-        left = [name for name in self.localizer.interfaces if name not in self.told]
-        cost = dict(zip(self.localizer.interfaces, seconds[:, 1], strict=True))
-        return (min(left, key=cost.get), self.localizer.frequencies[1]) if left else None
+        left = [name for name in self.localizer.model.interfaces if name not in self.told]
+        cost = dict(zip(self.localizer.model.interfaces, seconds[:, 1], strict=True))
+        return (min(left, key=cost.get), self.localizer.model.frequencies[1]) if left else None
 
     def tell(self, interface, frequency, Z, /):
         self.told[interface] = frequency, Z
 
     def answer(self, during, /):
         sweep = self.rest[{"sweep": [0]}].copy(deep=True)
-        for place, name in enumerate(self.localizer.interfaces):
+        for place, name in enumerate(self.localizer.model.interfaces):
             frequency, Z = self.told[name]
             sweep["X"].values[0, place] = Z.imag * frequency / sweep["frequency"].values
         return Pixels.answer(self.localizer, sweep, self.rest, 0.0, during)

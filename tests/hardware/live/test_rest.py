@@ -13,7 +13,7 @@ from rcskin.localization.inputs.rest import OPENING, RECENT, log_at_rest, means_
 from rcskin.simulator.sweeps import build
 
 _rig = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))
-LOCALIZER = _rig["Columns"]()
+MODEL = _rig["Columns"]().model
 QUIET, TOUCHED = Answer(NOTHING_PRESSED, 0.99), Answer("column 2", 0.99)
 AT_REST = np.array([1e4 - 1e5j, 1e4 - 3e4j, 1e4 - 1e4j])
 
@@ -35,15 +35,13 @@ def test_live_and_evaluation_tell_a_sweep_against_the_same_rest_of_a_skin_that_d
             rest.add(each)
             taken.append(k)
             continue
-        known.append((k, *means_at_rest(rest_dataset(rest, LOCALIZER))))
+        known.append((k, *means_at_rest(rest_dataset(rest, MODEL))))
         if rest.follow(each, answer):
             taken.append(next(j for j in range(k + 1) if sweeps[j] is rest.sweeps[-1]))
     row = np.isin(np.arange(150), taken).astype(int) ^ 1
     Z = np.array([[trace.Z for trace in each.traces] for each in sweeps])
     press = ["none" if k in taken else "1,1" for k in range(150)]
-    recording = build(
-        Z, LOCALIZER.frequencies, interface=["left"], press=press, row=row, column=row
-    )
+    recording = build(Z, MODEL.frequencies, interface=["left"], press=press, row=row, column=row)
     judged = log_at_rest(recording)
     place = {k: number for number, k in enumerate(judged.rows.tolist())}
     same = [(k, *means) for k, *means in known if k - 1 not in taken]

@@ -62,7 +62,7 @@ def test_a_fault_costs_its_sweep_and_is_told(session, press, instrument, fault, 
     assert live.show.labels == ["nothing pressed", *["column 3"] * 3]
     assert any(told in why and "trying again" in why for why in live.show.told)
     assert live.show.moments[-1].failed == live.failed >= 1
-    frequencies = live.localizer.frequencies
+    frequencies = live.localizer.model.frequencies
     truth = [Cushion().impedance("1,3", f) for f in frequencies]
     for asked in live.localizer.asked[1:]:
         assert impedance(asked)[0, 0] == pytest.approx(np.array(truth), rel=1e-4)
@@ -186,7 +186,7 @@ class Asking(Columns):
 class Two:
     def __init__(self, localizer, rest):
         self.localizer, self.rest, self.told = localizer, rest, {}
-        self.wanted = list(localizer.frequencies)
+        self.wanted = list(localizer.model.frequencies)
 
     def next(self, seconds, /):
         assert seconds.shape == (1, 3) and (seconds > 0).all()
@@ -211,7 +211,7 @@ def test_single_frequencies_are_measured_in_any_order_and_answered(session, pres
     live.show.reading = lambda frequency, reading: asked.append(frequency)
     live._pace.show = live.show.reading
     live.run(RENEWED_AFTER + 3)
-    whole, part = list(live.localizer.frequencies), [16e3, 1e3]
+    whole, part = list(live.localizer.model.frequencies), [16e3, 1e3]
     renewing = part * (RENEWED_AFTER - 2) + whole + part
     assert asked == [*whole, *whole, *renewing, *part * 3]
     assert live.show.labels == [*["nothing pressed"] * (RENEWED_AFTER + 1), *["column 3"] * 2]

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from rcskin.hardware.live.answer import CANNOT_TELL, NOTHING_PRESSED
-from rcskin.hardware.live.model import ModelLocalizer
+from rcskin.hardware.live.localizer import Localizer
 
 SWEEP, REST = object(), object()
 
@@ -24,9 +24,6 @@ def localizer():
 
         model = SimpleNamespace(
             target=target,
-            frequencies=(1e3,),
-            interfaces=("left",),
-            scene="",
             classes=classes,
             answers=told(
                 SimpleNamespace(
@@ -38,7 +35,7 @@ def localizer():
             positions=told((np.array([position]), np.array([[3.0, 5.0, 0.1]]))),
             regions=told([SimpleNamespace(shade=lambda x, y: (x > 40).astype(float))]),
         )
-        return ModelLocalizer(model, 2, 3, (120.0, 80.0), True)
+        return Localizer(model, SimpleNamespace(pixels=SimpleNamespace(shape=(2, 3))))
 
     return localizer
 
