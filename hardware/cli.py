@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..simulator.asked.options import complete_scene
 from ..simulator.shown import say
-from .options import Accuracy, Baud, ControlAddress, Interfaces, Resource, Timeout, complete_scene
+from .options import Accuracy, Baud, ControlAddress, Interfaces, Resource, Timeout
 from .record.output import gather_command
 from .record_command import record
 

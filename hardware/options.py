@@ -7,18 +7,6 @@ from typing import Annotated
 
 import typer
 
-
-def complete_scene(incomplete: str) -> list[str]:
-    """Names and paths of scenes for the shell."""
-    from ..simulator.sweeps.builtin import scenes_beginning
-
-    return scenes_beginning(incomplete)
-
-
-SceneName = Annotated[
-    str,
-    typer.Argument(help="A built-in scene's name, or a path.", autocompletion=complete_scene),
-]
 Interfaces = Annotated[list[str] | None, typer.Option("--interface", help="Of the scene; repeat.")]
 Resource = Annotated[str, typer.Option(help="VISA resource, e.g. TCPIP0::127.0.0.1::3500::SOCKET.")]
 ControlAddress = Annotated[

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..simulator.asked.options import SceneName
 from ..simulator.shown import say, terminal
 from .options import (
     Accuracy,
     Baud,
     Interfaces,
     Resource,
-    SceneName,
     Settle,
     SwitchName,
     SwitchWith,

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.sweeps import OPENING, UNPRESSED, InputError, build, counted, read_joined
+from ...simulator.sweeps import OPENING, UNPRESSED, InputError, counted, read_joined
 from ...simulator.sweeps.same_skin import check_same_skin
 from ...simulator.sweeps.schema import taken_of
 from ...simulator.sweeps.writing import Occasion, on_occasion
-from ..record.dataset import spread, taken_at
+from ..record.dataset import dataset_of, taken_at
 from ..record.journal import Entry, Header, Journal, tell_if_set_back
 from ..record.order import UNKNOWN
 from ..record.output import finish, write_all
@@ -32,18 +32,16 @@ def as_dataset(
     sweeps: Sequence[Sweep], model: Model, press: Sequence[str] | str = UNKNOWN
 ) -> xr.Dataset:
     """Sweeps at the model's interfaces and frequencies. press: of each, or of all."""
-    taken = taken_at(model.interfaces, model.frequencies, model.of_each)
     presses = [press] * len(sweeps) if isinstance(press, str) else list(press)
     places = [0 if each == UNPRESSED else -1 for each in presses]
-    return build(
-        np.stack([spread([each.Z for each in sweep.traces], taken) for sweep in sweeps]),
-        np.array(model.frequencies),
-        interface=list(model.interfaces),
+    return dataset_of(
+        sweeps,
+        model.interfaces,
+        model.frequencies,
+        model.of_each,
         press=presses,
         row=places,
         column=places,
-        Cp=np.stack([spread([each.Cp for each in sweep.traces], taken) for sweep in sweeps]),
-        taken=taken if model.of_each else None,
         attributes={"scene": model.scene},
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from ...simulator.sweeps.schema import SESSIONS
 from ..meter.identity import origin
 from .journal import Entry, Header
 from .order import UNKNOWN, Step, parse_step
-from .sweep import flagged, trace_times
+from .sweep import Sweep, flagged, trace_times
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,18 +31,18 @@ def gather(header: Header, entries: Sequence[Entry]) -> xr.Dataset:
     """
     steps = [_step(entry.press, header) for entry in entries]
     answers = [entry.answer or (entry.press, None) for entry in entries]
+    sweeps = [entry.sweep for entry in entries]
     taken = taken_at(header.interfaces, header.frequencies, header.of_each)
     told = {} if header.order else {"answers": json.dumps(answers)}
-    return build(
-        np.stack([spread([each.Z for each in entry.sweep.traces], taken) for entry in entries]),
-        np.array(header.frequencies),
-        interface=header.interfaces,
+    return dataset_of(
+        sweeps,
+        header.interfaces,
+        header.frequencies,
+        header.of_each,
         press=[step.press for step in steps],
         row=[step.row for step in steps],
         column=[step.column for step in steps],
         time=[entry.time for entry in entries],
-        Cp=np.array([spread([each.Cp for each in entry.sweep.traces], taken) for entry in entries]),
-        taken=taken if header.of_each else None,
         attributes={
             "scene": header.scene,
             "model": origin(header.meter),
@@ -50,14 +50,38 @@ def gather(header: Header, entries: Sequence[Entry]) -> xr.Dataset:
             "settings": json.dumps(header.settings),
             "begun": header.begun,
             "times": json.dumps([[entry.begun, entry.ended] for entry in entries]),
-            "interface_times": json.dumps([trace_times(entry.sweep) for entry in entries]),
+            "interface_times": json.dumps([trace_times(sweep) for sweep in sweeps]),
             "remarks": json.dumps([list(entry.remarks) for entry in entries]),
-            "flagged": json.dumps(_placed(flagged([entry.sweep for entry in entries]), taken)),
+            "flagged": json.dumps(_placed(flagged(sweeps), taken)),
             SESSIONS: json.dumps({0: header.session}),
             **told,
             "accuracy": header.accuracy,
             "software": f"rcskin {version('rcskin')}",
         },
+    )
+
+
+def dataset_of(
+    sweeps: Sequence[Sweep],
+    interfaces: Sequence[str],
+    frequencies: Sequence[float],
+    of_each: Mapping[str, Sequence[float]],
+    **more: Any,
+) -> xr.Dataset:
+    """Sweeps in the schema, at these interfaces and frequencies in Hz.
+
+    of_each: frequencies of interfaces that have their own, by name. more: as of `build`.
+    """
+    taken = taken_at(interfaces, frequencies, of_each)
+    Z = [spread([trace.Z for trace in sweep.traces], taken) for sweep in sweeps]
+    Cp = [spread([trace.Cp for trace in sweep.traces], taken) for sweep in sweeps]
+    return build(
+        np.stack(Z),
+        np.array(frequencies),
+        interface=list(interfaces),
+        Cp=np.stack(Cp),
+        taken=taken if of_each else None,
+        **more,
     )
 
 

@@ -12,10 +12,10 @@ from typing import Any
 
 from ...simulator.sweeps import InputError
 from ..counting import Report
+from ..page.head import WORD
 
 LONGEST_LINE = 2048
 END = re.compile(rb"[\r\n]")
-WORD = rb"[!#$%&'*+.^_`|~0-9A-Za-z-]+"
 METHODS = rb"GET|HEAD|POST|PUT|DELETE|CONNECT|OPTIONS|TRACE|PATCH"
 WEB = re.compile(
     rb"(?:\A|[\r\n])[ \t]*"

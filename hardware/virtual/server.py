@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from dataclasses import dataclass
 
+from ..page.address import LOOPBACK
 from ..tokens import kept_token
 from .clients import Client, Clients, open_port
 from .control import Control
@@ -16,7 +17,6 @@ from .instrument import Instrument
 from .interpreter import answer
 from .state import Standard
 
-LOOPBACK = "127.0.0.1"
 GARBAGE = b"\xff\x00\x9c,,;;\x07\xe9\r\n"
 
 

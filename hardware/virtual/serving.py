@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING
 from ...simulator.sweeps import UNPRESSED, InputError
 from ...simulator.sweeps.reach import VIRTUAL_MODEL, beyond_reach
 from ..meter.accuracy import DERIVED, read_table
+from ..page.address import LOOPBACK
 from .control import Control
 from .instrument import Instrument
 from .measurement import Bench, Readout
 from .presses import Routine, at_random, read_script, scripted
 from .recorded import Recorded, exact
-from .server import LOOPBACK, Ports, listening
+from .server import Ports, listening
 
 if TYPE_CHECKING:
     import xarray as xr
