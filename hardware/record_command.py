@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -22,14 +21,13 @@ from .options import (
     SwitchWith,
     Timeout,
 )
-from .record.output import finish
+from .record.output import finish, going_on_later, remarkable
 
 if TYPE_CHECKING:
     from ..simulator.scene.scene import Scene
-    from .record.journal import Entry, Header
+    from .record.journal import Header
     from .record.operators import Operator
     from .record.order import Step
-    from .record.recorder import Task
     from .record.terminal import Screen
 
 
@@ -103,12 +101,12 @@ def record(
         asked_switch(switch, switch_with, settle, interfaces, ask),
     )
     journal = Journal(output)
-    with ending_in_order() as tell, journal.lock(), _how_to_go_on(task):
+    with ending_in_order() as tell, journal.lock(), going_on_later(journal):
         checked_output(output)
         with screen:
             header, entries = record_task(replace(task, tell=tell), operator)
         sweeps = finish(journal, header, dict(enumerate(entries)))
-        say("; ".join([f"{counted(sweeps.sizes)} -> {output}", *_remarkable(entries)]))
+        say("; ".join([f"{counted(sweeps.sizes)} -> {output}", *remarkable(entries)]))
 
 
 def header_of(
@@ -232,32 +230,3 @@ def _operator(
 
 def _untouched(step: Step) -> None:
     """Nothing is pressed by anyone."""
-
-
-@contextmanager
-def _how_to_go_on(task: Task) -> Iterator[None]:
-    """Where the block ends early, tell what is kept and how to go on with it."""
-    from .meter.errors import MeterError
-    from .record.journal import Journal
-
-    try:
-        yield
-    except (KeyboardInterrupt, SystemExit, MeterError):
-        journal = Journal(task.output)
-        header = journal.header()
-        if header is not None:
-            say(
-                f"rcskin: {len(journal.entries(header))} of {len(header.order)} sweeps are "
-                f"kept in {journal.folder}; the same command goes on after them",
-                err=True,
-            )
-        raise
-
-
-def _remarkable(entries: list[Entry]) -> list[str]:
-    """How many sweeps have remarks, and what the meter flagged."""
-    from .record.sweep import flags
-
-    unsound = sum(bool(entry.remarks) for entry in entries)
-    flagged = flags([entry.sweep for entry in entries])
-    return [f"{unsound} with remarks", *(f"flagged by the meter: {each}" for each in flagged)]

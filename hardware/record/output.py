@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,7 +12,7 @@ import typer
 from ...simulator.shown import say
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
     import xarray as xr
 
@@ -76,3 +76,30 @@ def write_all(output: Path, header: Header, entries: Mapping[int, Entry]) -> xr.
     sweeps = gather(header, [entries[number] for number in sorted(entries)])
     write(sweeps, output)
     return sweeps
+
+
+@contextmanager
+def going_on_later(journal: Journal) -> Iterator[None]:
+    """Where the block ends early, tell what is kept and how to go on with it."""
+    from ..meter.errors import MeterError
+
+    try:
+        yield
+    except (KeyboardInterrupt, SystemExit, MeterError):
+        header = journal.header()
+        if header is not None:
+            say(
+                f"rcskin: {len(journal.entries(header))} of {len(header.order)} sweeps are "
+                f"kept in {journal.folder}; the same command goes on after them",
+                err=True,
+            )
+        raise
+
+
+def remarkable(entries: Sequence[Entry]) -> list[str]:
+    """How many sweeps have remarks, and what the meter flagged."""
+    from .sweep import flags
+
+    unsound = sum(bool(entry.remarks) for entry in entries)
+    flagged = flags([entry.sweep for entry in entries])
+    return [f"{unsound} with remarks", *(f"flagged by the meter: {each}" for each in flagged)]
