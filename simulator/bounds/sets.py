@@ -51,14 +51,19 @@ def compared(scene: Scene, n: int, band: tuple[float, float]) -> dict[str, NDArr
     return {name: within(frequencies, band) for name, frequencies in found.items()}
 
 
+def candidates_in(scene: Scene, band: tuple[float, float], grid: int) -> NDArray[np.float64]:
+    """Frequencies in Hz, ascending, to choose among: of a grid over the band, and the scene's own
+    in it."""
+    own = scene.frequencies[(scene.frequencies >= band[0]) & (scene.frequencies <= band[1])]
+    return np.unique(np.concatenate([own, within(logarithmic(band, grid), band)]))
+
+
 def candidates_of(
     scene: Scene, n: int, band: tuple[float, float], grid: int
 ) -> NDArray[np.float64]:
-    """Frequencies in Hz, ascending, that n are chosen among: those of a grid over the band, those
-    of the scene in it, and those of `compared`."""
-    own = scene.frequencies[(scene.frequencies >= band[0]) & (scene.frequencies <= band[1])]
-    fine = within(logarithmic(band, grid), band)
-    return np.unique(np.concatenate([own, fine, *compared(scene, n, band).values()]))
+    """The same, and those of `compared`, that n are chosen among."""
+    others = compared(scene, n, band).values()
+    return np.unique(np.concatenate([candidates_in(scene, band, grid), *others]))
 
 
 def own_band(scene: Scene) -> tuple[float, float]:

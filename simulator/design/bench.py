@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 
+from ..bounds.sets import candidates_in, own_band
 from ..progress import Progress
 from ..scene.design import POSITION, Design
 from ..scene.files import scene_text
@@ -17,7 +18,7 @@ from ..scene.scene import Scene
 from .journal import Journal
 from .judged import Judge, Layout, PlaceJudge, merits
 from .on_skin import Material, material_of
-from .picking import GRID, Picked, Picker, PixelPairs, TouchedPlaces, candidate_frequencies
+from .picking import GRID, Picked, Picker, PixelPairs, TouchedPlaces
 from .places import Touches
 from .pool import own_readings, pool, terminals, wirings
 from .trained import Trained
@@ -39,9 +40,9 @@ class Bench:
 
     def __init__(self, scene: Scene, asking: Asking, wired: Sequence[str]) -> None:
         self.scene, self._asking, asked = scene, asking, asking.asked
-        own = float(scene.frequencies[0]), float(scene.frequencies[-1])
+        own = own_band(scene)
         band = asked.band or own
-        self.frequency = candidate_frequencies(scene, band, asked.frequencies or GRID)
+        self.frequency = candidates_in(scene, band, max(asked.frequencies or GRID, GRID))
         spanned = min(own[0], band[0]), max(own[1], band[1])
         self.wired, self.pool = tuple(wired), pool(scene, wired)
         touches = Touches(scene) if asked.target == POSITION else None

@@ -1,4 +1,8 @@
-"""The n of some candidates that tell most, and how far from the best any n may be at most."""
+"""The n of some candidates that tell most, and how far from the best any n may be at most.
+
+Limits choose by the same exchanges, of `bounds.exchange`, but among frequencies that are kept apart
+and by figures without slopes, so that nothing bounds what others reach.
+"""
 
 from __future__ import annotations
 

@@ -89,6 +89,7 @@ def design(
     A search that was killed goes on with the same command.
     """
     from ..asked.scene import asked_scene
+    from ..bounds.sets import own_band
     from ..models.plain import folded
     from ..progress import on_terminal
     from ..scene.files import scene_text
@@ -109,7 +110,7 @@ def design(
         "frequencies": frequencies,
         "own_frequencies": own_frequencies,
         "seconds": seconds,
-        "band": None if band is None else parse_band(band, _own_band(loaded)),
+        "band": None if band is None else parse_band(band, own_band(loaded)),
         "sheet_resistance": _bounds("--sheet-resistance", sheet_resistance),
         "sheet_ratio": sheet_ratio,
         "foam_thickness": _bounds("--foam-thickness", foam_thickness),
@@ -169,10 +170,6 @@ def _metres(option: str, millimetres: float | None) -> float | None:
     if not 0 < millimetres < float("inf"):
         raise InputError(f"{option} must be finite and > 0 mm, got {millimetres:g}")
     return 1e-3 * millimetres
-
-
-def _own_band(scene: Scene) -> tuple[float, float]:
-    return float(scene.frequencies[0]), float(scene.frequencies[-1])
 
 
 def _journal_of(output: Path) -> Path:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.readings import hypotheses
-from ..bounds.sets import logarithmic, within
 from ..measure.readout import ErrorModel
 from ..scene.contacts import Interface
 from ..scene.design import Design
@@ -51,17 +50,6 @@ class Picked:
         """From what a journal keeps of it."""
         numbers = {name: tuple(answer[name]) for name in ("readings", "frequencies")}
         return cls(**{**answer, **numbers})
-
-
-def candidate_frequencies(
-    scene: Scene, band: tuple[float, float], most: int = GRID
-) -> NDArray[np.float64]:
-    """Hz, ascending: the scene's own in the band, and evenly spaced ones over it, as many as may be
-    asked for at least. most: of each reading."""
-    low, high = band
-    own = scene.frequencies[(scene.frequencies >= low) & (scene.frequencies <= high)]
-    even = within(logarithmic(band, max(most, GRID)), band) if low < high else np.array([low])
-    return np.unique(np.concatenate([own, even]))
 
 
 def sweep_time(of_each: Sequence[Sequence[float]]) -> float:

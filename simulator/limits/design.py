@@ -99,7 +99,9 @@ def design(
     every = np.unique(np.concatenate([own, *others.values()]))
     judged, slopes = _criterion(scene, criterion, every, touch, against_rest, progress)
     numbers = {name: np.searchsorted(every, f) for name, f in others.items()}
-    best = _best(judged, np.searchsorted(every, own), n, numbers.values(), repeats, among is None)
+    best = best_set(
+        judged, np.searchsorted(every, own), n, numbers.values(), repeats, among is None
+    )
     chosen = {OPTIMAL: best, **numbers}
     return Design(
         criterion,
@@ -112,15 +114,18 @@ def design(
     )
 
 
-def _best(
+def best_set(
     judged: Criterion,
     own: NDArray[np.int64],
     n: int,
     others: Iterable[NDArray[np.int64]],
-    repeats: bool,
-    spaced: bool,
+    repeats: bool = False,
+    spaced: bool = True,
 ) -> NDArray[np.int64]:
-    """The best n of the candidates `own`, numbers of frequencies of the criterion."""
+    """The best n of the candidates `own`, numbers of frequencies of the criterion.
+
+    others: sets to begin at, beside. spaced: whether none are nearer than `too_near` says.
+    """
     excludes = too_near(judged.frequency[own], n) if spaced else np.eye(len(own), dtype=bool)
     excludes &= not repeats
     starts = [np.searchsorted(own, k) for k in others if np.isin(k, own).all()]

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds.exchange import best_choice
 from ..bounds.fields import CELLS_PER_PIXEL, fields_of
 from ..bounds.position import (
     Bounds,
@@ -18,14 +17,14 @@ from ..bounds.position import (
     places_on,
     position_slopes,
 )
-from ..bounds.sets import OPTIMAL, allowed, candidates_of, compared, own_band, too_near
+from ..bounds.sets import OPTIMAL, candidates_of, compared, own_band
 from ..bounds.touches.errors import LaidErrors
 from ..progress import Progress, silent
 from ..scene.reading import frequencies_at, through
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .criteria import position_criterion
-from .design import GRID, some_places
+from .design import GRID, best_set, some_places
 
 FREQUENCIES, INTERFACES, SHEETS = "frequencies", "interfaces", "sheets"
 
@@ -165,7 +164,6 @@ def _sets(scene: Scene, slopes: Slopes, n: int) -> dict[str, NDArray[np.float64]
         criterion = position_criterion(some_places(slopes))
     except InputError:  # nothing tells the place, so nothing does it best
         return {f"{n}, {name}": f for name, f in named.items()}
-    excludes = too_near(slopes.frequency, n)
-    starts = [k for k in map(slopes.number, named.values()) if allowed(k, excludes)]
-    best = best_choice(criterion.score, len(slopes.frequency), n, starts, excludes)
+    every, others = np.arange(len(slopes.frequency)), map(slopes.number, named.values())
+    best = best_set(criterion, every, n, others)
     return {f"{n}, {name}": f for name, f in (named | {OPTIMAL: slopes.frequency[best]}).items()}
