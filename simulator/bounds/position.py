@@ -169,22 +169,24 @@ def position_slopes(
     unknown_skin: bool = False,
     progress: Progress = silent,
     laying: Cells | Deep | None = None,
+    model: ErrorModel | None = None,
 ) -> Slopes:
     """Derivatives at every place, of all interfaces at all frequencies, in Hz, ascending.
 
     against_rest: how many sweeps of the skin at rest the sweep is compared with, 0 for none.
     unknown_skin: whether the skin is among what is unknown. laying: how touches are laid on cells,
-    by default as `touches_on` says. Raises InputError for a meter without noise, and as that lays.
+    by default as `touches_on` says. model: of a meter that does not read all interfaces at all
+    frequencies. Raises InputError for a meter without noise, and as that lays.
     """
     scene = fields.scene
-    model = error_model(scene, len(frequency), against_rest)
+    model = model or error_model(scene, len(frequency), against_rest)
     errors, prior = session_errors(model)
     skin = SkinUnknowns(fields, frequency, model) if unknown_skin else None
     laying = laying or touches_on(scene, fields.grid, touch)
     found = []
     for place in tracked(places, "places", progress):
         factors, changes = laying.laid(place, touch)
-        of_foam = skin.maps(factors) if skin else {}
+        of_foam = skin.maps(factors) if skin else None
         answer = fields.respond(factors, changes, frequency, of_foam)
         own = in_noise(answer.Z, [answer.by_parameter[name] for name in WANTED], model)
         found.append(np.concatenate([own, errors, *([skin.slopes(answer)] if skin else [])], -1))

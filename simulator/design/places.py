@@ -6,15 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.fields import TouchSize
-from ..bounds.fields.pressed import PressedSkin
-from ..bounds.information import in_noise, session_errors
-from ..bounds.position import WANTED, Slopes, chosen_touch, places_on
+from ..bounds.fields.reduced import ReducedFields
+from ..bounds.position import WANTED, Slopes, chosen_touch, places_on, position_slopes
 from ..bounds.touches.cells import Cells, Place
-from ..fem.factors import one_blas_thread
 from ..measure.readout import errors_of
 from ..models.reduced.cases import Case
-from ..models.response import at_meter
-from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .curves import Pairs
@@ -54,22 +50,14 @@ class Touches:
     def slopes(self, on: OnSkin, frequency: NDArray[np.float64], against_rest: int) -> Slopes:
         """Of a skin of the divided scene, at every place; frequency in Hz, ascending."""
         reading = on.reading(frequency)
-        model = errors_of(on.scene, against_rest, reading=reading)
-        s = laplace_variable(frequency, on.skin.loss)
-        pressed = PressedSkin(on.skin)
-        errors, prior = session_errors(model)
-        found = []
-        with one_blas_thread():
-            for place in self.places:
-                changes = self.cells.raised(place, self.size)
-                M = pressed.rest + pressed.mass(self.size.rise * changes["strength"])
-                u = pressed.solved(M, s)
-                by = {name: s * u.energy(pressed.mass(changes[name])) for name in WANTED}
-                told = at_meter(1 / u.Y, by, reading.leads, frequency)
-                own = in_noise(told.Z, [told.by_parameter[name] for name in WANTED], model)
-                found.append(np.concatenate([own, errors], axis=-1))
-        known = np.concatenate([np.zeros(len(WANTED)), prior])
-        return Slopes(np.array(self.places), np.stack(found), known, frequency, self.room)
+        return position_slopes(
+            ReducedFields(on.scene, on.skin, 1, reading.leads),
+            self.places,
+            self.size,
+            frequency,
+            model=errors_of(on.scene, against_rest, reading=reading),
+            laying=self.cells,
+        )
 
     def pairs(self, on: OnSkin, frequency: NDArray[np.float64], against_rest: int) -> Pairs:
         """The same as `Pairs` has it, each place with its share of the weight."""

@@ -51,7 +51,7 @@ def test_fields_answer_and_change_as_the_full_solver(kinds, name):
 
     def answer(factor):
         change = {"strength": pixel}
-        return fields.respond(1 + (factor - 1) * pixel, change, scene.frequencies)
+        return fields.respond(1 + (factor - 1) * pixel, change, scene.frequencies, {})
 
     found, truth = answer(2.0), Solver(scene, 1e-4).solve(parse_press("1,2", 2.0)).Z
     assert relative_difference(found.Z, truth).max() < 3e-3

@@ -11,7 +11,7 @@ from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
 from ..touches.cells import TouchSize
 from .full import CELLS_PER_PIXEL, Fields
-from .reduced import ReducedFields
+from .reduced import ReducedFields, trained
 
 AnyFields = Fields | ReducedFields
 
@@ -31,7 +31,7 @@ def fields_of(
     cells = cells or cells_under(scene, touch)
     if scene.plain and many(scene):
         try:
-            return ReducedFields(scene, highest, touch, cells)
+            return trained(scene, highest, touch, cells)
         except ToleranceError:
             pass
     return Fields(scene, highest, cells)

@@ -32,7 +32,6 @@ from ...sweeps import InputError
 
 Maps = Mapping[str, NDArray[np.float64]]
 """Of c over that at rest, or of its changes, by name."""
-NONE: Maps = {}
 RTOL = 1e-3
 CELLS_PER_PIXEL = 4
 KRYLOV_RTOL = 1e-6
@@ -49,6 +48,7 @@ class _Pressed(NamedTuple):
     mass: csc_matrix
     masses: Mapping[str, csc_matrix]
     gauges: Mapping[str, NDArray[np.float64] | None]
+    skin_unknown: bool
 
 
 class Fields:
@@ -66,23 +66,25 @@ class Fields:
         factors: NDArray[np.float64],
         directions: Maps,
         frequency: NDArray[np.float64],
-        of_foam: Maps = NONE,
+        of_foam: Maps | None = None,
     ) -> Response:
         """Of one map of c over that at rest, shape (row, column) of cells; frequency in Hz.
 
-        directions: by name, how the map changes with something, of the same shape; of_foam: how the
-        foam changes, which tells nothing of how far it is pressed. The response holds their
-        derivatives and those of the skin's and leads' parameters (see `parameters`). Raises
-        InputError where frequencies lie too far above cut-off.
+        directions: by name, how the map changes with something, of the same shape. of_foam: how the
+        foam changes, which tells nothing of how far it is pressed; None where the skin is known.
+        The response holds derivatives by both and by the leads' parameters, and, unless the skin is
+        known, by the skin's (see `parameters`). Raises InputError where frequencies lie too far
+        above cut-off.
         """
-        pressed = self._parts(factors, 1.0)
+        pressed, maps = self._parts(factors, 1.0), {**directions, **(of_foam or {})}
         weights = weights_under(None, self._family.scene, self._circuit, 1, pressed)
         on = _Pressed(
             self._family.skin(weights),
             weights,
             self._family.mass(pressed),
-            {name: self._mass(change) for name, change in {**directions, **of_foam}.items()},
+            {name: self._mass(change) for name, change in maps.items()},
             {name: self._gauged(pressed, change) for name, change in directions.items()},
+            of_foam is not None,
         )
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
         with one_blas_thread():
@@ -129,10 +131,13 @@ class Fields:
         u = self._potentials(drive, pencil, on, s, Y)
         parts = np.hstack([u.real, u.imag])
         by = {name: s * _energy(parts, each) for name, each in on.masses.items()}
+        gauges = {name: each for name, each in on.gauges.items() if each is not None}
+        if not (gauges or on.skin_unknown):
+            return Y, by
         sheets = np.stack([_energy(parts, term) for term in self._sheet_terms])
-        by |= {
-            name: by[name] + each @ sheets for name, each in on.gauges.items() if each is not None
-        }
+        by |= {name: by[name] + each @ sheets for name, each in gauges.items()}
+        if not on.skin_unknown:
+            return Y, by
         by_s = _energy(parts, on.space.restricted(on.mass))
         of_s = slopes_of_s(frequency, self.scene.skin.foam.loss)
         by |= {name: by_s * of_s[name] for name in ("capacitance", "loss_tangent")}

@@ -79,7 +79,7 @@ def test_derivatives_by_the_skin_are_differences_of_skins(noisy):
     scene = noisy(contacts=contacts, loss_tangent=0.05, rows=2, columns=2)
     frequency, step = scene.frequencies, 1e-4
     press = np.where(np.arange(64).reshape(8, 8) % 7 < 2, 2.0, 1.0)
-    found = Fields(scene, 1e5).respond(press, {}, frequency)
+    found = Fields(scene, 1e5).respond(press, {}, frequency, {})
     for name, unit in (
         ("sheet_resistance", 1),
         ("sheet_mismatch", 1),
@@ -96,7 +96,7 @@ def test_derivatives_by_the_skin_are_differences_of_skins(noisy):
             for value in two
         )
         between = Fields(scene_with(scene, {name: own + step * unit}), 1e5)
-        slope = between.respond(press, {}, frequency).by_parameter[name]
+        slope = between.respond(press, {}, frequency, {}).by_parameter[name]
         assert_close(slope, (high - low) / (2 * step * unit), 1e-3)
         assert found.by_parameter[name].shape == found.Z.shape
 
