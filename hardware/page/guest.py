@@ -1,18 +1,17 @@
-"""A connection to a page's port: only what is good HTTP/1.1 reaches the library behind it."""
+"""Connections to a page's port, never too many: only what is good HTTP/1.1 is heard."""
 
 from __future__ import annotations
 
 import asyncio
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from websockets.asyncio.server import ServerConnection
 
 from .head import END, decided, refusal
 
-if TYPE_CHECKING:
-    from .door import Door
-
+MOST_CONNECTIONS, MOST_VIEWERS = 32, 16
+"""With those of the virtual meter below the 256 files of a process on macOS."""
 HEAD_SECONDS = 5.0
 """In which the whole head must come: a browser sends it at once."""
 STAND_IN = b"GET / HTTP/1.1" + END
@@ -76,3 +75,33 @@ class Guest(ServerConnection):
         self.bodiless = self._received.startswith(b"HEAD ")
         request = self._received.removeprefix(b"HEAD").removeprefix(b"GET")
         super().data_received(STAND_IN if refused else b"GET" + request)
+
+
+class Door:
+    """Who is there: of too many, the one is put out that is no viewer and came first."""
+
+    def __init__(self) -> None:
+        self.guests: dict[Guest, None] = {}
+        self.viewers: set[ServerConnection] = set()
+
+    @property
+    def full(self) -> bool:
+        """Whether there are as many viewers as there may be."""
+        return len(self.viewers) >= MOST_VIEWERS
+
+    def enter(self, guest: Guest) -> None:
+        """One more; see the class."""
+        if len(self.guests) >= MOST_CONNECTIONS:
+            first = next(each for each in self.guests if each not in self.viewers)
+            self.leave(first)
+            first.transport.abort()
+        self.guests[guest] = None
+
+    def leave(self, guest: Guest) -> None:
+        """One less."""
+        self.guests.pop(guest, None)
+
+    def clear(self) -> None:
+        """Put out everyone, at once."""
+        for guest in self.guests:
+            guest.transport.abort()

@@ -18,8 +18,7 @@ from ...simulator.sweeps import InputError
 from .address import LINK, LOOPBACK, Address
 from .board import Board
 from .document import Document
-from .door import Door
-from .guest import Guest
+from .guest import Door, Guest
 from .messages import LONGEST
 from .viewer import PressSkin, Viewer
 

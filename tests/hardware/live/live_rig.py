@@ -91,12 +91,6 @@ class Pixels(Columns):
 
     target, interfaces = "pixel", ("left", "bottom")
 
-    def prepare(self, rest, /):
-        """Nothing to get ready."""
-
-    def questions(self, rest, gap, /):
-        """Whole sweeps."""
-
     def answer(self, sweep, rest, gap, during, /):
         """The nearest pixel, surely."""
         self.asked.append(sweep)

@@ -9,7 +9,7 @@ from http import HTTPStatus
 import pytest
 from rcskin.hardware.page.address import Address
 from rcskin.hardware.page.board import Board, written
-from rcskin.hardware.page.door import MOST_VIEWERS
+from rcskin.hardware.page.guest import MOST_VIEWERS
 from rcskin.hardware.page.server import Site
 from rcskin.simulator.sweeps import InputError
 from websockets.exceptions import ConnectionClosed, InvalidStatus
