@@ -60,8 +60,7 @@ class CommonDraws:
 
         told: which of the readings are taken, shape (interface, frequency); as they say for None.
         """
-        told = reading.taken if told is None else told
-        told = np.ones(reading.shape, dtype=np.bool_) if told is None else told
+        told = reading.read if told is None else told
         each = zip(reading.interfaces, told, strict=True)
         noise = [self._noise(interface.name, len(f))[..., f] for interface, f in each]
         errors = np.concatenate([each.reshape(len(each), -1) for each in noise], axis=1)

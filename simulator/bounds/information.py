@@ -55,7 +55,8 @@ def error_model(scene: Scene, frequencies: int, against_rest: int = 0) -> ErrorM
 
     Raises InputError without noise.
     """
-    return ErrorModel(scene.readout, len(scene.interfaces), frequencies, against_rest=against_rest)
+    read = np.ones((len(scene.interfaces), frequencies), dtype=bool)
+    return ErrorModel(scene.readout, read, against_rest=against_rest)
 
 
 def in_noise(
@@ -63,7 +64,7 @@ def in_noise(
 ) -> NDArray[np.float64]:
     """Slopes of ln |Z| and phase over the noise, shape (interface, frequency, 2, slope); 0 where
     nothing is read."""
-    shape = 2, model.interfaces, model.frequencies
+    shape = 2, *model.read.shape
     columns = [observed_slope(Z, dZ).reshape(shape) / _deviation(model) for dZ in slopes]
     return np.moveaxis(np.stack(columns, axis=-1), 0, 2)
 
@@ -73,8 +74,8 @@ def session_errors(model: ErrorModel) -> tuple[NDArray[np.float64], NDArray[np.f
     1/deviation² of each unknown; none where they drop out."""
     accuracy = np.array([model.readout.magnitude_accuracy, model.readout.phase_accuracy])
     quantities = [] if model.against_rest else np.flatnonzero(accuracy > 0).tolist()
-    unknown = [(i, q) for i in range(model.interfaces) for q in quantities]
-    slopes = np.zeros((model.interfaces, model.frequencies, 2, len(unknown)))
+    unknown = [(i, q) for i in range(len(model.read)) for q in quantities]
+    slopes = np.zeros((*model.read.shape, 2, len(unknown)))
     deviation = _deviation(model)
     for number, (i, q) in enumerate(unknown):
         slopes[i, :, q, number] = 1 / deviation[q, i]
@@ -83,9 +84,7 @@ def session_errors(model: ErrorModel) -> tuple[NDArray[np.float64], NDArray[np.f
 
 def _deviation(model: ErrorModel) -> NDArray[np.float64]:
     """Of each reading, infinite where there is none, shape (2, interface, frequency)."""
-    read = np.ones((model.interfaces, model.frequencies), dtype=bool)
-    noise = model.noise[:, None, None]
-    return np.where(read if model.taken is None else model.taken, noise, np.inf)
+    return np.where(model.read, model.noise[:, None, None], np.inf)
 
 
 def pixel_maps(scene: Scene, cells: int) -> dict[str, NDArray[np.float64]]:

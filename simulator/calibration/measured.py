@@ -71,9 +71,7 @@ class Measured:
     @cached_property
     def read(self) -> NDArray[np.bool_]:
         """Which interface was read at which frequency, shape (interface, frequency)."""
-        taken = self.scene.taken
-        whole = np.ones((len(self.scene.interfaces), len(self.scene.frequencies)), dtype=bool)
-        return whole if taken is None else taken
+        return self.scene.reading.read
 
     @cached_property
     def numbers(self) -> int:

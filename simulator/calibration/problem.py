@@ -239,7 +239,7 @@ def deviation_of(asked: Asked, reading: Reading) -> NDArray[np.float64]:
     """Of each number of a reading by the noise, shape (2 * Z.size,); infinite where none was
     read, or in no range that is known, which then counts for nothing."""
     used = asked.measured.read & reading.known
-    own = ErrorModel(asked.readout, *reading.Z.shape, averaged=reading.averaged).deviation
+    own = ErrorModel(asked.readout, np.ones_like(used), reading.averaged).deviation
     return np.where(np.tile(used.ravel(), 2), own, np.inf)
 
 

@@ -104,7 +104,7 @@ class PixelPairs:
         """Raises InputError for a meter without noise, and for more pixels than memory bears."""
         check_comparable(scene, asked.target)
         self._among = hypotheses(scene, asked.target)
-        model = ErrorModel(scene.readout, 1, 1, against_rest=asked.against_rest)
+        model = ErrorModel(scene.readout, np.ones((1, 1), bool), against_rest=asked.against_rest)
         self._noise = float(model.deviation[0] / scene.readout.magnitude_noise)
 
     def __call__(self, on: OnSkin, frequency: NDArray[np.float64]) -> Pairs:

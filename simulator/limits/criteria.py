@@ -167,7 +167,7 @@ def _pair_slopes(
     model: ErrorModel,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """From one pixel to the other, by both strengths and by the session's errors, over noise."""
-    shape = 2, model.interfaces, model.frequencies
+    shape = 2, *model.read.shape
     deviation = np.moveaxis(model.deviation.reshape(shape), 0, -1)
     levels = [np.moveaxis(observed(each.Z).reshape(shape), 0, -1) / deviation for each in answers]
     by_strength = [

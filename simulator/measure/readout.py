@@ -76,7 +76,7 @@ def observed(
 ) -> NDArray[np.float64]:
     """ln |Z / ohm| of all readings taken, then their phases in rad; shape (..., 2 * readings).
 
-    Z: ohm, shape (..., interface, frequency). taken: as of `ErrorModel`.
+    Z: ohm, shape (..., interface, frequency). taken: which of these, all for None.
     """
     flat = _readings(Z, taken)
     return np.concatenate([np.log(np.abs(flat)), np.angle(flat)], axis=-1)
@@ -98,18 +98,15 @@ def _readings(Z: NDArray[np.complex128], taken: NDArray[np.bool_] | None) -> NDA
 class ErrorModel:
     """Standard deviations of what `observed` tells of one sweep.
 
-    readout: of the meter. interfaces, frequencies: how many. averaged: sweeps that are averaged.
-    against_rest: of how many sweeps of the skin at rest, averaged, it is the difference; 0 tells
-    it as it is, with the errors of the session. taken: which interface is read at which frequency,
-    shape (interface, frequency); all at all for None.
+    readout: of the meter. read: which interface is read at which frequency, shape (interface,
+    frequency). averaged: sweeps that are averaged. against_rest: of how many sweeps of the skin at
+    rest, averaged, it is the difference; 0 tells it as it is, with the errors of the session.
     """
 
     readout: Readout
-    interfaces: int
-    frequencies: int
+    read: NDArray[np.bool_]
     averaged: int = 1
     against_rest: int = 0
-    taken: NDArray[np.bool_] | None = None
 
     def __post_init__(self) -> None:
         """Raises InputError where the meter is without noise."""
@@ -123,8 +120,7 @@ class ErrorModel:
     @property
     def deviation(self) -> NDArray[np.float64]:
         """Of each number by the noise of readings, shape (2 * readings taken,)."""
-        readings = self.interfaces * self.frequencies if self.taken is None else self.taken.sum()
-        return np.repeat(self.noise, readings)
+        return np.repeat(self.noise, self.read.sum())
 
     @property
     def noise(self) -> NDArray[np.float64]:
@@ -139,9 +135,8 @@ class ErrorModel:
         C = np.diag(self.deviation**2)
         if self.against_rest:
             return C
-        shared = np.kron(np.eye(self.interfaces), np.ones((self.frequencies, self.frequencies)))
-        if self.taken is not None:
-            shared = shared[np.ix_(self.taken.ravel(), self.taken.ravel())]
+        interface = np.nonzero(self.read)[0]
+        shared = (interface[:, None] == interface).astype(np.float64)
         accuracy = self.readout.magnitude_accuracy, self.readout.phase_accuracy
         return C + np.kron(np.diag(np.square(accuracy)), shared)
 
@@ -150,8 +145,7 @@ class ErrorModel:
 
         numbers: of all readings as of `observed`, shape (..., 2 * readings).
         """
-        if self.taken is not None:
-            numbers = numbers[..., np.tile(self.taken.ravel(), 2)]
+        numbers = numbers[..., np.tile(self.read.ravel(), 2)]
         factor = np.linalg.cholesky(self.covariance)
         flat = np.linalg.solve(factor, numbers.reshape(-1, numbers.shape[-1]).T)
         return flat.T.reshape(numbers.shape).astype(np.float64)
@@ -163,10 +157,4 @@ def errors_of(
     """Of what a scene's meter reads, all that the scene has for None. Raises InputError without
     noise."""
     read = scene.reading if reading is None else reading
-    return ErrorModel(
-        scene.readout,
-        *read.shape,
-        averaged=averaged,
-        against_rest=against_rest,
-        taken=read.taken,
-    )
+    return ErrorModel(scene.readout, read.read, averaged, against_rest)

@@ -15,7 +15,7 @@ from .scene import Scene, checked_interface, interface_names
 def frequencies_at(scene: Scene, interface: str) -> NDArray[np.float64]:
     """Those that an interface of the scene is read at, Hz, ascending, shape (frequency,)."""
     number = [each.name for each in scene.interfaces].index(interface)
-    return scene.frequencies if scene.taken is None else scene.frequencies[scene.taken[number]]
+    return scene.frequencies[scene.reading.read[number]]
 
 
 def frequencies_of_each(scene: Scene) -> dict[str, list[float]]:

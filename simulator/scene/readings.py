@@ -26,6 +26,12 @@ class Reading:
         return taken(self.interfaces, self.frequency)
 
     @property
+    def read(self) -> NDArray[np.bool_]:
+        """The same, all True where all are read at all; shape (interface, frequency)."""
+        taken = self.taken
+        return np.ones(self.shape, dtype=bool) if taken is None else taken
+
+    @property
     def shape(self) -> tuple[int, int]:
         """(interfaces, frequencies)."""
         return len(self.interfaces), len(self.frequency)

@@ -59,7 +59,7 @@ def test_chi_squared_is_that_of_the_error_models_covariance(line, read):
     fit = solved(Problem(asked, ready), asked.fixed)
     Z = ready.respond(np.zeros(0, dtype=np.int64), np.zeros(0), asked.fixed).Z
     off = difference(Z, asked.measured.readings[0].Z)
-    whitened = ErrorModel(line.readout, 1, 12).whitened(off)
+    whitened = ErrorModel(line.readout, np.ones((1, 12), bool)).whitened(off)
     assert fit.chi_squared == pytest.approx(whitened @ whitened, rel=1e-9)
 
 

@@ -111,7 +111,7 @@ class CastReadings:
         self.scene, self._on, self._frequency = on.scene, on, frequency
         readings = len(on.scene.interfaces)
         self.model = ErrorModel(
-            on.scene.readout, readings, len(frequency), against_rest=against_rest
+            on.scene.readout, np.ones((readings, len(frequency)), bool), against_rest=against_rest
         )
 
     def of_each(self, batch):

@@ -119,7 +119,7 @@ def test_a_skin_is_known_from_its_curve_at_rest(make_scene):
         return Case(skin.variation, *TOUCH)
 
     family = reduce(drawn, 1e-4, one, modes=modes, alike=False)
-    error = ErrorModel(drawn.readout, len(drawn.interfaces), 3, averaged=20)
+    error = ErrorModel(drawn.readout, np.ones((len(drawn.interfaces), 3), bool), averaged=20)
     random = np.random.default_rng(0)
     z, before, after = [], [], []
     for seed in range(40):

@@ -167,8 +167,10 @@ def test_readings_that_were_not_taken_must_not_be_there(own):
 @pytest.mark.parametrize("against_rest", [0, 3])
 def test_errors_are_those_of_what_is_taken(against_rest):
     readout = Readout(**READOUT)
-    whole = ErrorModel(readout, 2, 3, against_rest=against_rest)
-    part = ErrorModel(readout, 2, 3, against_rest=against_rest, taken=TAKEN)
+    whole, part = (
+        ErrorModel(readout, read, against_rest=against_rest)
+        for read in (np.ones_like(TAKEN), TAKEN)
+    )
     kept = np.tile(TAKEN.ravel(), 2)
     np.testing.assert_allclose(part.covariance, whole.covariance[np.ix_(kept, kept)])
     np.testing.assert_allclose(part.deviation, whole.deviation[kept])
