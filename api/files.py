@@ -1,4 +1,4 @@
-"""Sweeps from files and into files, and their picture."""
+"""Sweeps from files; sweeps, models and scenes into files; and a picture of sweeps."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .arguments import checked, path_of, sweeps_of
+from .arguments import checked, path_of, refuse, sweeps_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ..localization.model.model import Model
     from ..simulator.check.curves import Quantity
+    from ..simulator.scene.scene import Scene
 
 
 def read(path: str | Path) -> xr.Dataset:
@@ -21,23 +23,42 @@ def read(path: str | Path) -> xr.Dataset:
 
 @checked
 def write(
-    sweeps: xr.Dataset,
+    given: xr.Dataset | Model | Scene,
     path: str | Path,
     *,
     overwrite: bool = False,
     overwrite_measured: bool = False,
 ) -> None:
-    """Sweeps into a file, .nc, .csv or .zarr, whole or not at all.
+    """Sweeps into .nc, .csv or .zarr, a model into .skops, or a scene into .toml.
 
-    What a script wrote before is replaced with a note in the log. overwrite: replace also what was
-    not made so. overwrite_measured: replace even measured sweeps. Raises InputError.
+    The file is whole or not there at all. What a script wrote before is replaced with a note in the
+    log. overwrite: replace also what was not made so. overwrite_measured: replace even measured
+    sweeps. Raises InputError.
     """
-    from ..simulator.sweeps import write as write_sweeps
     from ..simulator.sweeps.writing import Occasion, on_occasion
 
     now = Occasion(overwrite=overwrite, overwrite_measured=overwrite_measured)
     with on_occasion(now):
-        write_sweeps(sweeps_of(sweeps), path_of(path))
+        _written(given, path_of(path))
+
+
+def _written(given: xr.Dataset | Model | Scene, path: str | Path) -> None:
+    import xarray as xr
+
+    from ..simulator.scene.files import write_scene
+    from ..simulator.scene.scene import Scene
+    from ..simulator.sweeps import write as write_sweeps
+
+    if isinstance(given, xr.Dataset):
+        return write_sweeps(given, path)
+    if isinstance(given, Scene):
+        return write_scene(path, given)
+    from ..localization.model.file import save
+    from ..localization.model.model import Model
+
+    if isinstance(given, Model):
+        return save(path, given)
+    refuse("given", "sweeps (an xarray.Dataset), a Model or a Scene", given)
 
 
 @checked
@@ -49,6 +70,6 @@ def plot(sweeps: xr.Dataset | str | Path, path: str | Path, what: Sequence[Quant
     Cp and, where the skin at rest was measured, their changes. Raises InputError for another ending
     or an absent folder.
     """
-    from ..simulator.check.curves import draw_curves
+    from ..simulator.check.page import draw
 
-    return draw_curves([sweeps_of(sweeps)], path_of(path), what)
+    return draw([sweeps_of(sweeps)], path_of(path), what)

@@ -174,17 +174,15 @@ def plot(
 ) -> None:
     """Draw sweeps, simulated or measured: Rs, Cp, changes from rest, phase, Nyquist."""
     from ..asked.telling import note, written
-    from ..charts import checked_chart
     from ..sweeps import counted
-    from .curves import MOST_DRAWN, checked_quantities, draw_curves
-    from .page import ENDING, checked_page, write_page
+    from .curves import MOST_DRAWN, checked_quantities
+    from .page import checked_drawing, draw
 
     checked_quantities(what or ())
-    paged = output.suffix == ENDING
-    checked_page(output) if paged else checked_chart(output, ENDING)
+    checked_drawing(output)
     recordings = [_read(file) for file in files]
     names = _names(files, recordings) if len(files) > 1 else []
-    (write_page if paged else draw_curves)(recordings, output, what or (), names)
+    draw(recordings, output, what or (), names)
     for file, sweeps in zip(files, recordings, strict=True):
         if sweeps.sizes["sweep"] > MOST_DRAWN:
             note(f"{file}: {MOST_DRAWN} of {sweeps.sizes['sweep']} sweeps are drawn, evenly spread")

@@ -6,9 +6,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..charts import checked_chart
 from ..shown import in_plotly
 from ..sweeps import check_needs, checked_output, whole_file
-from .curves import QUANTITIES, Shown, colours_of, courses, labels_of, panels_of, rows_of
+from .curves import (
+    QUANTITIES,
+    Shown,
+    colours_of,
+    courses,
+    draw_curves,
+    labels_of,
+    panels_of,
+    rows_of,
+)
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -24,6 +34,29 @@ def checked_page(path: Path) -> Path:
     """The same path, if a page can be written there; raises InputError where plotly is missing."""
     check_needs(path, "view", "plotly")
     return checked_output(path, (ENDING,))
+
+
+def checked_drawing(path: str | Path) -> Path:
+    """The same path, if a picture or a page can be written there. Raises InputError."""
+    path = Path(path)
+    return checked_page(path) if path.suffix == ENDING else checked_chart(path, ENDING)
+
+
+def draw(
+    recordings: Sequence[xr.Dataset],
+    path: str | Path,
+    what: Sequence[str] = (),
+    names: Sequence[str] = (),
+) -> Path:
+    """Sweeps as a page if the path ends in .html, else as a picture; the path is given back.
+
+    Arguments and errors as of `draw_curves`.
+    """
+    path = checked_drawing(path)
+    if path.suffix != ENDING:
+        return draw_curves(recordings, path, what, names)
+    write_page(recordings, path, what, names)
+    return path
 
 
 def write_page(

@@ -54,6 +54,12 @@ def write_new(path: Path, like: str) -> None:
         unfinished.write_text(NAME.sub(lambda _: own, text, count=1), encoding="utf-8")
 
 
+def write_scene(path: str | Path, scene: Scene) -> None:
+    """Write a scene. Raises InputError for another ending, an absent folder, a file to be kept."""
+    with whole_file(checked_output(path, (".toml",))) as unfinished:
+        unfinished.write_text(scene_text(scene), encoding="utf-8")
+
+
 def load_scene(name_or_path: str | Path) -> Scene:
     """The built-in scene of that name, or the one in the file at that path.
 

@@ -8,7 +8,6 @@ from importlib.metadata import version
 import numpy as np
 import pytest
 import rcskin
-from rcskin.localization.model.file import save
 from rcskin.localization.study.axis import axes_of
 from rcskin.localization.study.keys import scene_table
 from rcskin.simulator.sweeps import InputError
@@ -117,7 +116,7 @@ def test_a_model_is_trained_in_memory_and_on_disk_and_asked_by_its_path(skins, t
     model = rcskin.train(known)
     assert model.quantities == ("dlnZ", "dphase")
     path = tmp_path / "m.skops"
-    save(path, model)
+    rcskin.write(model, path)
     labels = rcskin.localize(path, unseen).labels
     np.testing.assert_array_equal(labels, rcskin.localize(str(path), unseen).labels)
     np.testing.assert_array_equal(labels, rcskin.localize(rcskin.load_model(path), unseen).labels)
@@ -161,7 +160,9 @@ def test_the_version_is_that_of_the_package():
     assert rcskin.__version__ == version("rcskin")
 
 
-def test_files_come_back_as_they_went(sweeps, tmp_path):
+def test_files_come_back_as_they_went(scene, sweeps, tmp_path):
+    rcskin.write(scene, tmp_path / "own.toml")
+    assert rcskin.load(tmp_path / "own.toml") == scene
     rcskin.write(sweeps, tmp_path / "all.nc")
     assert np.array_equal(rcskin.read(tmp_path / "all.nc")["Cp"], sweeps["Cp"])
 
@@ -206,6 +207,8 @@ def test_a_skin_is_calibrated_to_its_own_sweeps(scene, sweeps):
     assert both == pytest.approx(2 * scene.skin.top.sheet_resistance, rel=1e-2)
 
 
-@pytest.mark.parametrize("ending", ["png", pytest.param("svg", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "ending", ["png", *(pytest.param(e, marks=pytest.mark.slow) for e in ("svg", "html"))]
+)
 def test_sweeps_are_drawn(sweeps, tmp_path, ending):
     assert rcskin.plot(sweeps, tmp_path / f"all.{ending}").stat().st_size > 5_000

@@ -88,6 +88,8 @@ def test_there_are_all_commands():
         (lambda: rcskin.load(None), "`scene` must be a path, got None"),
         (lambda: rcskin.read(None), "`path` must be a path, got None"),
         (lambda: rcskin.train([1.0]), "`sweeps` must be an xarray.Dataset or a path, got [1.0]"),
+        (lambda: rcskin.write(None, "a.nc"), "`given` must be sweeps (an xarray.Dataset), a Model"),
+        (lambda: rcskin.write(GLOVE, "a.nc"), ".toml"),
         (lambda: rcskin.train("no.nc"), "no.nc"),
         (lambda: rcskin.localize(GLOVE, "no.nc"), "`model` must be a Model or a path, got a Scene"),
         (lambda: rcskin.limits("glove", "position"), "`target` must be one of column, row, pixel"),

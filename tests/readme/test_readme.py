@@ -41,6 +41,12 @@ SELF_MADE = (
     "simulator/scene/pages/SKINS.md",
 )
 """Pages whose commands take built-in scenes and what earlier commands made."""
+WITH_PYTHON = (
+    "README.md",
+    "simulator/README.md",
+    "simulator/models/README.md",
+    "simulator/calibration/README.md",
+)
 OF_A_SCENE = {
     *("sweep", "describe", "view", "dataset", "study", "limits", "frequencies"),
     *("design", "calibrate"),
@@ -120,7 +126,7 @@ def test_every_command_shown_exists_with_its_options(lines):
         assert {word for word in words if re.match(r"--?[a-z]", word)} <= options, line
 
 
-@pytest.mark.parametrize("page", ["README.md", "simulator/README.md", "simulator/models/README.md"])
+@pytest.mark.parametrize("page", WITH_PYTHON)
 def test_the_examples_run_one_after_the_other(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names = {}

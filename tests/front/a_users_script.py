@@ -1,0 +1,58 @@
+"""What a user may write: all that `import rcskin` gives, with types that a checker follows."""
+# pyright: standard
+
+import numpy as np
+import rcskin
+
+
+def check(value: float) -> float:
+    assert value == value
+    return value
+
+
+strip: rcskin.Scene = rcskin.load("strip-1x3")
+strip = strip.with_({"dataset.session.sweeps_per_session": 50})
+rcskin.write(strip, "strip.toml")
+
+sweeps = rcskin.sweep("strip.toml", ["none", "1,2:1.5", rcskin.Press()], rtol=1e-3, model="line")
+recorded = rcskin.measured(sweeps, seed=2)
+rcskin.write(recorded, "all.nc")
+again = rcskin.read("all.nc")
+picture = rcskin.plot(again, "all.png", what=["Rs", "change-Cp"])
+assert picture.exists() and again.sizes["sweep"] == 3
+
+skins = rcskin.dataset(strip, 100, seed=1, rtol=1e-3)
+X, y = rcskin.features(skins, target="pixel", quantities=["dlnZ", "dphase"])
+assert X.shape[0] == y.shape[0]
+
+model: rcskin.Model = rcskin.train(skins, "column", "ksvm-ovo", quantities="dlnZ,dphase")
+rcskin.write(model, "columns.skops")
+unseen = rcskin.dataset(strip, 50, seed=2, rtol=1e-3)
+answers = rcskin.localize(rcskin.load_model("columns.skops"), unseen)
+print(answers, answers.labels[0], check(answers.probability[0]), answers.novel.any())
+evaluation = rcskin.evaluate("columns.skops", unseen)
+print(evaluation, check(evaluation.accuracy), check(evaluation.answered))
+
+limit = rcskin.limits(strip, "pixel", presses=1.5, draws=100)
+print(limit, check(limit.accuracy + limit.standard_error))
+
+found = rcskin.calibrate(strip, rcskin.sweep(strip, rtol=1e-3), fit=["capacitance"])
+print(found, found.scene.name, check(found.values["capacitance"]), check(found.chi_squared))
+for quantity in found.quantities:
+    check(quantity.value)
+
+study = rcskin.study(strip, {"pixels.columns": [2]}, target="column", repetitions=5)
+study.write("study.csv")
+study.plot("study.png")
+print(study, study.best[0], check(float(study.findings["accuracy"][0])))
+
+reduced = rcskin.reduce(strip, rtol=1e-3)
+Z = reduced.impedance("1,1", np.array([1e3, 2e3]))
+print(reduced, Z.shape, rcskin.__version__)
+
+try:
+    rcskin.sweep("strip.toml", "9,9")
+except rcskin.InputError as error:
+    print(error)
+except rcskin.ToleranceError as error:
+    print(error.times)
