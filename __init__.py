@@ -9,7 +9,7 @@
     recorded = rcskin.measured(sweeps, seed=1)  # with the meter's noise
     skins = rcskin.dataset(scene, 2000)
     model = rcskin.train(skins)  # or rcskin.load_model("columns.skops")
-    rcskin.evaluate(model, recorded)["accuracy"]
+    rcskin.evaluate(model, recorded).accuracy
     rcskin.localize(model, recorded).labels
 
 The names in `__all__` are public; all modules of the package are internal and may change. Nothing

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from ..localization.evaluation.result import Evaluation
     from ..localization.inputs.targets import Target
     from ..localization.model.model import Model
     from ..localization.trust.answers import Answers
@@ -31,9 +32,8 @@ def features(
     no sweep of it before them, Rs and Cp. Raises InputError where these cannot be had.
     """
     from ..localization.inputs.samples import samples_of
-    from ..localization.inputs.touches import told_for
 
-    samples = samples_of(told_for(target, sweeps_of(sweeps)), target, quantities)
+    samples = samples_of(sweeps_of(sweeps), target, quantities)
     return samples.X, samples.y
 
 
@@ -57,11 +57,10 @@ def train(
     to 1, on held-out sweeps. tune: choose the estimator's parameters by cross-validation. Raises
     InputError where these cannot be had, or the sweeps are of one class.
     """
-    from ..localization.inputs.touches import told_for
     from ..localization.model.training import train as trained
 
     return trained(
-        told_for(target, sweeps_of(sweeps)),
+        sweeps_of(sweeps),
         target,
         estimator,
         quantities=quantities,
@@ -103,20 +102,17 @@ def evaluate(
     model: Model | str | Path,
     sweeps: xr.Dataset | str | Path,
     rest: xr.Dataset | str | Path | None = None,
-) -> dict[str, float]:
-    """How often a model is right about sweeps whose presses are known: figures by their names.
+) -> Evaluation:
+    """How often a model is right about sweeps whose presses are known.
 
-    Such as "accuracy", the share of sweeps whose class was found, or "median error, mm" of
-    positions. model, sweeps, rest: as of `localize`. Sweeps that the model was trained or adapted
-    on make the figures too good. Raises InputError for sweeps unlike those trained on.
+    model, sweeps, rest: as of `localize`. Sweeps that the model was trained or adapted on make the
+    figures too good. Raises InputError for sweeps unlike those trained on.
     """
-    from ..localization.evaluation.evaluation import score
-    from ..localization.inputs.touches import told_for
+    from ..localization.evaluation.result import evaluated
 
-    model, sweeps = _model_of(model), sweeps_of(sweeps)
     resting = None if rest is None else sweeps_of(rest, "rest")
-    samples = model.samples(told_for(model.target, sweeps), resting)
-    return score(model.learned, samples).figures()
+    known = _model_of(model)
+    return evaluated(known.learned, known.samples(sweeps_of(sweeps), resting))
 
 
 def _model_of(given: Model | str | Path) -> Model:

@@ -41,7 +41,6 @@ def adapt(
     from ..adaptation.adaptation import adapted
     from ..adaptation.places import adapted_places
     from ..inputs.reading import read_some
-    from ..inputs.touches import told_for
     from ..model.file import ENDING, save
     from .asking import model_for
 
@@ -49,7 +48,7 @@ def adapt(
     known = read_some(touches, most)
     resting = None if rest is None else read_some(rest, most)
     asked = model_for(known, touches, model, anyway=anyway)
-    samples = asked.samples(told_for(asked.target, known), resting)
+    samples = asked.samples(known, resting)
     try:
         if samples.problem.continuous:
             counted = asked.gate and asked.gate.samples(known, resting)

@@ -11,12 +11,9 @@ from ...simulator.shown import say
 from . import options
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from ...simulator.progress import Progress
-    from ..evaluation.report import Found
+    from ..evaluation.result import Evaluation
     from ..inputs.samples import Samples
-    from ..model.model import Model
 
 FILES = "A model to evaluate, MODEL.skops, if any; then sweeps: .nc, .zarr or .csv, joined."
 
@@ -52,9 +49,9 @@ def evaluate(
     from ...simulator.sweeps import InputError, checked_folder
     from ..evaluation.plan import plan_of
     from ..evaluation.report import WRITTEN, lines_of, write_report
+    from ..evaluation.result import evaluated
     from ..inputs.reading import read_some
     from ..inputs.samples import samples_of
-    from ..inputs.touches import told_for
     from ..model.file import ENDING
     from .asking import looked_at, model_for, tell_features, tell_known
 
@@ -70,12 +67,11 @@ def evaluate(
     resting = None if rest is None else read_some(rest, most)
     if by_model:
         model = model_for(sweeps, recordings, files[0], anyway=anyway)
-        found = _by_model(model, told_for(model.target, sweeps), resting)
+        found = evaluated(model.learned, model.samples(sweeps, resting))
         problem, judged = model.problem, "those given"
         tell_known(model, sweeps, files[0])
     else:
-        told = told_for(target, sweeps)
-        samples = samples_of(told, target, quantities, interfaces=interface, rest=resting)
+        samples = samples_of(sweeps, target, quantities, interfaces=interface, rest=resting)
         tell_features(quantities, samples.problem.quantities)
         problem, judged = samples.problem, "not trained on"
         with on_terminal() as progress:
@@ -90,21 +86,6 @@ def evaluate(
         say(f"evaluation: {len(found.score.truth)} sweeps -> {folder}")
 
 
-def _by_model(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -> Found:
-    from ..evaluation.evaluation import score
-    from ..evaluation.report import Found
-
-    samples = model.samples(sweeps, rest)
-    scored = score(model.learned, samples)
-    figures = scored.figures().items()
-    return Found(
-        scored,
-        {name: (value, None) for name, value in figures},
-        "sweeps of their own",
-        samples.left_out.told(model.target),
-    )
-
-
 def _by_folds(
     samples: Samples,
     name: str | None,
@@ -113,12 +94,11 @@ def _by_folds(
     tune: bool,
     folds: int,
     progress: Progress,
-) -> Found:
+) -> Evaluation:
     from ..evaluation.evaluation import nested
-    from ..evaluation.report import Found
+    from ..evaluation.result import of_folds
     from ..inversion.registered import chosen
 
     estimator = chosen(name, samples.problem.target)
     found = nested(samples, estimator, certain=certain, tune=tune, folds=folds, progress=progress)
-    left_out = samples.left_out.told(samples.problem.target)
-    return Found(found.whole, dict(found.figures()), found.validation, left_out)
+    return of_folds(samples, found)

@@ -38,14 +38,12 @@ def train(
     from ...simulator.progress import on_terminal
     from ...simulator.sweeps import checked_output
     from ..inputs.reading import read_some
-    from ..inputs.touches import told_for
     from ..model.file import ENDING, save
     from ..model.training import train as train_model
     from .asking import tell_features
 
     checked_output(output, (ENDING,))
-    given = read_some(sweeps, most, in_parts=True)
-    known = told_for(target, given)
+    known = read_some(sweeps, most, in_parts=True)
     with on_terminal() as progress:
         model = train_model(
             known,
@@ -70,7 +68,7 @@ def _told(model: Model) -> list[str]:
     lines = [
         f"{model.target} by {model.estimator} from {seen}, {len(model.frequencies)} frequencies; "
         f"{model.trained_on} sweeps, {model.left_out}",
-        f"judged by {model.validation}: {_outcome(model)}",
+        f"judged by {model.validation}: {model.learned.outcome}",
     ]
     if model.certain is not None:
         rate = f"answers only where it is right at a rate of {model.certain:g} or more"
@@ -99,17 +97,6 @@ def _hints(model: Model, sweeps: xr.Dataset) -> list[str]:
         "looks at readings as they stand, which differ from skin to skin; changes from the skin at "
         "rest mostly tell more: --features dlnZ,dphase"
     ]
-
-
-def _outcome(model: Model) -> str:
-    """Of the sweeps held out."""
-    from ..trust.fitted import Regressor
-    from ..trust.rates import rate_told
-
-    learned = model.learned
-    if isinstance(learned, Regressor):
-        return f"median error {learned.median_error:.1f} mm"
-    return f"accuracy {rate_told(learned.right, learned.held_out)}"
 
 
 def _coverage(model: Model) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +12,7 @@ from ...simulator.sweeps.cells import Writer
 from ..inputs.targets import COORDINATES
 from ..trust.rates import rate_told
 from .confusion import write_csv
-from .evaluation import ClassScore, PositionScore, Score
+from .evaluation import ClassScore, PositionScore
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,9 +20,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .plan import Plan
+    from .result import Evaluation
 
-Figures = dict[str, tuple[float, float | None]]
-"""Of each name the value, and its spread over folds if there are any."""
 WRITTEN = ("figures.csv", "confusion.*", "belief.*", "positions.*", "regions.*")
 """Patterns of the names of what is written."""
 POSITIONS = [
@@ -33,17 +31,7 @@ POSITIONS = [
 ]
 
 
-@dataclass(frozen=True, eq=False)
-class Found:
-    """What was found. validation: on which sweeps, left_out: without which, both as text."""
-
-    score: Score
-    figures: Figures
-    validation: str
-    left_out: str
-
-
-def lines_of(found: Found) -> list[str]:
+def lines_of(found: Evaluation) -> list[str]:
     """On what, then a line for each figure, with its spread over folds where there are any."""
     first = f"{len(found.score.truth)} sweeps, {found.left_out}"
     rates = found.score.rates()
@@ -60,7 +48,7 @@ def lines_of(found: Found) -> list[str]:
 
 
 def write_report(
-    folder: Path, found: Found, plan: Plan | None = None, ending: str = ".png"
+    folder: Path, found: Evaluation, plan: Plan | None = None, ending: str = ".png"
 ) -> None:
     """Figures as a table; the confusion matrix, or all positions, as a table and a chart; and a
     chart of whether the stated probabilities, or regions, can be believed.
@@ -73,7 +61,7 @@ def write_report(
         _write_all(folder, found, plan, ending)
 
 
-def _write_all(folder: Path, found: Found, plan: Plan | None, ending: str) -> None:
+def _write_all(folder: Path, found: Evaluation, plan: Plan | None, ending: str) -> None:
     score = found.score
     table = [(name, *values) for name, values in found.figures.items()]
     write_table(folder / "figures.csv", ["figure", "value", "spread"], table)

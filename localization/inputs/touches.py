@@ -60,11 +60,6 @@ def touches_of(sweeps: xr.Dataset) -> Touches:
     return _of_texts(sweeps, None)
 
 
-def told_for(target: str, sweeps: xr.Dataset) -> xr.Dataset:
-    """The sweeps as a target needs them: for positions, with factors for depths and forces."""
-    return with_factors(sweeps) if target == "position" else sweeps
-
-
 def with_factors(sweeps: xr.Dataset) -> xr.Dataset:
     """The sweeps, with touches as numbers where a press says a depth or a force; none of presses of
     more than MOST.

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from sklearn.pipeline import Pipeline
 
+from ...simulator.shown import Tabular
 from ...simulator.sweeps import InputError
-from ...simulator.sweeps.same_skin import check_same_skin
-from ..inputs.features import changes_from_rest, seen_from, taken_rows, told_features
+from ..inputs.features import changes_from_rest, told_features
 from ..inputs.marks import marks_of
 from ..inputs.rest import check_told
 from ..inputs.samples import Problem, Samples, samples_of
@@ -19,6 +19,7 @@ from ..inversion.region import Region
 from ..inversion.regions import regions_of
 from ..trust.answers import CANNOT_TELL, NOTHING_PRESSED, Answers
 from ..trust.fitted import Classifier, Regressor
+from .likeness import check_like_training
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,8 +35,8 @@ def versions_here() -> dict[str, str]:
     return {name: version(name) for name in SOFTWARE}
 
 
-@dataclass(frozen=True)
-class Model:
+@dataclass(frozen=True, repr=False)
+class Model(Tabular):
     """A trained localizer and what it was trained on, so that only like sweeps are asked of it."""
 
     learned: Classifier | Regressor
@@ -58,6 +59,13 @@ class Model:
     """Of positions: tells how many touches there are; None where the training showed only one."""
     anyway: bool = False
     """Whether it answers sweeps of another skin too."""
+
+    def _table(self) -> tuple[str, list[tuple[object, ...]]]:
+        header = "target", "estimator", "features", "frequencies", "trained on", "held out"
+        known = f"{self.trained_on} sweeps", self.learned.outcome
+        features = ", ".join(self.quantities)
+        row = (self.target, self.estimator, features, len(self.frequencies), *known)
+        return "Model", [header, row]
 
     @property
     def aged(self) -> str:
@@ -145,7 +153,7 @@ class Model:
         tells, or have other frequencies than in training or lack an interface of it, and where the
         skin at rest is never seen.
         """
-        self._check_like_training(sweeps, rest)
+        check_like_training(self.problem, sweeps, rest, anyway=self.anyway)
         X, rows = told_features(sweeps, self.quantities, interfaces=self.interfaces, rest=rest)
         if not rows.size:
             check_told(sweeps, rows)
@@ -172,7 +180,7 @@ class Model:
 
         Raises InputError as `told`, and as `samples_of`.
         """
-        self._check_like_training(sweeps, rest)
+        check_like_training(self.problem, sweeps, rest, anyway=self.anyway)
         return samples_of(
             sweeps, self.target, self.quantities, interfaces=self.interfaces, rest=rest
         )
@@ -250,31 +258,3 @@ class Model:
         labels = np.where(unplaced, CANNOT_TELL, counted.labels)
         of_no_class = np.empty((labels.size, 0))
         return Answers(labels, counted.probability, counted.novel | unplaced, of_no_class)
-
-    def _check_like_training(self, sweeps: xr.Dataset, rest: xr.Dataset | None) -> None:
-        for part in (sweeps,) if rest is None else (sweeps, rest):
-            asked = str(part.attrs.get("scene", ""))
-            if asked != self.scene and not self.anyway:
-                check_same_skin(self.scene, asked, "the model", "trained")
-        given_names = [str(name) for name in sweeps["interface"].values]
-        if not set(self.interfaces) <= set(given_names):
-            raise InputError(
-                f"the model was trained on interfaces {', '.join(self.interfaces)}, "
-                f"the sweeps have {', '.join(given_names)}"
-            )
-        if taken_rows(seen_from(sweeps, self.interfaces)) != self.problem.taken:
-            raise InputError(
-                "the model was trained on interfaces read at other `frequencies` of their own "
-                "than the sweeps"
-            )
-        trained, given = np.array(self.frequencies), sweeps["frequency"].values
-        if given.size != trained.size:
-            raise InputError(
-                f"the model was trained on {trained.size} frequencies, the sweeps have {given.size}"
-            )
-        other = np.flatnonzero(~np.isclose(given, trained, rtol=1e-9, atol=0))
-        if other.size:
-            raise InputError(
-                f"the model was trained at {trained[other[0]]:.12g} Hz, "
-                f"the sweeps have {given[other[0]]:.12g} Hz in its place"
-            )

@@ -12,6 +12,7 @@ from sklearn.pipeline import Pipeline
 from ..learners.decisions import decisions
 from .answers import Answers, decide
 from .kinds import KindGuard
+from .rates import rate_told
 from .several import SeveralGuard
 from .temperature import probabilities
 
@@ -93,6 +94,11 @@ class Classifier(Learned):
     held_out: int
 
     @property
+    def outcome(self) -> str:
+        """How it did on the sweeps held out, as text."""
+        return f"accuracy {rate_told(self.right, self.held_out)}"
+
+    @property
     def classes(self) -> NDArray:
         """In ascending order, shape (K,)."""
         return self.pipeline.classes_
@@ -121,6 +127,11 @@ class Regressor(Learned):
     factor: NDArray[np.float64]
     spread: Pipeline | None
     median_error: float
+
+    @property
+    def outcome(self) -> str:
+        """How it did on the sweeps held out, as text."""
+        return f"median error {self.median_error:.1f} mm"
 
     def positions(self, X: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Positions and standard deviations, in mm and of the strength, each of shape (n, 3)."""

@@ -120,8 +120,15 @@ def test_a_model_is_trained_in_memory_and_on_disk_and_asked_by_its_path(skins, t
     labels = rcskin.localize(path, unseen).labels
     np.testing.assert_array_equal(labels, rcskin.localize(str(path), unseen).labels)
     np.testing.assert_array_equal(labels, rcskin.localize(rcskin.load_model(path), unseen).labels)
-    figures = rcskin.evaluate(path, unseen)
-    assert figures == rcskin.evaluate(model, unseen) and figures["accuracy"] > 0.9
+    found = rcskin.evaluate(path, unseen)
+    assert found.figures == rcskin.evaluate(model, unseen).figures
+    assert found["accuracy"] == found.accuracy > 0.9 and "calibration error" in repr(found)
+    assert {found.answered, found.accuracy_of_answers, found.calibration_error} <= {
+        value for value, _ in found.figures.values()
+    }
+    with pytest.raises(InputError, match="of `target` column has no figure 'median error, mm'"):
+        _ = found.median_error
+    assert "ksvm-ovo" in repr(model) and len(repr(model).splitlines()) == 3
     assert rcskin.train(known, estimator="model-based").target == "column"
 
 

@@ -1,0 +1,91 @@
+"""What an evaluation found: one object for the command's report and for scripts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ...simulator.shown import Tabular
+from ...simulator.sweeps import InputError
+from .evaluation import Nested, Score, score
+
+if TYPE_CHECKING:
+    from ..inputs.samples import Samples
+    from ..trust.fitted import Classifier, Regressor
+
+Figures = Mapping[str, tuple[float, float | None]]
+"""Of each name the value, and its spread over folds if there are any."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Evaluation(Tabular):
+    """How often a localizer is right about sweeps whose presses are known.
+
+    target: what it tells. validation: on which sweeps, left_out: without which, both as text.
+    """
+
+    score: Score
+    target: str
+    figures: Figures
+    validation: str
+    left_out: str
+
+    def __getitem__(self, name: str) -> float:
+        """A figure by its name. Raises InputError that lists those there are."""
+        if name not in self.figures:
+            raise InputError(
+                f"an evaluation of `target` {self.target} has no figure {name!r}, "
+                f"only {', '.join(self.figures)}"
+            )
+        return self.figures[name][0]
+
+    @property
+    def accuracy(self) -> float:
+        """Share of sweeps whose most probable class is the true one. Raises InputError where
+        positions were evaluated."""
+        return self["accuracy"]
+
+    @property
+    def answered(self) -> float:
+        """Share of sweeps that were answered. Raises as `accuracy`."""
+        return self["answered"]
+
+    @property
+    def accuracy_of_answers(self) -> float:
+        """Share of right ones among the answers. Raises InputError where there is none."""
+        return self["accuracy of answers"]
+
+    @property
+    def calibration_error(self) -> float:
+        """Expected difference of stated probability and share right. Raises as `accuracy`."""
+        return self["calibration error"]
+
+    @property
+    def median_error(self) -> float:
+        """Median distance of a position from its touch, m. Raises InputError for classes."""
+        return 1e-3 * self["median error, mm"]
+
+    def _table(self) -> tuple[str, list[tuple[str, str, str]]]:
+        rows = [
+            (name, f"{value:.4g}", "" if spread is None else f"{spread:.2g}")
+            for name, (value, spread) in self.figures.items()
+        ]
+        return f"Evaluation of {self.target}", [("figure", "value", "spread over folds"), *rows]
+
+
+def evaluated(learned: Classifier | Regressor, samples: Samples) -> Evaluation:
+    """A trained localizer on samples that it was not trained on."""
+    scored = score(learned, samples)
+    figures = {name: (value, None) for name, value in scored.figures().items()}
+    return _of(samples, scored, figures, "sweeps of their own")
+
+
+def of_folds(samples: Samples, found: Nested) -> Evaluation:
+    """A localizer on the parts of samples that were held out from it in turn."""
+    return _of(samples, found.whole, found.figures(), found.validation)
+
+
+def _of(samples: Samples, scored: Score, figures: Figures, validation: str) -> Evaluation:
+    target = samples.problem.target
+    return Evaluation(scored, target, figures, validation, samples.left_out.told(target))

@@ -1,0 +1,51 @@
+"""Whether sweeps are like those that a model was trained on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...simulator.sweeps import InputError
+from ...simulator.sweeps.same_skin import check_same_skin
+from ..inputs.features import seen_from, taken_rows
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..inputs.samples import Problem
+
+
+def check_like_training(
+    trained: Problem, sweeps: xr.Dataset, rest: xr.Dataset | None, *, anyway: bool
+) -> None:
+    """Raises InputError where sweeps, or those at rest, are not like those that were trained on.
+
+    trained: what a model was trained to tell, and from what. anyway: the skin may be another.
+    """
+    for part in (sweeps,) if rest is None else (sweeps, rest):
+        asked = str(part.attrs.get("scene", ""))
+        if asked != trained.scene and not anyway:
+            check_same_skin(trained.scene, asked, "the model", "trained")
+    given_names = [str(name) for name in sweeps["interface"].values]
+    if not set(trained.interfaces) <= set(given_names):
+        raise InputError(
+            f"the model was trained on interfaces {', '.join(trained.interfaces)}, "
+            f"the sweeps have {', '.join(given_names)}"
+        )
+    if taken_rows(seen_from(sweeps, trained.interfaces)) != trained.taken:
+        raise InputError(
+            "the model was trained on interfaces read at other `frequencies` of their own "
+            "than the sweeps"
+        )
+    known, given = np.array(trained.frequencies), sweeps["frequency"].values
+    if given.size != known.size:
+        raise InputError(
+            f"the model was trained on {known.size} frequencies, the sweeps have {given.size}"
+        )
+    other = np.flatnonzero(~np.isclose(given, known, rtol=1e-9, atol=0))
+    if other.size:
+        raise InputError(
+            f"the model was trained at {known[other[0]]:.12g} Hz, "
+            f"the sweeps have {given[other[0]]:.12g} Hz in its place"
+        )
