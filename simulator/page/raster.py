@@ -12,7 +12,6 @@ from skfem import CellBasis
 
 from ..fem.assembly import quadrilateral
 from ..fem.quadrature import rule_at
-from ..mesh.quadrilaterals import pixel_mesh
 from ..models.reduced.families.even import EvenFamily
 from ..models.reduced.families.family import Family, Triangulation
 from ..models.reduced.skin import ReducedSkin
@@ -79,8 +78,7 @@ def pictured(skin: ReducedSkin, raster: Raster) -> Pictured:
 
 
 def _on_squares(family: EvenFamily, raster: Raster) -> csr_matrix:
-    mesh = pixel_mesh(family.scene, family.circuit.contacts, family.mesh).mesh
-    basis = CellBasis(mesh, quadrilateral(family.mesh.order), intorder=1)
+    basis = CellBasis(family.system.pixels.mesh, quadrilateral(family.mesh.order), intorder=1)
     return csr_matrix(basis.probes(raster.points))
 
 

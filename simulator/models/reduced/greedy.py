@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.sparse import csc_matrix
 
-from ...fem.estimate import relative_difference
 from ...fem.factors import one_blas_thread, without_zeros
 from ...fem.galerkin import Galerkin
 from ...fem.lanczos import potentials_of_all
@@ -30,15 +29,14 @@ from ...sweeps import ToleranceError
 from ..plain import electrical
 from ..varied.meshes import circuit_of
 from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins, touched
+from .compressing import COMPRESSED_SHARE, compressed, sizes
 from .families.family import Family
-from .families.masses import thinned
 from .families.resolving import resolved, weights_of_case
 from .indented.draws import apart, spreading
 from .indented.family import IndentedFamily
 from .indented.model import indented
 from .indented.resolving import resolved as resolved_under_applicators
 from .model import Reduced
-from .skin import ReducedSkin
 
 IDLE_DRAWS = 50
 """In a row that touch no new cell: enough to begin with."""
@@ -55,9 +53,9 @@ SNAPSHOT_SHARE = 0.1
 WORTH_ADDING = 0.1
 """Of the most that any of the worst cases lacks: so much is added whatever the tolerance."""
 CERTIFIED_SHARE, NEAR = 0.7, 0.5
-COMPRESSED_SHARE, TRAINED_SHARE = 0.01, 1e-4
-"""Of the tolerance: what factors of lower rank may change. Of that in turn: what they leave out of
-a part's energy while the basis grows."""
+TRAINED_SHARE = 1e-4
+"""Of what factors of lower rank may change: what they leave out of a part's energy while the basis
+grows."""
 DROPPED_SHARE = 0.1
 """Of the tolerance: what any snapshot of unit energy may lose of that."""
 ESSENCE_SHARE = 1e-4
@@ -233,7 +231,7 @@ class Basis:
         W = reduced.coordinates
         terms = [W.T @ (term @ W) for term in self._sheets]
         terms += [family.space.film_energy(W, term) for term in family.film_terms]
-        size = _sizes(len(family.space.conductance), self.vectors.shape[1], self._most)
+        size = sizes(len(family.space.conductance), self.vectors.shape[1], self._most)
         factors = family.masses.factors(W, size, TRAINED_SHARE * COMPRESSED_SHARE * self.rtol)
         reduced = replace(reduced, stiffness=np.stack(terms), factors=factors)
         return indented(reduced) if isinstance(family, IndentedFamily) else reduced
@@ -263,52 +261,3 @@ def _done(error: float, begun: float, limit: float) -> float:
     left = max(np.nan_to_num(error, nan=begun), limit)
     way = np.log(begun) - np.log(limit)
     return float(np.clip((np.log(begun) - np.log(left)) / way, 0.0, 1.0))
-
-
-def compressed(reduced: Reduced, cases: list[Case]) -> Reduced:
-    """The same with pixels' factors of lower rank, as far as that leaves these cases unchanged."""
-    exact = _impedances(reduced, cases)
-    share = COMPRESSED_SHARE * reduced.rtol
-    while True:
-        candidate = replace(reduced, factors=_of_lower_rank(reduced, share))
-        change = relative_difference(_impedances(candidate, cases), exact)
-        if change.max() <= COMPRESSED_SHARE * reduced.rtol:
-            return candidate
-        share *= 0.1
-
-
-def _skins(reduced: Reduced, cases: list[Case]) -> Iterator[ReducedSkin]:
-    """The skin of each case; that of the scene is set up once."""
-    own = reduced.skin(None)
-    return (own if c.variation is None else reduced.skin(c.variation) for c in cases)
-
-
-def _impedances(reduced: Reduced, cases: list[Case]) -> NDArray[np.complex128]:
-    """Z in ohm of each case, shape (case, interface, frequency)."""
-    found = []
-    for skin, case in zip(_skins(reduced, cases), cases, strict=True):
-        own = case.cells, case.rises
-        found.append([1 / Y for _, Y in skin.under(*own).solved(*own, skin.s)])
-    return np.array(found)
-
-
-def typical(reduced: Reduced) -> NDArray[np.float64]:
-    """How large potentials are in the model's coordinates, V, shape (N + n,): 1 at terminals, as
-    much as the skin at rest has of the basis."""
-    skin = reduced.skin(None)
-    none = np.zeros(0, dtype=np.int64)
-    at_rest = np.hstack([u for u, _ in skin.solved(none, np.zeros(0), skin.s)])
-    terminals = len(reduced.conductance)
-    most = float(np.linalg.norm(at_rest[terminals:], axis=0).max())
-    return _sizes(terminals, reduced.size, most)
-
-
-def _of_lower_rank(reduced: Reduced, share: float) -> NDArray[np.float64]:
-    """Each pixel's factor without what adds less than a share of its energy, of potentials as large
-    as they are."""
-    return thinned(reduced.factors, typical(reduced), share)
-
-
-def _sizes(terminals: int, basis: int, most: float) -> NDArray[np.float64]:
-    """Of potentials: 1 V at terminals; most: of the basis."""
-    return np.concatenate([np.ones(terminals), np.full(basis, most)])

@@ -18,6 +18,7 @@ from ....fem.estimate import both, relative_difference
 from ....press.batch import PressBatch
 from ....sweeps import InputError
 from ...parameters import Variation
+from ..compressing import typical
 from ..dense import Rest
 from ..families.family import Family
 from ..model import Reduced
@@ -66,13 +67,8 @@ def indented(reduced: Reduced) -> Indented:
     """The model with tables of its applicators, of a family that has these."""
     family = reduced.family
     assert isinstance(family, IndentedFamily)
-    skin, none = ReducedSkin(reduced, None), np.zeros(0, dtype=np.int64)
-    at_rest = np.hstack([u for u, _ in skin.solved(none, np.zeros(0), skin.s)])
-    terminals = len(reduced.conductance)
-    size = np.full(len(at_rest), np.linalg.norm(at_rest[terminals:], axis=0).max())
-    size[:terminals] = 1.0
     own = {name: getattr(reduced, name) for name in reduced.__dataclass_fields__}
-    found = tables(family, reduced.coordinates, size, reduced.rtol)
+    found = tables(family, reduced.coordinates, typical(reduced), reduced.rtol)
     return Indented(**own, applicators=family.applicators, tables=found)
 
 

@@ -13,8 +13,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..compressing import typical
 from ..families.family import Family
-from ..greedy import typical
 from ..model import Reduced
 from .family import family_with
 

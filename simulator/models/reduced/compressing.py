@@ -1,0 +1,62 @@
+"""Factors of M of as low a rank as the tolerance allows: what a sweep costs goes with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.estimate import relative_difference
+from .cases import Case
+from .families.masses import thinned
+from .model import Reduced
+from .skin import ReducedSkin
+
+COMPRESSED_SHARE = 0.01
+"""Of the tolerance: what factors of lower rank may change."""
+
+
+def compressed(reduced: Reduced, cases: list[Case]) -> Reduced:
+    """The same with pixels' factors of lower rank, as far as that leaves these cases unchanged."""
+    exact = _impedances(reduced, cases)
+    share = COMPRESSED_SHARE * reduced.rtol
+    while True:
+        factors = thinned(reduced.factors, typical(reduced), share)
+        candidate = replace(reduced, factors=factors)
+        change = relative_difference(_impedances(candidate, cases), exact)
+        if change.max() <= COMPRESSED_SHARE * reduced.rtol:
+            return candidate
+        share *= 0.1
+
+
+def _skins(reduced: Reduced, cases: list[Case]) -> Iterator[ReducedSkin]:
+    """The skin of each case; that of the scene is set up once."""
+    own = reduced.skin(None)
+    return (own if c.variation is None else reduced.skin(c.variation) for c in cases)
+
+
+def _impedances(reduced: Reduced, cases: list[Case]) -> NDArray[np.complex128]:
+    """Z in ohm of each case, shape (case, interface, frequency)."""
+    found = []
+    for skin, case in zip(_skins(reduced, cases), cases, strict=True):
+        own = case.cells, case.rises
+        found.append([1 / Y for _, Y in skin.under(*own).solved(*own, skin.s)])
+    return np.array(found)
+
+
+def typical(reduced: Reduced) -> NDArray[np.float64]:
+    """How large potentials are in the model's coordinates, V, shape (N + n,): 1 at terminals, as
+    much as the skin at rest has of the basis."""
+    skin = reduced.skin(None)
+    none = np.zeros(0, dtype=np.int64)
+    at_rest = np.hstack([u for u, _ in skin.solved(none, np.zeros(0), skin.s)])
+    terminals = len(reduced.conductance)
+    most = float(np.linalg.norm(at_rest[terminals:], axis=0).max())
+    return sizes(terminals, reduced.size, most)
+
+
+def sizes(terminals: int, basis: int, most: float) -> NDArray[np.float64]:
+    """Of potentials: 1 V at terminals; most: of the basis."""
+    return np.concatenate([np.ones(terminals), np.full(basis, most)])
