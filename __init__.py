@@ -15,6 +15,7 @@
 The names in `__all__` are public; all modules of the package are internal and may change. Nothing
 is imported before it is used.
 """
+# pyright: standard
 
 from __future__ import annotations
 

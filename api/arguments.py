@@ -1,4 +1,5 @@
 """Arguments of the public functions: objects or their files; what is neither is refused."""
+# pyright: standard
 
 from __future__ import annotations
 

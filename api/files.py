@@ -1,4 +1,5 @@
 """Sweeps from files; sweeps, models and scenes into files; and a picture of sweeps."""
+# pyright: standard
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
 """From sweeps to touches: features, and models that are trained, evaluated and asked."""
+# pyright: standard
 
 from __future__ import annotations
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
     from ..localization.evaluation.result import Evaluation
     from ..localization.inputs.targets import Target
+    from ..localization.inversion.registered import EstimatorName
     from ..localization.model.model import Model
     from ..localization.trust.answers import Answers
 
@@ -41,7 +43,7 @@ def features(
 def train(
     sweeps: xr.Dataset | str | Path,
     target: Target = "column",
-    estimator: str | None = None,
+    estimator: EstimatorName | None = None,
     *,
     quantities: str | Sequence[str] | None = None,
     interfaces: Sequence[str] | None = None,

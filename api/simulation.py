@@ -1,4 +1,5 @@
 """Sweeps of a scene: exact, as the meter shows them, as a data set, and by a reduced model."""
+# pyright: standard
 
 from __future__ import annotations
 

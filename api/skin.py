@@ -1,4 +1,5 @@
 """What a skin can tell at best, and the scene that fits measured sweeps."""
+# pyright: standard
 
 from __future__ import annotations
 

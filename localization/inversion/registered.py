@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from sklearn.pipeline import Pipeline
@@ -34,6 +34,18 @@ DEFAULT_OF = {
     "position": "kernel-ridge",
 }
 """The localizer of a target where none is named."""
+
+
+EstimatorName = Literal[
+    "ksvm-ovo",
+    "ksvm-components",
+    "gaussian",
+    "kernel-ridge",
+    "network",
+    "model-based",
+    "model-adapted",
+]
+"""Of `estimators`."""
 
 
 def estimators() -> dict[str, Estimator]:

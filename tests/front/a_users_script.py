@@ -1,5 +1,4 @@
 """What a user may write: all that `import rcskin` gives, with types that a checker follows."""
-# pyright: standard
 
 import numpy as np
 import rcskin

@@ -7,9 +7,14 @@ import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
+from typing import get_args
 
 import pytest
 import rcskin
+from rcskin.localization.inputs.targets import CLASSES, Target
+from rcskin.localization.inversion.registered import EstimatorName as Estimator
+from rcskin.localization.inversion.registered import estimators
+from rcskin.simulator.check.curves import QUANTITIES, Quantity
 
 SCRIPT = Path(__file__).with_name("a_users_script.py")
 
@@ -27,26 +32,33 @@ def test_it_uses_every_name():
     assert set(rcskin.__all__) <= used
 
 
+WRONG = {
+    'rcskin.sweep(strip, model="fast")': "reportArgumentType",
+    'rcskin.train(skins, target="colum")': "reportArgumentType",
+    'rcskin.train(skins, estimator="svm")': "reportArgumentType",
+    "rcskin.limits(strip, drawn=3)": "reportCallIssue",
+    "print(limit.acuracy)": "reportAttributeAccessIssue",
+    "rcskin.swep(strip)": "reportAttributeAccessIssue",
+}
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(find_spec("pyright") is None, reason="pyright is not installed")
-@pytest.mark.parametrize(
-    ("line", "told"),
-    [
-        ("", ""),
-        ('rcskin.sweep(strip, model="fast")', "reportArgumentType"),
-        ('rcskin.train(skins, target="colum")', "reportArgumentType"),
-        ("rcskin.limits(strip, drawn=3)", "reportCallIssue"),
-        ("limit.acuracy", "reportAttributeAccessIssue"),
-        ("rcskin.swep(strip)", "reportAttributeAccessIssue"),
-    ],
-)
-def test_types_are_right_and_wrong_ones_are_seen(line, told, tmp_path):
+def test_types_are_right_and_only_wrong_lines_are_found(tmp_path):
     (tmp_path / "rcskin").symlink_to(Path(rcskin.__file__).parent, target_is_directory=True)
-    script = tmp_path / "script.py"
-    script.write_text(f"{SCRIPT.read_text(encoding='utf-8')}\n{line}\n", encoding="utf-8")
+    lines = [SCRIPT.read_text(encoding="utf-8"), *WRONG]
+    (tmp_path / "script.py").write_text("\n".join(lines), encoding="utf-8")
     settings = {"include": ["script.py"], "typeCheckingMode": "standard"}
     (tmp_path / "pyrightconfig.json").write_text(json.dumps(settings), encoding="utf-8")
     run = [sys.executable, "-m", "pyright", "--outputjson", "--pythonpath", sys.executable]
     found = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=False).stdout
     errors = [each["rule"] for each in json.loads(found)["generalDiagnostics"]]
-    assert errors == ([told] if told else [])
+    assert errors == list(WRONG.values())
+
+
+@pytest.mark.parametrize(
+    ("literal", "names"),
+    [(Estimator, estimators()), (Quantity, QUANTITIES), (Target, (*CLASSES, "position"))],
+)
+def test_literals_are_the_names_there_are(literal, names):
+    assert set(get_args(literal)) == set(names)
