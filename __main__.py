@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -13,17 +13,11 @@ from .hardware.cli import app as meter
 from .hardware.live.command import live
 from .hardware.meter.errors import MeterError
 from .localization.cli import add_commands
-from .localization.commands.gap import gap_command
-from .localization.gap import given as gap
 from .simulator.asked.numbers import with_ranges
 from .simulator.asked.replacing import with_replacing
 from .simulator.cli import app, run, with_examples
 from .simulator.progress import on_terminal
 from .simulator.shown import terminal
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from numpy.typing import NDArray
 
 __all__ = ["app", "main"]
 
@@ -67,66 +61,6 @@ def reproduce(
 add_commands(app)
 app.command()(live)
 app.add_typer(meter, name="meter")
-
-
-def _gap_scene(name: str) -> str:
-    from .simulator.asked.scene import asked_scene
-    from .simulator.scene.files import scene_text
-
-    return scene_text(asked_scene(name))
-
-
-def _reading_error(text: str) -> gap.ReadingError | None:
-    from .simulator.measure.simulate import reading_error
-
-    found = reading_error(text)
-    return gap.ReadingError(*found) if found else None
-
-
-def _resimulated(sweeps: xr.Dataset, text: str, frequency: NDArray) -> xr.Dataset:
-    from .simulator.measure.simulate import resimulated
-
-    return resimulated(sweeps, text, frequency)
-
-
-def _read_by_meter(sweeps: xr.Dataset, text: str, seed: int) -> xr.Dataset:
-    from .simulator.measure.simulate import read_by_meter
-
-    return read_by_meter(sweeps, text, seed)
-
-
-def _recalibrated(simulated: xr.Dataset, measured: xr.Dataset) -> gap.Recalibrated:
-    from .simulator.calibration.run import calibrate
-    from .simulator.scene.files import parse_scene, scene_text
-
-    found = calibrate(parse_scene(simulated.attrs["scene"], "scene"), measured)
-    frequency = simulated["frequency"].values
-    again = _resimulated(simulated, scene_text(found.scene), frequency)
-    estimates = [
-        gap.Estimate(each.name, each.unit, each.start, each.value, each.low, each.high)
-        for each in found.quantities
-    ]
-    return gap.Recalibrated(again, estimates)
-
-
-def _explained(text: str, measured: xr.Dataset) -> list[gap.Cause]:
-    from .simulator.calibration.explained import gap_by_parameter
-    from .simulator.scene.files import parse_scene
-
-    found = gap_by_parameter(parse_scene(text, "scene"), measured)
-    return [gap.Cause(each.name, max(0.0, each.removed)) for each in found]
-
-
-def _style() -> gap.Style:
-    from .simulator.charts import COLOURS, chart, checked_ending, frequency_axis
-
-    return gap.Style(chart, frequency_axis, COLOURS, checked_ending)
-
-
-_simulation = gap.Simulation(
-    _gap_scene, _reading_error, _resimulated, _read_by_meter, _recalibrated, _explained
-)
-app.command("gap")(gap_command(_simulation, _style, on_terminal))
 
 
 with_replacing(app)

@@ -6,6 +6,7 @@ import typer
 
 from .commands.adapt import adapt
 from .commands.evaluate import evaluate
+from .commands.gap import gap
 from .commands.localize import localize
 from .commands.train import train
 from .study.command import study
@@ -13,5 +14,5 @@ from .study.command import study
 
 def add_commands(app: typer.Typer) -> None:
     """Add the localizer's commands."""
-    for command in (study, train, adapt, evaluate, localize):
+    for command in (study, gap, train, adapt, evaluate, localize):
         app.command()(command)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,113 +13,103 @@ from .options import as_typed
 
 if TYPE_CHECKING:
     from ..gap.findings import Findings
-    from ..gap.given import Simulation, Style
 
 
-def gap_command(
-    simulation: Simulation,
-    style: Callable[[], Style],
-    progress: Callable[[], AbstractContextManager[Any]],
-) -> Callable[..., None]:
-    """The command, told how skins are simulated and charts are drawn.
+@as_typed
+def gap(
+    simulated: Annotated[Path, typer.Argument(help="Simulated sweeps, .nc, .zarr or .csv.")],
+    measured: Annotated[
+        list[Path], typer.Argument(help="Sweeps of the skin itself, or of a twin; joined.")
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for gap.html and gap.json.")
+    ],
+    scene: Annotated[
+        str | None,
+        typer.Option(
+            help="Scene of the simulated sweeps; else the one they were made of.",
+            autocompletion=options.complete_scene,
+        ),
+    ] = None,
+    target: Annotated[
+        str | None,
+        typer.Option(
+            help="column (the default), row or pixel.",
+            autocompletion=lambda: ["column", "row", "pixel"],
+        ),
+    ] = None,
+    estimator: Annotated[
+        str | None,
+        typer.Option(
+            help="The localizer, by name; ksvm-ovo without.",
+            autocompletion=options.complete_estimator,
+        ),
+    ] = None,
+    own: Annotated[
+        Path | None,
+        typer.Option("--model", help="Ask this one, MODEL.skops, in place of training one."),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of all random numbers.")] = 0,
+    draws: Annotated[int, typer.Option(help="How often added sweeps are drawn anew.")] = 5,
+    calibration_touches: Annotated[
+        int, typer.Option(help="Pressed sweeps that calibrate, and are never tested.")
+    ] = 5,
+    anyway: Annotated[
+        bool, typer.Option("--anyway", help="Compare even sweeps of different skins.")
+    ] = False,
+    charts: Annotated[
+        str | None, typer.Option(help="Write the charts too: png, svg or pdf.")
+    ] = None,
+) -> None:
+    """How far simulation is from measurement, and what would close the gap.
 
-    progress: opens what tells on a terminal how far the work has come.
+    Distances of Rs and Cp, accuracies of a localizer trained on simulation
+    and on a few touches, before and after calibration, distances of the
+    features' distributions, and the parameter that explains most. With
+    --model it is your own model that is asked, as it is and adapted by a
+    few touches, and whether its probabilities can be believed.
     """
+    from ...simulator.asked.scene import asked_scene
+    from ...simulator.charts import checked_ending
+    from ...simulator.progress import on_terminal
+    from ...simulator.scene.files import scene_text
+    from ...simulator.sweeps import InputError, checked_folder, made_folder, read, read_joined
+    from ..gap.findings import find
+    from ..gap.noun import check_other, check_simulated
+    from ..gap.pair import paired
+    from ..gap.question import Question
+    from ..gap.report.pages import HTML, JSON, write_report
+    from ..gap.trial import prepared
+    from ..inputs.features import seen_from
+    from .asking import model_for
 
-    @as_typed
-    def gap(
-        simulated: Annotated[Path, typer.Argument(help="Simulated sweeps, .nc, .zarr or .csv.")],
-        measured: Annotated[
-            list[Path], typer.Argument(help="Sweeps of the skin itself, or of a twin; joined.")
-        ],
-        output: Annotated[
-            Path, typer.Option("--output", "-o", help="Folder for gap.html and gap.json.")
-        ],
-        scene: Annotated[
-            str | None,
-            typer.Option(
-                help="Scene of the simulated sweeps; else the one they were made of.",
-                autocompletion=options.complete_scene,
-            ),
-        ] = None,
-        target: Annotated[
-            str | None,
-            typer.Option(
-                help="column (the default), row or pixel.",
-                autocompletion=lambda: ["column", "row", "pixel"],
-            ),
-        ] = None,
-        estimator: Annotated[
-            str | None,
-            typer.Option(
-                help="The localizer, by name; ksvm-ovo without.",
-                autocompletion=options.complete_estimator,
-            ),
-        ] = None,
-        own: Annotated[
-            Path | None,
-            typer.Option("--model", help="Ask this one, MODEL.skops, in place of training one."),
-        ] = None,
-        seed: Annotated[int, typer.Option(help="Of all random numbers.")] = 0,
-        draws: Annotated[int, typer.Option(help="How often added sweeps are drawn anew.")] = 5,
-        calibration_touches: Annotated[
-            int, typer.Option(help="Pressed sweeps that calibrate, and are never tested.")
-        ] = 5,
-        anyway: Annotated[
-            bool, typer.Option("--anyway", help="Compare even sweeps of different skins.")
-        ] = False,
-        charts: Annotated[
-            str | None, typer.Option(help="Write the charts too: png, svg or pdf.")
-        ] = None,
-    ) -> None:
-        """How far simulation is from measurement, and what would close the gap.
-
-        Distances of Rs and Cp, accuracies of a localizer trained on simulation
-        and on a few touches, before and after calibration, distances of the
-        features' distributions, and the parameter that explains most. With
-        --model it is your own model that is asked, as it is and adapted by a
-        few touches, and whether its probabilities can be believed.
-        """
-        from ...simulator.sweeps import InputError, checked_folder, made_folder, read, read_joined
-        from ..gap.findings import find
-        from ..gap.noun import check_other, check_simulated
-        from ..gap.pair import paired
-        from ..gap.question import Question
-        from ..gap.report.pages import HTML, JSON, write_report
-        from ..gap.trial import prepared
-        from ..inputs.features import seen_from
-        from .asking import model_for
-
-        drawing = style()
-        ending = None if charts is None else drawing.checked_ending(charts)
-        sides = read(simulated), read_joined(measured)
-        model = None
-        if own is not None:
-            if target or estimator:
-                raise InputError("--model tells target and estimator: leave these out")
-            model = model_for(sides[1], measured, own, anyway=anyway)
-            model.samples(sides[1])
-            simulation_side, other = (seen_from(each, model.interfaces) for each in sides)
-            sides = simulation_side, other
-            target, estimator = model.target, model.estimator
-        target, estimator = target or "column", estimator or "ksvm-ovo"
-        question = Question(target, estimator, seed, draws, calibration_touches)
-        check_simulated(sides[0], simulated)
-        text = simulation.scene(scene) if scene else ""
-        if not anyway:
-            check_other(
-                sides[1],
-                text or str(sides[0].attrs.get("scene", "")),
-                ", ".join(map(str, measured)),
-            )
-        pair = paired(*sides, simulation, text, seed)
-        checked_folder(made_folder(output), JSON, HTML)
-        with progress() as reported:
-            findings = find(prepared(pair, question, simulation, model), simulation, reported)
-        write_report(output, findings, drawing, ending)
-        _show(findings, output / HTML)
-
-    return gap
+    ending = None if charts is None else checked_ending(charts)
+    sides = read(simulated), read_joined(measured)
+    model = None
+    if own is not None:
+        if target or estimator:
+            raise InputError("--model tells target and estimator: leave these out")
+        model = model_for(sides[1], measured, own, anyway=anyway)
+        model.samples(sides[1])
+        simulation_side, other = (seen_from(each, model.interfaces) for each in sides)
+        sides = simulation_side, other
+        target, estimator = model.target, model.estimator
+    target, estimator = target or "column", estimator or "ksvm-ovo"
+    question = Question(target, estimator, seed, draws, calibration_touches)
+    check_simulated(sides[0], simulated)
+    named = asked_scene(scene) if scene else None
+    if not anyway:
+        check_other(
+            sides[1],
+            scene_text(named) if named else str(sides[0].attrs.get("scene", "")),
+            ", ".join(map(str, measured)),
+        )
+    pair = paired(*sides, named, seed)
+    checked_folder(made_folder(output), JSON, HTML)
+    with on_terminal() as progress:
+        findings = find(prepared(pair, question, model), progress)
+    write_report(output, findings, ending)
+    _show(findings, output / HTML)
 
 
 def _show(findings: Findings, report: Path) -> None:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.measure.simulate import ReadingError
 from ...simulator.sweeps import impedance
 from ...simulator.sweeps.laws.noise import repeatability
 from ...simulator.sweeps.restricting import all_of
 from ..inputs.targets import labels
-from .given import ReadingError
 from .pair import pixel_of
 
 if TYPE_CHECKING:

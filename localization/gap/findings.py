@@ -13,10 +13,9 @@ from ...simulator.progress import Progress, tracked
 from ...simulator.sweeps import InputError, ToleranceError
 from ..evaluation.evaluation import ClassScore
 from .accuracy import Accuracy, CrossValidated, cross_validated, transferred
-from .asked import BY_MODEL
+from .asked import BY_MODEL, accuracies_of, judged
 from .discrepancy import Discrepancy, discrepancy
 from .distance import Distance, distances
-from .given import Cause, Simulation
 from .pair import pixel_of
 from .samples import TOLD, Samples, samples_of
 from .trial import Trial
@@ -53,26 +52,27 @@ class ByModel:
 @dataclass(frozen=True, eq=False)
 class Findings:
     """stages: before and after. own: trained and tested on the other side, by set of features,
-    `grouped` as hard as can be and of `single` sweeps. causes: the greatest share first.
+    `grouped` as hard as can be and of `single` sweeps. causes: by parameter, how much of the
+    misfit goes when it alone is fitted, from 0 to 1, the greatest first.
     model: what the user's own model tells, where it is asked.
     """
 
     trial: Trial
     stages: Mapping[str, Stage]
     own: Mapping[str, Mapping[str, CrossValidated]]
-    causes: Sequence[Cause]
+    causes: Mapping[str, float]
     notes: Sequence[str]
     model: ByModel | None = None
 
 
-def find(trial: Trial, simulation: Simulation, progress: Progress) -> Findings:
+def find(trial: Trial, progress: Progress) -> Findings:
     """Ask everything of a trial; what cannot be asked is left out and told in the notes.
 
     progress: as of `Progress`.
     """
     stages = {name: _stage(trial, name, progress) for name in trial.versions}
     own = {name: _own(trial, samples) for name, samples in trial.others.items()}
-    causes, why = _causes(trial, simulation)
+    causes, why = _causes(trial)
     model, unasked = _by_model(trial)
     notes = [*trial.notes, *why, *unasked]
     if not all(own.values()):
@@ -86,9 +86,9 @@ def _by_model(trial: Trial) -> tuple[ByModel | None, list[str]]:
     if trial.asked is None:
         return None, []
     other = trial.others[BY_MODEL]
-    accuracies, notes = trial.asked.accuracies(other, trial.splits)
+    accuracies, notes = accuracies_of(trial.asked, other, trial.splits)
     tested = np.unique(np.concatenate([split.tested for split in trial.splits[0]]))
-    return ByModel(accuracies, trial.asked.judged(other.chosen(tested))), notes
+    return ByModel(accuracies, judged(trial.asked, other.chosen(tested))), notes
 
 
 def _stage(trial: Trial, name: str, progress: Progress) -> Stage:
@@ -159,10 +159,13 @@ def _one_of_each(sweeps: xr.Dataset) -> xr.Dataset:
     return sweeps.isel(sweep=np.union1d(first, np.flatnonzero(pixel == 0)))
 
 
-def _causes(trial: Trial, simulation: Simulation) -> tuple[Sequence[Cause], list[str]]:
-    if not trial.pair.scene:
-        return (), []
+def _causes(trial: Trial) -> tuple[dict[str, float], list[str]]:
+    from ...simulator.calibration.explained import gap_by_parameter
+
+    if trial.pair.scene is None:
+        return {}, []
     try:
-        return simulation.explained(trial.pair.scene, _one_of_each(trial.pair.other)), []
+        found = gap_by_parameter(trial.pair.scene, _one_of_each(trial.pair.other))
     except (InputError, ToleranceError) as error:
-        return (), [f"No causes: {error}."]
+        return {}, [f"No causes: {error}."]
+    return {each.name: max(0.0, each.removed) for each in found}, []

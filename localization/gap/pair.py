@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...simulator.measure.simulate import resimulated
+from ...simulator.scene.files import parse_scene, scene_text
+from ...simulator.scene.scene import Scene
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.restricting import all_of, restricted
-from .given import Simulation
 from .noun import Noun, noun_of
 from .thinning import thinned
 
@@ -25,7 +27,7 @@ SAME_FREQUENCY = 1e-9
 class Pair:
     """Simulated sweeps and those they are held against, of the same interfaces and readings.
 
-    scene: TOML text of the simulated skin, empty where unknown. noise_free: whether the simulated
+    scene: of the simulated skin, None where unknown. noise_free: whether the simulated
     sweeps are without the meter's errors. notes: what a reader must know of how they were made
     comparable.
     """
@@ -33,22 +35,20 @@ class Pair:
     simulated: xr.Dataset
     other: xr.Dataset
     noun: Noun
-    scene: str
+    scene: Scene | None
     noise_free: bool
     notes: Sequence[str] = field(default_factory=tuple)
 
 
-def paired(
-    simulated: xr.Dataset, other: xr.Dataset, simulation: Simulation, scene: str, seed: int
-) -> Pair:
+def paired(simulated: xr.Dataset, other: xr.Dataset, scene: Scene | None, seed: int) -> Pair:
     """Both sides, reduced to what they share.
 
-    scene: TOML text, empty for that of the simulated sweeps. seed: of what is kept of many sweeps.
+    scene: None for that of the simulated sweeps. seed: of what is kept of many sweeps.
     Raises InputError where they share no interface or pressed pixel, or have other frequencies and
     the scene is unknown.
     """
     notes: list[str] = []
-    scene = scene or str(simulated.attrs.get("scene", ""))
+    scene = scene or scene_of(simulated)
     noun, noise_free = noun_of(other), "readout" not in simulated.attrs and _exact(simulated)
     simulated, other = (
         _single(simulated, "simulated", notes),
@@ -57,12 +57,18 @@ def paired(
     simulated = _fewer(simulated, notes, seed)
     simulated, other = _on_common_interfaces(simulated, other, notes)
     if not _same_frequencies(simulated, other):
-        simulated = _at_frequencies_of(other, simulated, simulation, scene, notes)
+        simulated = _at_frequencies_of(other, simulated, scene, notes)
         noise_free = True
     simulated, other = _of_common_readings(simulated, other, notes)
     _check_common_press(simulated, other)
-    simulated = simulated.assign_attrs(scene=scene)
+    simulated = simulated.assign_attrs(scene=scene_text(scene) if scene else "")
     return Pair(simulated, other, noun, scene, noise_free, notes)
+
+
+def scene_of(sweeps: xr.Dataset) -> Scene | None:
+    """That the sweeps carry, None where they carry none. Raises InputError as `parse_scene`."""
+    text = str(sweeps.attrs.get("scene", ""))
+    return parse_scene(text, "scene") if text else None
 
 
 def pixel_of(sweeps: xr.Dataset) -> NDArray[np.int64]:
@@ -113,16 +119,16 @@ def _same_frequencies(simulated: xr.Dataset, other: xr.Dataset) -> bool:
 
 
 def _at_frequencies_of(
-    other: xr.Dataset, simulated: xr.Dataset, simulation: Simulation, scene: str, notes: list[str]
+    other: xr.Dataset, simulated: xr.Dataset, scene: Scene | None, notes: list[str]
 ) -> xr.Dataset:
     f, g = (part["frequency"].values for part in (simulated, other))
-    if not scene:
+    if scene is None:
         raise InputError(
             f"the simulated sweeps have {f.size} frequencies of {f[0]:.6g} to {f[-1]:.6g} Hz, the "
             f"others {g.size} of {g[0]:.6g} to {g[-1]:.6g} Hz; name the --scene to simulate anew"
         )
     notes.append("The presses were simulated anew, at the other side's frequencies.")
-    anew = simulation.resimulated(simulated, scene, g)
+    anew = resimulated(simulated, scene, g)
     return anew.sel(interface=simulated["interface"].values)
 
 

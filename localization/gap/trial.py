@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.measure.simulate import ReadingError, reading_error
 from ...simulator.sweeps import InputError
 from ..inversion.registered import chosen
 from ..learners.registry import Estimator
-from .asked import BY_MODEL, Asked
+from .asked import BY_MODEL
 from .distance import MeterError, meter_error
-from .given import Estimate, ReadingError, Simulation
-from .pair import Pair, pixel_of
+from .pair import Pair, pixel_of, scene_of
 from .question import Question
 from .samples import FEATURE_SETS, TOLD, Samples, samples_of
 from .splits import Split, largest_k, reserved_for_calibration, touch_splits
@@ -27,6 +27,7 @@ from .versions import Version, versions_of
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ...simulator.calibration.estimates import Quantity
     from ..model.model import Model
 
 TOUCHES = (0, 1, 2, 5)
@@ -49,12 +50,12 @@ class Trial:
     error: MeterError | None
     reserved: NDArray[np.bool_]
     versions: Mapping[str, Version]
-    estimates: Sequence[Estimate]
+    estimates: Sequence[Quantity]
     features: Mapping[str, Sequence[str]]
     others: Mapping[str, Samples]
     splits: Mapping[int, Sequence[Split]]
     notes: Sequence[str]
-    asked: Asked | None
+    asked: Model | None
 
     @property
     def common(self) -> NDArray[np.int64]:
@@ -71,7 +72,6 @@ class Trial:
 def prepared(
     pair: Pair,
     question: Question,
-    simulation: Simulation,
     model: Model | None = None,
 ) -> Trial:
     """model: to be asked.
@@ -84,14 +84,14 @@ def prepared(
     row, column, session = (pair.other[name].values for name in ("row", "column", "session"))
     reserved = reserved_for_calibration(row, column, question.touches, session)
     splits, left_out = _splits(pair, question, reserved)
-    versions = versions_of(pair, simulation, reserved, question.seed)
+    versions = versions_of(pair, reserved, question.seed)
     rest = pair.other.isel(sweep=reserved & (row == 0))
     others, not_told = _others(pair, rest, versions.by_stage, question.target, estimator, sets)
     return Trial(
         pair,
         question,
         estimator,
-        meter_error(pair.other, _reading_error(pair, simulation)),
+        meter_error(pair.other, _reading_error(pair)),
         reserved,
         versions.by_stage,
         versions.estimates,
@@ -99,14 +99,14 @@ def prepared(
         others,
         splits,
         [*pair.notes, *versions.notes, *left_out, *not_told],
-        None if model is None else Asked(model),
+        model,
     )
 
 
-def _reading_error(pair: Pair, simulation: Simulation) -> ReadingError | None:
+def _reading_error(pair: Pair) -> ReadingError | None:
     """Of the other side's meter or, where that is not told, of the simulated one."""
-    texts = (str(pair.other.attrs.get("scene", "")), pair.scene)
-    errors = (simulation.reading_error(text) for text in texts if text)
+    scenes = (scene_of(pair.other), pair.scene)
+    errors = (reading_error(each) for each in scenes if each is not None)
     return next((error for error in errors if error is not None), None)
 
 

@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ...simulator.measure.simulate import read_by_meter, resimulated
 from ...simulator.sweeps import InputError, ToleranceError
-from .given import Estimate, Simulation
 from .pair import Pair, pixel_of
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
+
+    from ...simulator.calibration.estimates import Quantity
 
 BEFORE, AFTER = "before", "after"
 
@@ -36,41 +38,43 @@ class Versions(NamedTuple):
     """by_stage: BEFORE and, where it could be done, AFTER. notes: what was done or could not be."""
 
     by_stage: dict[str, Version]
-    estimates: Sequence[Estimate]
+    estimates: Sequence[Quantity]
     notes: list[str]
 
 
-def versions_of(
-    pair: Pair, simulation: Simulation, reserved: NDArray[np.bool_], seed: int
-) -> Versions:
+def versions_of(pair: Pair, reserved: NDArray[np.bool_], seed: int) -> Versions:
     """reserved: the other side's sweeps to calibrate on, shape (sweep,). seed: of the meter."""
-    before, told = _before(pair, simulation, seed)
+    from ...simulator.calibration.run import calibrate
+
+    before, told = _before(pair, seed)
     why_not = _hindrance(pair, reserved)
-    if why_not:
+    if why_not or pair.scene is None:
         return Versions({BEFORE: before}, (), [*told, why_not])
     try:
-        found = simulation.recalibrated(pair.simulated, pair.other.isel(sweep=reserved))
+        found = calibrate(pair.scene, pair.other.isel(sweep=reserved))
+        frequency = pair.simulated["frequency"].values
+        exact = resimulated(pair.simulated, found.scene, frequency)
     except (InputError, ToleranceError) as error:
         return Versions({BEFORE: before}, (), [*told, f"No calibration: {error}."])
-    after = Version(found.sweeps, simulation.read(found.sweeps, pair.scene, seed))
+    after = Version(exact, read_by_meter(exact, pair.scene, seed))
     notes = [*told, _calibration_told(pair, reserved)]
-    return Versions({BEFORE: before, AFTER: after}, found.estimates, notes)
+    return Versions({BEFORE: before, AFTER: after}, found.quantities, notes)
 
 
-def _before(pair: Pair, simulation: Simulation, seed: int) -> tuple[Version, list[str]]:
+def _before(pair: Pair, seed: int) -> tuple[Version, list[str]]:
     given = pair.simulated
     if not pair.noise_free:
         return Version(given, given), []
-    if not pair.scene:
+    if pair.scene is None:
         told = "The simulated sweeps are free of noise, and no scene tells the meter's."
         return Version(given, given), [told]
     told = "The simulated sweeps were free of noise: to train, the scene's meter has read them."
-    return Version(given, simulation.read(given, pair.scene, seed)), [told]
+    return Version(given, read_by_meter(given, pair.scene, seed)), [told]
 
 
 def _hindrance(pair: Pair, reserved: NDArray[np.bool_]) -> str:
     """Why there is no calibration, empty where there is."""
-    if not pair.scene:
+    if pair.scene is None:
         return "No calibration and no causes: the scene is unknown; --scene names it."
     return "" if reserved.any() else "No calibration: no sweeps are left for it."
 

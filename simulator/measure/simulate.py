@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from importlib.metadata import version
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..models.answer import Answer
 from ..models.solver import Solver
 from ..press.press import Press, check_press, press_on
-from ..scene.files import parse_scene, scene_text
+from ..scene.files import scene_text
 from ..scene.reading import reading_at
 from ..scene.scene import Scene
 from ..sweeps import InputError, Table, concatenate, tabled
@@ -89,14 +89,14 @@ def gather(solver: Solver, pairs: Iterable[tuple[Press, Answer]]) -> Table:
     )
 
 
-def resimulated(sweeps: xr.Dataset, text: str, frequency: NDArray[np.float64]) -> xr.Dataset:
-    """The presses of sweeps on the scene that is written in TOML, noise-free, at their interfaces.
+def resimulated(sweeps: xr.Dataset, scene: Scene, frequency: NDArray[np.float64]) -> xr.Dataset:
+    """The presses of sweeps on a scene, noise-free, at their interfaces.
 
     frequency: Hz; where they are those of the sweeps, the same readings are taken as of these, else
     all.
-    Raises as `parse_scene`, `parse_press` and `Solver.solve`.
+    Raises as `parse_press` and `Solver.solve`.
     """
-    scene = reading_at(parse_scene(text, "scene"), frequency.tolist())
+    scene = reading_at(scene, frequency.tolist())
     presses, which = np.unique(
         sweeps["press"].values.astype(object).astype(str), return_inverse=True
     )
@@ -107,9 +107,9 @@ def resimulated(sweeps: xr.Dataset, text: str, frequency: NDArray[np.float64]) -
     return restricted(again, all_of(sweeps)) if alike else again
 
 
-def read_by_meter(sweeps: xr.Dataset, text: str, seed: int) -> xr.Dataset:
+def read_by_meter(sweeps: xr.Dataset, scene: Scene, seed: int) -> xr.Dataset:
     """The sweeps as the meter of a scene would show them, session by session."""
-    meter, random = parse_scene(text, "scene").readout, np.random.default_rng(seed)
+    meter, random = scene.readout, np.random.default_rng(seed)
     if not sweeps.sizes["sweep"]:
         return sweeps
     session = sweeps["session"].values
@@ -121,10 +121,16 @@ def read_by_meter(sweeps: xr.Dataset, text: str, seed: int) -> xr.Dataset:
     return concatenate(parts).isel(sweep=order)
 
 
-def reading_error(text: str) -> tuple[float, float] | None:
-    """Standard deviations of |Z| (a fraction) and phase (rad) of one reading by a scene's meter,
-    with the errors of its session; None where it has none."""
-    meter = parse_scene(text, "scene").readout
+class ReadingError(NamedTuple):
+    """Standard deviation of one reading: of |Z|, as a fraction, and of the phase, rad."""
+
+    magnitude: float
+    phase: float
+
+
+def reading_error(scene: Scene) -> ReadingError | None:
+    """Error of one reading by a scene's meter, with that of its session; None where it has none."""
+    meter = scene.readout
     magnitude = math.hypot(meter.magnitude_accuracy, meter.magnitude_noise)
     phase = math.hypot(meter.phase_accuracy, meter.phase_noise)
-    return (magnitude, phase) if magnitude > 0 and phase > 0 else None
+    return ReadingError(magnitude, phase) if magnitude > 0 and phase > 0 else None

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..given import Style
+from ....simulator.charts import COLOURS, chart
 from ..samples import TOLD
 from ..versions import BEFORE
 
@@ -21,15 +21,15 @@ WIDEST, MANY = 0.8, 12
 MEASURES = {"coefficient": "energy coefficient", "mmd2": "MMD²"}
 
 
-def draw_distributions(findings: Findings, style: Style, path: Path) -> None:
+def draw_distributions(findings: Findings, path: Path) -> None:
     """A row for each set of features, a group of bars for each class."""
     sets = list(findings.own)
     classes = len(findings.stages[BEFORE].discrepancies[sets[0]])
-    with style.chart(path, max(9.0, 0.5 * classes + 3), 2.6 * len(sets) + 0.6) as figure:
+    with chart(path, max(9.0, 0.5 * classes + 3), 2.6 * len(sets) + 0.6) as figure:
         panels = figure.subplots(len(sets), len(MEASURES), squeeze=False)
         for row, name in zip(panels, sets, strict=True):
             for axes, measure in zip(row, MEASURES, strict=True):
-                _draw_measure(axes, findings, name, measure, style)
+                _draw_measure(axes, findings, name, measure)
                 axes.set_ylabel(MEASURES[measure][0].upper() + MEASURES[measure][1:])
                 axes.set_title(TOLD[name])
         for axes in panels[-1]:
@@ -38,14 +38,14 @@ def draw_distributions(findings: Findings, style: Style, path: Path) -> None:
         figure.legend(*handles, loc="outside lower center", ncols=2)
 
 
-def _draw_measure(axes: Axes, findings: Findings, name: str, measure: str, style: Style) -> None:
+def _draw_measure(axes: Axes, findings: Findings, name: str, measure: str) -> None:
     labels = list(findings.stages[BEFORE].discrepancies[name])
     count = len(findings.stages)
     width, places = WIDEST / count, np.arange(len(labels))
     for index, (stage, answers) in enumerate(findings.stages.items()):
         found = [answers.discrepancies[name].get(label) for label in labels]
         heights = [getattr(each, measure) if each else 0.0 for each in found]
-        at, colour = places + width * (index - (count - 1) / 2), style.colours[index]
+        at, colour = places + width * (index - (count - 1) / 2), COLOURS[index]
         bars = axes.bar(at, heights, width, color=colour, label=f"{stage} calibration")
         if measure == "mmd2":
             axes.bar_label(bars, ["*" if each and each.p < SIGNIFICANT else "" for each in found])
@@ -56,13 +56,13 @@ def _draw_measure(axes: Axes, findings: Findings, name: str, measure: str, style
     axes.set_axisbelow(True)
 
 
-def draw_causes(findings: Findings, style: Style, path: Path) -> None:
+def draw_causes(findings: Findings, path: Path) -> None:
     """A bar for each parameter, the longest first."""
-    names = [cause.parameter.replace("_", " ") for cause in findings.causes]
-    shares = [100 * cause.share for cause in findings.causes]
-    with style.chart(path, 7, 0.9 + 0.32 * len(names)) as figure:
+    names = [name.replace("_", " ") for name in findings.causes]
+    shares = [100 * share for share in findings.causes.values()]
+    with chart(path, 7, 0.9 + 0.32 * len(names)) as figure:
         axes = figure.subplots()
-        bars = axes.barh(names, shares, color=style.colours[0])
+        bars = axes.barh(names, shares, color=COLOURS[0])
         axes.bar_label(bars, [f"{share:.0f} %" for share in shares], padding=3, fontsize=8)
         axes.invert_yaxis()
         axes.set_xlim(0, 112)

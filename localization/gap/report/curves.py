@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....simulator.charts import COLOURS, chart, frequency_axis
 from ....simulator.sweeps.restricting import all_of
 from ...evaluation.belief import draw_reliability, draw_risk
 from ..distance import QUANTITIES
-from ..given import Style
 from ..samples import TOLD
 from ..versions import AFTER, BEFORE
 
@@ -35,19 +35,19 @@ FAR = 30
 """Times that, from which it has to be."""
 
 
-def draw_distances(findings: Findings, kind: str, style: Style, path: Path) -> None:
+def draw_distances(findings: Findings, kind: str, path: Path) -> None:
     """Rs and Cp, a row for each unit; a colour for each interface. kind: pressed or rest."""
     shown = {name: getattr(stage, kind) for name, stage in findings.stages.items()}
     units = [unit for unit in UNITS if _known(shown[BEFORE]["Rs"], unit)]
-    with style.chart(path, 10, 2.4 * len(units) + 0.5) as figure:
+    with chart(path, 10, 2.4 * len(units) + 0.5) as figure:
         panels = figure.subplots(len(units), len(QUANTITIES), sharex=True, squeeze=False)
         for row, unit in zip(panels, units, strict=True):
             for axes, quantity in zip(row, QUANTITIES, strict=True):
                 found = {name: each[quantity] for name, each in shown.items()}
-                _draw_distance(axes, findings, found, unit, style)
+                _draw_distance(axes, findings, found, unit)
                 axes.set_ylabel(f"{quantity} {UNITS[unit]}")
         for axes in panels[-1]:
-            style.frequency_axis(axes)
+            frequency_axis(axes)
         _legend(figure, panels[0, 0])
 
 
@@ -58,7 +58,7 @@ def _known(distance: Distance, unit: str) -> bool:
 
 
 def _draw_distance(
-    axes: Axes, findings: Findings, found: Mapping[str, Distance], unit: str, style: Style
+    axes: Axes, findings: Findings, found: Mapping[str, Distance], unit: str
 ) -> None:
     other = findings.trial.pair.other
     read = all_of(other)
@@ -69,7 +69,7 @@ def _draw_distance(
                 getattr(distance, unit)[index, read[index]],
                 STAGE_STYLE[stage],
                 marker=".",
-                color=style.colours[index % len(style.colours)],
+                color=COLOURS[index % len(COLOURS)],
                 label=f"{interface}, {stage} calibration",
             )
     furthest = np.nanmax([np.abs(getattr(each, unit)) for each in found.values()])
@@ -81,13 +81,13 @@ def _draw_distance(
     axes.axhline(0, color="0.4", linewidth=0.8)
 
 
-def draw_accuracies(findings: Findings, style: Style, path: Path) -> None:
+def draw_accuracies(findings: Findings, path: Path) -> None:
     """A panel for each set of features."""
     noun, target = findings.trial.pair.noun, findings.trial.question.target
-    with style.chart(path, 9, 3.9) as figure:
+    with chart(path, 9, 3.9) as figure:
         panels = figure.subplots(1, len(findings.own), sharey=True, squeeze=False)[0]
         for axes, name in zip(panels, findings.own, strict=True):
-            _draw_transfer(axes, findings, name, style)
+            _draw_transfer(axes, findings, name)
             _draw_own(axes, findings, name)
             axes.set_title(TOLD[name])
             axes.set_xlabel(f"{noun.adjective.capitalize()} sweeps of each pixel added")
@@ -96,17 +96,17 @@ def draw_accuracies(findings: Findings, style: Style, path: Path) -> None:
         _legend(figure, panels[0])
 
 
-def draw_belief(findings: Findings, style: Style, path: Path) -> None:
+def draw_belief(findings: Findings, path: Path) -> None:
     """Reliability, and risk against coverage, of the user's model as it is."""
     assert findings.model is not None
     answers = findings.model.judged.answers
-    with style.chart(path, 9, 3.9) as figure:
+    with chart(path, 9, 3.9) as figure:
         stated, silent = figure.subplots(1, 2)
         draw_reliability(stated, answers.probability, findings.model.judged.right)
         draw_risk(silent, answers.probability, findings.model.judged.right)
 
 
-def _draw_transfer(axes: Axes, findings: Findings, name: str, style: Style) -> None:
+def _draw_transfer(axes: Axes, findings: Findings, name: str) -> None:
     by_stage = {
         f"trained on simulation, {stage} calibration": (stage, found.transfer[name])
         for stage, found in findings.stages.items()
@@ -124,7 +124,7 @@ def _draw_transfer(axes: Axes, findings: Findings, name: str, style: Style) -> N
             markersize=4,
             linestyle=STAGE_STYLE[stage],
             capsize=3,
-            color=style.colours[index],
+            color=COLOURS[index],
             label=told,
         )
         axes.set_xticks(range(len(transfer)), [str(k) for k in transfer])

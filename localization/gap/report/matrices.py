@@ -6,8 +6,8 @@ import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ....simulator.charts import chart
 from ...evaluation.plot import draw_confusion
-from ..given import Style
 from .telling import model_told
 
 if TYPE_CHECKING:
@@ -41,12 +41,12 @@ def main_cases(findings: Findings, name: str) -> dict[str, Accuracy]:
     return cases
 
 
-def draw_confusions(findings: Findings, name: str, style: Style, path: Path) -> None:
+def draw_confusions(findings: Findings, name: str, path: Path) -> None:
     """The main cases of one set of features, two side by side."""
     cases = main_cases(findings, name)
     classes = max(len(each.confusion.labels) for each in cases.values())
     down, side = -(-len(cases) // 2), max(SIDE, EACH_CLASS * classes)
-    with style.chart(path, 2 * side + 1, down * (side + 0.8)) as figure:
+    with chart(path, 2 * side + 1, down * (side + 0.8)) as figure:
         panels = figure.subplots(down, 2, squeeze=False).ravel()
         for axes, (told, accuracy) in zip(panels, cases.items(), strict=False):
             axes.grid(False)

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from ..findings import Findings, Stage
     from ..trial import Trial
 
+ESTIMATED = ("name", "unit", "start", "value", "low", "high")
+"""What is written of each calibrated number."""
 KEYS = {
     "compared": "of each side, simulated and other: sweeps and sessions; noun, what the other side "
     "is; calibrating, how many of its sweeps calibrated",
@@ -77,8 +79,8 @@ def numbers(findings: Findings) -> dict[str, Any]:
             },
         },
         "discrepancy": {name: _discrepancy(stage) for name, stage in findings.stages.items()},
-        "calibration": [estimate._asdict() for estimate in trial.estimates],
-        "causes": [cause._asdict() for cause in findings.causes],
+        "calibration": [{key: getattr(each, key) for key in ESTIMATED} for each in trial.estimates],
+        "causes": [{"parameter": name, "share": share} for name, share in findings.causes.items()],
         "notes": list(findings.notes),
     }
 

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ....simulator.shown import pages
 from ....simulator.sweeps import whole_file
-from ..given import Style
 from .charts import charts_of
 from .numbers import numbers
 from .telling import cause_told, estimate_told, heads, rows_of, summary
@@ -32,21 +31,21 @@ class Picture(NamedTuple):
     base64: str
 
 
-def write_report(folder: Path, findings: Findings, style: Style, ending: str | None = None) -> None:
+def write_report(folder: Path, findings: Findings, ending: str | None = None) -> None:
     """Write gap.html and gap.json, both whole or neither. ending: of charts beside them, if any."""
     figures = json.dumps(numbers(findings), indent=1, allow_nan=False) + "\n"
-    page = _rendered(findings, _drawn(findings, style))
+    page = _rendered(findings, _drawn(findings))
     with whole_file(folder / JSON) as unfinished, whole_file(folder / HTML) as unfinished_page:
         unfinished.write_text(figures, encoding="utf-8")
         unfinished_page.write_text(page, encoding="utf-8")
-    for chart in charts_of(findings, style) if ending else ():
+    for chart in charts_of(findings) if ending else ():
         chart.draw(folder / f"{chart.name}{ending}")
 
 
-def _drawn(findings: Findings, style: Style) -> dict[str, Picture]:
+def _drawn(findings: Findings) -> dict[str, Picture]:
     with TemporaryDirectory() as folder:
         found = {}
-        for chart in charts_of(findings, style):
+        for chart in charts_of(findings):
             path = Path(folder) / f"{chart.name}.png"
             chart.draw(path)
             encoded = b64encode(path.read_bytes()).decode("ascii")

@@ -11,9 +11,9 @@ from ..samples import TOLD
 from ..versions import AFTER, BEFORE
 
 if TYPE_CHECKING:
+    from ....simulator.calibration.estimates import Quantity
     from ..accuracy import Accuracy
     from ..findings import Findings
-    from ..given import Estimate
 
 
 MOST, PART, WORTH_TELLING = 0.5, 0.1, 0.005
@@ -88,20 +88,20 @@ def cause_told(findings: Findings) -> str:
     """How much of the gap a parameter explains, in one sentence; empty where nobody knows."""
     if not findings.causes:
         return ""
-    first, *others = findings.causes
-    name, share = _spaced(first.parameter), f"{100 * first.share:.0f} % of the misfit"
-    if first.share >= MOST:
+    (first, removed), *others = findings.causes.items()
+    name, share = _spaced(first), f"{100 * removed:.0f} % of the misfit"
+    if removed >= MOST:
         told = f"{name} explains most of the gap: fitted alone, it removes {share}"
-    elif first.share >= PART:
+    elif removed >= PART:
         told = f"{name} explains a part of the gap: fitted alone, it removes {share}"
     else:
         told = f"no parameter alone explains the gap: {name}, the first of them, removes {share}"
-    if others and others[0].share >= WORTH_TELLING:
-        told += f"; next is {_spaced(others[0].parameter)} with {100 * others[0].share:.0f} %"
+    if others and others[0][1] >= WORTH_TELLING:
+        told += f"; next is {_spaced(others[0][0])} with {100 * others[0][1]:.0f} %"
     return told[0].upper() + told[1:] + "."
 
 
-def estimate_told(estimate: Estimate) -> tuple[str, str, str, str]:
+def estimate_told(estimate: Quantity) -> tuple[str, str, str, str]:
     """Name, value in the scene, calibrated value and its interval."""
     start, value, low, high = (
         _written(number, estimate.unit)

@@ -55,7 +55,7 @@ def test_draws_are_told_by_their_mean_and_spread_and_counted_together():
 def test_the_hardest_grouping_that_can_be_is_taken(
     make_skin_sweeps, sessions, rows, target, grouping
 ):
-    sweeps = make_skin_sweeps(sessions=sessions)
+    sweeps = make_skin_sweeps(rows=2, sessions=sessions)
     sweeps = sweeps.isel(sweep=np.isin(sweeps["row"].values, rows))
     samples = samples_of(sweeps, FEATURE_SETS["absolute"], target)
     found = cross_validated(sweeps, samples, KSVM, 0)

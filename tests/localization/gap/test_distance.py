@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.localization.gap.distance import distances, meter_error, neighbours
-from rcskin.localization.gap.given import ReadingError
+from rcskin.simulator.measure.simulate import ReadingError
 from rcskin.simulator.sweeps import build, impedance
 
 NOISE = ReadingError(0.003, 0.002)
@@ -24,7 +24,7 @@ def shifted(sweeps, ohm):
 
 @pytest.fixture(scope="module")
 def quiet(make_skin_sweeps):
-    return make_skin_sweeps(2, noisy=False, interfaces=("left", "right"))
+    return make_skin_sweeps(2, rows=2, noisy=False, interfaces=("left", "right"))
 
 
 @pytest.mark.parametrize("pressed", [True, False])

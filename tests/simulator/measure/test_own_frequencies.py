@@ -141,9 +141,9 @@ def test_a_scene_is_read_otherwise_by_its_interfaces(own, shared):
 
 def test_presses_are_simulated_anew_at_what_was_read(own, shared):
     part, whole = (simulate(Solver(scene, 1e-3), every_press(scene)[:2]) for scene in (own, shared))
-    again = resimulated(part, scene_text(own), own.frequencies)
+    again = resimulated(part, own, own.frequencies)
     np.testing.assert_allclose(again["Rs"].values, part["Rs"].values, rtol=1e-3)
-    elsewhere = resimulated(part, scene_text(own), own.frequencies[:2])
+    elsewhere = resimulated(part, own, own.frequencies[:2])
     np.testing.assert_allclose(elsewhere["Rs"], whole["Rs"][:, :, :2], rtol=1e-3)
 
 

@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.measure.simulate import gather, read_by_meter, resimulated, simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.sweeps import InputError, concatenate
 
 
@@ -23,7 +23,7 @@ def none_of(scene):
     [
         lambda scene: simulate(Solver(scene), []),
         lambda scene: gather(Solver(scene), iter([])),
-        lambda scene: resimulated(none_of(scene), scene_text(scene), scene.frequencies),
+        lambda scene: resimulated(none_of(scene), scene, scene.frequencies),
     ],
 )
 def test_no_press_at_all_is_refused(scene, asked):
@@ -37,7 +37,7 @@ def test_no_sweeps_are_not_joined():
 
 
 def test_a_meter_reads_no_sweeps_as_none(scene):
-    read = read_by_meter(none_of(scene), scene_text(scene), 1)
+    read = read_by_meter(none_of(scene), scene, 1)
     assert read.sizes["sweep"] == 0
     assert read["Rs"].shape == (0, *np.shape(none_of(scene)["Rs"])[1:])
 

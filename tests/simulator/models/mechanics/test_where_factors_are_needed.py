@@ -8,7 +8,6 @@ from rcskin.simulator.measure.simulate import resimulated, simulate
 from rcskin.simulator.models.plain import folded
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.sweeps import InputError, impedance
 
 
@@ -46,5 +45,5 @@ def test_presses_that_do_not_say_how_strongly_are_pressed_as_the_scene_presses(f
     scene = foam_scene(press={"depth": 1e-3})
     truth = simulate(Solver(scene), [parse_press("1,1:1mm", 2.0)])
     named = truth.assign(press=("sweep", np.array(["1,1"], dtype=object)))
-    again = resimulated(named, scene_text(scene), scene.frequencies)
+    again = resimulated(named, scene, scene.frequencies)
     np.testing.assert_allclose(impedance(again), impedance(truth), rtol=1e-12)
