@@ -14,8 +14,11 @@ from rcskin.simulator.scene.files import builtin_names, builtin_text
 from typer.main import get_command
 
 ROOT = Path(__file__).parents[2]
-USES = ("calibration", "dataset", "design", "limits", "models", "page", "study", "view")
-PAGES_OF_USES = tuple(f"simulator/{room}/README.md" for room in USES)
+USES = ("calibration", "dataset", "design", "limits", "models", "page", "view")
+PAGES_OF_USES = (
+    *(f"simulator/{room}/README.md" for room in USES),
+    "localization/study/README.md",
+)
 PAGES = (
     "README.md",
     "simulator/README.md",
@@ -46,6 +49,7 @@ WITH_PYTHON = (
     "simulator/README.md",
     "simulator/models/README.md",
     "simulator/calibration/README.md",
+    "benchmarks/LOCALIZATION.md",
 )
 OF_A_SCENE = {
     *("sweep", "describe", "view", "dataset", "study", "limits", "frequencies"),
