@@ -121,12 +121,12 @@ def header_of(
     settings: of the meter, to be set before it begins. session: as of `Header`.
     """
     from ..simulator.scene.files import scene_text
-    from ..simulator.scene.reading import frequencies_of_each, through
+    from ..simulator.scene.reading import through
     from .record.journal import Header
 
     read = through(scene, interfaces)
     whole = tuple(read.frequencies.tolist())
-    own = {name: tuple(each) for name, each in frequencies_of_each(read).items()}
+    own = {name: tuple(each) for name, each in read.reading.own.items()}
     return Header(
         scene=scene_text(scene),
         name=scene.name,

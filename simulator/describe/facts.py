@@ -16,7 +16,6 @@ from ..press.pixels import pixels_with_skin
 from ..scene.contacts import Contact, Interface
 from ..scene.maps import AnyMap
 from ..scene.planar import Circle, area
-from ..scene.reading import frequencies_at
 from ..scene.scene import Scene
 from ..scene.skin import Sheet, Skin
 from ..sweeps.errors import InputError
@@ -216,7 +215,7 @@ def _frequencies(scene: Scene) -> str:
 
 def _cut_off(scene: Scene, interface: Interface) -> str:
     """Of one interface: how far its field reaches is a matter of the foils that it drives."""
-    f, cut_off = frequencies_at(scene, interface.name), cut_off_frequency(scene, interface)
+    f, cut_off = scene.reading.frequency_at(interface.name), cut_off_frequency(scene, interface)
     above = int((f > cut_off).sum())
     seen = f"{above} of {len(f)} frequencies lie above it and see less than the whole skin"
     if above == 0:

@@ -11,7 +11,6 @@ from rich.table import Table
 from ..bounds.touches.errors import LaidErrors
 from ..measure.symmetry import repeated_told
 from ..report.files import filled_at_once, write_json
-from ..scene.reading import frequencies_of_each
 from ..scene.scene import Scene
 from ..shown import terminal
 from ..sweeps.meaning import bound_means
@@ -58,7 +57,7 @@ class Findings(NamedTuple):
             "position": [summary(variant) for variant in self.variants],
             "accuracy": self.told_apart.summary(),
         }
-        if each := frequencies_of_each(self.scene):
+        if each := self.scene.reading.own:
             content["frequencies_of_each_Hz"] = each
         with filled_at_once(folder) as made:
             self._draw(made, ending)

@@ -20,7 +20,7 @@ from ..bounds.position import (
 from ..bounds.sets import OPTIMAL, candidates_of, compared, own_band
 from ..bounds.touches.errors import LaidErrors
 from ..progress import Progress, silent
-from ..scene.reading import frequencies_at, through
+from ..scene.reading import through
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .criteria import position_criterion
@@ -87,7 +87,7 @@ def survey(
     variants = [everything, *others]
     if len(scene.interfaces) > 1:
         for number, interface in enumerate(scene.interfaces):
-            its = frequencies_at(scene, interface.name)
+            its = scene.reading.frequency_at(interface.name)
             alone = slopes.bounds(its, [number])
             variants.append(Variant(INTERFACES, interface.name, alone, its))
         variants.append(Variant(INTERFACES, "all together", everything.bounds, own))

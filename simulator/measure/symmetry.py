@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from ..scene.contacts import Contact, path
 from ..scene.maps import AnyMap
-from ..scene.reading import frequencies_at
 from ..scene.scene import Scene
 from ..scene.skin import Electrode, Sheet, Skin, curves
 from ..scene.wiring import joined
@@ -230,13 +229,13 @@ def repeated(scene: Scene) -> list[tuple[str, str]]:
             frozenset(frozenset(terminal[as_is[name]] for name in side) for side in sides)
             for as_is in ({name: name for name in terminal}, *images)
         ]
-        own = set(frequencies_at(scene, interface.name))
+        own = set(scene.reading.frequency_at(interface.name))
         earlier = next(
             (
                 name
                 for each in alike
                 for name in seen.get(each, [])
-                if own <= set(frequencies_at(scene, name))
+                if own <= set(scene.reading.frequency_at(name))
             ),
             None,
         )

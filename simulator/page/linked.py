@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from ..models.plain import evenly_pressed
 from ..progress import on_terminal
-from ..scene.reading import frequencies_of_each
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .document import Link, document
@@ -18,7 +17,7 @@ def linked_page(scene: Scene, kind: str, nonce: str) -> str:
 
     kind, nonce: of `Link`. Raises InputError where the scene has no page.
     """
-    if frequencies_of_each(scene):
+    if scene.reading.own:
         raise InputError(f"{scene.name}: the page takes no `frequencies` of interfaces")
     asked = evenly_pressed(scene, "a page")
     with on_terminal() as progress:

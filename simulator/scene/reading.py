@@ -1,4 +1,4 @@
-"""At which frequencies a scene's interfaces read, and the same scene read otherwise."""
+"""The same scene read otherwise: at other frequencies, through some of its interfaces."""
 
 from __future__ import annotations
 
@@ -10,19 +10,6 @@ from numpy.typing import NDArray
 from .contacts import Interface
 from .meter import Sweep
 from .scene import Scene, checked_interface, interface_names
-
-
-def frequencies_at(scene: Scene, interface: str) -> NDArray[np.float64]:
-    """Those that an interface of the scene is read at, Hz, ascending, shape (frequency,)."""
-    number = [each.name for each in scene.interfaces].index(interface)
-    return scene.frequencies[scene.reading.read[number]]
-
-
-def frequencies_of_each(scene: Scene) -> dict[str, list[float]]:
-    """Of every interface by name, Hz; empty where all are read at all of the scene's."""
-    if scene.taken is None:
-        return {}
-    return {each.name: frequencies_at(scene, each.name).tolist() for each in scene.interfaces}
 
 
 def checked_interfaces(names: Sequence[str] | None, scene: Scene) -> tuple[str, ...]:

@@ -31,6 +31,18 @@ class Reading:
         taken = self.taken
         return np.ones(self.shape, dtype=bool) if taken is None else taken
 
+    def frequency_at(self, interface: str) -> NDArray[np.float64]:
+        """Those that the interface of that name is read at, Hz, ascending."""
+        number = [each.name for each in self.interfaces].index(interface)
+        return self.frequency[self.read[number]]
+
+    @property
+    def own(self) -> dict[str, list[float]]:
+        """Those of every interface by name, Hz; empty where all are read at all."""
+        if self.taken is None:
+            return {}
+        return {each.name: self.frequency_at(each.name).tolist() for each in self.interfaces}
+
     @property
     def shape(self) -> tuple[int, int]:
         """(interfaces, frequencies)."""

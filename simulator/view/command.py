@@ -131,7 +131,6 @@ def _stage(
     from ..asked.telling import note, warn
     from ..models.fields import fields
     from ..press.press import press_on
-    from ..scene.reading import frequencies_at
     from ..scene.scene import checked_interface
     from .scenery import Stage
 
@@ -141,7 +140,7 @@ def _stage(
     if interface is None and len(scene.interfaces) > 1:
         names = ", ".join(each.name for each in scene.interfaces)
         note(f"{name}: of the interfaces {names} this shows {chosen}; --interface shows another")
-    frequencies = _frequencies(frequency, frequencies_at(scene, chosen).tolist(), every)
+    frequencies = _frequencies(frequency, scene.reading.frequency_at(chosen).tolist(), every)
     for one_terminal in scene.driven_by_touch:
         if one_terminal.interface == chosen:
             warn(f"{name}: {one_terminal}")

@@ -16,8 +16,6 @@ from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.files import load_scene, parse_scene, scene_text
 from rcskin.simulator.scene.meter import Readout
 from rcskin.simulator.scene.reading import (
-    frequencies_at,
-    frequencies_of_each,
     reading_at,
     through,
 )
@@ -130,8 +128,8 @@ def test_fewer_readings_are_those_of_a_scene_of_fewer(own, shared):
 
 
 def test_a_scene_is_read_otherwise_by_its_interfaces(own, shared):
-    assert frequencies_at(own, "bottom").tolist() == [1e4, 1e5]
-    assert frequencies_of_each(shared) == {}
+    assert own.reading.frequency_at("bottom").tolist() == [1e4, 1e5]
+    assert shared.reading.own == {}
     left = through(own, ["left"])
     assert left.taken is None and left.frequencies.tolist() == [1e3, 1e4]
     assert reading_at(own, FREQUENCIES) == shared

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rcskin.simulator.fem.circuit import two_fields
+from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.scene.files import load_scene
@@ -24,6 +26,18 @@ def test_a_flipped_bit_is_refused_or_changes_no_number(model, tmp_path):
         return np.array_equal(again.stiffness, model.stiffness)
 
     assert share_refused(path, load, same, 60) > 5 / 6
+
+
+def test_a_model_that_is_read_otherwise_is_so_in_its_file(tmp_path):
+    """At its own frequencies, which are not those of its scene either."""
+    scene, band = load_scene("strip-1x3"), np.array([1e3, 3e4])
+    (own,) = scene.interfaces
+    turned = own.model_copy(update={"high": own.low, "low": own.high})
+    model = read(trained(scene, 1e-2, frequency=band), [turned])
+    save(model, tmp_path / "model.npz")
+    again = load(tmp_path / "model.npz")
+    assert again.circuit.drives == model.circuit.drives != two_fields(scene).drives
+    np.testing.assert_array_equal(again.frequency, band)
 
 
 @pytest.mark.parametrize(
