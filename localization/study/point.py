@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -12,12 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.dataset.memory import in_memory
-from ...simulator.dataset.model import Family, reduced
+from ...simulator.dataset.model import Family, own_skin, reduced
 from ...simulator.dataset.plan import Plan, check_cells
-from ...simulator.dataset.presses import FIRST_RESTS
+from ...simulator.dataset.presses import FIRST_RESTS, pressed_pixels
+from ...simulator.dataset.session import audited
 from ...simulator.measure.experiment import own_presses
 from ...simulator.measure.simulate import check_fits
-from ...simulator.measure.symmetry import Pixel
+from ...simulator.measure.streams import AUDIT, stream
+from ...simulator.measure.symmetry import representative
 from ...simulator.press.pixels import pixels_with_skin
 from ...simulator.press.press import Press, every_press, pressed_factor
 from ...simulator.scene.meter import Experiment, Readout
@@ -25,7 +27,6 @@ from ...simulator.scene.randomisation import DrawnPress
 from ...simulator.scene.scene import Pressing, Scene
 from ...simulator.sweeps import InputError
 from ..evaluation.evaluation import held_out
-from .curve import Curve
 from .separation import TARGETS, Label, Separation, in_units_of_error, label_of, separation
 
 FOLDS, LOOSEST = 5, 1e-4
@@ -104,10 +105,6 @@ class Trial:
         """One press of the nominal strength for each pixel on the skin; rest if that is a class."""
         return every_press(scene)[0 if scene.experiment.unpressed else 1 :]
 
-    def factors(self, scene: Scene) -> dict[Pixel, set[float]]:
-        """Every strength at which each pixel is solved."""
-        return {press.pixel: {strength(scene, press)} for press in self.nominal(scene)}
-
 
 @dataclass(frozen=True)
 class Findings:
@@ -126,20 +123,18 @@ def strength(scene: Scene, press: Press) -> float:
 def judge(
     scene: Scene,
     trial: Trial,
-    curves: Mapping[Pixel, Curve],
     rtol: float,
 ) -> Findings:
     """Draw a scene's sweeps and cross-validate a localizer on them; separate its nominal presses.
 
-    curves: Z of every pixel at the scene's frequencies. rtol: of the sweeps. Raises InputError
-    where a draw has too few sweeps of a class.
+    rtol: of the sweeps. Raises InputError where a draw has too few sweeps of a class.
     """
     nominal = trial.nominal(scene)
     labels: list[Label] = [label_of(press.pixel, trial.target) for press in nominal]
-    Z = impedances(scene, nominal, curves)
-    readings = in_units_of_error(Z, scene.readout, scene.taken)
     plans = [trial.plan(scene, draw, rtol) for draw in range(trial.draws)]
     family = _family(_unread(plans[0].scene), rtol)  # pyright: ignore[reportArgumentType]
+    Z = impedances(scene, nominal, family, rtol)
+    readings = in_units_of_error(Z, scene.readout, scene.taken)
     shares = [held_out(in_memory(plan, family), trial.target) for plan in plans]
     return Findings(
         tuple(share for each in shares for share in each),
@@ -163,14 +158,17 @@ def _family(scene: Scene, rtol: float) -> Family:
 
 
 def impedances(
-    scene: Scene, presses: Sequence[Press], curves: Mapping[Pixel, Curve]
+    scene: Scene, presses: Sequence[Press], family: Family, rtol: float
 ) -> NDArray[np.complex128]:
-    """Z in ohm, shape (press, interface, frequency)."""
-    places: dict[Pixel, list[int]] = defaultdict(list)
-    for index, press in enumerate(presses):
-        places[press.pixel].append(index)
-    first = next(iter(curves.values()))
-    Z = np.empty((len(presses), *first.logarithm.shape[1:]), dtype=complex)
-    for pixel, indices in places.items():
-        Z[indices] = curves[pixel].impedance([strength(scene, presses[index]) for index in indices])
-    return Z
+    """Z in ohm of presses of one pixel or none on the scene's own skin, as a data set has it, shape
+    (press, interface, frequency); of pixels that mirror each other the same."""
+    of = representative(scene)
+    strengths = {of(press.pixel): strength(scene, press) for press in presses}
+    pixels = np.array(list(strengths)) - 1
+    factor = np.array(list(strengths.values()))
+    pressed = pressed_pixels(scene, pixels, factor, family.grid)
+    random = stream(scene.experiment.seed, 0, AUDIT)
+    Z, _ = audited(own_skin(scene, family), pressed, random, 0, rtol)
+    number = {pixel: k for k, pixel in enumerate(strengths)}
+    found = Z[[number[of(press.pixel)] for press in presses]]
+    return scene.leads.seen_through(found, scene.frequencies)

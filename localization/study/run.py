@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from ...simulator.fem.factors import one_blas_thread
-from ...simulator.measure.symmetry import Pixel
 from ...simulator.models.mechanics.in_depths import foldable
 from ...simulator.models.validity import warnings
 from ...simulator.processes import each_of, hired
@@ -20,10 +19,8 @@ from ...simulator.progress import Progress, tracked
 from ...simulator.scene.files import scene_text
 from ...simulator.scene.scene import Scene
 from .axis import Axis
-from .curve import Curve
 from .keys import with_values
 from .point import LOOSEST, Findings, Trial, judge
-from .sharing import families, member_curves, solve, tasks
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -89,45 +86,20 @@ def study(
     """
     rtol = fitting_rtol(scenes) if rtol is None else rtol
     with hired(workers, NEEDED, "too little memory may be the cause; fewer --workers") as pool:
-        curves, solves = _solved(scenes, trial, rtol, progress, pool)
-        jobs = [(scene, trial, curves[point], rtol) for point, scene in enumerate(scenes)]
+        jobs = [(scene, trial, rtol) for scene in scenes]
         findings = list(_spread(_judge, jobs, "accuracy", progress, pool))
     attributes = {
         "scene": scene_text(scenes[0]),
         "target": trial.target,
         "draws": trial.draws,
         "rtol": rtol,
-        "solves": solves,
         "software": f"rcskin {version('rcskin')}",
     }
     return _dataset(axes, findings, attributes)
 
 
-def _solved(
-    scenes: Sequence[Scene],
-    trial: Trial,
-    rtol: float,
-    progress: Progress,
-    pool: ProcessPoolExecutor | None,
-) -> tuple[list[dict[Pixel, Curve]], int]:
-    """Curves of every pixel at every point, and how many solves they took."""
-    found = families(scenes)
-    work = [(k, task) for k, each in enumerate(found) for task in tasks(each, scenes, trial, rtol)]
-    solved: list[dict[Pixel, Curve]] = [{} for _ in found]
-    solves = 0
-    each_solution = _spread(solve, [task for _, task in work], "solves", progress, pool)
-    for (family, _), solution in zip(work, each_solution, strict=True):
-        solved[family] |= solution.curves
-        solves += solution.solves
-    curves: list[dict[Pixel, Curve]] = [{} for _ in scenes]
-    for family, known in zip(found, solved, strict=True):
-        for point, own in member_curves(family, scenes, known):
-            curves[point] = own
-    return curves, solves
-
-
 def _judge(
-    job: tuple[Scene, Trial, Mapping[Pixel, Curve], float],
+    job: tuple[Scene, Trial, float],
 ) -> Findings:
     return judge(*job)
 

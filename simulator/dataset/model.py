@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..measure.skins import drawn_skin
 from ..models.network.terminals import reduced_for
-from ..models.parameters import WAVES, Variation
+from ..models.parameters import WAVES, Variation, nominal
 from ..models.plain import evenly_pressed
 from ..models.reduced.cases import Case
 from ..models.reduced.file import load, save
@@ -96,6 +96,11 @@ def reduced(scene: Scene, rtol: float) -> Reduced:
 
     alike = _alike(scene.dataset.session)
     return reduced_for(divided, TRAINED_TO * rtol, draw, modes=modes, alike=alike)
+
+
+def own_skin(scene: Scene, family: Family) -> SkinModel:
+    """The scene's own skin."""
+    return family.skin(replace(nominal(scene, family.modes), capacitance=np.ones(family.grid)))
 
 
 def _divided(scene: Scene) -> Scene:

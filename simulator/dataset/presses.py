@@ -100,12 +100,41 @@ def _on_pixels(
     grid: tuple[int, int],
 ) -> Presses:
     """Touches of whole pixels, two never on one; in the order of pixels, as texts have it."""
-    columns, pixels = scene.pixels.columns, held(scene).numbers
+    pixels = held(scene).numbers
     pixel = pixels[_distinct_pixels(touches, chances[0], len(pixels))]
+    return _on(scene, touches, pixel, factor, truncated_normal(chances[2:], CUT), grid)
+
+
+def pressed_pixels(
+    scene: Scene,
+    pixels: NDArray[np.int64],
+    factor: NDArray[np.float64],
+    grid: tuple[int, int],
+) -> Presses:
+    """One pixel in each press, in its middle: row and column from 0, negative for none, shape
+    (press, 2). factor: shape (press,)."""
+    row, column = pixels.T
+    touches = (row >= 0).astype(np.int64)
+    number = np.maximum(row * scene.pixels.columns + column, 0)
+    pixel = np.repeat(number[:, None], MOST_TOUCHES, axis=1)
+    factor = np.repeat(factor[:, None], MOST_TOUCHES, axis=1)
+    return _on(scene, touches, pixel, factor, np.zeros((2, *pixel.shape)), grid)
+
+
+def _on(
+    scene: Scene,
+    touches: NDArray[np.int64],
+    pixel: NDArray[np.int64],
+    factor: NDArray[np.float64],
+    aside: NDArray[np.float64],
+    grid: tuple[int, int],
+) -> Presses:
+    """Touches of pixels by number, shape (press, MOST_TOUCHES). aside: as of `pressed_beside`."""
+    columns = scene.pixels.columns
     there = np.arange(MOST_TOUCHES) < touches[:, None]
     factor = np.where(there, factor, 1.0)
     row, column = np.divmod(pixel, columns)
-    whole = scene.skin.rectangular or scene.dataset.press.offset > 0
+    whole = scene.skin.rectangular or scene.dataset.press.laid
     middle = _centres(scene, row, column) if whole else held(scene).middle[:, pixel]
     x, y = np.where(there, middle, 0.0)
     inside = cells_of_pixels(scene, grid)
@@ -121,9 +150,7 @@ def _on_pixels(
         y=y,
         factor=factor,
     )
-    if scene.dataset.press.offset == 0:
-        return presses
-    return pressed_beside(scene, presses, truncated_normal(chances[2:], CUT), grid)
+    return pressed_beside(scene, presses, aside, grid) if scene.dataset.press.laid else presses
 
 
 def _centres(

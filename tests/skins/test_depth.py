@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.study.point import Trial
-from rcskin.localization.study.sharing import families, member_curves, solve, tasks
+from rcskin.localization.study.point import Trial, impedances
 from rcskin.simulator.bounds.position import chosen_touch
 from rcskin.simulator.calibration.choice import Options
 from rcskin.simulator.calibration.run import calibrate
+from rcskin.simulator.dataset.model import reduced as family_of
 from rcskin.simulator.dataset.plan import Plan
 from rcskin.simulator.dataset.run import generate
 from rcskin.simulator.fem.estimate import relative_difference
@@ -22,7 +22,7 @@ from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
-from rcskin.simulator.press.press import every_press, parse_press
+from rcskin.simulator.press.press import every_press, parse_press, press_on
 from rcskin.simulator.press.touch import Depth
 from rcskin.simulator.scene.frequency import Loss
 from rcskin.simulator.scene.scene import Scene
@@ -202,12 +202,9 @@ def test_limits_and_studies_press_by_depth(scene, coarse):
     assert chosen_touch(planned).rise == scene.pressed_factor - 1
     presses = planned_presses(planned, np.random.default_rng(1))
     assert all(touch.by.unit == "m" for press in presses for touch in press.touches)
-    (family,) = families([planned])
-    (task,) = tasks(family, [planned], Trial(draws=1), RTOL)
-    curves = dict(member_curves(family, [planned], solve(task).curves))[0]
-    factor = scene.pressed_factor
-    (Z,), truth = curves[(1, 2)].impedance([factor]), Solver(scene, CLOSELY)
-    off = relative_difference(Z, truth.solve(parse_press("1,2", DEEP)).Z)
+    plan = Trial(draws=1).plan(planned, 0, RTOL)
+    (Z,) = impedances(plan.scene, [press_on(plan.scene, "1,2")], family_of(plan.scene, RTOL), RTOL)
+    off = relative_difference(Z, Solver(scene, CLOSELY).solve(parse_press("1,2", DEEP)).Z)
     assert off.max() <= RTOL
 
 

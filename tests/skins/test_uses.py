@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.study.curve import Curve
 from rcskin.localization.study.point import Trial
-from rcskin.localization.study.sharing import families, member_curves, solve, tasks
 from rcskin.simulator.bounds.fields import Fields
 from rcskin.simulator.bounds.position import chosen_touch, places_on
 from rcskin.simulator.bounds.readings import hypotheses
@@ -101,28 +99,6 @@ def test_a_calibration_finds_what_a_twin_was_given(kinds, name):
         low, high = fit.intervals[parameter]
         assert abs(fit.values[parameter] - value) <= max(high - low, 0.01)
     assert fit.scene.skin.foam.map == scene.skin.foam.map
-
-
-def test_a_study_over_a_scale_solves_a_skin_of_any_kind_once(kinds):
-    """Twice the resistance of both sheets is half the frequency, whatever the skin."""
-    scene = kinds["uneven"]
-    skin = scene.skin
-    double = {
-        name: sheet.model_copy(update={"sheet_resistance": 2 * sheet.sheet_resistance})
-        for name, sheet in (("top", skin.top), ("bottom", skin.bottom))
-    }
-    scenes = [scene, scene.model_copy(update={"skin": skin.model_copy(update=double)})]
-    (family,) = families(scenes)
-    assert family.members[1].frequency == pytest.approx(2)
-    trial = Trial(draws=1)
-    (task,) = tasks(family, scenes, trial, 4e-3)
-    solution = solve(task)
-    curves: dict[int, dict[tuple[int, int], Curve]] = dict(
-        member_curves(family, scenes, solution.curves)
-    )
-    truth = Solver(scenes[1], 1e-4).solve(parse_press("1,2", 2.0)).Z
-    found = curves[1][1, 2].impedance([2.0])[0]
-    assert relative_difference(found, truth).max() < 4e-3
 
 
 @pytest.mark.slow

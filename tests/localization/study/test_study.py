@@ -71,7 +71,7 @@ def test_presses_of_a_data_set_that_are_stated_are_taken():
 
 
 @pytest.mark.usefixtures("unlearned")
-def test_half_the_noise_doubles_the_separation_and_asks_for_no_further_solve(run_study):
+def test_half_the_noise_doubles_the_separation(run_study):
     found, *_ = run_study(
         "sheet-4x4",
         "readout.magnitude_noise=2e-3,1e-3",
@@ -80,8 +80,6 @@ def test_half_the_noise_doubles_the_separation_and_asks_for_no_further_solve(run
     small, large = (found.isel(dict.fromkeys(found.sizes, index)) for index in (0, 1))
     for name in ("least_separation", "median_separation", "band_separation"):
         assert float(small[name]) == pytest.approx(2 * float(large[name]), rel=1e-9)
-    alone, *_ = run_study("sheet-4x4", "readout.magnitude_noise=1e-3")
-    assert found.attrs["solves"] == alone.attrs["solves"] > 0
 
 
 def test_more_pixels_are_harder_to_tell_apart(run_study):
@@ -126,4 +124,3 @@ def test_rest_is_a_class_where_the_experiment_has_it():
         table := scene_table("strip-1x3"), parse_axes(["pixels.rows=1"], table), Trial()
     )
     assert Trial().nominal(scene)[0] == Press()
-    assert (0, 0) in Trial().factors(scene)

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.dataset.cells import error_of_cells
+from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.dataset.presses import (
     cells_of_pixels,
     drawn_presses,
@@ -165,3 +167,8 @@ def test_rests_are_promised_as_a_lab_takes_them_and_other_presses_stay_as_they_w
     assert (promised.touches[at_rest] == 0).all()
     np.testing.assert_array_equal(promised.touches[~at_rest], drawn.touches[~at_rest])
     assert np.array(promised.text)[~at_rest].tolist() == np.array(drawn.text)[~at_rest].tolist()
+
+
+def test_touches_on_cells_are_compared_with_their_own_edges_at_the_meters_end_of_leads():
+    scene = load_scene("strip-1x3").with_({"leads.resistance": 2e4})
+    assert error_of_cells(scene, reduced(scene, 1e-3), 1, 1e-3) < 2e-3
