@@ -9,10 +9,11 @@ from .commands.evaluate import evaluate
 from .commands.gap import gap
 from .commands.localize import localize
 from .commands.train import train
+from .paper.command import reproduce
 from .study.command import study
 
 
 def add_commands(app: typer.Typer) -> None:
     """Add the localizer's commands."""
-    for command in (study, gap, train, adapt, evaluate, localize):
+    for command in (reproduce, study, gap, train, adapt, evaluate, localize):
         app.command()(command)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import ArrayLike
 
-    from .localizer import Confusion
+    from ..evaluation.confusion import Confusion
 
 SIGNIFICANCE = 0.05
 TOLERANCE = 0.15

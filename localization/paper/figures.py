@@ -15,7 +15,8 @@ from ...simulator.models.line import HALF_POWER, attenuation, open_line_amplitud
 from ...simulator.models.solver import Solver
 from ...simulator.press.press import every_press
 from ...simulator.scene.scene import Scene
-from .localizer import Confusion, Localizer
+from ..evaluation.confusion import Confusion
+from ..evaluation.plot import draw_confusion
 from .reading import paper_frequencies, totals
 from .rehearsal import Rehearsal
 from .studies import crossed_cap
@@ -38,9 +39,7 @@ def attenuation_figure(path: Path, strips: Sequence[Scene]) -> None:
         figure.suptitle("Solid: infinite line, Eq 5; dots: Eq 6; dashed: the finite open line")
 
 
-def experiment_figure(
-    path: Path, rehearsal: Rehearsal, confusion: Confusion, localizer: Localizer
-) -> None:
+def experiment_figure(path: Path, rehearsal: Rehearsal, confusion: Confusion) -> None:
     """Cp, Rs and the change of Cp against frequency for every pressed pixel; confusion matrix.
 
     Lines are noise-free, at the nominal press; dots are what the meter showed.
@@ -52,7 +51,7 @@ def experiment_figure(
             _draw_quantity(axes, quantity, curves, rehearsal.measured)
         _draw_changes(bottom[0], curves, rehearsal)
         bottom[1].grid(False)
-        localizer.draw(bottom[1], confusion)
+        draw_confusion(bottom[1], confusion)
         handles, labels = bottom[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 8))
         figure.suptitle(_caption(rehearsal.scene))

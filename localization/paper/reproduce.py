@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from sklearn import config_context
 
 from ...simulator.measure.experiment import METER, stream
 from ...simulator.measure.readout import read_out
@@ -15,10 +16,14 @@ from ...simulator.models.solver import DEFAULT_RTOL
 from ...simulator.progress import Progress, tracked
 from ...simulator.scene.files import load_scene
 from ...simulator.sweeps import made_folder, whole_file, write
+from ..evaluation.confusion import Confusion, write_csv
+from ..evaluation.evaluation import UNCHECKED, cross_validate
+from ..inputs.features import PAPER
+from ..model.file import save
+from ..model.training import train
 from . import figures
 from .claim import RULES, Claim
 from .claims import all_claims
-from .localizer import Confusion, Localizer
 from .reading import open_line_frequencies, paper_frequencies
 from .rehearsal import EXPERIMENTS, SHEETS, STRIPS, Rehearsal, rehearse, with_pixels
 from .report import Picture, Section, write_report
@@ -39,9 +44,8 @@ if TYPE_CHECKING:
 BEYOND = 6
 
 
-def reproduce(
-    folder: Path, localizer: Localizer, progress: Progress, ending: str = ".png"
-) -> list[Claim]:
+@config_context(**UNCHECKED)
+def reproduce(folder: Path, progress: Progress, ending: str = ".png") -> list[Claim]:
     """Write figures, tables, trained models and `report.html` into `folder`; return the claims.
 
     The folder is made where it does not exist. ending: of figures, besides .png. Tables are the
@@ -49,10 +53,10 @@ def reproduce(
     Raises InputError where the folder cannot be made.
     """
     made_folder(folder)
-    results = _experiments(localizer, progress)
+    results = _experiments(progress)
     claims = all_claims(results)
-    _write_tables(folder, results, claims, localizer)
-    pictures = draw(folder, results, localizer, progress, ending)
+    _write_tables(folder, results, claims)
+    pictures = draw(folder, results, progress, ending)
     write_report(
         folder / "report.html",
         claims=sorted(claims, key=lambda claim: claim.agrees),
@@ -66,40 +70,40 @@ def reproduce(
     return claims
 
 
-def _experiments(localizer: Localizer, progress: Progress) -> Results:
+def _experiments(progress: Progress) -> Results:
     rehearsals = {name: rehearse(load_scene(name), progress) for name in EXPERIMENTS}
     confusions = {
-        name: localizer.cross_validate(rehearsal.measured, seed=rehearsal.scene.experiment.seed)
+        name: cross_validate(
+            rehearsal.measured, quantities=PAPER, seed=rehearsal.scene.experiment.seed
+        )
         for name, rehearsal in rehearsals.items()
     }
     sheets = [rehearsals[name] for name in SHEETS]
     return Results(
         rehearsals=rehearsals,
         confusions=confusions,
-        frequency=frequency_study(localizer, sheets, progress),
-        noise=noise_study(localizer, list(rehearsals.values()), progress),
-        contact=contact_study(localizer, progress),
-        finer=_beyond(localizer, progress),
-        fewest=fewest_frequencies(localizer, rehearsals["strip-1x5"]),
-        pooled=pooled_counts(localizer, rehearsals["strip-1x5"]),
+        frequency=frequency_study(sheets, progress),
+        noise=noise_study(list(rehearsals.values()), progress),
+        contact=contact_study(progress),
+        finer=_beyond(progress),
+        fewest=fewest_frequencies(rehearsals["strip-1x5"]),
+        pooled=pooled_counts(rehearsals["strip-1x5"]),
     )
 
 
-def _beyond(localizer: Localizer, progress: Progress) -> Confusion:
+def _beyond(progress: Progress) -> Confusion:
     scene = with_pixels(load_scene("sheet-5x5"), BEYOND)
     measured = read_out(exact_sweeps(scene, progress), scene.readout, stream(scene, METER))
-    return localizer.cross_validate(measured, seed=scene.experiment.seed)
+    return cross_validate(measured, quantities=PAPER, seed=scene.experiment.seed)
 
 
-def _write_tables(
-    folder: Path, results: Results, claims: list[Claim], localizer: Localizer
-) -> None:
+def _write_tables(folder: Path, results: Results, claims: list[Claim]) -> None:
     import pandas as pd
 
     for name, rehearsal in results.rehearsals.items():
         write(rehearsal.measured, folder / f"{name}-sweeps.csv")
-        localizer.write(results.confusions[name], folder / f"{name}-confusion.csv")
-        localizer.save(rehearsal.measured, folder / f"{name}.skops")
+        write_csv(results.confusions[name], folder / f"{name}-confusion.csv")
+        save(folder / f"{name}.skops", train(rehearsal.measured, quantities=PAPER))
     for name, study in (
         ("frequencies", results.frequency),
         ("noise", results.noise),
@@ -137,9 +141,7 @@ def _cutoffs(rehearsals: Mapping[str, Rehearsal]) -> pd.DataFrame:
     return pd.concat(tables)
 
 
-def draw(
-    folder: Path, results: Results, localizer: Localizer, progress: Progress, ending: str
-) -> list[Section]:
+def draw(folder: Path, results: Results, progress: Progress, ending: str) -> list[Section]:
     """Write all charts as .png, and with another ending too; return those of the report."""
 
     def drawn(name: str, draw: Callable[[Path], None]) -> Path:
@@ -151,9 +153,7 @@ def draw(
 
     def device(path: Path) -> None:
         name = path.stem
-        figures.experiment_figure(
-            path, results.rehearsals[name], results.confusions[name], localizer
-        )
+        figures.experiment_figure(path, results.rehearsals[name], results.confusions[name])
 
     strips = [scenes[name] for name in STRIPS]
     attenuation = drawn("figure-2c", lambda path: figures.attenuation_figure(path, strips))

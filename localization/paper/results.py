@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .localizer import Confusion
+from ..evaluation.confusion import Confusion
 from .rehearsal import Rehearsal
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.scene.files import load_scene
+from ..evaluation.confusion import Confusion
 from .claim import (
     ENOUGH,
     Claim,
@@ -18,7 +19,6 @@ from .claim import (
     noise_of,
     share,
 )
-from .localizer import Confusion
 from .reading import (
     capacitance_changes,
     paper_frequencies,

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..evaluation.confusion import Confusion
 from .claim import ENOUGH, Claim, listed, mean_share, near, noise_of, same_proportion, share
-from .localizer import Confusion
 from .reading import (
     capacitance_changes,
     low_frequency_resistances,

@@ -17,7 +17,8 @@ from ...simulator.progress import Progress, tracked
 from ...simulator.scene.files import load_scene
 from ...simulator.scene.meter import Readout
 from ...simulator.scene.scene import Scene
-from .localizer import Localizer
+from ..evaluation.evaluation import cross_validate
+from ..inputs.features import PAPER
 from .rehearsal import Rehearsal, with_pixels
 
 if TYPE_CHECKING:
@@ -33,9 +34,7 @@ LAYOUT_MULTIPLES = (0.1, 1.0)
 STUDY_RTOL = 1e-3
 
 
-def frequency_study(
-    localizer: Localizer, rehearsals: Sequence[Rehearsal], progress: Progress
-) -> xr.DataArray:
+def frequency_study(rehearsals: Sequence[Rehearsal], progress: Progress) -> xr.DataArray:
     """Accuracy from 10 and from 20 frequencies, of Cp alone and of Rs and Cp.
 
     Dimensions (scene, frequencies, quantities). Ten are the lowest of the twenty, in the band that
@@ -44,7 +43,6 @@ def frequency_study(
     cases = list(itertools.product(rehearsals, CHOICES.values(), QUANTITIES.values()))
     accuracies = [
         mean_accuracy(
-            localizer,
             rehearsal.exact.isel(frequency=choice),
             rehearsal.scene,
             rehearsal.scene.readout,
@@ -60,14 +58,11 @@ def frequency_study(
     )
 
 
-def noise_study(
-    localizer: Localizer, rehearsals: Sequence[Rehearsal], progress: Progress
-) -> xr.DataArray:
+def noise_study(rehearsals: Sequence[Rehearsal], progress: Progress) -> xr.DataArray:
     """Accuracy at multiples of the scene's noise of each reading; dimensions (scene, multiple)."""
     cases = list(itertools.product(rehearsals, NOISE_MULTIPLES))
     accuracies = [
         mean_accuracy(
-            localizer,
             rehearsal.exact,
             rehearsal.scene,
             scaled_noise(rehearsal.scene.readout, multiple),
@@ -81,7 +76,7 @@ def noise_study(
     )
 
 
-def contact_study(localizer: Localizer, progress: Progress) -> xr.DataArray:
+def contact_study(progress: Progress) -> xr.DataArray:
     """Accuracy with both sheets fed at one edge, and with each fed at an edge of its own.
 
     Dimensions (layout, n, multiple), the last of the scene's noise.
@@ -91,7 +86,7 @@ def contact_study(localizer: Localizer, progress: Progress) -> xr.DataArray:
         scene = with_pixels(load_scene(name), n)
         exact = exact_sweeps(scene, progress)
         accuracies += [
-            mean_accuracy(localizer, exact, scene, scaled_noise(scene.readout, multiple))
+            mean_accuracy(exact, scene, scaled_noise(scene.readout, multiple))
             for multiple in LAYOUT_MULTIPLES
         ]
     return _table(
@@ -99,12 +94,11 @@ def contact_study(localizer: Localizer, progress: Progress) -> xr.DataArray:
     )
 
 
-def fewest_frequencies(localizer: Localizer, rehearsal: Rehearsal) -> xr.DataArray:
+def fewest_frequencies(rehearsal: Rehearsal) -> xr.DataArray:
     """Accuracy from the highest one, two, ... of a scene's frequencies; dimension (count,)."""
     counts = range(1, len(rehearsal.scene.frequencies) + 1)
     accuracies = [
         mean_accuracy(
-            localizer,
             rehearsal.exact.isel(frequency=slice(-count, None)),
             rehearsal.scene,
             rehearsal.scene.readout,
@@ -114,11 +108,11 @@ def fewest_frequencies(localizer: Localizer, rehearsal: Rehearsal) -> xr.DataArr
     return _table(accuracies, count=list(counts))
 
 
-def pooled_counts(localizer: Localizer, rehearsal: Rehearsal) -> NDArray[np.int64]:
+def pooled_counts(rehearsal: Rehearsal) -> NDArray[np.int64]:
     """Confusion counts (target, output) added up over DRAWS draws of the meter's noise."""
     return np.sum(
         [
-            localizer.cross_validate(measured, seed=draw).counts
+            cross_validate(measured, quantities=PAPER, seed=draw).counts
             for draw, measured in enumerate(_drawn(rehearsal.exact, rehearsal.scene))
         ],
         axis=0,
@@ -149,18 +143,17 @@ def exact_sweeps(scene: Scene, progress: Progress) -> xr.Dataset:
 
 
 def mean_accuracy(
-    localizer: Localizer,
     exact: xr.Dataset,
     scene: Scene,
     readout: Readout,
-    quantities: tuple[str, ...] = ("Rs", "Cp"),
+    quantities: tuple[str, ...] = PAPER,
 ) -> float:
     """Cross-validated accuracy, mean of DRAWS draws of the meter's noise and of the folds."""
     drawn = _drawn(exact, scene.model_copy(update={"readout": readout}))
     return float(
         np.mean(
             [
-                localizer.cross_validate(measured, quantities=quantities, seed=draw).accuracy
+                cross_validate(measured, quantities=quantities, seed=draw).accuracy
                 for draw, measured in enumerate(drawn)
             ]
         )

@@ -82,7 +82,7 @@ def test_charts_for_papers_are_written_beside_the_pictures(tmp_path, monkeypatch
     scenes = {name: SimpleNamespace(scene=load_scene(name)) for name in EXPERIMENTS}
     none = dict.fromkeys(("frequency", "noise", "contact"))
     results = SimpleNamespace(rehearsals=scenes, confusions=scenes, **none)
-    draw(tmp_path, results, None, silent, ending)
+    draw(tmp_path, results, silent, ending)
     for each in {".png", ending}:
         assert {path.stem for path in tmp_path.glob(f"*{each}")} == {*CHARTS}
     assert {path.suffix for path in tmp_path.iterdir()} == {".png", ending}
