@@ -1,28 +1,29 @@
-"""The front door: the `rcskin` command, wiring simulator, localization and hardware together."""
+"""The front door: the `rcskin` command, with the commands of all packages."""
 
 from __future__ import annotations
 
-from .examples import EXAMPLES, OF_THE_METER
 from .hardware.cli import app as meter
 from .hardware.live.command import live
 from .hardware.meter.errors import MeterError
 from .localization.cli import add_commands
 from .simulator.asked.numbers import with_ranges
 from .simulator.asked.replacing import with_replacing
-from .simulator.cli import app, run, with_examples
+from .simulator.cli import app, run, with_short_help
 
 __all__ = ["app", "main"]
 
 
 add_commands(app)
-app.command()(live)
+app.command(
+    epilog="Example: rcskin live --model columns.skops --resource TCPIP0::127.0.0.1::3500::SOCKET"
+)(live)
 app.add_typer(meter, name="meter")
 
 
 with_replacing(app)
 with_replacing(meter, "meter")
-with_examples(app, EXAMPLES)
-with_examples(meter, OF_THE_METER)
+with_short_help(app)
+with_short_help(meter)
 with_ranges(app)
 with_ranges(meter)
 

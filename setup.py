@@ -1,4 +1,8 @@
-"""The repository is the package: what lies at its top is installed under the one name `rcskin`."""
+"""The repository is the package: what lies at its top is installed under the one name `rcskin`.
+
+`pyproject.toml` can map that name to a folder, but the packages it finds keep their names from the
+top: it would have to list every one.
+"""
 
 from tempfile import TemporaryDirectory
 

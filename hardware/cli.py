@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from .virtual.serving import Exhibit, Paging
 
 CONTROL = "127.0.0.1:3501"
+VIRTUAL = "TCPIP0::127.0.0.1::3500::SOCKET"
+"""As `serve` listens."""
 
 app = typer.Typer(
     help="Serve a virtual LCR meter, or use a real one.",
@@ -26,7 +28,7 @@ app = typer.Typer(
 )
 
 
-@app.command()
+@app.command(epilog="Example: rcskin meter serve --scene sheet-5x5")
 def serve(
     scene: Annotated[
         str | None,
@@ -83,8 +85,8 @@ def serve(
         )
 
 
-app.command()(record)
-app.command("gather")(gather_command)
+app.command(epilog=f"Example: rcskin meter record sheet-5x5 --resource {VIRTUAL} -o run.nc")(record)
+app.command("gather", epilog="Example: rcskin meter gather run.nc -o so-far.nc")(gather_command)
 
 
 @app.command()
@@ -108,7 +110,7 @@ def identify(
         raise typer.Exit(1)
 
 
-@app.command()
+@app.command(epilog=f"Example: rcskin meter correct open --resource {VIRTUAL}")
 def correct(
     kind: Annotated[str, typer.Argument(help="open or short.")],
     resource: Resource,
@@ -133,7 +135,7 @@ def correct(
         say(f"open correction {state[0]}, short correction {state[1]}")
 
 
-@app.command()
+@app.command(epilog="Example: rcskin meter press 2,3")
 def press(
     press: Annotated[str, typer.Argument(help="ROW,COLUMN[:FACTOR], joined by '+', or none.")],
     control: ControlAddress = CONTROL,
@@ -157,7 +159,7 @@ def select(
     say(ask(control, "select", interface=interface))
 
 
-@app.command()
+@app.command(epilog="Example: rcskin meter misbehave late --times 2")
 def misbehave(
     kind: Annotated[
         str,

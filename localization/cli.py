@@ -12,8 +12,18 @@ from .commands.train import train
 from .paper.command import reproduce
 from .study.command import study
 
+EXAMPLES = {
+    reproduce: None,
+    study: "rcskin study sheet-5x5 -o study.csv",
+    gap: "rcskin gap all.nc run.nc -o gap",
+    train: "rcskin train skins.zarr -o columns.skops",
+    adapt: "rcskin adapt columns.skops run.nc -o better.skops",
+    evaluate: "rcskin evaluate columns.skops all.nc -o found",
+    localize: "rcskin localize columns.skops all.nc",
+}
+
 
 def add_commands(app: typer.Typer) -> None:
-    """Add the localizer's commands."""
-    for command in (reproduce, study, gap, train, adapt, evaluate, localize):
-        app.command()(command)
+    """Add the localizer's commands, each with an example."""
+    for command, example in EXAMPLES.items():
+        app.command(epilog=example and f"Example: {example}")(command)

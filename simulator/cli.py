@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import os
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, NoReturn
 
@@ -117,7 +116,7 @@ def keys() -> None:
     typer.echo(page(), nl=False)
 
 
-@app.command()
+@app.command(epilog="Example: rcskin new my.toml --from glove")
 def new(
     output: Annotated[Path, typer.Argument(help="MY.toml, to be changed in an editor.")],
     like: Annotated[
@@ -134,7 +133,7 @@ def new(
     say(f"{output}: begun from {like}; rcskin sweep {output} -o all.nc simulates it")
 
 
-@app.command()
+@app.command(epilog="Example: rcskin sweep sheet-5x5 -o all.nc")
 def sweep(
     scene: SceneName,
     output: Annotated[Path, typer.Option("--output", "-o", help="OUT.csv or OUT.nc.")],
@@ -193,19 +192,19 @@ def sweep(
     written(counted(sweeps.sizes), output)
 
 
-app.command()(describe)
-app.command("import")(import_sweeps)
-app.command()(join)
-app.command()(check)
-app.command()(plot)
-app.command()(dataset)
-app.command()(export)
-app.command()(calibrate)
-app.command()(limits)
-app.command()(frequencies)
-app.command()(design)
-app.command()(view)
-app.command()(page)
+app.command(epilog="Example: rcskin describe sheet-5x5 -o sheet.png")(describe)
+app.command("import", epilog="Example: rcskin import eis.csv --press none -o eis.nc")(import_sweeps)
+app.command(epilog="Example: rcskin join monday.nc tuesday.nc -o all.nc")(join)
+app.command(epilog="Example: rcskin check all.nc -o report.png")(check)
+app.command(epilog="Example: rcskin plot all.nc -o all.png")(plot)
+app.command(epilog="Example: rcskin dataset sheet-5x5 --sweeps 2000 -o skins.zarr")(dataset)
+app.command(epilog="Example: rcskin export skins.zarr -o skins.csv")(export)
+app.command(epilog="Example: rcskin calibrate sheet-5x5 run.nc -o found")(calibrate)
+app.command(epilog="Example: rcskin limits sheet-5x5 -o limits")(limits)
+app.command(epilog="Example: rcskin frequencies sheet-5x5 -n 8")(frequencies)
+app.command(epilog="Example: rcskin design sheet-5x5-two-interfaces --want 0.9 -o designed")(design)
+app.command(epilog="Example: rcskin view sheet-5x5 --press 2,3 --frequency 1e4 -o field.png")(view)
+app.command(epilog="Example: rcskin page sheet-5x5 -o skin.html")(page)
 
 
 def run(failures: tuple[type[Exception], ...] = ()) -> None:
@@ -301,16 +300,11 @@ def _full_stop(error: typer.TyperException) -> str:
     return "" if error.format_message().endswith(".") else "."
 
 
-def with_examples(commands: typer.Typer, examples: Mapping[str, str]) -> None:
-    """Have every command of which there is an example end its help with it.
-
-    Lists of commands show the whole first paragraph of each command's help.
-    """
+def with_short_help(commands: typer.Typer) -> None:
+    """Have lists of commands show the whole first paragraph of each command's help."""
     for each in commands.registered_commands:
         first, *_ = (getattr(each.callback, "__doc__", None) or "").split("\n\n")
         each.short_help = " ".join(first.split())
-        name = each.name or getattr(each.callback, "__name__", "")
-        each.epilog = f"Example: {examples[name]}" if name in examples else None
 
 
 def _end(message: str, code: int) -> NoReturn:

@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-from rcskin.__main__ import EXAMPLES, app, main
+from rcskin.__main__ import app, main
 from rcskin.simulator.scene.files import builtin_names, builtin_text
 from typer.main import get_command
 
@@ -68,6 +68,9 @@ def blocks(page, language):
     return [block for name, block in fenced if name == language]
 
 
+EXAMPLES = [each.epilog.split(": ", 1)[1] for each in app.registered_commands if each.epilog]
+
+
 def commands(page):
     """The lines of its blocks that call rcskin, without what is said of them."""
     lines = [line for block in blocks(page, "") for line in block.splitlines()]
@@ -118,7 +121,7 @@ def test_every_path_and_module_that_is_named_exists(page):
         assert find_spec(name) or hasattr(import_module(module), last), name
 
 
-@pytest.mark.parametrize("lines", [*map(commands, PAGES), [*EXAMPLES.values()]])
+@pytest.mark.parametrize("lines", [*map(commands, PAGES), EXAMPLES])
 def test_every_command_shown_exists_with_its_options(lines):
     known = get_command(app).commands
     for line in lines:
