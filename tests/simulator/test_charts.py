@@ -94,7 +94,11 @@ def test_names_stand_in_charts_as_they_are(tmp_path, name):
 
 def test_scripts_are_told_of_a_backend_that_matplotlib_has_not():
     told = subprocess.run(
-        [sys.executable, "-c", "import rcskin; rcskin.plot(None, 'chart.png')"],
+        [
+            sys.executable,
+            "-c",
+            "import rcskin, xarray as xr; rcskin.plot(xr.Dataset(), 'chart.png')",
+        ],
         env={**os.environ, "MPLBACKEND": "nonsense"},
         capture_output=True,
         text=True,
