@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from functools import partial
 from typing import Any, Literal
@@ -10,7 +9,8 @@ from typing import Any, Literal
 import numpy as np
 from sklearn.pipeline import Pipeline
 
-from ...simulator.sweeps import InputError, inputs
+from ...simulator.scene.files import parse_scene
+from ...simulator.sweeps import InputError
 from ..inputs.rest import FEWEST
 from ..inputs.samples import Problem
 from ..inputs.targets import CLASSES, TARGETS
@@ -109,25 +109,22 @@ def _check(problem: Problem, name: str, takes: Sequence[str]) -> None:
             f"`estimator` {name} takes the features {','.join(takes)}, "
             f"got {','.join(problem.quantities)}"
         )
-    try:
-        own = {each["name"]: each.get("frequencies") for each in _interfaces(problem.scene)}
-    except (tomllib.TOMLDecodeError, KeyError) as error:
-        raise InputError(f"`estimator` {name} needs the scene, which the sweeps lack") from error
-    known = tuple(own)
+    if not problem.scene:
+        raise InputError(f"`estimator` {name} needs the scene, which the sweeps lack")
+    interfaces = parse_scene(problem.scene, "the scene of the sweeps").interfaces
+    known = tuple(each.name for each in interfaces)
     if problem.interfaces != known:
         raise InputError(
             f"`estimator` {name} takes all interfaces of the scene, {', '.join(known)}, "
             f"got {', '.join(problem.interfaces)}"
         )
     asked = problem.frequencies
-    told = [np.isin(asked, asked if given is None else given) for given in own.values()]
+    told = [
+        np.isin(asked, asked if (own := each.frequencies) is None else own) for each in interfaces
+    ]
     whole = np.ones((len(known), len(problem.frequencies)), dtype=bool)
     if not np.array_equal(told, problem.taken or whole):
         raise InputError(
             f"`estimator` {name} takes each interface at the `frequencies` that the scene reads it "
             "at, and the sweeps were read at others"
         )
-
-
-def _interfaces(scene: str) -> list[dict[str, Any]]:
-    return inputs.tables(scene)["interface"]

@@ -13,6 +13,7 @@ from rcskin.localization.inversion.regions import regions_of
 from rcskin.localization.inversion.registered import ADAPTED, NAME, estimators
 from rcskin.localization.inversion.skins import ALIKE, SKINS_KEPT
 from rcskin.localization.trust.fitted import Regressor
+from rcskin.simulator.scene.files import builtin_text
 from rcskin.simulator.sweeps import InputError
 from sklearn.base import clone
 from sklearn.pipeline import Pipeline
@@ -20,7 +21,7 @@ from sklearn.pipeline import Pipeline
 COLUMNS, NUMBERS, NOISE, REST = 4, 8, 0.003, 8
 STRENGTHS = np.array([1.9, 2.0, 2.1])
 ALONG = np.linspace(0, 1, NUMBERS)
-SCENE = '[[interface]]\nname = "left"\n'
+SCENE = builtin_text("strip-1x3")
 
 
 def change(place, shade):
