@@ -41,9 +41,9 @@ def localize(
     answer is; and of positions x and y in mm and the strength, with their
     standard deviations, where there is one touch to place. --filter takes any model.
     """
+    from ...simulator.report.files import write_rows
     from ...simulator.sweeps import checked_output
     from ...simulator.sweeps.cells import guarded
-    from ..evaluation.report import write_table
     from ..inputs.reading import read_some
     from ..trust.answers import CANNOT_TELL
     from .asking import model_for, tell_known
@@ -61,7 +61,7 @@ def localize(
     _tell_unguarded(told, asked, resting)
     tell_known(told, asked, model)
     if output is not None:
-        write_table(output, header, rows)
+        write_rows(output, header, rows)
         silent = sum(row[2] == CANNOT_TELL for row in rows)
         say(f"answers: {len(rows)} sweeps, {silent} cannot be told -> {output}")
         return

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...simulator.charts import COLOURS, chart
 from ..inversion.region import Region
 from ..inversion.regions import PROBABILITY
 from ..trust.rates import CONFIDENCE, interval
@@ -16,10 +18,18 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-FACT, STATED = "#0072B2", "0.5"
+FACT, STATED = COLOURS[0], "0.5"
 BINS, LEAST_IN_BIN = 10, 10
 SHOWN = 61
 """Lines of a grid that regions are drawn on."""
+
+
+def draw_belief(path: Path, probability: NDArray[np.float64], right: NDArray[np.bool_]) -> None:
+    """Reliability, and risk against coverage, side by side; arguments as of `draw_reliability`."""
+    with chart(path, 9.5, 4.4) as figure:
+        stated, told = figure.subplots(1, 2)
+        draw_reliability(stated, probability, right)
+        draw_risk(told, probability, right)
 
 
 def draw_reliability(
@@ -57,11 +67,10 @@ def draw_risk(axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bo
     axes.plot(100 * told, 100 * promised, "--", color=STATED, label="promised")
     axes.set_xlim(0, 100)
     axes.set_ylim(0, None)
-    axes.grid(color="0.88")
     axes.set_xlabel("Answered, the most probable first (%)")
     axes.set_ylabel("Wrong among the answered (%)")
     axes.set_title(f"{100 * wrong[-1]:.1f} % wrong if all are answered")
-    axes.legend(frameon=False)
+    axes.legend()
 
 
 def risk(
@@ -125,4 +134,3 @@ def _diagonal(axes: Axes, low: float) -> None:
     axes.plot([low, 100], [low, 100], "--", color=STATED, linewidth=1)
     axes.set_xlim(low, 100.5)
     axes.set_ylim(low, 100.5)
-    axes.grid(color="0.88")

@@ -14,8 +14,8 @@ from sklearn.base import clone
 from sklearn.metrics import confusion_matrix
 from sklearn.pipeline import Pipeline
 
-from ...simulator.sweeps import checked_output, whole_file
-from ...simulator.sweeps.cells import Writer
+from ...simulator.report.files import write_rows
+from ...simulator.sweeps import checked_output
 
 HEADER = ("target", "output", "count")
 
@@ -67,13 +67,7 @@ def write_csv(confusion: Confusion, path: str | Path) -> None:
 
     Raises InputError where `path` does not end in .csv or its folder does not exist.
     """
-    with (
-        whole_file(checked_output(path, (".csv",))) as unfinished,
-        unfinished.open("w", newline="", encoding="utf-8") as file,
-    ):
-        writer = Writer(file)
-        writer.writerow(HEADER)
-        writer.writerows(confusion.table())
+    write_rows(checked_output(path, (".csv",)), HEADER, confusion.table())
 
 
 def _in_order(labels: Iterable[int | str]) -> list[int | str]:

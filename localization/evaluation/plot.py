@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.colors import to_rgb
 
+from ...simulator.charts import COLOURS
 from .confusion import Confusion
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-RIGHT, WRONG = "#56b4e9", "#e69f00"
-"""Sky blue and orange of M. Okabe and K. Ito, "Color Universal Design" (2008): told apart by all
-eyes, and light enough in grey print for black figures on them."""
+RIGHT, WRONG = COLOURS[5], COLOURS[4]
+"""Sky blue and orange: light enough in grey print for black figures on them."""
 MOST_NAMED = 50
 """Classes of a matrix that are all named beside it."""
 LARGEST, LEAST, LEAST_OF_TWO = 11.0, 4.0, 6.5
@@ -31,6 +31,7 @@ def draw_confusion(axes: Axes, confusion: Confusion) -> None:
     counts nothing; the percentage is left out where it has no room. The title tells the accuracy.
     This is the layout of MATLAB's `plotconfusion`.
     """
+    axes.grid(False)
     classes = np.arange(len(confusion.labels))
     axes.imshow(_colours(confusion))
     shown = classes[:: 1 + len(classes) // MOST_NAMED]
@@ -121,7 +122,6 @@ def draw_errors(axes: Axes, distance: NDArray[np.float64]) -> None:
     axes.plot(np.sort(distance), share)
     axes.set_xlim(0, None)
     axes.set_ylim(0, 100)
-    axes.grid(color="0.88")
     axes.set_xlabel("Error (mm)")
     axes.set_ylabel("Touches placed within (%)")
     median, most = np.quantile(distance, [0.5, 0.9])

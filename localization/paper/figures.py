@@ -50,7 +50,6 @@ def experiment_figure(path: Path, rehearsal: Rehearsal, confusion: Confusion) ->
         for axes, quantity in zip(top, UNITS, strict=True):
             _draw_quantity(axes, quantity, curves, rehearsal.measured)
         _draw_changes(bottom[0], curves, rehearsal)
-        bottom[1].grid(False)
         draw_confusion(bottom[1], confusion)
         handles, labels = bottom[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 8))

@@ -12,24 +12,24 @@ from sklearn import config_context
 
 from ...simulator.measure.experiment import METER, stream
 from ...simulator.measure.readout import read_out
-from ...simulator.models.solver import DEFAULT_RTOL
 from ...simulator.progress import Progress, tracked
+from ...simulator.report.files import write_frame
+from ...simulator.report.page import Picture, Section
 from ...simulator.scene.files import load_scene
-from ...simulator.sweeps import made_folder, whole_file, write
+from ...simulator.sweeps import made_folder, write
 from ..evaluation.confusion import Confusion, write_csv
 from ..evaluation.evaluation import UNCHECKED, cross_validate
 from ..inputs.features import PAPER
 from ..model.file import save
 from ..model.training import train
 from . import figures
-from .claim import RULES, Claim
+from .claim import Claim
 from .claims import all_claims
 from .reading import open_line_frequencies, paper_frequencies
 from .rehearsal import EXPERIMENTS, SHEETS, STRIPS, Rehearsal, rehearse, with_pixels
-from .report import Picture, Section, write_report
+from .report import write_report
 from .results import Results
 from .studies import (
-    DRAWS,
     contact_study,
     exact_sweeps,
     fewest_frequencies,
@@ -57,16 +57,8 @@ def reproduce(folder: Path, progress: Progress, ending: str = ".png") -> list[Cl
     claims = all_claims(results)
     _write_tables(folder, results, claims)
     pictures = draw(folder, results, progress, ending)
-    write_report(
-        folder / "report.html",
-        claims=sorted(claims, key=lambda claim: claim.agrees),
-        rules=RULES,
-        agreeing=sum(claim.agrees for claim in claims),
-        sections=pictures,
-        rtol=f"{DEFAULT_RTOL:g}",
-        software=results.rehearsals["sheet-5x5"].exact.attrs["software"],
-        draws=DRAWS,
-    )
+    software = results.rehearsals["sheet-5x5"].exact.attrs["software"]
+    write_report(folder / "report.html", claims, pictures, software)
     return claims
 
 
@@ -109,14 +101,9 @@ def _write_tables(folder: Path, results: Results, claims: list[Claim]) -> None:
         ("noise", results.noise),
         ("contacts", results.contact),
     ):
-        _write_table(study.to_series().reset_index(), folder / f"{name}.csv")
-    _write_table(_cutoffs(results.rehearsals), folder / "figure-2c.csv")
-    _write_table(pd.DataFrame(map(dataclasses.asdict, claims)), folder / "comparison.csv")
-
-
-def _write_table(table: pd.DataFrame, path: Path) -> None:
-    with whole_file(path) as unfinished:
-        table.to_csv(unfinished, index=False, lineterminator="\n")
+        write_frame(folder / f"{name}.csv", study.to_series().reset_index())
+    write_frame(folder / "figure-2c.csv", _cutoffs(results.rehearsals))
+    write_frame(folder / "comparison.csv", pd.DataFrame(map(dataclasses.asdict, claims)))
 
 
 def _cutoffs(rehearsals: Mapping[str, Rehearsal]) -> pd.DataFrame:

@@ -6,10 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from ...evaluation.belief import draw_belief
 from ..samples import TOLD
 from ..versions import BEFORE
 from .bars import draw_causes, draw_distributions
-from .curves import draw_accuracies, draw_belief, draw_distances
+from .curves import draw_accuracies, draw_distances
 from .matrices import draw_confusions
 
 if TYPE_CHECKING:
@@ -80,8 +81,11 @@ def _belief_chart(findings: Findings) -> list[Chart]:
         "How often answers of the model as it is are right against how probable it says they are, "
         "with 95 % intervals; and how many are wrong if only the most probable ones are told."
     )
-    chart = Chart("belief", told, lambda path: draw_belief(findings, path))
-    return [chart] if findings.model else []
+    if findings.model is None:
+        return []
+    judged = findings.model.judged
+    shown = judged.answers.probability, judged.right
+    return [Chart("belief", told, lambda path: draw_belief(path, *shown))]
 
 
 def _distribution_chart(findings: Findings) -> list[Chart]:

@@ -9,7 +9,6 @@ import numpy as np
 
 from ....simulator.charts import COLOURS, chart, frequency_axis
 from ....simulator.sweeps.restricting import all_of
-from ...evaluation.belief import draw_reliability, draw_risk
 from ..distance import QUANTITIES
 from ..samples import TOLD
 from ..versions import AFTER, BEFORE
@@ -94,16 +93,6 @@ def draw_accuracies(findings: Findings, path: Path) -> None:
             axes.set_ylim(0, 103)
         panels[0].set_ylabel(f"{target.capitalize()}s right (%)")
         _legend(figure, panels[0])
-
-
-def draw_belief(findings: Findings, path: Path) -> None:
-    """Reliability, and risk against coverage, of the user's model as it is."""
-    assert findings.model is not None
-    answers = findings.model.judged.answers
-    with chart(path, 9, 3.9) as figure:
-        stated, silent = figure.subplots(1, 2)
-        draw_reliability(stated, answers.probability, findings.model.judged.right)
-        draw_risk(silent, answers.probability, findings.model.judged.right)
 
 
 def _draw_transfer(axes: Axes, findings: Findings, name: str) -> None:

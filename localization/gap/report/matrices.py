@@ -49,7 +49,6 @@ def draw_confusions(findings: Findings, name: str, path: Path) -> None:
     with chart(path, 2 * side + 1, down * (side + 0.8)) as figure:
         panels = figure.subplots(down, 2, squeeze=False).ravel()
         for axes, (told, accuracy) in zip(panels, cases.items(), strict=False):
-            axes.grid(False)
             draw_confusion(axes, accuracy.confusion)
             lines = [*textwrap.wrap(told, TITLE_WIDTH, break_on_hyphens=False), axes.get_title()]
             axes.set_title("\n".join(lines), fontsize=9)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
-from rcskin.localization.evaluation.plan import draw_plan, plan_of
+from rcskin.localization.evaluation.plan import draw_plan, scene_of
 from rcskin.simulator.scene.files import load_scene, scene_text
 
 GLOVE = load_scene("glove")
@@ -13,7 +13,7 @@ GLOVE = load_scene("glove")
 def lines(text):
     """What is drawn of a scene, by label, mm."""
     axes = Figure().subplots()
-    draw_plan(axes, plan_of(xr.Dataset(attrs={"scene": text})))
+    draw_plan(axes, scene_of(xr.Dataset(attrs={"scene": text})))
     return {str(line.get_label()): line.get_xydata() for line in axes.lines}
 
 
@@ -38,4 +38,4 @@ def test_holes_are_drawn_and_foils_lie_in_their_circle():
 
 
 def test_what_is_no_scene_has_no_plan():
-    assert plan_of(xr.Dataset()) is None
+    assert scene_of(xr.Dataset()) is None

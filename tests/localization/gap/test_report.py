@@ -141,7 +141,6 @@ def test_classes_without_neighbours_are_no_unit(make_skin_sweeps, make_findings,
 def test_charts_stand_beside_the_page_where_that_is_asked_for(findings, tmp_path, monkeypatch):
     first = charts_of(findings)[:1]
     monkeypatch.setattr(report, "charts_of", lambda findings: first)
-    monkeypatch.setattr(report, "_rendered", lambda findings, drawn: "page")
     report.write_report(tmp_path, findings, ".svg")
     assert [path.stem for path in tmp_path.glob("*.svg")] == [first[0].name]
 
