@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...simulator.shown import terminal
+from ...simulator.shown import say, terminal
 from . import options
 from .options import as_typed
 
@@ -113,23 +113,13 @@ def gap(
 
 
 def _show(findings: Findings, report: Path) -> None:
-    from rich.table import Table
-
+    from ...simulator.report.terminal import table
     from ..gap.report.telling import cause_told, heads, rows_of, summary
 
-    table = Table("trained on", *heads(findings), box=None)
-    for row in rows_of(findings):
-        table.add_row(row.trained, *row.cells)
-    console = terminal()
-    console.print(table)
-    for line in (
-        *summary(findings),
-        cause_told(findings),
-        *findings.notes,
-        _written(findings, report),
-    ):
-        if line:
-            console.print(line, soft_wrap=True, highlight=False)
+    rows = ([row.trained, *row.cells] for row in rows_of(findings))
+    terminal().print(table(["trained on", *heads(findings)], rows))
+    told = *summary(findings), cause_told(findings), *findings.notes, _written(findings, report)
+    say(*filter(None, told))
 
 
 def _written(findings: Findings, report: Path) -> str:

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from ..asked.options import Charts, SceneName
-from ..shown import terminal
+from ..shown import say, terminal
 
 
 def calibrate(
@@ -118,6 +118,4 @@ def calibrate(
     console.print(table(calibration))
     if len(calibration.intervals) > 1:
         console.print(correlations(calibration, console))
-    for line in explanations(calibration):
-        console.print(line, soft_wrap=True, highlight=False)
-    console.print(f"{folder}: {', '.join(written)}", soft_wrap=True, highlight=False)
+    say(*explanations(calibration), f"{folder}: {', '.join(written)}")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..models.parameters import FACTORS
 from ..report.files import files_in, filled_at_once, write_json, write_rows, write_text
+from ..report.terminal import table as in_columns
 from ..scene.files import scene_text
 from ..shown import shown
 from .chart import draw_residuals
@@ -88,22 +89,16 @@ def correlations(calibration: Calibration, console: Console) -> Table | str:
     """Of the fitted parameters, or where they stand if the console is too narrow for them."""
     from rich.measure import Measurement
 
-    found = _correlation_table(calibration)
+    heads = ["correlation", *(str(k + 1) for k in range(len(_names(calibration))))]
+    rows = (
+        [f"{k + 1} {name}", *(f"{float(each):.2f}" for each in row[: k + 1])]
+        for k, (name, *row) in enumerate(_tied(calibration))
+    )
+    found = in_columns(heads, rows, range(1, len(heads)))
     room = console.options.update(max_width=WIDEST)
     if Measurement.get(console, room, found).minimum <= console.width:
         return found
     return f"correlations of {len(_names(calibration))} parameters: see correlation.csv"
-
-
-def _correlation_table(calibration: Calibration) -> Table:
-    from rich.table import Column, Table
-
-    names = _names(calibration)
-    numbered = [Column(str(k + 1), justify="right") for k in range(len(names))]
-    found = Table("correlation", *numbered, box=None)
-    for k, (name, *row) in enumerate(_tied(calibration)):
-        found.add_row(f"{k + 1} {name}", *(f"{float(each):.2f}" for each in row[: k + 1]))
-    return found
 
 
 def explanations(calibration: Calibration) -> list[str]:

@@ -139,14 +139,13 @@ def check(
         raise InputError(f"{', '.join(map(str, files))}: {error}") from error
     for each in set_back(sweeps):
         warn(each)
-    console = terminal()
-    console.print(verdict_table(judgements))
-    for line in explanations(judgements):
-        console.print(line, soft_wrap=True, highlight=False)
+    terminal().print(verdict_table(judgements))
+    if told := explanations(judgements):
+        say(*told)
     if report is not None:
         write_report(judgements, report)
     flagged = sum(bool(each.broken) for each in judgements)
-    console.print(f"{flagged} of {len(judgements)} spectra break a law", highlight=False)
+    say(f"{flagged} of {len(judgements)} spectra break a law")
     if flagged:
         raise typer.Exit(FLAGGED)
 

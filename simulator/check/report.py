@@ -10,6 +10,7 @@ import numpy as np
 
 from ..charts import ENDINGS
 from ..report.files import filled_at_once, write_rows
+from ..report.terminal import table
 from ..sweeps import InputError, checked_folder, checked_output
 from ..sweeps.laws.examination import Judgement
 from .residuals import draw_residuals
@@ -52,12 +53,9 @@ def write_report(judgements: Sequence[Judgement], path: Path) -> None:
 
 def verdict_table(judgements: Sequence[Judgement]) -> Table:
     """One line for every sweep at every interface."""
-    from rich.table import Column, Table
-
-    numbers = [Column(name, justify="right") for name in ("phase (deg)", "noise", "misfit")]
-    table = Table("sweep", "press", "interface", *numbers, "verdict", box=None)
-    for each in judgements:
-        table.add_row(
+    heads = ["sweep", "press", "interface", "phase (deg)", "noise", "misfit", "verdict"]
+    rows = (
+        [
             str(each.sweep),
             each.press,
             each.interface,
@@ -65,8 +63,10 @@ def verdict_table(judgements: Sequence[Judgement]) -> Table:
             f"{100 * np.median(each.noise):.2g} %",
             f"{100 * each.spectrum.misfit:.2g} %",
             _verdict(len(each.broken)),
-        )
-    return table
+        ]
+        for each in judgements
+    )
+    return table(heads, rows, (3, 4, 5))
 
 
 def _verdict(broken: int) -> str:

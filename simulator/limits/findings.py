@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from rich.table import Table
-
 from ..bounds.touches.errors import LaidErrors
 from ..measure.symmetry import repeated_told
 from ..report.files import filled_at_once, write_json
+from ..report.terminal import table
 from ..scene.scene import Scene
-from ..shown import terminal
+from ..shown import say, terminal
 from ..sweeps.meaning import bound_means
 from .figure import draw_distances, draw_maps
 from .identity import Identity
@@ -67,23 +66,21 @@ class Findings(NamedTuple):
 
     def show(self, folder: Path) -> None:
         """Print the first rows, and where all are."""
-        table = Table("", "median deviation of", *COLUMNS, box=None)
-        for variant in self.variants[:MOST_ROWS]:
-            numbers = summary(variant)
-            cells = [str(numbers[key]) for key in COLUMNS.values()]
-            table.add_row(variant.comparison, variant.name, *cells)
-        console = terminal()
-        console.print(f"of a touch: {self.question.told}", soft_wrap=True, highlight=False)
+        shown = [(variant, summary(variant)) for variant in self.variants[:MOST_ROWS]]
+        rows = (
+            [variant.comparison, variant.name, *(str(numbers[key]) for key in COLUMNS.values())]
+            for variant, numbers in shown
+        )
+        say(f"of a touch: {self.question.told}")
         if self.laid is not None:
-            console.print(f"  {self.laid.told}", soft_wrap=True, highlight=False)
-        console.print(table)
+            say(f"  {self.laid.told}")
+        terminal().print(table(["", "median deviation of", *COLUMNS], rows))
         left = len(self.variants) - MOST_ROWS
         more = [f"  {left} more rows in {folder / 'limits.json'}"] if left > 0 else []
         repeated = [f"  {line}" for line in repeated_told(self.scene)]
         meaning = f"  {bound_means(self.question.against_rest, 'a known skin')}"
-        told = *more, f"  {ERROR}", *repeated, *self.told_apart.lines(), meaning
-        for line in (*told, f"maps and tables in {folder}"):
-            console.print(line, soft_wrap=True, highlight=False)
+        say(*more, f"  {ERROR}", *repeated, *self.told_apart.lines(), meaning)
+        say(f"maps and tables in {folder}")
 
     def _draw(self, folder: Path, ending: str) -> None:
         for comparison in dict.fromkeys(variant.comparison for variant in self.variants):

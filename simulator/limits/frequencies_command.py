@@ -90,10 +90,16 @@ def frequencies(
 
 
 def _table(found: Design) -> Table:
-    from rich.table import Table
+    from ..report.terminal import table
 
-    table = Table("", "frequencies (Hz)", found.heading, found.over, box=None)
-    for name, chosen in found.sets.items():
-        told = ", ".join(f"{frequency:.6g}" for frequency in chosen)
-        table.add_row(name, told, found.told(name), f"{found.ratio(name):.3g}")
-    return table
+    heads = ["", "frequencies (Hz)", found.heading, found.over]
+    rows = (
+        [
+            name,
+            ", ".join(f"{frequency:.6g}" for frequency in chosen),
+            found.told(name),
+            f"{found.ratio(name):.3g}",
+        ]
+        for name, chosen in found.sets.items()
+    )
+    return table(heads, rows)
