@@ -18,7 +18,7 @@ Press = Callable[[Step], None]
 
 
 @dataclass(frozen=True)
-class Progress:
+class StepStatus:
     """How far a recording is.
 
     number: of the step, from 0. total: steps. left: s until the end, None where nothing tells it
@@ -47,7 +47,7 @@ class Operator(Protocol):
         """Whether the skin is mounted as it was when the last sweep was taken, so long ago."""
         ...
 
-    def press(self, step: Step, progress: Progress) -> bool:
+    def press(self, step: Step, progress: StepStatus) -> bool:
         """True when the skin is pressed and held, False where the step before is to be done again.
 
         Raises PressError where it cannot be pressed, KeyboardInterrupt where the recording is to
@@ -72,7 +72,7 @@ class Operator(Protocol):
         ...
 
 
-class Show(Protocol):
+class Display(Protocol):
     """Where the course of a recording is shown."""
 
     def begin(self, title: str, rest: Sweep | None) -> None: ...
@@ -89,7 +89,7 @@ class Machine:
     """
 
     by: Press
-    show: Show
+    show: Display
     retries: int = 3
     pause: float = 1.0
     spent: int = field(default=0, init=False)
@@ -99,7 +99,7 @@ class Machine:
         """A machine does not know."""
         return False
 
-    def press(self, step: Step, progress: Progress) -> bool:
+    def press(self, step: Step, progress: StepStatus) -> bool:
         """Have the machine press. Raises PressError where it fails."""
         if progress.number != self.current:
             self.current, self.spent = progress.number, 0

@@ -21,7 +21,7 @@ from ..switch.switch import Switch
 from .change import unseen_press
 from .checks import Judge, Limits
 from .journal import Entry, Header, Journal, differences, tell_if_set_back
-from .operators import Operator, Progress
+from .operators import Operator, StepStatus
 from .order import REST, Step, parse_step
 from .station import Station
 from .sweep import Sweep, check_frequencies, measure_sweep, now
@@ -138,7 +138,7 @@ class Course:
                 self._ends.append(time.monotonic())
                 return replace(entry, remarks=tuple(remarks))
 
-    def _attempt(self, step: Step, progress: Progress) -> Entry | None:
+    def _attempt(self, step: Step, progress: StepStatus) -> Entry | None:
         meter, task = self.station.ready(), self.task
         if not self.operator.press(step, progress):
             return None
@@ -156,12 +156,12 @@ class Course:
         require(meter, self.station.header.settings)
         return Entry(step.press, sweep, begun, now())
 
-    def _progress(self, number: int, rests: Sequence[Sweep]) -> Progress:
+    def _progress(self, number: int, rests: Sequence[Sweep]) -> StepStatus:
         """The time left is told from the median of the latest steps of this run."""
         total = len(self.task.order)
         taken = np.diff(self._ends[-LATEST:])
         left = float(np.median(taken)) * (total - number) if taken.size else None
-        return Progress(number, total, left, rests[-1] if rests else None)
+        return StepStatus(number, total, left, rests[-1] if rests else None)
 
 
 def _resumed(journal: Journal, task: Task) -> Header | None:

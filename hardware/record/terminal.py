@@ -12,7 +12,7 @@ import numpy as np
 from ..meter.errors import MeterError
 from ..meter.reading import Reading, Status
 from .change import percent_of_rest
-from .operators import Progress, Show
+from .operators import Display, StepStatus
 from .order import Step
 from .sweep import Sweep, Trace
 
@@ -149,7 +149,7 @@ class Person:
     """Someone at the keyboard who presses the skin and decides what is repeated."""
 
     console: Console
-    show: Show
+    show: Display
 
     def same_mounting(self, ago: str) -> bool:
         """What the person says."""
@@ -158,7 +158,7 @@ class Person:
             pass
         return answer == "n"
 
-    def press(self, step: Step, progress: Progress) -> bool:
+    def press(self, step: Step, progress: StepStatus) -> bool:
         """Tell what to press, and wait for Enter; False where the step before is to come again."""
         place = f"row {step.row}, column {step.column}" if step.row > 0 else step.press
         what = "Release the skin" if step.row == 0 else f"Press {place} and hold it"

@@ -16,7 +16,7 @@ from .parser import CommandError
 from .values import engineering, number, whole
 
 Read = Callable[[str], Any]
-Show = Callable[[Any], str]
+Format = Callable[[Any], str]
 
 
 def _one_of(*words: str) -> Read:
@@ -49,7 +49,7 @@ def _shown_average(value: int) -> str:
     return "OFF" if value == 1 else str(value)
 
 
-def _stored(header: str, name: str, read: Read, show: Show = str) -> Command:
+def _stored(header: str, name: str, read: Read, show: Format = str) -> Command:
     def tell(meter: Instrument, text: str) -> None:
         setattr(meter.settings, name, read(text))
         meter.changed()
@@ -64,7 +64,7 @@ def _set_each(meter: Instrument, which: str, name: str, value: Any) -> None:
     meter.changed()
 
 
-def _each_range(header: str, sibling: str, name: str, read: Read, show: Show) -> list[Command]:
+def _each_range(header: str, sibling: str, name: str, read: Read, show: Format) -> list[Command]:
     """The command of the IM3523 that names a range, and that of its siblings that does not."""
 
     def kept(meter: Instrument, n: int) -> str:
