@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from rcskin.benchmarks.bench import launch
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 NEEDS = {"scale/dataset": "psutil", "scale/cluster": "psutil"}
@@ -66,14 +67,26 @@ def test_quick_pass_of_twins_of_another_goal(target):
     assert "over TCP" in done.stdout
 
 
-def test_figures_of_a_quick_pass_are_not_published():
-    done = quick_pass("speed/assembly", "--into", str(BENCHMARKS))
-    assert done.returncode == 2
-    assert "do not belong" in done.stderr
+@pytest.fixture
+def quick_here(monkeypatch):
+    """A function: the exit code of a quick pass in this process, with the figures in a folder."""
+
+    def quick_here(name, folder):
+        monkeypatch.setattr(sys, "argv", [f"{name}.py", "--quick", "--into", str(folder)])
+        with pytest.raises(SystemExit) as ended:
+            launch(importlib.import_module(f"rcskin.benchmarks.{name.replace('/', '.')}").main)
+        return ended.value.code
+
+    return quick_here
 
 
-def test_folder_for_the_figures(tmp_path):
-    assert quick_pass("speed/assembly", "--into", str(tmp_path)).returncode == 0
+def test_figures_of_a_quick_pass_are_not_published(quick_here, capsys):
+    assert quick_here("speed/assembly", BENCHMARKS) == 2
+    assert "do not belong" in capsys.readouterr().err
+
+
+def test_folder_for_the_figures(quick_here, tmp_path):
+    assert not quick_here("speed/assembly", tmp_path)
     assert {path.name for path in (tmp_path / "results").iterdir()} == {
         "assembly.md",
         "assembly.csv",
