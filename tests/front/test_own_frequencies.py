@@ -131,7 +131,7 @@ def test_a_field_is_shown_at_the_frequencies_of_its_interface(scene, folder):
 def test_a_study_counts_what_is_read(scene, folder):
     asked = (
         "--vary",
-        "skin.sheet_resistance=4e4,5e4",
+        "skin.sheet_resistance=5e4",
         "--draws",
         "1",
         "--workers",

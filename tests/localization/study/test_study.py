@@ -28,12 +28,6 @@ def run_study():
     return run_study
 
 
-@pytest.fixture
-def unlearned(monkeypatch):
-    """No localizer is trained where separation alone is looked at."""
-    monkeypatch.setattr("rcskin.localization.study.point.held_out", lambda *given: [0.5])
-
-
 def test_a_point_is_a_data_set_of_its_scene_as_train_is_judged_by_it(run_study):
     """Of presses as strong as the scene says, on the skins that a data set draws."""
     found, (scene,), _ = run_study("sheet-4x4", "skin.foam.loss_tangent=0.01", repeated=False)
@@ -107,9 +101,10 @@ def test_rows_and_pixels_can_be_told_too(run_study, target):
         assert (found["accuracy"] > 0.9) == apart
 
 
+@pytest.mark.usefixtures("unlearned")
 def test_answers_name_the_best_and_what_is_as_good(run_study):
     found, _, axes = run_study(
-        "strip-1x3", "skin.sheet_resistance=1e3,1e4,1e5", "pixels.columns=2:3"
+        "strip-1x3", "skin.sheet_resistance=1e3,1e4,1e5", "pixels.columns=2:3", rtol=1e-2
     )
     found["accuracy"][:] = [[0.4, 0.5], [0.9, 0.86], [0.2, 0.9]]
     assert answers(found, axes) == [
