@@ -56,6 +56,12 @@ def tables(width: int, target: str) -> dict[str, Any]:
     }
 
 
+@pytest.fixture(autouse=True)
+def few_entries(monkeypatch):
+    """Conventions do not hang on how finely places are told apart."""
+    monkeypatch.setattr("rcskin.localization.inversion.position.GRID", (4, 4, 4))
+
+
 class _Wide:
     """Is given the tables that fit the features it is shown."""
 

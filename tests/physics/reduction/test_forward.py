@@ -20,6 +20,8 @@ FILMS = {"top-left": {"resistance": 200.0}, "bottom-left": {"resistance": 100.0}
 CROSSED = {"top-left": {"resistance": 200.0}, "bottom-bottom": {"resistance": 300.0}}
 FREQUENCIES = tuple(np.geomspace(1e3, 2e5, 5))
 RTOL = 1e-4
+ROUGH = 1e-2
+"""Of models whose own answers are compared with each other alone."""
 
 
 @pytest.fixture(scope="module")
@@ -88,7 +90,7 @@ def reader(request, make_scene, made):
     floating = load_scene(TWO_INTERFACES).with_({"pixels": 2})
     scene = floating if request.param == "floating" else make_scene(CROSSED)
     scene = scene.model_copy(update={"sweep": Sweep(frequencies=FREQUENCIES)})
-    return Forward(scene, rtol=RTOL, modes=4 if request.param == "uneven" else 1)
+    return Forward(scene, rtol=ROUGH, modes=4 if request.param == "uneven" else 1)
 
 
 @pytest.mark.parametrize("touches", [0, 1, 2, 4])

@@ -48,7 +48,7 @@ def test_a_terminal_shows_sets_of_frequencies_beside_each_other(run, scene_file,
     assert "frequencies (Hz)" in out and "over the best" in out
 
 
-def test_the_most_pixels_for_an_accuracy_are_printed(run):
+def test_the_most_pixels_for_an_accuracy_are_printed(run, coarse):
     code, out, err = run("limits", "strip-1x3", "--accuracy", "0.99", "--draws", "100")
     assert (code, err) == (0, "")
     column, pixel = out.splitlines()
@@ -77,7 +77,7 @@ def test_factor_and_size_reach_the_accuracies_too(run, tmp_path, scene_file):
     assert found["small"] < found["whole"] - 0.1
 
 
-def test_size_and_factor_hold_for_counts_of_pixels_too(run):
+def test_size_and_factor_hold_for_counts_of_pixels_too(run, coarse):
     asked = ("limits", "strip-1x3", "--accuracy", "0.99", "--draws", "50")
     whole, small, weak = (
         run(*asked, *more)[1] for more in ((), ("--size", "3"), ("--factor", "1.05"))

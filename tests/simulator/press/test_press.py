@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 from rcskin.simulator import sweeps
 from rcskin.simulator.press.press import Press, check_press, order, parse_press, require_plain
 from rcskin.simulator.press.touch import Depth, Disc, Force, Indentation, Polygon, Rectangle, Touch
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 from rcskin.simulator.sweeps.press_text import LEAST_FACTOR, MOST_FACTOR, MOST_FORCE
 
@@ -209,12 +209,13 @@ def test_a_press_on_the_skin_passes(text):
     assert check_press(press, load_scene("sheet-3x3")) is press
 
 
-def test_the_command_line_takes_places(run, tmp_path):
-    path = tmp_path / "x.csv"
+def test_the_command_line_takes_places(run, make_scene, tmp_path):
+    path, small = tmp_path / "x.csv", tmp_path / "small.toml"
+    small.write_text(scene_text(make_scene(frequencies=[1e3])))
     asked = ("--press", "rect(0.03,0.04,0.01,0.02):2", "--press", "disc(0.03,0.04,0.005)+1,1:3")
-    assert run("sweep", "sheet-5x5", *asked, "--rtol", 1e-2, "-o", path) == (
+    assert run("sweep", small, *asked, "--rtol", 1e-2, "-o", path) == (
         0,
-        f"2 sweeps x 20 frequencies -> {path}\n",
+        f"2 sweeps x 1 frequency -> {path}\n",
         "",
     )
     written = sweeps.read(path)
