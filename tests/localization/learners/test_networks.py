@@ -18,7 +18,7 @@ from sklearn.utils.estimator_checks import parametrize_with_checks
 
 FEW = ((2e-2, 80), (2e-3, 20))
 OF_COLUMNS = ((2e-3, 4000), (5e-4, 1000))
-OF_POSITIONS = ((2e-3, 800), (5e-4, 200))
+OF_POSITIONS = ((2e-3, 400), (5e-4, 100))
 SCENE = "[skin]\nlength = 0.06\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 6\n"
 SEEN = ("dlnZ", "dphase", "lnZ0", "phase0")
 

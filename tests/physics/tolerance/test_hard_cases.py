@@ -56,7 +56,7 @@ def kept_at(scene, press, rtol=RTOL):
 )
 def test_from_millihertz_to_a_hundred_megahertz(name, rtol):
     scene = load_scene(name)
-    sweep = scene.sweep.model_copy(update={"frequencies": tuple(np.geomspace(1e-3, 1e8, 8))})
+    sweep = scene.sweep.model_copy(update={"frequencies": tuple(np.geomspace(1e-3, 1e8, 5))})
     kept_at(scene.model_copy(update={"sweep": sweep}), parse_press("2,3", 2.0), rtol)
 
 
@@ -67,8 +67,15 @@ def test_sheet_resistance(make_scene, sheet_resistance):
     kept_at(scene, parse_press("2,3", 2.0))
 
 
-@pytest.mark.parametrize("metal", ["top", "bottom"])
-@pytest.mark.parametrize("contacts", [CROSSED, tabs(0.2, 0.5)], ids=["crossed", "tabs"])
+@pytest.mark.parametrize(
+    ("contacts", "metal"),
+    [
+        pytest.param(CROSSED, "top", id="crossed"),
+        pytest.param(CROSSED, "bottom", id="crossed, bottom"),
+        pytest.param(tabs(0.2, 0.5), "top", id="tabs", marks=pytest.mark.slow),
+        pytest.param(tabs(0.2, 0.5), "bottom", id="tabs, bottom"),
+    ],
+)
 def test_a_metal_sheet_against_a_resistive_one(make_scene, metal, contacts):
     """On tabs it is one field but for the metal's own spreading, 1e-6 of the whole."""
     sheets = {"top": 1e5, "bottom": 1e5, metal: 0.1}
@@ -77,7 +84,13 @@ def test_a_metal_sheet_against_a_resistive_one(make_scene, metal, contacts):
 
 
 @pytest.mark.parametrize(
-    "press", ["2,3:0.01", "2,3:1000", "2,1:1000+5,1:0.01", "1,1:3+2,2:0.5+5,5:9"]
+    "press",
+    [
+        "2,3:0.01",
+        pytest.param("2,3:1000", marks=pytest.mark.slow),
+        "2,1:1000+5,1:0.01",
+        "1,1:3+2,2:0.5+5,5:9",
+    ],
 )
 def test_capacitance_factors(make_scene, press):
     scene = make_scene(**SHEET, **PIXELS, frequencies=(1e3, 1e4, 2e5))
@@ -88,8 +101,7 @@ def test_capacitance_factors(make_scene, press):
     "resistance",
     [
         0.0,
-        *(pytest.param(each, marks=pytest.mark.slow) for each in (1e-6, 1.0, 5e3)),
-        1e-2,
+        *(pytest.param(each, marks=pytest.mark.slow) for each in (1e-6, 1e-2, 1.0, 5e3)),
         50,
         1e6,
     ],

@@ -163,8 +163,9 @@ def test_a_skin_without_symmetry_says_so():
     assert told.startswith("every pixel shows sweeps of its own")
 
 
-@pytest.mark.parametrize("kind", SKINS)
-@pytest.mark.parametrize("ending", ["svg", "png", "pdf"])
+@pytest.mark.parametrize(
+    ("kind", "ending"), [*((kind, "svg") for kind in SKINS), ("L", "png"), ("disc", "pdf")]
+)
 def test_a_drawing_names_foils_and_pixels(run, tmp_path, kind, ending):
     scene, path = skin(SKINS[kind]), tmp_path / f"out.{ending}"
     from rcskin.simulator.scene.files import scene_text

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rcskin.simulator.sweeps import (
     InputError,
@@ -29,6 +29,7 @@ def same_bits(first, second):
         assert first[name].dims == second[name].dims
 
 
+@settings(max_examples=5)
 @given(
     parts=st.lists(st.tuples(finite, finite, finite), min_size=12, max_size=12),
     frequency=st.lists(st.floats(1e-6, 1e12), min_size=3, max_size=3, unique=True).map(sorted),
