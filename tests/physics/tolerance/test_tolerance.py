@@ -60,7 +60,7 @@ def over_resolved(scene, press):
 ASKED = {"data": st.data(), "rtol": st.sampled_from([1e-2, 1e-3, 1e-4, 1e-5, 1e-6])}
 
 
-@settings(max_examples=3)
+@settings(max_examples=2)
 @given(**ASKED)
 def test_any_foils_and_presses(random, frequency_at, data, rtol):
     assert_kept_anywhere(random, frequency_at, data, rtol)
