@@ -70,8 +70,8 @@ def intervals(line, simulated, trials):
 
 
 def test_errors_are_as_large_as_the_intervals_say(line, simulated):
-    """Half of a 95 % interval is 1.96 deviations; 60 draws tell a deviation to 9 %."""
-    found = [each.intervals for each in intervals(line, simulated, 60)]
+    """Half of a 95 % interval is 1.96 deviations; 40 draws tell a deviation to 11 %."""
+    found = [each.intervals for each in intervals(line, simulated, 40)]
     for name in FITTED:
         low, high = np.array([each[name] for each in found]).T
         deviations = 1.96 * (low + high - 2 * TOLD[name]) / (high - low)
