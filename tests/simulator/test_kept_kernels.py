@@ -13,7 +13,7 @@ from rcskin.simulator.fem import kernels
 from rcskin.simulator.fem.assembly import fill, fill_readable
 
 PACKAGE = Path(rcskin.__file__).parent
-PARTS = ("__init__.py", "__main__.py", "api", "py.typed", "simulator", "localization", "hardware")
+PARTS = ("__init__.py", "__main__.py", "py.typed", "simulator", "localization", "hardware")
 SWEEP = ("sweep", "strip-1x3", "--model", "reduced", "--press", "1,1")
 
 

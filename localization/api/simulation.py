@@ -12,10 +12,10 @@ from .arguments import checked, path_of, refuse, scene_of, sweeps_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..simulator.models.reduced.model import Reduced
-    from ..simulator.models.solver import ModelName
-    from ..simulator.press.press import Press
-    from ..simulator.scene.scene import Scene
+    from ...simulator.models.reduced.model import Reduced
+    from ...simulator.models.solver import ModelName
+    from ...simulator.press.press import Press
+    from ...simulator.scene.scene import Scene
 
 
 def load(scene: str | Path) -> Scene:
@@ -23,7 +23,7 @@ def load(scene: str | Path) -> Scene:
 
     Raises InputError in one line naming the file, the key, the value and what is allowed.
     """
-    from ..simulator.scene.files import load_scene
+    from ...simulator.scene.files import load_scene
 
     return load_scene(path_of(scene, "scene"))
 
@@ -43,9 +43,9 @@ def sweep(
     and of Cp, 1e-8 to 1e-2. model: "auto", "lumped", "line", "sheet" or "reduced". Raises
     InputError for a press that does not fit the scene, ToleranceError where rtol cannot be kept.
     """
-    from ..simulator.measure.simulate import check_fits, simulate
-    from ..simulator.models.solver import Solver, checked_model
-    from ..simulator.press.press import every_press
+    from ...simulator.measure.simulate import check_fits, simulate
+    from ...simulator.models.solver import Solver, checked_model
+    from ...simulator.press.press import every_press
 
     scene = scene_of(scene)
     parsed = every_press(scene) if presses is None else _presses(scene, presses)
@@ -54,7 +54,7 @@ def sweep(
 
 
 def _presses(scene: Scene, given: Sequence[str | Press]) -> list[Press]:
-    from ..simulator.press.press import Press, press_on
+    from ...simulator.press.press import Press, press_on
 
     each = [given] if isinstance(given, str | Press) else given
     if not isinstance(each, Sequence) or not all(isinstance(one, str | Press) for one in each):
@@ -69,9 +69,9 @@ def measured(sweeps: xr.Dataset | str | Path, seed: int = 1) -> xr.Dataset:
     sweeps: or the path of their file. seed: of the noise. Raises InputError where the sweeps store
     no scene.
     """
-    from ..simulator.measure.simulate import read_by_meter
-    from ..simulator.scene.files import parse_scene
-    from ..simulator.sweeps import InputError
+    from ...simulator.measure.simulate import read_by_meter
+    from ...simulator.scene.files import parse_scene
+    from ...simulator.sweeps import InputError
 
     sweeps = sweeps_of(sweeps)
     text = str(sweeps.attrs.get("scene", ""))
@@ -91,9 +91,9 @@ def dataset(
     relative error of Rs and of Cp before the noise. Raises InputError where a number is out of
     range, ToleranceError where rtol cannot be kept.
     """
-    from ..simulator.dataset.memory import in_memory
-    from ..simulator.dataset.plan import Plan
-    from ..simulator.models.mechanics.in_depths import foldable
+    from ...simulator.dataset.memory import in_memory
+    from ...simulator.dataset.plan import Plan
+    from ...simulator.models.mechanics.in_depths import foldable
 
     return in_memory(Plan(foldable(scene_of(scene), "a data set"), sweeps, seed, rtol))
 
@@ -105,6 +105,6 @@ def reduce(scene: Scene | str | Path, rtol: float = 1e-4) -> Reduced:
     scene: or its name or path. rtol: the largest relative error of Rs and of Cp. Raises InputError
     for a scene that cannot be reduced, ToleranceError where rtol is out of reach.
     """
-    from ..simulator.models.reduced.greedy import reduce as reduced
+    from ...simulator.models.reduced.greedy import reduce as reduced
 
     return reduced(scene_of(scene), rtol)

@@ -12,9 +12,9 @@ from .arguments import checked, path_of, refuse, sweeps_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..localization.model.model import Model
-    from ..simulator.check.curves import Quantity
-    from ..simulator.scene.scene import Scene
+    from ...simulator.check.curves import Quantity
+    from ...simulator.scene.scene import Scene
+    from ..model.model import Model
 
 
 def read(path: str | Path) -> xr.Dataset:
@@ -36,7 +36,7 @@ def write(
     log. overwrite: replace also what was not made so. overwrite_measured: replace even measured
     sweeps. Raises InputError.
     """
-    from ..simulator.sweeps.writing import Occasion, on_occasion
+    from ...simulator.sweeps.writing import Occasion, on_occasion
 
     now = Occasion(overwrite=overwrite, overwrite_measured=overwrite_measured)
     with on_occasion(now):
@@ -46,16 +46,16 @@ def write(
 def _written(given: xr.Dataset | Model | Scene, path: str | Path) -> None:
     import xarray as xr
 
-    from ..simulator.scene.files import write_scene
-    from ..simulator.scene.scene import Scene
-    from ..simulator.sweeps import write as write_sweeps
+    from ...simulator.scene.files import write_scene
+    from ...simulator.scene.scene import Scene
+    from ...simulator.sweeps import write as write_sweeps
 
     if isinstance(given, xr.Dataset):
         return write_sweeps(given, path)
     if isinstance(given, Scene):
         return write_scene(path, given)
-    from ..localization.model.file import save
-    from ..localization.model.model import Model
+    from ..model.file import save
+    from ..model.model import Model
 
     if isinstance(given, Model):
         return save(path, given)
@@ -71,6 +71,6 @@ def plot(sweeps: xr.Dataset | str | Path, path: str | Path, what: Sequence[Quant
     Cp and, where the skin at rest was measured, their changes. Raises InputError for another ending
     or an absent folder.
     """
-    from ..simulator.check.page import draw
+    from ...simulator.check.page import draw
 
     return draw([sweeps_of(sweeps)], path_of(path), what)

@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from ..localization.evaluation.result import Evaluation
-    from ..localization.inputs.targets import Target
-    from ..localization.inversion.registered import EstimatorName
-    from ..localization.model.model import Model
-    from ..localization.trust.answers import Answers
+    from ..evaluation.result import Evaluation
+    from ..inputs.targets import Target
+    from ..inversion.registered import EstimatorName
+    from ..model.model import Model
+    from ..trust.answers import Answers
 
 
 @checked
@@ -33,7 +33,7 @@ def features(
     one text or one by one; by default changes from the unpressed skin or, where most presses have
     no sweep of it before them, Rs and Cp. Raises InputError where these cannot be had.
     """
-    from ..localization.inputs.samples import samples_of
+    from ..inputs.samples import samples_of
 
     samples = samples_of(sweeps_of(sweeps), target, quantities)
     return samples.X, samples.y
@@ -59,7 +59,7 @@ def train(
     to 1, on held-out sweeps. tune: choose the estimator's parameters by cross-validation. Raises
     InputError where these cannot be had, or the sweeps are of one class.
     """
-    from ..localization.model.training import train as trained
+    from ..model.training import train as trained
 
     return trained(
         sweeps_of(sweeps),
@@ -78,7 +78,7 @@ def load_model(path: str | Path) -> Model:
 
     Raises InputError in one line where the file holds none.
     """
-    from ..localization.model.file import load
+    from ..model.file import load
 
     return load(path_of(path))
 
@@ -110,7 +110,7 @@ def evaluate(
     model, sweeps, rest: as of `localize`. Sweeps that the model was trained or adapted on make the
     figures too good. Raises InputError for sweeps unlike those trained on.
     """
-    from ..localization.evaluation.result import evaluated
+    from ..evaluation.result import evaluated
 
     resting = None if rest is None else sweeps_of(rest, "rest")
     known = _model_of(model)
@@ -118,7 +118,7 @@ def evaluate(
 
 
 def _model_of(given: Model | str | Path) -> Model:
-    from ..localization.model.model import Model
+    from ..model.model import Model
 
     if isinstance(given, str | Path):
         return load_model(given)

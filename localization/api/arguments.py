@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..simulator.scene.scene import Scene
+    from ...simulator.scene.scene import Scene
 
 Given = ParamSpec("Given")
 Made = TypeVar("Made")
@@ -31,8 +31,8 @@ def checked(function: Callable[Given, Made]) -> Callable[Given, Made]:
     def call(*given: Given.args, **named: Given.kwargs) -> Made:
         from inspect import signature
 
-        from ..simulator.asked.numbers import check_numbers
-        from ..simulator.sweeps import InputError
+        from ...simulator.asked.numbers import check_numbers
+        from ...simulator.sweeps import InputError
 
         own = signature(function)
         bound = own.bind(*given, **named).arguments
@@ -98,8 +98,8 @@ KINDS: dict[str, tuple[str, Callable[[object], bool]]] = {
 
 def scene_of(given: Scene | str | Path) -> Scene:
     """The scene, or the one of that name or path. Raises InputError."""
-    from ..simulator.scene.files import load_scene
-    from ..simulator.scene.scene import Scene
+    from ...simulator.scene.files import load_scene
+    from ...simulator.scene.scene import Scene
 
     if isinstance(given, str | Path):
         return load_scene(given)
@@ -112,7 +112,7 @@ def sweeps_of(given: xr.Dataset | str | Path, name: str = "sweeps") -> xr.Datase
     """The sweeps, or those in the file at that path. name: of the argument. Raises InputError."""
     import xarray as xr
 
-    from ..simulator.sweeps import read
+    from ...simulator.sweeps import read
 
     if isinstance(given, str | Path):
         return read(given)
@@ -128,7 +128,7 @@ def path_of(given: str | Path, name: str = "path") -> str | Path:
 
 def refuse(name: str, allowed: str, given: object) -> NoReturn:
     """Raises InputError of an argument by its name, with what is allowed."""
-    from ..simulator.sweeps import InputError
+    from ...simulator.sweeps import InputError
 
     text = repr(given)
     brief = text if len(text) <= 60 and "\n" not in text else f"a {type(given).__name__}"

@@ -12,14 +12,14 @@ from .arguments import checked, scene_of, sweeps_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..localization.study.separation import Target as PixelTarget
-    from ..localization.study.study import Study, Vary
-    from ..simulator.bounds.readings import Target
-    from ..simulator.calibration.prior import Kind
-    from ..simulator.calibration.run import Calibration
-    from ..simulator.limits.limit import Limit
-    from ..simulator.scene.randomisation import AnyDistribution
-    from ..simulator.scene.scene import Scene
+    from ...simulator.bounds.readings import Target
+    from ...simulator.calibration.prior import Kind
+    from ...simulator.calibration.run import Calibration
+    from ...simulator.limits.limit import Limit
+    from ...simulator.scene.randomisation import AnyDistribution
+    from ...simulator.scene.scene import Scene
+    from ..study.separation import Target as PixelTarget
+    from ..study.study import Study, Vary
 
 
 @checked
@@ -40,9 +40,9 @@ def limits(
     drawn. against_rest: sweeps of the unpressed skin, whose mean each sweep is compared with; 0:
     with none. Raises InputError for a meter without noise.
     """
-    from ..simulator.limits import bayes_accuracy
-    from ..simulator.limits.limit import Limit
-    from ..simulator.models.mechanics.in_depths import foldable
+    from ...simulator.limits import bayes_accuracy
+    from ...simulator.limits.limit import Limit
+    from ...simulator.models.mechanics.in_depths import foldable
 
     known = foldable(scene_of(scene), "a limit")
     factors = _factors(known, presses)
@@ -85,7 +85,7 @@ def study(
     calls this under `if __name__ == "__main__":`. Raises InputError for a key or value that cannot
     be, ToleranceError where rtol cannot be kept.
     """
-    from ..localization.study.study import planned
+    from ..study.study import planned
 
     plan = planned(
         str(scene) if isinstance(scene, str | Path) else scene_of(scene),
@@ -124,12 +124,12 @@ def calibrate(
     anyway: take sweeps of another skin too. Raises InputError where sweeps and scene do not fit,
     ToleranceError where no model holds.
     """
-    from ..simulator.calibration.choice import Options
-    from ..simulator.calibration.prior import checked_kind
-    from ..simulator.calibration.run import calibrate as calibrated
-    from ..simulator.models.mechanics.in_depths import foldable
-    from ..simulator.scene.files import scene_text
-    from ..simulator.sweeps.same_skin import check_same_skin
+    from ...simulator.calibration.choice import Options
+    from ...simulator.calibration.prior import checked_kind
+    from ...simulator.calibration.run import calibrate as calibrated
+    from ...simulator.models.mechanics.in_depths import foldable
+    from ...simulator.scene.files import scene_text
+    from ...simulator.sweeps.same_skin import check_same_skin
 
     scene, sweeps = scene_of(scene), sweeps_of(sweeps)
     if not anyway:
