@@ -128,7 +128,9 @@ class Progress:
 
         among: those of them that the rung is of; all for None.
         """
-        asked = self._left if among is None else self._left[among]
+        left = np.ones(len(self._left), dtype=bool)
+        among = left if among is None else among
+        asked = self._left[among]
         within = (rung.error <= self.rtol) & np.isfinite(rung.Z)
         kept = within.all(axis=(0, 1))
         taken = asked[kept]
@@ -137,7 +139,8 @@ class Progress:
             self._served[index] = rung.model, rung.unknowns
         if not kept.all():
             self.reject(self._reason(rung, self._all[asked]))
-        self._left = np.setdiff1d(self._left, taken)
+        left[among] = ~kept
+        self._left = self._left[left]
         self._on_error(float(rung.error.max()))
 
     def reject(self, reason: str) -> None:
