@@ -133,30 +133,13 @@ def test_every_command_shown_exists_with_its_options(lines):
         assert {word for word in words if re.match(r"--?[a-z]", word)} <= options, line
 
 
-SMALLER = {"README.md": {"sheet-5x5": "sheet-3x3", "1000": "300"}}
-"""What examples run with in place of what they say, where that takes long."""
-
-
-def run_examples(page, folder, monkeypatch, smaller):
-    """One after the other, in a folder."""
-    monkeypatch.chdir(folder)
-    names = {}
-    for example in blocks(page, "python"):
-        for large, small in smaller.items():
-            example = example.replace(large, small)
-        exec(compile(example, page, "exec"), names)
-    assert names
-
-
 @pytest.mark.parametrize("page", WITH_PYTHON)
 def test_the_examples_run_one_after_the_other(page, tmp_path, monkeypatch):
-    run_examples(page, tmp_path, monkeypatch, SMALLER.get(page, {}))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("page", SMALLER)
-def test_the_examples_run_as_they_stand(page, tmp_path, monkeypatch):
-    run_examples(page, tmp_path, monkeypatch, {})
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    for example in blocks(page, "python"):
+        exec(compile(example, page, "exec"), names)
+    assert names
 
 
 def test_the_shell_block_of_the_front_page_can_be_pasted():
