@@ -153,7 +153,7 @@ class Link:
         settings = snapshot(meter)
         restore(meter, settings)
         self._station.header = Header(
-            scene=model.scene,
+            scene=model.problem.scene,
             name="live",
             interfaces=model.interfaces,
             frequencies=model.frequencies,

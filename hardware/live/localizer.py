@@ -13,7 +13,6 @@ from ...localization.inputs.features import needs_rest
 from ...localization.inversion.registered import answer_at_once
 from ...localization.model.file import load
 from ...localization.trust.answers import CANNOT_TELL
-from ...simulator.scene.files import parse_scene
 from .answer import NOTHING_PRESSED, Answer, answer_of_classes
 
 if TYPE_CHECKING:
@@ -40,10 +39,9 @@ def localizer_of(
     model = load(path)
     answer_at_once(model.pipeline)
     tell_age(model, path)
-    scene = parse_scene(model.scene, str(path))
     follower = Follower(model, touching, certain) if touching else None
     asker = Asker(model, certain, follower, within) if adaptive else None
-    return Localizer(model, scene, follower, asker)
+    return Localizer(model, model.known_scene, follower, asker)
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,7 @@ def as_dataset(
         press=presses,
         row=places,
         column=places,
-        attributes={"scene": model.scene},
+        attributes={"scene": model.problem.scene},
     )
 
 
@@ -80,7 +80,7 @@ def read_rest(paths: Sequence[Path], model: Model, *, anyway: bool = False) -> l
     sweeps = read_joined(paths)
     path = ", ".join(map(str, paths))
     if not anyway:
-        check_same_skin(str(sweeps.attrs.get("scene", "")), model.scene, path)
+        check_same_skin(str(sweeps.attrs.get("scene", "")), model.problem.scene, path)
     unpressed = sweeps.isel(sweep=np.flatnonzero(sweeps["press"].values == UNPRESSED))
     if not unpressed.sizes["sweep"]:
         raise InputError(f"{path}: holds no sweep of the skin at rest (press `none`)")

@@ -30,7 +30,7 @@ def model_for(
     from ..model.file import load
 
     model = load(path)
-    if model.scene and not sweeps.attrs.get("scene"):
+    if model.problem.scene and not sweeps.attrs.get("scene"):
         names = ", ".join(map(str, files))
         say(f"rcskin: note: {names}: stores no scene, so its skin is not checked", err=True)
     tell_age(model, path)

@@ -10,6 +10,7 @@ import numpy as np
 from sklearn import config_context
 
 from ...simulator.progress import Progress, silent, tracked
+from ...simulator.scene.files import carried_scene
 from ..inputs.features import Quantities, chosen_quantities, told_features
 from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import labels
@@ -124,7 +125,7 @@ def score(learned: Classifier | Regressor, samples: Samples) -> Score:
 
 
 def _placed(learned: Regressor, samples: Samples) -> PositionScore:
-    places = places_of(learned, samples.X, samples.problem.scene)
+    places = places_of(learned, samples.X, carried_scene(samples.problem.scene))
     pairs = zip(places, samples.y, strict=True)
     content = np.array([each.content(x, y) for each, (x, y, _) in pairs])
     some = np.unique(np.linspace(0, len(places) - 1, EXAMPLES).astype(int)).tolist()

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulator.sweeps import InputError
-from ..inputs.touches import plan_of_scene
+from ..inputs.touches import pitch
 from ..inversion.position import GRID
 from ..inversion.region import Region
 from ..model.model import Model
@@ -50,7 +49,7 @@ class Follower:
     """Follows the touches of one skin. Any model takes it.
 
     certain: the least probability that is answered; the model's own without. Raises InputError for
-    a model whose scene does not tell its pixels.
+    a model whose scene is not known.
     """
 
     def __init__(
@@ -149,7 +148,5 @@ def _chain(model: Model, touching: Touching) -> tuple[Grid | None, Chain]:
         grid = grid_of(model)
         rest = model.knows_rest
         return grid, chain_of_places(GRID[0], GRID[1], grid.cell, touching, rest=rest)
-    plan = plan_of_scene(model.scene)
-    if plan is None:
-        raise InputError("the model's scene does not tell its pixels, which --filter needs")
-    return None, chain_of_classes(model.target, model.classes, plan, touching)
+    steps = pitch(model.known_scene)
+    return None, chain_of_classes(model.target, model.classes, steps, touching)

@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 from scipy.stats import norm
 
-from ...simulator.sweeps import InputError
-from ..inputs.touches import plan_of_scene
 from ..inversion.adapted import AdaptedPosition
 from ..inversion.ground import Ground
 from ..inversion.position import BLUR, GRID, ModelBasedPosition
 from ..inversion.region import Places
+from ..inversion.regions import sides_of
 from ..model.model import Model
 from ..trust.fitted import Regressor
 
@@ -82,17 +81,12 @@ class Grid:
 
 
 def grid_of(model: Model) -> Grid:
-    """Of a model of positions. Raises InputError where its scene does not tell how large it is."""
+    """Of a model of positions. Raises InputError as `Model.known_scene`."""
     assert isinstance(model.learned, Regressor)
     step = model.pipeline[-1]
     if isinstance(step, ModelBasedPosition | AdaptedPosition):
         return Grid(model.learned, np.asarray(step.bounds_)[:2], step.ground)
-    plan = plan_of_scene(model.scene)
-    if plan is None:
-        raise InputError(
-            "the model's scene does not tell the size of its skin, which --filter needs"
-        )
-    return Grid(model.learned, 1e3 * np.array([[0, plan.length], [0, plan.width]]))
+    return Grid(model.learned, sides_of(model.known_scene))
 
 
 def _along(

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.sweeps.press_text import named_pixels
-from ..inputs.touches import Plan
 from .chain import Chain
 from .touching import Touching
 
@@ -20,15 +19,14 @@ Spots = frozenset[tuple[int, int]]
 
 
 def chain_of_classes(
-    target: str, classes: Sequence[int | str], plan: Plan, touching: Touching
+    target: str, classes: Sequence[int | str], pitch: tuple[float, float], touching: Touching
 ) -> Chain:
     """States: each class, then whatever is none of them.
 
-    target, classes: of a localizer, with numbers or texts as `labels` tells them. plan: of its
-    skin.
+    target, classes: of a localizer, with numbers or texts as `labels` tells them. pitch: from
+    a row of pixels to the next, and from a column to the next, m.
     """
-    pitch = (1e3 * plan.width / plan.rows, 1e3 * plan.length / plan.columns)
-    crossing = [touching.crossings(each) for each in pitch]
+    crossing = [touching.crossings(1e3 * each) for each in pitch]
     if target == "touches":
         return _counted([int(each) for each in classes], touching)
     states = [_spots(target, str(each)) for each in classes]

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import math
-import tomllib
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.sweeps import InputError, inputs
+from ...simulator.scene.files import scene_of_sweeps
+from ...simulator.sweeps import InputError
 from ...simulator.sweeps.press_text import WrittenTouch, parse_touches
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
+
+    from ...simulator.scene.scene import Scene
 
 MOST = 2
 """Touches that a localizer tells apart."""
@@ -38,16 +37,6 @@ class Touches:
     factor: NDArray[np.float64]
 
 
-class Plan(NamedTuple):
-    """What places a scene's pixels: sides in m, numbers; and the factor where none is told."""
-
-    length: float
-    width: float
-    rows: int
-    columns: int
-    factor: float
-
-
 def touches_of(sweeps: xr.Dataset) -> Touches:
     """The touches of each sweep.
 
@@ -57,7 +46,7 @@ def touches_of(sweeps: xr.Dataset) -> Touches:
     if all(name in sweeps for name in NUMBERS):
         count, x, y, factor = (sweeps[name].values for name in NUMBERS)
         return Touches(count.astype(int), *(a.astype(np.float64) for a in (x, y, factor)))
-    return _of_texts(sweeps, None)
+    return _of_texts(sweeps, scene_of_sweeps(sweeps))
 
 
 def with_factors(sweeps: xr.Dataset) -> xr.Dataset:
@@ -67,24 +56,22 @@ def with_factors(sweeps: xr.Dataset) -> xr.Dataset:
     Raises InputError as `touches_of` and, where neither the press nor the scene says a factor, as
     `factors_under`.
     """
-    from ...simulator.measure.under_touches import factors_under
-
-    texts, plan = np.unique(sweeps["press"].values.astype(str)), plan_of(sweeps)
-    if all(name in sweeps for name in NUMBERS) or all(_said(str(each), plan) for each in texts):
+    texts, scene = np.unique(sweeps["press"].values.astype(str)), scene_of_sweeps(sweeps)
+    if all(name in sweeps for name in NUMBERS) or all(_said(str(each), scene) for each in texts):
         return sweeps
     count = counts_of(sweeps)
-    told, asked = count <= MOST, partial(factors_under, str(sweeps.attrs.get("scene", "")))
-    found = _of_texts(sweeps.isel(sweep=told), asked)
+    told = count <= MOST
+    found = _of_texts(sweeps.isel(sweep=told), scene, mechanical=True)
     numbers = np.zeros((3, len(count), MOST))
     numbers[:, told] = found.x, found.y, found.factor
     arrays = {name: (("sweep", "touch"), a) for name, a in zip(NUMBERS[1:], numbers, strict=True)}
     return sweeps.assign({NUMBERS[0]: ("sweep", count), **arrays})
 
 
-def _of_texts(sweeps: xr.Dataset, factors: Callable[[str], Sequence[float]] | None) -> Touches:
+def _of_texts(sweeps: xr.Dataset, scene: Scene | None, *, mechanical: bool = False) -> Touches:
+    """mechanical: depths and forces are taken, too."""
     texts, index = np.unique(sweeps["press"].values.astype(str), return_inverse=True)
-    plan = plan_of(sweeps)
-    told = [_touches(str(text), plan, factors) for text in texts]
+    told = [_touches(str(text), scene, mechanical) for text in texts]
     numbers = np.zeros((3, len(texts), MOST)) + np.array([0, 0, 1.0]).reshape(3, 1, 1)
     for k, touches in enumerate(told):
         for t, touch in enumerate(touches):
@@ -111,25 +98,9 @@ def pressed_pixels(text: str) -> list[tuple[int, int]] | None:
     return sorted(touch.pixel for touch in touches)
 
 
-def plan_of(sweeps: xr.Dataset) -> Plan | None:
-    """Of the scene that the sweeps carry; None where they carry none of that much."""
-    return plan_of_scene(str(sweeps.attrs.get("scene", "")))
-
-
-def plan_of_scene(text: str) -> Plan | None:
-    """Of a scene's TOML text; None where it does not tell that much."""
-    try:
-        table = inputs.tables(text)
-        skin, pixels = table["skin"], table["pixels"]
-        return Plan(
-            float(skin["length"]),
-            float(skin["width"]),
-            int(pixels["rows"]),
-            int(pixels["columns"]),
-            float(table.get("press", {}).get("capacitance_factor", math.nan)),
-        )
-    except (tomllib.TOMLDecodeError, KeyError, TypeError, ValueError):
-        return None
+def pitch(scene: Scene) -> tuple[float, float]:
+    """From a row of pixels to the next, and from a column to the next, m."""
+    return scene.skin.width / scene.pixels.rows, scene.skin.length / scene.pixels.columns
 
 
 def _written(text: str) -> list[WrittenTouch]:
@@ -139,36 +110,37 @@ def _written(text: str) -> list[WrittenTouch]:
     return touches
 
 
-def _touches(
-    text: str, plan: Plan | None, factors: Callable[[str], Sequence[float]] | None
-) -> list[tuple[float, float, float]]:
+def _touches(text: str, scene: Scene | None, mechanical: bool) -> list[tuple[float, float, float]]:
     """x and y in m and factor of each touch."""
+    from ...simulator.measure.under_touches import factors_under
+
     written = _written(text)
-    if factors is None or _said(text, plan):
-        own = [_factor(each, text, plan) for each in written]
+    if mechanical and scene is not None and not _said(text, scene):
+        own = factors_under(scene, text)
     else:
-        own = factors(text)
-    centres = [_centre(each, text, plan) for each in written]
+        own = [_factor(each, text, scene) for each in written]
+    centres = [_centre(each, text, scene) for each in written]
     return [(*centre, factor) for centre, factor in zip(centres, own, strict=True)]
 
 
-def _said(text: str, plan: Plan | None) -> bool:
+def _said(text: str, scene: Scene | None) -> bool:
     """Whether the text or the scene says the factor of each touch."""
-    known = plan is not None and math.isfinite(plan.factor)
+    known = scene is not None and scene.press.plain
     return all(
         known if each.strength is None else not each.strength.unit for each in parse_touches(text)
     )
 
 
-def _centre(touch: WrittenTouch, text: str, plan: Plan | None) -> tuple[float, float]:
+def _centre(touch: WrittenTouch, text: str, scene: Scene | None) -> tuple[float, float]:
     if touch.kind == "poly":
         return _centroid(np.reshape(touch.numbers, (-1, 2)), text)
     if touch.kind != "pixel":
         return touch.numbers[0], touch.numbers[1]
-    if plan is None:
+    if scene is None:
         raise InputError(f"press {text!r}: its pixels have no place, the sweeps carry no scene")
     row, column = touch.pixel
-    return (column - 0.5) * plan.length / plan.columns, (row - 0.5) * plan.width / plan.rows
+    height, width = pitch(scene)
+    return (column - 0.5) * width, (row - 0.5) * height
 
 
 def _centroid(corners: NDArray[np.float64], text: str) -> tuple[float, float]:
@@ -181,14 +153,13 @@ def _centroid(corners: NDArray[np.float64], text: str) -> tuple[float, float]:
     return float(corners[0, 0] + away[0]), float(corners[0, 1] + away[1])
 
 
-def _factor(touch: WrittenTouch, text: str, plan: Plan | None) -> float:
+def _factor(touch: WrittenTouch, text: str, scene: Scene | None) -> float:
     if touch.strength is None:
-        factor = math.nan if plan is None else plan.factor
-        if not math.isfinite(factor):
+        if scene is None or not scene.press.plain:
             raise InputError(
                 f"press {text!r}: says no capacitance factor, nor does a scene of the sweeps"
             )
-        return factor
+        return scene.press.capacitance_factor
     if touch.strength.unit:
         other = "depth" if touch.strength.unit == "m" else "force"
         raise InputError(f"press {text!r}: needs a capacitance factor here, not a {other}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile
@@ -60,7 +61,7 @@ def load(path: str | Path) -> Model:
     fields = _trusted_content(path, data)
     try:
         count_cores()
-        return _sound(model_of(fields))
+        return replace(_sound(model_of(fields)), source=str(path))
     except EarlierLayoutError as error:
         raise InputError(f"{path}: {error}") from error
     except UnsoundError as error:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from sklearn.pipeline import Pipeline
 
+from ...simulator.scene.files import carried_scene
 from ...simulator.shown import Tabular
 from ...simulator.sweeps import InputError
 from ..inputs.features import changes_from_rest, told_features
@@ -24,6 +25,8 @@ from .likeness import check_like_training
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
+
+    from ...simulator.scene.scene import Scene
 
 
 SOFTWARE = ("rcskin", "scikit-learn", "skops")
@@ -59,6 +62,8 @@ class Model(Tabular):
     """Of positions: tells how many touches there are; None where the training showed only one."""
     anyway: bool = False
     """Whether it answers sweeps of another skin too."""
+    source: str = field(default="the model", compare=False)
+    """What errors call it: its file."""
 
     def _table(self) -> tuple[str, list[tuple[object, ...]]]:
         header = "target", "estimator", "features", "frequencies", "trained on", "held out"
@@ -119,9 +124,17 @@ class Model(Tabular):
         }
 
     @property
-    def scene(self) -> str:
-        """TOML text of the skin it was trained for; empty where unknown."""
-        return self.problem.scene
+    def scene(self) -> Scene | None:
+        """The scene that it was trained for, None where unknown; raises as `carried_scene`."""
+        return carried_scene(self.problem.scene, self.source)
+
+    @property
+    def known_scene(self) -> Scene:
+        """The scene that it was trained for. Raises InputError as `scene`, and where unknown."""
+        if self.scene is None:
+            told = "was trained on sweeps that carry no scene, which is needed here"
+            raise InputError(f"{self.source}: {told}")
+        return self.scene
 
     @property
     def classes(self) -> tuple[int | str, ...]:

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
 from ..models.mechanics.indentation import pressed
 from ..press.press import parse_press, press_on, strength_of
-from ..scene.files import parse_scene
 from ..scene.scene import Scene
 from ..sweeps.press_text import JOINT
 
@@ -16,21 +13,14 @@ FACTOR_RTOL = 1e-3
 """Of the deflection beside an applicator of a given force, which tells how deep that goes."""
 
 
-def factors_under(text: str, press: str) -> list[float]:
+def factors_under(scene: Scene, press: str) -> list[float]:
     """The factor under each touch, in the order in which they are written.
 
-    text: TOML of the scene. Raises InputError for a scene that is not valid, a press that does not
-    fit it, and as `pressed`.
+    Raises InputError for a press that does not fit the scene, and as `pressed`.
     """
-    scene = _scene(text)
     whole, default = press_on(scene, press), strength_of(scene.press)
     known = {str(touch): touch.factor for touch in whole.sharp.touches}
     if whole.indented:
         under = scene.pressed_factors(np.array(pressed(scene, whole, FACTOR_RTOL).depth))
         known |= dict(zip(map(str, whole.indented), under.tolist(), strict=True))
     return [known[str(parse_press(part, default))] for part in JOINT.split(press)]
-
-
-@lru_cache(maxsize=4)
-def _scene(text: str) -> Scene:
-    return parse_scene(text, "the scene of the sweeps")

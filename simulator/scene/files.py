@@ -6,7 +6,9 @@ import json
 import re
 import tomllib
 from difflib import get_close_matches
+from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import tomli_w
 from pydantic import ValidationError
@@ -19,6 +21,9 @@ from ..sweeps.units import in_si
 from .map_file import with_grids
 from .scene import Scene
 from .validation import one_line
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 NAME = re.compile(r'^name = "[^"]*"\ndescription = "[^"]*"', flags=re.MULTILINE)
 AT_LINE = re.compile(r"at line (\d+)")
@@ -95,6 +100,20 @@ def parse_scene(text: str, source: str, folder: Path | None = None) -> Scene:
         raise InputError(f"{source}: {error}") from error
     except ValidationError as error:
         raise InputError(f"{source}: {one_line(error, Scene)}") from error
+
+
+@lru_cache(maxsize=8)
+def carried_scene(text: str, source: str = "the scene of the sweeps") -> Scene | None:
+    """The scene that a file carries as text, parsed once; None of an empty text.
+
+    Arguments and errors as of `parse_scene`.
+    """
+    return parse_scene(text, source) if text else None
+
+
+def scene_of_sweeps(sweeps: xr.Dataset) -> Scene | None:
+    """The scene that sweeps carry, None where they carry none; raises as `carried_scene`."""
+    return carried_scene(str(sweeps.attrs.get("scene", "")))
 
 
 def _slip(text: str, error: tomllib.TOMLDecodeError) -> str:

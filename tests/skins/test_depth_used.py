@@ -95,7 +95,7 @@ def test_forces_stand_for_the_depths_that_they_take(caplog):
     """Without tension of the foam's own law; with it of what the membrane adds."""
     scene = strip(tension=0.0, force=4.0)
     foam, area = scene.skin.foam.mechanics, 0.03 * 0.03
-    (factor,) = factors_under(scene_text(scene), "1,1:4N")
+    (factor,) = factors_under(scene, "1,1:4N")
     strain = foam.strain_at(np.array(factor))
     assert foam.elastic.stress(strain) * area == pytest.approx(4.0, rel=1e-6)
     with caplog.at_level(logging.INFO):

@@ -64,7 +64,7 @@ class Columns:
             interfaces=self.interfaces,
             frequencies=frequencies,
             of_each={},
-            scene=SCENE.read_text(),
+            problem=SimpleNamespace(scene=SCENE.read_text()),
         )
 
     def worded(self, answer):

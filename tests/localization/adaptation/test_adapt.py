@@ -8,6 +8,7 @@ from rcskin.localization.adaptation.adaptation import adapted
 from rcskin.localization.adaptation.places import adapted_places
 from rcskin.localization.model.file import load, save
 from rcskin.localization.model.training import train
+from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, concatenate, write
 
 FREQUENCY = np.geomspace(1e3, 200e3, 20)
@@ -141,8 +142,9 @@ def folder(model, other, make_sweeps, tmp_path_factory):
 
 
 def _placed(sweeps):
-    text = "[skin]\nlength = 0.03\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 3\n"
-    return sweeps.assign_attrs(scene=text)
+    return sweeps.assign_attrs(
+        scene=scene_text(load_scene("strip-1x3").with_({"skin.length": 0.03}))
+    )
 
 
 def test_figures_before_and_after_are_told(run, folder, tmp_path):

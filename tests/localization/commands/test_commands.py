@@ -4,9 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 import skops.io
+from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.sweeps import concatenate, read, write
 
-SCENE = "[skin]\nlength = 0.03\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 3\n"
+SCENE = scene_text(load_scene("strip-1x3").with_({"skin.length": 0.03}))
 
 
 @pytest.fixture(scope="module")

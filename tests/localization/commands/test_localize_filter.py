@@ -5,9 +5,10 @@ import io
 
 import numpy as np
 import pytest
+from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.sweeps import concatenate, write
 
-SCENE = "[skin]\nlength = 0.03\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 3\n"
+SCENE = scene_text(load_scene("strip-1x3").with_({"skin.length": 0.03}))
 LASTS, NOISE = 3, 0.012
 """Sweeps that a touch lasts, and the meter's error: one sweep alone is not always told right."""
 

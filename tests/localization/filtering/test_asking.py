@@ -13,6 +13,7 @@ from rcskin.localization.inversion.classifier import ModelBased
 from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.localization.trust.answers import CANNOT_TELL
 from rcskin.localization.trust.fitted import Classifier, Regressor
+from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.sweeps import InputError, build
 from sklearn.pipeline import Pipeline
 
@@ -23,7 +24,7 @@ NOISE, STRENGTHS = 0.003, np.linspace(1.8, 2.2, 3)
 ABOUT_REST = 1e4 - 1e4j
 TURN = np.array([[0.0], [1.0]])
 """s of a turn from left to bottom, where a reading takes 0.02 s."""
-SCENE = 'name = "flat"\n[skin]\nlength = 0.12\nwidth = 0.12\n[pixels]\nrows = 2\ncolumns = 3\n'
+SCENE = load_scene("sheet-5x5").with_({"pixels.rows": ROWS, "pixels.columns": COLUMNS})
 
 
 def change(row, column, strength):
@@ -61,7 +62,7 @@ def model_of(step, learned, target, knows_rest=True):
         classes=tuple(step.classes_.tolist()) if target != "position" else (),
         knows_rest=knows_rest,
         problem=SimpleNamespace(taken=()),
-        scene=SCENE,
+        known_scene=SCENE,
         gate=None,
     )
 

@@ -8,11 +8,11 @@ import pytest
 from rcskin.localization.filtering.chain import Belief, Cut, Evidence
 from rcskin.localization.filtering.states import chain_of_classes, chain_of_places
 from rcskin.localization.filtering.touching import Touching
-from rcskin.localization.inputs.touches import Plan
 from rcskin.simulator.sweeps import InputError
 from scipy.linalg import expm
 
-PLAN = Plan(0.12, 0.12, 2, 3, 2.0)
+PITCH = (0.06, 0.04)
+"""m, of rows and of columns."""
 TOUCHING = Touching(lasts=2.0, every=5.0, speed=20.0)
 TARGETS = {
     "column": [0, 1, 2, 3],
@@ -24,7 +24,7 @@ TARGETS = {
 
 @pytest.fixture(params=TARGETS)
 def chain(request):
-    return chain_of_classes(request.param, TARGETS[request.param], PLAN, TOUCHING)
+    return chain_of_classes(request.param, TARGETS[request.param], PITCH, TOUCHING)
 
 
 def rates(chain):
@@ -57,7 +57,7 @@ def within(chain, seen, seconds):
 @pytest.mark.parametrize("cuts", [0, 1, 3])
 def test_the_forward_pass_is_the_sum_over_all_paths(cuts):
     random = np.random.default_rng(cuts)
-    chain = chain_of_classes("column", [0, 1, 2], PLAN, TOUCHING)
+    chain = chain_of_classes("column", [0, 1, 2], PITCH, TOUCHING)
     states, spans = len(chain.stationary), [(0.0, 0.4), (0.3, 0.5), (1.0, 0.2)]
     seen = [evidence(random, states, cuts) for _ in spans]
     belief = chain.start()
@@ -79,7 +79,7 @@ def test_the_forward_pass_is_the_sum_over_all_paths(cuts):
 @pytest.mark.parametrize("kinds", [None, [0, 1, 1, 2]])
 def test_the_chance_of_a_change_is_summed_over_paths_to_states_of_another_kind(kinds):
     random = np.random.default_rng(7)
-    chain = chain_of_classes("column", [0, 1, 2], PLAN, TOUCHING)
+    chain = chain_of_classes("column", [0, 1, 2], PITCH, TOUCHING)
     chain = replace(chain, kinds=None if kinds is None else np.array(kinds))
     belief, seen = Belief(random.dirichlet(np.ones(4))), evidence(random, 4, 3)
     paths = belief.states[:, None] * within(chain, seen, 0.4)
@@ -110,7 +110,7 @@ def test_touches_last_and_come_as_told(chain):
 
 
 def test_touches_move_to_neighbours_alone_and_as_fast_as_told():
-    leaving = rates(chain_of_classes("column", TARGETS["column"], PLAN, TOUCHING))
+    leaving = rates(chain_of_classes("column", TARGETS["column"], PITCH, TOUCHING))
     assert leaving[1, 3] == 0
     assert leaving[2, 1] == leaving[2, 3] == pytest.approx(20.0 / 40.0 / 2)
 
@@ -130,7 +130,7 @@ def test_places_are_wandered_over_as_far_as_told():
 
 
 def test_a_change_in_mid_sweep_is_noticed_and_evidence_of_nothing_changes_little():
-    chain = chain_of_classes("column", TARGETS["column"], PLAN, TOUCHING)
+    chain = chain_of_classes("column", TARGETS["column"], PITCH, TOUCHING)
     one, other, far = np.array([0, -50.0, -50, -50, -50]), np.full(5, -50.0), np.full(5, -60.0)
     other[2] = 0.0
     resting = Belief(np.array([0.99, 0.0025, 0.0025, 0.0025, 0.0025]))
@@ -143,7 +143,7 @@ def test_a_change_in_mid_sweep_is_noticed_and_evidence_of_nothing_changes_little
 
 
 def test_chains_of_models_that_know_no_rest_lead_everywhere():
-    chain = chain_of_classes("column", [1, 2, 3], PLAN, TOUCHING)
+    chain = chain_of_classes("column", [1, 2, 3], PITCH, TOUCHING)
     assert (transitions(chain, 1.0) > 0).all()
 
 

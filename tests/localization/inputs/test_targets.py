@@ -4,18 +4,19 @@ import numpy as np
 import pytest
 from rcskin.localization.inputs.targets import has_target, labels, positions
 from rcskin.localization.inputs.touches import touches_of
+from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 
-SCENE = """
-[skin]
-length = 0.12
-width = 0.06
-[pixels]
-rows = 2
-columns = 4
-[press]
-capacitance_factor = 1.7
-"""
+SCENE = scene_text(
+    load_scene("sheet-5x5").with_(
+        {
+            "skin.width": 0.06,
+            "pixels.rows": 2,
+            "pixels.columns": 4,
+            "press.capacitance_factor": 1.7,
+        }
+    )
+)
 PRESSES = ["none", "2,1", "1,4:2.5", "rect(0.01,0.02,5e-3,1e-2):3.0", "disc(0.03,0.04,0.01):2e+0"]
 
 

@@ -12,6 +12,7 @@ from rcskin.localization.learners.networks import NetworkClassifier, NetworkRegr
 from rcskin.localization.model.file import load, save
 from rcskin.localization.model.training import train
 from rcskin.localization.trust.folds import PLENTY, held_out_of, judging, splits_of, told
+from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.sweeps import concatenate
 from sklearn import clone
 from sklearn.utils.estimator_checks import parametrize_with_checks
@@ -19,7 +20,7 @@ from sklearn.utils.estimator_checks import parametrize_with_checks
 FEW = ((2e-2, 80), (2e-3, 20))
 OF_COLUMNS = ((2e-3, 4000), (5e-4, 1000))
 OF_POSITIONS = ((2e-3, 400), (5e-4, 100))
-SCENE = "[skin]\nlength = 0.06\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 6\n"
+SCENE = scene_text(load_scene("strip-1x3").with_({"skin.length": 0.06, "pixels.columns": 6}))
 SEEN = ("dlnZ", "dphase", "lnZ0", "phase0")
 
 

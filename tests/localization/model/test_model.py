@@ -21,14 +21,14 @@ def test_a_model_knows_what_it_was_trained_on(sheet):
     assert (model.target, model.quantities) == ("row", ("X", "Rs"))
     assert model.interfaces == ("left", "right")
     assert model.frequencies == tuple(sheet["frequency"].values)
-    assert model.scene == sheet.attrs["scene"]
+    assert model.problem.scene == sheet.attrs["scene"]
     assert model.versions == {name: version(name) for name in ("rcskin", "scikit-learn", "skops")}
     other = replace(model, versions={**model.versions, "skops": "0.1"})
     assert (model.aged, other.aged) == ("", f"skops 0.1 (here {version('skops')})")
 
 
 def test_sweeps_without_a_scene_train_a_model_without_one(strip):
-    assert train(strip.drop_attrs()).scene == ""
+    assert train(strip.drop_attrs()).scene is None
 
 
 def test_the_answer_does_not_depend_on_the_labels_of_the_question(strip):

@@ -12,9 +12,10 @@ from rcskin.localization.model.training import train
 from rcskin.localization.trust.answers import CANNOT_TELL
 from rcskin.localization.trust.folds import splits_of
 from rcskin.localization.trust.temperature import calibration_error, probabilities
+from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, concatenate
 
-SCENE = "[skin]\nlength = 0.06\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 6\n"
+SCENE = scene_text(load_scene("strip-1x3").with_({"skin.length": 0.06, "pixels.columns": 6}))
 AGAINST_REST = ("dlnZ", "dphase")
 
 
@@ -146,7 +147,7 @@ def test_a_name_that_cannot_tell_the_target_is_refused(name, target, message):
 @pytest.mark.parametrize(("target", "fits"), [("column", 6), ("position", 6)])
 def test_progress_is_told_fit_by_fit(strip, target, fits):
     heard = []
-    scene = "[skin]\nlength = 0.03\nwidth = 0.02\n[pixels]\nrows = 1\ncolumns = 3\n"
+    scene = scene_text(load_scene("strip-1x3"))
     model = train(
         strip.assign_attrs(scene=scene),
         target,
