@@ -70,14 +70,14 @@ def measured(sweeps: xr.Dataset | str | Path, seed: int = 1) -> xr.Dataset:
     no scene.
     """
     from ...simulator.measure.simulate import read_by_meter
-    from ...simulator.scene.files import parse_scene
+    from ...simulator.scene.files import scene_of_sweeps
     from ...simulator.sweeps import InputError
 
     sweeps = sweeps_of(sweeps)
-    text = str(sweeps.attrs.get("scene", ""))
-    if not text:
+    scene = scene_of_sweeps(sweeps)
+    if scene is None:
         raise InputError("the sweeps store no scene, whose `readout` says how the meter errs")
-    return read_by_meter(sweeps, parse_scene(text, "scene"), seed)
+    return read_by_meter(sweeps, scene, seed)
 
 
 @checked

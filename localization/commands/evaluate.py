@@ -46,8 +46,8 @@ def evaluate(
     """
     from ...simulator.charts import checked_ending
     from ...simulator.progress import on_terminal
+    from ...simulator.scene.files import scene_of_sweeps
     from ...simulator.sweeps import InputError, checked_folder
-    from ..evaluation.plan import scene_of
     from ..evaluation.report import WRITTEN, lines_of, write_report
     from ..evaluation.result import evaluated
     from ..inputs.reading import read_some
@@ -82,7 +82,8 @@ def evaluate(
     for line in (*lines_of(found), *meaning):
         say(line)
     if folder is not None:
-        write_report(folder, found, scene_of(sweeps), ending)
+        scene = scene_of_sweeps(sweeps) if problem.continuous else None
+        write_report(folder, found, scene, ending)
         say(f"evaluation: {len(found.score.truth)} sweeps -> {folder}")
 
 

@@ -5,30 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
 
     from ...simulator.scene.scene import Scene
 
 
-def scene_of(sweeps: xr.Dataset) -> Scene | None:
-    """The scene that sweeps carry; None where they carry none, or one on a mesh from a file."""
-    from ...simulator.scene.files import parse_scene
-    from ...simulator.sweeps import InputError
-
-    try:
-        scene = parse_scene(str(sweeps.attrs.get("scene", "")), "scene")
-    except InputError:
-        return None
-    return scene if scene.skin.mesh is None else None
-
-
 def draw_plan(axes: Axes, scene: Scene | None) -> None:
-    """Draw the skin's outline and its foils, where its scene is known."""
+    """Draw the skin's outline and its foils, where they are known and on no mesh from a file."""
     from ...simulator.report.from_above import draw_foils, draw_outline
 
     axes.grid(False)
-    if scene is not None:
+    if scene is not None and scene.skin.mesh is None:
         draw_outline(axes, scene, color="0.35", zorder=0.5)
         draw_foils(axes, scene, 3.0, clip_on=False, zorder=0.7)
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16))

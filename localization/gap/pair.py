@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.measure.simulate import resimulated
-from ...simulator.scene.files import parse_scene, scene_text
+from ...simulator.scene.files import scene_of_sweeps, scene_text
 from ...simulator.scene.scene import Scene
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.restricting import all_of, restricted
@@ -48,7 +48,7 @@ def paired(simulated: xr.Dataset, other: xr.Dataset, scene: Scene | None, seed: 
     the scene is unknown.
     """
     notes: list[str] = []
-    scene = scene or scene_of(simulated)
+    scene = scene or scene_of_sweeps(simulated)
     noun, noise_free = noun_of(other), "readout" not in simulated.attrs and _exact(simulated)
     simulated, other = (
         _single(simulated, "simulated", notes),
@@ -63,12 +63,6 @@ def paired(simulated: xr.Dataset, other: xr.Dataset, scene: Scene | None, seed: 
     _check_common_press(simulated, other)
     simulated = simulated.assign_attrs(scene=scene_text(scene) if scene else "")
     return Pair(simulated, other, noun, scene, noise_free, notes)
-
-
-def scene_of(sweeps: xr.Dataset) -> Scene | None:
-    """That the sweeps carry, None where they carry none. Raises InputError as `parse_scene`."""
-    text = str(sweeps.attrs.get("scene", ""))
-    return parse_scene(text, "scene") if text else None
 
 
 def pixel_of(sweeps: xr.Dataset) -> NDArray[np.int64]:

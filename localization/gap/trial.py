@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.measure.simulate import ReadingError, reading_error
+from ...simulator.scene.files import scene_of_sweeps
 from ...simulator.sweeps import InputError
 from ..inversion.registered import chosen
 from ..learners.registry import Estimator
 from .asked import BY_MODEL
 from .distance import MeterError, meter_error
-from .pair import Pair, pixel_of, scene_of
+from .pair import Pair, pixel_of
 from .question import Question
 from .samples import FEATURE_SETS, TOLD, Samples, samples_of
 from .splits import Split, largest_k, reserved_for_calibration, touch_splits
@@ -105,7 +106,7 @@ def prepared(
 
 def _reading_error(pair: Pair) -> ReadingError | None:
     """Of the other side's meter or, where that is not told, of the simulated one."""
-    scenes = (scene_of(pair.other), pair.scene)
+    scenes = (scene_of_sweeps(pair.other), pair.scene)
     errors = (reading_error(each) for each in scenes if each is not None)
     return next((error for error in errors if error is not None), None)
 

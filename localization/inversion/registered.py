@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from sklearn.pipeline import Pipeline
 
-from ...simulator.scene.files import parse_scene
+from ...simulator.scene.files import carried_scene
 from ...simulator.sweeps import InputError
 from ..inputs.rest import FEWEST
 from ..inputs.samples import Problem
@@ -109,10 +109,10 @@ def _check(problem: Problem, name: str, takes: Sequence[str]) -> None:
             f"`estimator` {name} takes the features {','.join(takes)}, "
             f"got {','.join(problem.quantities)}"
         )
-    if not problem.scene:
+    scene = carried_scene(problem.scene)
+    if scene is None:
         raise InputError(f"`estimator` {name} needs the scene, which the sweeps lack")
-    interfaces = parse_scene(problem.scene, "the scene of the sweeps").interfaces
-    known = tuple(each.name for each in interfaces)
+    known = tuple(each.name for each in scene.interfaces)
     if problem.interfaces != known:
         raise InputError(
             f"`estimator` {name} takes all interfaces of the scene, {', '.join(known)}, "
@@ -120,7 +120,8 @@ def _check(problem: Problem, name: str, takes: Sequence[str]) -> None:
         )
     asked = problem.frequencies
     told = [
-        np.isin(asked, asked if (own := each.frequencies) is None else own) for each in interfaces
+        np.isin(asked, asked if (own := each.frequencies) is None else own)
+        for each in scene.interfaces
     ]
     whole = np.ones((len(known), len(problem.frequencies)), dtype=bool)
     if not np.array_equal(told, problem.taken or whole):
