@@ -16,22 +16,30 @@ from scipy.stats import chi2
 from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from ...simulator.scene.files import carried_scene
+from ...simulator.sweeps import InputError
 from .hypotheses import Hypotheses, hypotheses, labels
 from .lessons import LESSONS, learned
 from .mixture import Mixture
 
 Builder = Callable[..., Mapping[str, NDArray]]
-"""As `simulator.inversion.tables.templates`."""
+"""As `simulated`."""
 TARGETS = ("column", "row", "pixel", "touches", "pair")
 QUANTITIES = ("dlnZ", "dphase")
 """Features that it takes, in this order."""
 
 
-def simulated(*asked: Any, **options: Any) -> Mapping[str, NDArray]:
-    """The simulator's tables; see `templates`, which is imported where tables are made."""
+def simulated(text: str, *asked: Any, **options: Any) -> Mapping[str, NDArray]:
+    """The simulator's tables of the scene in a TOML text, which is what an estimator's file holds.
+
+    Further arguments and errors as of `templates`; raises InputError for a text of no scene, too.
+    """
     from ...simulator.inversion.tables import templates
 
-    return templates(*asked, **options)
+    scene = carried_scene(text, "the model's scene")
+    if scene is None:
+        raise InputError("`scene` must be the TOML text of a scene, got none")
+    return templates(scene, *asked, **options)
 
 
 class ModelBased(ClassifierMixin, BaseEstimator):

@@ -19,7 +19,6 @@ from ..mesh.held import held
 from ..models.network.terminals import reduced_for
 from ..models.reduced.forward import Forward
 from ..press.batch import NOTHING, PressBatch
-from ..scene.files import parse_scene
 from ..scene.scene import Scene
 from .places import cells_per_pixel, place_tables
 from .unknown_skin import UnknownSkin
@@ -37,14 +36,14 @@ TWO_TOUCHES = ("touches", "pair")
 
 
 def templates(
-    text: str,
+    scene: Scene,
     target: str,
     presses: str = "dataset",
     rest: NDArray[np.float64] | None = None,
     averaged: int = 1,
     drift: float = DRIFT,
 ) -> Tables:
-    """Tables of the scene that is written in TOML, for a localizer of a target.
+    """Tables of a scene, for a localizer of a target.
 
     presses: whether strengths are drawn as in [dataset.press] or as [press] spreads them. rest: of
     which skin, by the mean of so many sweeps of it at rest as `observed` has them, shape (number,);
@@ -59,17 +58,17 @@ def templates(
     rest; shift (place, strength, number): what is known to be added. For two touches also
     pairs (pair, 2): places, and pair (pair, strength, strength, number). For positions: as of
     `place_tables`.
-    Raises InputError for a scene that is not valid, or a meter without noise.
+    Raises InputError for a meter without noise.
     """
     if rest is None:
-        return _of_mean_skin(text, target, presses)
-    unknown = _unknown_skin(text, target == POSITION).resting_as(rest, averaged)
+        return _of_mean_skin(scene, target, presses)
+    unknown = _unknown_skin(scene, target == POSITION).resting_as(rest, averaged)
     return _tables(unknown, target, presses, drift)
 
 
 @lru_cache(maxsize=8)
-def _of_mean_skin(text: str, target: str, presses: str) -> Tables:
-    return _tables(_unknown_skin(text, target == POSITION), target, presses, 0.0)
+def _of_mean_skin(scene: Scene, target: str, presses: str) -> Tables:
+    return _tables(_unknown_skin(scene, target == POSITION), target, presses, 0.0)
 
 
 def _tables(unknown: UnknownSkin, target: str, presses: str, drift: float) -> Tables:
@@ -98,8 +97,7 @@ def _with_drift(skin: NDArray[np.float64], unknown: UnknownSkin, drift: float) -
 
 
 @lru_cache(maxsize=8)
-def _unknown_skin(text: str, anywhere: bool) -> UnknownSkin:
-    scene = parse_scene(text, "the model's scene")
+def _unknown_skin(scene: Scene, anywhere: bool) -> UnknownSkin:
     cells = cells_per_pixel(scene) if anywhere else 1
     return UnknownSkin(Forward(scene, cells, rtol=RTOL, train=reduced_for))
 

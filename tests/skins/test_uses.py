@@ -17,7 +17,6 @@ from rcskin.simulator.models.parameters import scene_with
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press, parse_press
-from rcskin.simulator.scene.files import scene_text
 
 STEP = 1e-4
 UNEVEN = pytest.param("uneven", marks=pytest.mark.slow)
@@ -104,7 +103,7 @@ def test_a_calibration_finds_what_a_twin_was_given(kinds, name):
 @pytest.mark.slow
 def test_tables_of_the_inverting_localizer_hold_the_pixels_there_are(kinds):
     scene = kinds["l with a hole"].with_({"dataset.press.factor": 2.0})
-    tables = templates(scene_text(scene), "pixel")
+    tables = templates(scene, "pixel")
     assert tables["pixels"].tolist() == [[1, 1], [1, 2], [2, 1]]
     assert np.abs(tables["single"]).max(axis=(1, 2)).min() > 1e-3
     assert np.isfinite(tables["skin"]).all()

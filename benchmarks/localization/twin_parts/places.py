@@ -20,9 +20,9 @@ from rcskin.benchmarks.localization.twin_parts.trials import Trial
 from rcskin.localization.inputs.rest import RECENT
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.adapted import QUANTITIES, AdaptedPosition
+from rcskin.localization.inversion.classifier import simulated
 from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.simulator.dataset.model import reduced
-from rcskin.simulator.inversion.tables import templates
 from rcskin.simulator.models.reduced.model import Reduced
 from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.scene.randomisation import Normal
@@ -57,7 +57,7 @@ def _of_skin(trial: Trial, family: Reduced, number: int) -> pd.DataFrame:
     samples = samples_of(sweeps, "position", QUANTITIES)
     X, truth = samples.X, samples.y
     inner = ModelBasedPosition(scene_text(_with_the_hand_of(trial)), rest_sweeps=RECENT)
-    localizer = AdaptedPosition(inner, partial(templates, drift=DRIFT)).fit(X)
+    localizer = AdaptedPosition(inner, partial(simulated, drift=DRIFT)).fit(X)
     off = np.hypot(*(localizer.predict(X) - truth)[:, :2].T)
     return pd.DataFrame({"share": localizer.share_within(X, trial.goal), "off": off})
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.inversion.tables import _unknown_skin, templates
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.files import load_scene
 
 READOUT = {
     "magnitude_accuracy": 2e-3,
@@ -18,17 +18,17 @@ CLOSE = {"rtol": 1e-6, "atol": 1e-9}
 
 
 @pytest.fixture(scope="module")
-def texts():
+def scenes():
     changes = {"pixels": 2, "sweep.frequencies": [1e3, 1e4, 1e5], "readout": READOUT}
     scene = load_scene("sheet-5x5-two-interfaces").with_(changes)
-    return scene_text(scene.with_(OWN)), scene_text(scene)
+    return scene.with_(OWN), scene
 
 
 @pytest.mark.parametrize(
     "target", ["pixel", "pair", pytest.param("position", marks=pytest.mark.slow)]
 )
-def test_they_are_rows_of_the_tables_of_all_readings(texts, target):
-    part, whole = (templates(text, target) for text in texts)
+def test_they_are_rows_of_the_tables_of_all_readings(scenes, target):
+    part, whole = (templates(scene, target) for scene in scenes)
     by_last = {"deviation", "single", "slope", "shift", "pair", "values"}
     by_last_but_one = {"skin"}
     assert part.keys() == whole.keys()
@@ -41,13 +41,13 @@ def test_they_are_rows_of_the_tables_of_all_readings(texts, target):
             np.testing.assert_allclose(part[name], table, **CLOSE)
 
 
-def test_a_skin_is_told_by_the_readings_that_are_taken(texts):
+def test_a_skin_is_told_by_the_readings_that_are_taken(scenes):
     """As by all readings of which those that are not taken err without bounds."""
-    part, whole = (_unknown_skin(text, False) for text in texts)
+    part, whole = (_unknown_skin(scene, False) for scene in scenes)
     curve = whole.at_rest() + 0.05 * np.cos(np.arange(KEPT.size))
     found = part.resting_as(curve[KEPT], 8)
     assert found.at_rest().shape == (KEPT.sum(),)
-    tables = templates(texts[0], "pixel", rest=curve[KEPT], averaged=8)
+    tables = templates(scenes[0], "pixel", rest=curve[KEPT], averaged=8)
     assert tables["single"].shape[-1] == KEPT.sum() and np.isfinite(tables["skin"]).all()
     before = np.linalg.norm(part.at_rest() - curve[KEPT])
     assert np.linalg.norm(found.at_rest() - curve[KEPT]) < before

@@ -15,7 +15,6 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import NOTHING, PressBatch
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Rectangle, Touch
-from rcskin.simulator.scene.files import parse_scene, scene_text
 from rcskin.simulator.scene.frequency import laplace_variable
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import InputError
@@ -36,18 +35,13 @@ def scene(make_scene):
     return tables_scene(make_scene)
 
 
-@pytest.fixture(scope="module")
-def text(scene):
-    return scene_text(scene)
-
-
 def change(scene, press):
     solver = Solver(scene, 1e-5)
     return observed(solver.solve(press).Z) - observed(solver.solve(Press()).Z)
 
 
-def test_touches_are_those_of_the_full_solver(scene, text):
-    tables = templates(text, "pixel")
+def test_touches_are_those_of_the_full_solver(scene):
+    tables = templates(scene, "pixel")
     mean_skin = scene_with(scene, expected(scene))
     for place, strength in ((0, 1), (3, 5)):
         row, column = tables["pixels"][place]
@@ -56,15 +50,15 @@ def test_touches_are_those_of_the_full_solver(scene, text):
         assert np.abs(off / tables["deviation"]).max() < 0.2
 
 
-def test_slopes_are_differences_between_strengths(text):
-    tables = templates(text, "pixel")
+def test_slopes_are_differences_between_strengths(scene):
+    tables = templates(scene, "pixel")
     difference = np.gradient(tables["single"], tables["strengths"], axis=1)[:, 1:-1]
     scale = np.abs(tables["slope"]).max()
     np.testing.assert_allclose(tables["slope"][:, 1:-1], difference, atol=0.03 * scale)
 
 
-def test_pairs_are_both_touches_at_once(scene, text):
-    tables = templates(text, "pair")
+def test_pairs_are_both_touches_at_once(scene):
+    tables = templates(scene, "pair")
     assert len(tables["pairs"]) == 6
     pair = int(np.flatnonzero((tables["pairs"] == [0, 3]).all(axis=1))[0])
     first, second = tables["strengths"][[2, 4]]
@@ -150,10 +144,10 @@ def test_a_curve_at_rest_that_no_skin_has_leaves_unknowns_within_bounds(scene):
     assert np.isfinite(far.at_rest()).all()
 
 
-def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(text):
-    tables = templates(text, "pixel", "dataset", _resting(text), 20, 1e-3)
-    forward = Forward(parse_scene(text, "scene"), rtol=1e-3)
-    values = UnknownSkin(forward).resting_as(_resting(text), 20).values
+def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(scene):
+    tables = templates(scene, "pixel", "dataset", _resting(scene), 20, 1e-3)
+    forward = Forward(scene, rtol=1e-3)
+    values = UnknownSkin(forward).resting_as(_resting(scene), 20).values
     nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
     for column, name in zip(tables["drift"].T, ("capacitance", "sheet_resistance"), strict=True):
         moved = values | {name: values[name] + 1e-3}
@@ -162,8 +156,8 @@ def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(text):
     np.testing.assert_array_equal(tables["skin"][0, 0, :, -2:], tables["drift"])
 
 
-def _resting(text):
-    return UnknownSkin(Forward(parse_scene(text, "scene"), rtol=1e-3)).at_rest() + 0.01
+def _resting(scene):
+    return UnknownSkin(Forward(scene, rtol=1e-3)).at_rest() + 0.01
 
 
 def test_a_skin_without_variation_is_known(make_scene):
@@ -180,7 +174,7 @@ def test_a_skin_without_variation_is_known(make_scene):
     }
     scene = tables_scene(make_scene, fixed)
     assert not any(spread.deviation for spread in session_spreads(scene).values())
-    assert templates(scene_text(scene), "column")["skin"].shape[-1] == 0
+    assert templates(scene, "column")["skin"].shape[-1] == 0
 
 
 def test_strengths_cover_their_distribution(scene):
@@ -205,9 +199,9 @@ def test_strengths_of_the_experiment_follow_the_press(make_scene):
     assert deviation == pytest.approx(0.1, rel=0.15)
 
 
-def test_positions_are_tabulated_by_the_full_solver(scene, text, monkeypatch):
+def test_positions_are_tabulated_by_the_full_solver(scene, monkeypatch):
     monkeypatch.setattr(templates_places, "NODES", 3)
-    tables = templates(text, "position")
+    tables = templates(scene, "position")
     x, y, f = (tables[name][1] for name in ("x", "y", "strength_nodes"))
     side, _ = templates_places.touch_size(scene)
     press = Press((Rectangle(x, y, side, side, f),))
@@ -220,4 +214,4 @@ def test_positions_are_tabulated_by_the_full_solver(scene, text, monkeypatch):
 
 def test_a_meter_without_noise_is_refused(make_scene):
     with pytest.raises(InputError, match="must be > 0"):
-        templates(scene_text(make_scene(rows=1, columns=2)), "column")
+        templates(make_scene(rows=1, columns=2), "column")
