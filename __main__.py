@@ -19,13 +19,10 @@ app.command(
 )(live)
 app.add_typer(meter, name="meter")
 
-
-with_replacing(app)
-with_replacing(meter, "meter")
-with_short_help(app)
-with_short_help(meter)
-with_ranges(app)
-with_ranges(meter)
+for commands, above in ((app, ""), (meter, "meter")):
+    with_replacing(commands, above)
+    with_short_help(commands)
+    with_ranges(commands)
 
 
 def main() -> None:
