@@ -46,6 +46,20 @@ def test_a_model_read_back_is_the_same_model(sheet, tmp_path, classifier, target
     )
 
 
+@pytest.mark.parametrize(
+    ("scene", "message"),
+    [("", "on sweeps that carry no scene"), ('name = "line"\n', "`skin.length`, .* are missing")],
+)
+def test_where_a_scene_is_needed_a_file_without_a_whole_one_is_named(
+    model, tmp_path, scene, message
+):
+    other = replace(model, problem=replace(model.problem, scene=scene))
+    save(tmp_path / "other.skops", other)
+    with pytest.raises(InputError, match=rf"other\.skops: .*{message}"):
+        _ = load(tmp_path / "other.skops").known_scene
+    assert load(tmp_path / "other.skops").classes == model.classes
+
+
 def test_a_file_tampered_to_build_another_type_is_refused(model, tmp_path):
     save(tmp_path / "good.skops", model)
     rewrite(
