@@ -21,7 +21,7 @@ from .features import (
 )
 from .rest import check_told
 from .targets import PIXELS, has_target, labels, positions
-from .touches import counts_of, with_factors
+from .touches import counts_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -206,10 +206,8 @@ def samples_of(
     """Features and targets of the sweeps that have both; the others are counted.
 
     Arguments as of `told_features` and `has_target`; quantities by default `usual_quantities`.
-    Raises InputError as these do, as `with_factors` for positions, and where no sweep is left.
+    Raises InputError as these do, as `touches_of` for positions, and where no sweep is left.
     """
-    if target == "position":
-        sweeps = with_factors(sweeps)
     fitting = has_target(sweeps, target)
     if not fitting.any():
         raise InputError(f"no sweep has a press that `target` {target} can be told of")

@@ -38,40 +38,17 @@ class Touches:
 
 
 def touches_of(sweeps: xr.Dataset) -> Touches:
-    """The touches of each sweep.
+    """The touches of each sweep; of a depth or a force the factor is that on the sweeps' scene.
 
-    Raises InputError naming a sweep whose press is of another syntax or of more than MOST touches,
-    and where a pixel is to be placed on a scene that the sweeps do not carry.
+    Raises InputError naming a press of another syntax or of more than MOST touches, where a place
+    or a factor needs a scene and the sweeps carry none, and as `factors_under`.
     """
     if all(name in sweeps for name in NUMBERS):
         count, x, y, factor = (sweeps[name].values for name in NUMBERS)
         return Touches(count.astype(int), *(a.astype(np.float64) for a in (x, y, factor)))
-    return _of_texts(sweeps, scene_of_sweeps(sweeps))
-
-
-def with_factors(sweeps: xr.Dataset) -> xr.Dataset:
-    """The sweeps, with touches as numbers where a press says a depth or a force; none of presses of
-    more than MOST.
-
-    Raises InputError as `touches_of` and, where neither the press nor the scene says a factor, as
-    `factors_under`.
-    """
-    texts, scene = np.unique(sweeps["press"].values.astype(str)), scene_of_sweeps(sweeps)
-    if all(name in sweeps for name in NUMBERS) or all(_said(str(each), scene) for each in texts):
-        return sweeps
-    count = counts_of(sweeps)
-    told = count <= MOST
-    found = _of_texts(sweeps.isel(sweep=told), scene, mechanical=True)
-    numbers = np.zeros((3, len(count), MOST))
-    numbers[:, told] = found.x, found.y, found.factor
-    arrays = {name: (("sweep", "touch"), a) for name, a in zip(NUMBERS[1:], numbers, strict=True)}
-    return sweeps.assign({NUMBERS[0]: ("sweep", count), **arrays})
-
-
-def _of_texts(sweeps: xr.Dataset, scene: Scene | None, *, mechanical: bool = False) -> Touches:
-    """mechanical: depths and forces are taken, too."""
     texts, index = np.unique(sweeps["press"].values.astype(str), return_inverse=True)
-    told = [_touches(str(text), scene, mechanical) for text in texts]
+    scene = scene_of_sweeps(sweeps)
+    told = [_touches(str(text), scene) for text in texts]
     numbers = np.zeros((3, len(texts), MOST)) + np.array([0, 0, 1.0]).reshape(3, 1, 1)
     for k, touches in enumerate(told):
         for t, touch in enumerate(touches):
@@ -110,25 +87,23 @@ def _written(text: str) -> list[WrittenTouch]:
     return touches
 
 
-def _touches(text: str, scene: Scene | None, mechanical: bool) -> list[tuple[float, float, float]]:
+def _touches(text: str, scene: Scene | None) -> list[tuple[float, float, float]]:
     """x and y in m and factor of each touch."""
+    written = _written(text)
+    centres = [_centre(each, text, scene) for each in written]
+    return [
+        (*at, factor) for at, factor in zip(centres, _factors(written, text, scene), strict=True)
+    ]
+
+
+def _factors(written: list[WrittenTouch], text: str, scene: Scene | None) -> list[float]:
+    known = scene is not None and scene.press.plain
+    said = (known if each.strength is None else not each.strength.unit for each in written)
+    if scene is None or all(said):
+        return [_factor(each, text, scene) for each in written]
     from ...simulator.measure.under_touches import factors_under
 
-    written = _written(text)
-    if mechanical and scene is not None and not _said(text, scene):
-        own = factors_under(scene, text)
-    else:
-        own = [_factor(each, text, scene) for each in written]
-    centres = [_centre(each, text, scene) for each in written]
-    return [(*centre, factor) for centre, factor in zip(centres, own, strict=True)]
-
-
-def _said(text: str, scene: Scene | None) -> bool:
-    """Whether the text or the scene says the factor of each touch."""
-    known = scene is not None and scene.press.plain
-    return all(
-        known if each.strength is None else not each.strength.unit for each in parse_touches(text)
-    )
+    return factors_under(scene, text)
 
 
 def _centre(touch: WrittenTouch, text: str, scene: Scene | None) -> tuple[float, float]:
@@ -155,7 +130,7 @@ def _centroid(corners: NDArray[np.float64], text: str) -> tuple[float, float]:
 
 def _factor(touch: WrittenTouch, text: str, scene: Scene | None) -> float:
     if touch.strength is None:
-        if scene is None or not scene.press.plain:
+        if scene is None:
             raise InputError(
                 f"press {text!r}: says no capacitance factor, nor does a scene of the sweeps"
             )
