@@ -61,14 +61,15 @@ def templates(
     Raises InputError for a meter without noise.
     """
     if rest is None:
-        return _of_mean_skin(scene, target, presses)
-    unknown = _unknown_skin(scene, target == POSITION).resting_as(rest, averaged)
-    return _tables(unknown, target, presses, drift)
+        return _of_mean_skin(scene, target, presses)  # pyright: ignore[reportArgumentType]
+    unknown = _unknown_skin(scene, target == POSITION)  # pyright: ignore[reportArgumentType]
+    return _tables(unknown.resting_as(rest, averaged), target, presses, drift)
 
 
 @lru_cache(maxsize=8)
 def _of_mean_skin(scene: Scene, target: str, presses: str) -> Tables:
-    return _tables(_unknown_skin(scene, target == POSITION), target, presses, 0.0)
+    unknown = _unknown_skin(scene, target == POSITION)  # pyright: ignore[reportArgumentType]
+    return _tables(unknown, target, presses, 0.0)
 
 
 def _tables(unknown: UnknownSkin, target: str, presses: str, drift: float) -> Tables:
