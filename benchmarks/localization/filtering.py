@@ -42,7 +42,6 @@ from rcskin.localization.filtering.follower import Follower
 from rcskin.localization.model.model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.model import reduced
-from rcskin.simulator.scene.files import parse_scene
 from rcskin.simulator.scene.scene import Scene
 
 PIXELS, TRAINING = 5, 2000
@@ -101,7 +100,7 @@ def localizer(model: Model, filters: bool, asks: bool) -> Localizer:
     certain = CERTAIN if asks else None
     follower = Follower(model, certain=certain) if filters else None
     asker = Asker(model, certain, follower) if asks else None
-    return Localizer(model, parse_scene(model.scene, "the model"), follower, asker)
+    return Localizer(model, model.known_scene, follower, asker)
 
 
 def session(way: Localizer, link: Any, stage: Any) -> Session:
