@@ -11,7 +11,7 @@ from ..fem.lanczos import FEWEST_STEPS, MOST_STEPS
 from ..fem.network import allowed_potentials
 from ..models.parameters import foam_parts
 from ..models.reduced.families.family import resistive
-from ..models.reduced.model import Reduced
+from ..models.reduced.projection import Projection
 from ..models.reduced.skin import ReducedSkin
 from ..models.varied.coefficients import ELECTRODES
 from ..models.varied.materials import gauged
@@ -55,7 +55,7 @@ def packed_model(skin: ReducedSkin) -> dict[str, Any]:
     }
 
 
-def _allowed(reduced: Reduced) -> list[tuple[NDArray[np.float64], NDArray[np.bool_]]]:
+def _allowed(reduced: Projection) -> list[tuple[NDArray[np.float64], NDArray[np.bool_]]]:
     fields = tuple(reduced.terminal_field.tolist())
     return [allowed_potentials(fields, drive) for drive in reduced.circuit.drives]
 
