@@ -1,20 +1,12 @@
 """Sweeps: simulated and measured impedance spectra in one schema, and the files that hold them."""
 
 from .errors import InputError, OutputError, ToleranceError
-from .files import (
-    checked_folder,
-    checked_output,
-    counted,
-    loaded,
-    made_folder,
-    open_zarr,
-    read,
-    write,
-)
+from .files import checked_folder, checked_output, made_folder, write
 from .impedance import branch_reactance, parallel_capacitance, series_capacitance
 from .joining import read_joined
 from .laws.passivity import Violation, violations
 from .needs import check_needs
+from .reading import counted, loaded, open_zarr, read
 from .schema import (
     OPENING,
     UNPRESSED,

@@ -1,33 +1,28 @@
-"""Reading and writing sweeps: NetCDF, Zarr and CSV, chosen by the file's ending."""
+"""Writing sweeps: NetCDF, Zarr and CSV, chosen by the file's ending; where outputs may be."""
 
 from __future__ import annotations
 
 import errno
-import math
 import os
 import shutil
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from . import inputs
-from .digests import check_store, seal_store
+from .digests import seal_store
 from .errors import InputError
-from .file_kinds import check_file_kind
-from .formats.csv import read_csv, write_csv, write_rows
-from .formats.netcdf import DAMAGED, read_dataset, write_dataset, write_table
-from .needs import check_needs
-from .schema import QUANTITIES, check
-from .table import DIMENSIONS, Table
+from .formats.csv import write_csv, write_rows
+from .formats.netcdf import write_dataset, write_table
+from .reading import ENDINGS, check_zarr
+from .schema import check
+from .table import Table
 from .writing import check_free, named_failures, whole_file
 from .writing.replacing import check_all_free
 
 if TYPE_CHECKING:
     import xarray as xr
-
-ENDINGS = (".nc", ".csv", ".zarr")
 
 
 def write(sweeps: xr.Dataset | Table, path: str | Path) -> None:
@@ -42,41 +37,6 @@ def write(sweeps: xr.Dataset | Table, path: str | Path) -> None:
         else:
             whole = sweeps.dataset() if isinstance(sweeps, Table) else sweeps
             OF_DATASETS[path.suffix](check(whole), unfinished)
-
-
-def counted(sizes: Mapping[Any, int]) -> str:
-    """Of a data set's sizes, for people: `13 sweeps x 20 frequencies`; several interfaces, too."""
-    named = {"sweep": "sweeps", "interface": "interfaces", "frequency": "frequencies"}
-    told = [
-        f"{sizes[name]} {name if sizes[name] == 1 else named[name]}"
-        for name in DIMENSIONS
-        if name != "interface" or sizes[name] > 1
-    ]
-    return " x ".join(told)
-
-
-def read(path: str | Path) -> xr.Dataset:
-    """Sweeps from a file written by `write`, or from any CSV with named columns (see `read_csv`).
-
-    Raises InputError naming the file where it is absent, of another kind, or breaks the schema.
-    """
-    path = Path(path)
-    readers = {".nc": read_dataset, ".zarr": _read_zarr, ".csv": read_csv}
-    if path.suffix not in readers:
-        check_file_kind(path, "sweeps")
-        given = f"got {path.suffix!r}" if path.suffix else "got no ending"
-        raise InputError(f"{path}: sweeps are read from {', '.join(ENDINGS)}, {given}")
-    if not path.exists():
-        raise InputError(f"{path}: no such file")
-    if path.suffix == ".zarr" and not path.is_dir():
-        raise InputError(f"{path}: is a file; a .zarr is a folder")
-    try:
-        return check(readers[path.suffix](path))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read as {path.suffix}: {error}") from error
-    except InputError as error:
-        named = str(error) if str(error).startswith(str(path)) else f"{path}: {error}"
-        raise InputError(named) from error
 
 
 def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:
@@ -197,68 +157,3 @@ def _write_zarr(sweeps: xr.Dataset, path: Path) -> None:
 
 OF_TABLES = {".nc": write_table, ".csv": write_rows}
 OF_DATASETS = {".nc": write_dataset, ".zarr": _write_zarr, ".csv": write_csv}
-
-
-def _read_zarr(path: Path) -> xr.Dataset:
-    sweeps = loaded(open_zarr(path), path)
-    texts = [name for name, variable in sweeps.variables.items() if variable.dtype.kind == "T"]
-    return sweeps.assign_coords({name: sweeps[name].astype(object) for name in texts})
-
-
-def open_zarr(path: Path) -> xr.Dataset:
-    """The sweeps of a `.zarr`, unchecked, their arrays read in chunks as they are asked for.
-
-    Raises InputError where it cannot be read, or the extra that reads it is not installed.
-    """
-    import xarray as xr
-
-    check_zarr(path)
-    try:
-        inputs.check_folder(path)
-        sealed = check_store(path)
-        inputs.check_arrays(path, _declared(path))
-        stored = xr.open_zarr(path)
-        _check_whole(path, [*map(str, stored.variables)] if sealed else QUANTITIES)
-    except InputError:
-        raise
-    except DAMAGED as error:
-        raise InputError(f"{path}: cannot be read as .zarr: {error}") from error
-    return stored
-
-
-def loaded(stored: xr.Dataset, path: Path) -> xr.Dataset:
-    """Sweeps of `open_zarr` in memory. Raises InputError naming the path where they are damaged."""
-    inputs.check_memory(path, stored.nbytes)
-    try:
-        return stored.load()
-    except DAMAGED as error:
-        told = " ".join(str(error).split())
-        raise InputError(
-            f"{path}: damaged, cannot be read as .zarr: {told}; use another copy"
-        ) from error
-
-
-def _check_whole(path: Path, names: Iterable[str]) -> None:
-    """Raises InputError where chunks of these are not there, which would be read as zeros."""
-    for name, array in _arrays(path):
-        if name in names and array.nchunks_initialized < array.nchunks:
-            told = f"{array.nchunks_initialized} of {array.nchunks} parts of `{name}`"
-            raise InputError(f"{path}: cut off, holds {told}")
-
-
-def _declared(path: Path) -> Iterator[tuple[str, int, int, int]]:
-    """As of `check_arrays`."""
-    for name, each in _arrays(path):
-        yield name, each.ndim, math.prod(each.chunks) * each.dtype.itemsize, each.nchunks
-
-
-def _arrays(path: Path) -> list[tuple[str, Any]]:
-    """The arrays of a `.zarr` by name, none of them read."""
-    import zarr
-
-    return sorted(zarr.open_group(path, mode="r").arrays())
-
-
-def check_zarr(path: Path) -> None:
-    """Raises InputError where the extra that reads and writes `.zarr` is not installed."""
-    check_needs(path, "scale", "zarr", "dask")

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import InputError
-from .files import read
 from .importing.grouping import SAME_FREQUENCY
 from .inputs import objects
+from .reading import read
 from .same_skin import difference
 from .schema import SESSIONS, TIME, concatenate, session_names, taken_alike
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..reading import ENDINGS, counted, open_zarr, read
+from ..schema import MEASURED, VIRTUAL
+
 
 def measured(path: Path, known: bool) -> str | None:
     """What a file of measured sweeps holds, for people; None for anything else.
@@ -11,9 +14,6 @@ def measured(path: Path, known: bool) -> str | None:
     A meter's count, and those that do not say with which tolerance they were simulated, unless it
     is known that the command at hand made them of something else.
     """
-    from ..files import ENDINGS, counted, open_zarr, read
-    from ..schema import MEASURED, VIRTUAL
-
     if path.suffix not in ENDINGS:
         return None
     try:

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.sweeps import InputError, branch_reactance, impedance, parallel_capacitance
-from rcskin.simulator.sweeps.files import read
 from rcskin.simulator.sweeps.importing.branch import checked_branch, chosen
 from rcskin.simulator.sweeps.importing.grouping import Defaults
 from rcskin.simulator.sweeps.imports import import_file, import_files
+from rcskin.simulator.sweeps.reading import read
 
 FREQUENCY = np.geomspace(1e3, 2e5, 20)
 S = 2j * np.pi * FREQUENCY

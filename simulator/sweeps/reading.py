@@ -1,0 +1,123 @@
+"""Reading sweeps: NetCDF, Zarr and CSV, chosen by the file's ending."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from . import inputs
+from .digests import check_store
+from .errors import InputError
+from .file_kinds import check_file_kind
+from .formats.csv import read_csv
+from .formats.netcdf import DAMAGED, read_dataset
+from .needs import check_needs
+from .schema import QUANTITIES, check
+from .table import DIMENSIONS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+ENDINGS = (".nc", ".csv", ".zarr")
+
+
+def counted(sizes: Mapping[Any, int]) -> str:
+    """Of a data set's sizes, for people: `13 sweeps x 20 frequencies`; several interfaces, too."""
+    named = {"sweep": "sweeps", "interface": "interfaces", "frequency": "frequencies"}
+    told = [
+        f"{sizes[name]} {name if sizes[name] == 1 else named[name]}"
+        for name in DIMENSIONS
+        if name != "interface" or sizes[name] > 1
+    ]
+    return " x ".join(told)
+
+
+def read(path: str | Path) -> xr.Dataset:
+    """Sweeps from a file written by `write`, or from any CSV with named columns (see `read_csv`).
+
+    Raises InputError naming the file where it is absent, of another kind, or breaks the schema.
+    """
+    path = Path(path)
+    readers = {".nc": read_dataset, ".zarr": _read_zarr, ".csv": read_csv}
+    if path.suffix not in readers:
+        check_file_kind(path, "sweeps")
+        given = f"got {path.suffix!r}" if path.suffix else "got no ending"
+        raise InputError(f"{path}: sweeps are read from {', '.join(ENDINGS)}, {given}")
+    if not path.exists():
+        raise InputError(f"{path}: no such file")
+    if path.suffix == ".zarr" and not path.is_dir():
+        raise InputError(f"{path}: is a file; a .zarr is a folder")
+    try:
+        return check(readers[path.suffix](path))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read as {path.suffix}: {error}") from error
+    except InputError as error:
+        named = str(error) if str(error).startswith(str(path)) else f"{path}: {error}"
+        raise InputError(named) from error
+
+
+def _read_zarr(path: Path) -> xr.Dataset:
+    sweeps = loaded(open_zarr(path), path)
+    texts = [name for name, variable in sweeps.variables.items() if variable.dtype.kind == "T"]
+    return sweeps.assign_coords({name: sweeps[name].astype(object) for name in texts})
+
+
+def open_zarr(path: Path) -> xr.Dataset:
+    """The sweeps of a `.zarr`, unchecked, their arrays read in chunks as they are asked for.
+
+    Raises InputError where it cannot be read, or the extra that reads it is not installed.
+    """
+    import xarray as xr
+
+    check_zarr(path)
+    try:
+        inputs.check_folder(path)
+        sealed = check_store(path)
+        inputs.check_arrays(path, _declared(path))
+        stored = xr.open_zarr(path)
+        _check_whole(path, [*map(str, stored.variables)] if sealed else QUANTITIES)
+    except InputError:
+        raise
+    except DAMAGED as error:
+        raise InputError(f"{path}: cannot be read as .zarr: {error}") from error
+    return stored
+
+
+def loaded(stored: xr.Dataset, path: Path) -> xr.Dataset:
+    """Sweeps of `open_zarr` in memory. Raises InputError naming the path where they are damaged."""
+    inputs.check_memory(path, stored.nbytes)
+    try:
+        return stored.load()
+    except DAMAGED as error:
+        told = " ".join(str(error).split())
+        raise InputError(
+            f"{path}: damaged, cannot be read as .zarr: {told}; use another copy"
+        ) from error
+
+
+def _check_whole(path: Path, names: Iterable[str]) -> None:
+    """Raises InputError where chunks of these are not there, which would be read as zeros."""
+    for name, array in _arrays(path):
+        if name in names and array.nchunks_initialized < array.nchunks:
+            told = f"{array.nchunks_initialized} of {array.nchunks} parts of `{name}`"
+            raise InputError(f"{path}: cut off, holds {told}")
+
+
+def _declared(path: Path) -> Iterator[tuple[str, int, int, int]]:
+    """As of `check_arrays`."""
+    for name, each in _arrays(path):
+        yield name, each.ndim, math.prod(each.chunks) * each.dtype.itemsize, each.nchunks
+
+
+def _arrays(path: Path) -> list[tuple[str, Any]]:
+    """The arrays of a `.zarr` by name, none of them read."""
+    import zarr
+
+    return sorted(zarr.open_group(path, mode="r").arrays())
+
+
+def check_zarr(path: Path) -> None:
+    """Raises InputError where the extra that reads and writes `.zarr` is not installed."""
+    check_needs(path, "scale", "zarr", "dask")
