@@ -44,7 +44,8 @@ def cells_needed(parts: NDArray[np.float64], order: int, rtol: float) -> float:
         return float((parts * n**-order)[n < MOST_PARTS].sum() - rtol)
 
     least, most = (-np.log(each) for each in (parts.max(), parts[parts > 0].min()))
-    raised = brentq(excess, least, most + (order + 1) * np.log(MOST_PARTS))
+    every = most + (order + 1) * np.log(MOST_PARTS) + 1.0  # beyond rounding, all have MOST_PARTS
+    raised = brentq(excess, least, every)
     return float(divided(raised).sum())  # pyright: ignore[reportArgumentType]
 
 

@@ -39,6 +39,12 @@ def test_a_singular_cell_does_not_make_a_tolerance_look_out_of_reach():
     assert cells_needed(parts, 3, 1e-9) < 300
 
 
+@pytest.mark.parametrize("part", [1e-4, 0.7, 300.0])
+def test_large_parts_take_no_more_than_the_most_cells_each(part):
+    few = cells_needed(np.full(3, 1e-6), 3, 1e-9)
+    assert few < cells_needed(np.full(3, part), 3, 1e-9) < np.inf
+
+
 def test_what_is_out_of_reach_says_how_much_larger_a_tolerance_would_be_kept():
     check_within_reach(100, 100, 3, "cells")
     with pytest.raises(ToleranceError, match="more than 100 cells") as told:
