@@ -74,23 +74,35 @@ def put(unfinished: Path, place: Path) -> None:
 
 
 def _swap(unfinished: Path, place: Path) -> None:
-    """Rename a folder to a name that another one may have, which is deleted after that."""
+    """Rename a folder to a name that another one may have, which is deleted after that.
+
+    Other writers may take the name or free it at any moment. What this one has put aside goes once
+    its own folder had the name, and comes back where it never gets it.
+    """
+    aside: list[Path] = []
     for attempt in range(SWAPS):
         before = place.with_name(f"{PREFIX}replaced-{secrets.token_hex(8)}{place.suffix}")
         with suppress(FileNotFoundError):
             os.rename(place, before)
+            aside.append(before)
         try:
             os.rename(unfinished, place)
+            break
         except OSError:
             if attempt == SWAPS - 1:
-                with suppress(OSError):
-                    os.rename(before, place)
+                _put_back(aside, place)
                 raise
-        else:
-            return
-        finally:
-            if place.exists():
-                removed(before)
+    for each in aside:
+        removed(each)
+
+
+def _put_back(aside: list[Path], place: Path) -> None:
+    """Give the newest of what was put aside its name again, unless another folder has it."""
+    with suppress(OSError, IndexError):
+        os.rename(aside[-1], place)
+    if place.exists():
+        for each in aside:
+            removed(each)
 
 
 def sync(path: Path) -> None:

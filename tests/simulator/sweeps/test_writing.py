@@ -110,6 +110,22 @@ def test_writers_at_once_leave_one_whole_result(path):
     assert names(path.parent) == [path.name]
 
 
+def test_a_writer_leaves_nothing_where_another_frees_the_name_just_then(tmp_path, monkeypatch):
+    path = tmp_path / "here" / "out.zarr"
+    with on_occasion(Occasion(overwrite=True)):
+        put(path, "before")
+        rename = os.rename
+
+        def freed(source, target):
+            rename(source, target)
+            if target == path:
+                rename(path, tmp_path / "taken-away")
+
+        monkeypatch.setattr(whole.os, "rename", freed)
+        put(path, "after")
+    assert names(path.parent) == []
+
+
 KILLED = """
 import sys
 from pathlib import Path
