@@ -23,6 +23,8 @@ from .trial import Trial
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ...simulator.calibration.explained import Explained
+
 ALL = "all"
 
 
@@ -52,15 +54,15 @@ class ByModel:
 @dataclass(frozen=True, eq=False)
 class Findings:
     """stages: before and after. own: trained and tested on the other side, by set of features,
-    `grouped` as hard as can be and of `single` sweeps. causes: by parameter, how much of the
-    misfit goes when it alone is fitted, from 0 to 1, the greatest first.
+    `grouped` as hard as can be and of `single` sweeps. causes: what each
+    parameter explains when it alone is fitted, the one that explains most first.
     model: what the user's own model tells, where it is asked.
     """
 
     trial: Trial
     stages: Mapping[str, Stage]
     own: Mapping[str, Mapping[str, CrossValidated]]
-    causes: Mapping[str, float]
+    causes: Sequence[Explained]
     notes: Sequence[str]
     model: ByModel | None = None
 
@@ -159,13 +161,12 @@ def _one_of_each(sweeps: xr.Dataset) -> xr.Dataset:
     return sweeps.isel(sweep=np.union1d(first, np.flatnonzero(pixel == 0)))
 
 
-def _causes(trial: Trial) -> tuple[dict[str, float], list[str]]:
+def _causes(trial: Trial) -> tuple[Sequence[Explained], list[str]]:
     from ...simulator.calibration.explained import gap_by_parameter
 
     if trial.pair.scene is None:
-        return {}, []
+        return (), []
     try:
-        found = gap_by_parameter(trial.pair.scene, _one_of_each(trial.pair.other))
+        return gap_by_parameter(trial.pair.scene, _one_of_each(trial.pair.other)), []
     except (InputError, ToleranceError) as error:
-        return {}, [f"No causes: {error}."]
-    return {each.name: max(0.0, each.removed) for each in found}, []
+        return (), [f"No causes: {error}."]

@@ -41,8 +41,8 @@ class Explained:
 
     @property
     def removed(self) -> float:
-        """Part of chi-squared that it removes."""
-        return 1 - self.after / self.before if self.before > 0 else 0.0
+        """Part of chi-squared that it removes, from 0 to 1."""
+        return max(0.0, 1 - self.after / self.before) if self.before > 0 else 0.0
 
 
 def gap_by_parameter(

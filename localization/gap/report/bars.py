@@ -58,8 +58,8 @@ def _draw_measure(axes: Axes, findings: Findings, name: str, measure: str) -> No
 
 def draw_causes(findings: Findings, path: Path) -> None:
     """A bar for each parameter, the longest first."""
-    names = [name.replace("_", " ") for name in findings.causes]
-    shares = [100 * share for share in findings.causes.values()]
+    names = [each.name.replace("_", " ") for each in findings.causes]
+    shares = [100 * each.removed for each in findings.causes]
     with chart(path, 7, 0.9 + 0.32 * len(names)) as figure:
         axes = figure.subplots()
         bars = axes.barh(names, shares, color=COLOURS[0])

@@ -52,7 +52,8 @@ KEYS = {
     "0 to 1. Features in units of their spread on the other side",
     "calibration": "numbers of the scene by name, in their unit: start, as it stood; value, as "
     "calibrated; low and high, the 95 % interval",
-    "causes": "parameter and share, from 0 to 1, of the misfit that goes when it alone is fitted",
+    "causes": "parameter, share, from 0 to 1, of the misfit that goes when it alone is fitted, and "
+    "told, its change in words",
     "notes": "what was left out or changed to make both sides comparable",
 }
 
@@ -80,7 +81,10 @@ def numbers(findings: Findings) -> dict[str, Any]:
         },
         "discrepancy": {name: _discrepancy(stage) for name, stage in findings.stages.items()},
         "calibration": [{key: getattr(each, key) for key in ESTIMATED} for each in trial.estimates],
-        "causes": [{"parameter": name, "share": share} for name, share in findings.causes.items()],
+        "causes": [
+            {"parameter": each.name, "share": each.removed, "told": each.told}
+            for each in findings.causes
+        ],
         "notes": list(findings.notes),
     }
 

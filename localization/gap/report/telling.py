@@ -88,16 +88,16 @@ def cause_told(findings: Findings) -> str:
     """How much of the gap a parameter explains, in one sentence; empty where nobody knows."""
     if not findings.causes:
         return ""
-    (first, removed), *others = findings.causes.items()
-    name, share = _spaced(first), f"{100 * removed:.0f} % of the misfit"
-    if removed >= MOST:
+    first, *others = findings.causes
+    name, share = _spaced(first.name), f"{100 * first.removed:.0f} % of the misfit"
+    if first.removed >= MOST:
         told = f"{name} explains most of the gap: fitted alone, it removes {share}"
-    elif removed >= PART:
+    elif first.removed >= PART:
         told = f"{name} explains a part of the gap: fitted alone, it removes {share}"
     else:
         told = f"no parameter alone explains the gap: {name}, the first of them, removes {share}"
-    if others and others[0][1] >= WORTH_TELLING:
-        told += f"; next is {_spaced(others[0][0])} with {100 * others[0][1]:.0f} %"
+    if others and others[0].removed >= WORTH_TELLING:
+        told += f"; next is {_spaced(others[0].name)} with {100 * others[0].removed:.0f} %"
     return told[0].upper() + told[1:] + "."
 
 

@@ -15,8 +15,8 @@ def reached(findings, stage, features="relative", k=0):
 
 def test_a_known_shift_is_named_and_calibration_undoes_it(findings):
     """The twin's resistance is 20 % above the simulation's."""
-    assert next(iter(findings.causes)) == "sheet_resistance"
-    assert findings.causes["sheet_resistance"] > 0.9
+    assert findings.causes[0].name == "sheet_resistance"
+    assert findings.causes[0].removed > 0.9
     sheet = next(each for each in findings.trial.estimates if each.name == "top sheet")
     assert sheet.value == pytest.approx(1.2 * sheet.start, rel=0.01)
     assert reached(findings, "after", "absolute") > reached(findings, "before", "absolute") + 0.2
@@ -87,7 +87,7 @@ def test_too_few_sweeps_leave_a_number_of_touches_out(make_skin_sweeps, make_fin
 def test_without_a_scene_nothing_is_calibrated_or_explained(make_skin_sweeps, make_findings):
     findings = make_findings(make_skin_sweeps().drop_attrs(), make_skin_sweeps(6).drop_attrs())
     assert list(findings.stages) == ["before"]
-    assert findings.causes == {}
+    assert findings.causes == ()
     assert findings.trial.error is not None and "repeatability" in findings.trial.error.source
     assert told(findings, "the scene is unknown; --scene names it")
 

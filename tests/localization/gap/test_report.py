@@ -10,6 +10,7 @@ from rcskin.localization.gap.report import pages as report
 from rcskin.localization.gap.report.charts import charts_of
 from rcskin.localization.gap.report.numbers import KEYS, numbers
 from rcskin.localization.gap.report.telling import cause_told, rows_of
+from rcskin.simulator.calibration.explained import Explained
 from rcskin.simulator.charts import STYLE
 
 CHARTS = {
@@ -168,5 +169,6 @@ def test_a_chart_that_fails_leaves_nothing_behind(findings, tmp_path, monkeypatc
     ],
 )  # fmt: skip
 def test_words_and_share_of_a_cause_agree(findings, shares, told):
-    causes = dict(zip(("foam", "sheet"), shares, strict=True))
+    named = zip(("foam", "sheet"), shares, strict=True)
+    causes = [Explained(name, 0.0, 1.0, 1 - share, name) for name, share in named]
     assert cause_told(replace(findings, causes=causes)) == told
