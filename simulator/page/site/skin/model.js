@@ -1,6 +1,7 @@
 // The reduced model of a skin: the twin in a browser of simulator/models/reduced/kernel.py.
 
 import { startsOf, unpacked } from "rcskin/arrays";
+import { Response, Sum } from "rcskin/forms";
 import { dot, inverted, Symmetric, times } from "rcskin/linear";
 import { fedAtRest } from "rcskin/sheets";
 
@@ -11,53 +12,14 @@ import { fedAtRest } from "rcskin/sheets";
  * @typedef {{grid: {rows: number, columns: number},
  *   steps: {fewest: number, most: number, rtol: number}, terminals: number, size: number,
  *   rows: Packed, diagonal: Packed, ranks: number[], factors: Packed, feeds: Feed[],
- *   fields: number[], conductance: number[][], top: Packed | null,
+ *   combined?: [number, number][][], fields: number[], conductance: number[][], top: Packed | null,
  *   gauges: {piezoresistance: number[], ranks: number[], factors: Packed} | null}} PackedModel
  */
-/** @typedef {{cells: number[], rises: number[]}} Touched cells of the grid, and by how much c rises there */
-/** @typedef {{re: number, im: number}} Complex */
+/** @typedef {{cells: number[], rises: number[]}} Touched parts of M, cells of the grid first, and by how much each rises */
+/** @typedef {import("rcskin/forms").Complex} Complex */
+/** @typedef {import("rcskin/forms").Shown} Shown */
 
 const LOST_SUSCEPTANCE = 1e-9;
-
-/**
- * What a drive sees of one press at any s: Y = G + s C - s² b0² / (1 + s a1 - s² b1² / (1 + ...)).
- */
-export class Response {
-  /**
-   * @param {number} conductance S
-   * @param {number} capacitance F
-   * @param {number[]} diagonal a1, a2, ...
-   * @param {number[]} squared b0², b1², ...
-   */
-  constructor(conductance, capacitance, diagonal, squared) {
-    this.conductance = conductance;
-    this.capacitance = capacitance;
-    this.diagonal = diagonal;
-    this.squared = squared;
-  }
-
-  /** Y in S. @param {Complex} s rad/s @returns {Complex} */
-  admittance(s) {
-    let re = 0;
-    let im = 0;
-    const s2re = s.re * s.re - s.im * s.im;
-    const s2im = 2 * s.re * s.im;
-    const { diagonal, squared } = this;
-    for (let k = diagonal.length - 1; k >= 0; k--) {
-      const next = k + 1 < diagonal.length ? squared[k + 1] : 0;
-      const nre = 1 + s.re * diagonal[k] - next * (s2re * re - s2im * im);
-      const nim = s.im * diagonal[k] - next * (s2re * im + s2im * re);
-      const size = nre * nre + nim * nim;
-      re = nre / size;
-      im = -nim / size;
-    }
-    const first = diagonal.length ? squared[0] : 0;
-    return {
-      re: this.conductance + s.re * this.capacitance - first * (s2re * re - s2im * im),
-      im: s.im * this.capacitance - first * (s2re * im + s2im * re),
-    };
-  }
-}
 
 export class Model {
   /** @param {PackedModel} packed */
@@ -72,6 +34,19 @@ export class Model {
     this.diagonal = unpacked(packed.diagonal);
     this.factors = unpacked(packed.factors);
     this.starts = startsOf(packed.ranks);
+    /** Of each interface the drives that it combines, and their weights; null where each drive is one. */
+    this.combined = packed.combined ?? null;
+  }
+
+  /** What interfaces show. @param {Response[]} forms of every drive @returns {Shown[]} */
+  interfaces(forms) {
+    if (!this.combined) return forms;
+    return this.combined.map((parts) => new Sum(parts.map(([k, weight]) => [weight, forms[k]])));
+  }
+
+  /** The drives of an interface: with high at 1 V and low at 0 V all are there at once. @param {number} k @returns {number[]} */
+  drivesOf(k) {
+    return this.combined ? this.combined[k].map(([drive]) => drive) : [k];
   }
 
   /** M v in C. @param {Touched} touched @param {Float64Array} v @param {Float64Array} charge */
@@ -217,17 +192,24 @@ export class Model {
     return M;
   }
 
-  /** Shifts a sheet that floats as a whole so that it keeps its charge. @param {Fed} fed @param {Touched} touched */
+  /** Shifts what floats as a whole so that it keeps its charge. @param {Fed} fed @param {Touched} touched */
   #neutral(fed, touched) {
-    if (!fed.common.length) return () => {};
-    const [common] = fed.common;
-    const charge = new Float64Array(this.size);
-    this.charge(touched, common, charge);
-    const own = dot(common, charge);
-    return (/** @type {Float64Array} */ v) => {
-      const shift = dot(charge, v) / own;
-      for (let k = 0; k < v.length; k++) v[k] -= shift * common[k];
+    /** @type {{common: Float64Array, charge: Float64Array, own: number}[]} none of which charges another */
+    const known = [];
+    const neutral = (/** @type {Float64Array} */ v) => {
+      for (const { common, charge, own } of known) {
+        const shift = dot(charge, v) / own;
+        for (let k = 0; k < v.length; k++) v[k] -= shift * common[k];
+      }
     };
+    for (const row of fed.common) {
+      const common = Float64Array.from(row);
+      neutral(common);
+      const charge = new Float64Array(this.size);
+      this.charge(touched, common, charge);
+      known.push({ common, charge, own: dot(common, charge) });
+    }
+    return neutral;
   }
 }
 

@@ -7,7 +7,7 @@ import { Sheets } from "rcskin/sheets";
 
 /** @typedef {import("rcskin/model").Complex} Complex */
 /** @typedef {import("rcskin/model").Touched} Touched */
-/** @typedef {import("rcskin/model").Response} Response */
+/** @typedef {import("rcskin/model").Shown} Shown */
 /**
  * A touch over a rectangle about x, y in m; a pixel has its row and column, from 1.
  * @typedef {{x: number, y: number, width: number, height: number, factor: number, row?: number, column?: number}} Touch
@@ -31,7 +31,7 @@ export class Skin {
     this.basis = unpacked(data.basis);
     /** @type {number[]} */
     this.frequencies = data.frequencies;
-    /** @type {Map<string, Response[]>} */
+    /** @type {Map<string, Shown[]>} */
     this.known = new Map();
     /** @type {{ratio: number, fed: import("rcskin/sheets").Fed[]} | null} */
     this.kept = null;
@@ -98,7 +98,7 @@ export class Skin {
     return this.sheets.fed(this.conductances(cast), touched) ?? this.model.fed;
   }
 
-  /** Of every interface, good for all capacitance and loss that may be cast. @param {Touch[]} touches @param {Cast} cast @param {boolean} roughly to 1e-8 @returns {Response[]} */
+  /** Of every interface, good for all capacitance and loss that may be cast. @param {Touch[]} touches @param {Cast} cast @param {boolean} roughly to 1e-8 @returns {Shown[]} */
   responses(touches, cast, roughly = false) {
     const key = JSON.stringify([touches, this.conductances(cast)[0], roughly]);
     const known = this.known.get(key);
@@ -113,8 +113,8 @@ export class Skin {
     });
     const touched = this.touched(touches);
     const rtol = roughly ? ROUGHLY : undefined;
-    const found = this.fed(cast, touched).map((fed) =>
-      this.model.response(fed, touched, farthest, rtol),
+    const found = this.model.interfaces(
+      this.fed(cast, touched).map((fed) => this.model.response(fed, touched, farthest, rtol)),
     );
     if (this.known.size > MOST_KNOWN) this.known.clear();
     this.known.set(key, found);
@@ -131,7 +131,7 @@ export class Skin {
     return { re: size * (cast.loss * cos - sin), im: size * (cos + cast.loss * sin) };
   }
 
-  /** Z in ohm at the meter's end. @param {Response} response @param {number} frequency Hz @param {Cast} cast @returns {Complex} */
+  /** Z in ohm at the meter's end. @param {Shown} response @param {number} frequency Hz @param {Cast} cast @returns {Complex} */
   impedance(response, frequency, cast) {
     const Y = response.admittance(this.variable(frequency, cast));
     const common = this.common(cast);
@@ -148,8 +148,13 @@ export class Skin {
    */
   field(drive, touches, frequency, cast) {
     const touched = this.touched(touches);
-    const fed = this.fed(cast, touched)[drive];
-    const u = this.model.potentials(fed, touched, this.variable(frequency, cast));
+    const fed = this.fed(cast, touched);
+    const s = this.variable(frequency, cast);
+    const found = this.model.drivesOf(drive).map((k) => this.model.potentials(fed[k], touched, s));
+    const u = found.reduce(({ re, im }, own) => ({
+      re: re.map((value, k) => value + own.re[k]),
+      im: im.map((value, k) => value + own.im[k]),
+    }));
     const { rows, columns } = this.data.raster;
     const points = rows * columns;
     const fields = this.basis.length / points / this.model.size;
