@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..models.line_slopes import LineModel
 from ..models.network.terminals import reduced_for
-from ..models.parameters import FACTORS, scene_with
+from ..models.parameters import FACTORS, own_values, scene_with
 from ..models.reduced.forward import REACH, Forward
 from ..models.response import Response
 from ..models.slow.waves import EVEN, Uneven
@@ -51,7 +51,8 @@ class Around:
         """model: of the scene with its factors at `about`, which are logarithms, and with slow
         waves where it is `uneven`."""
         self.model, self.uneven = model, uneven
-        self.about = {name: about.get(name, 0.0) for name in FACTORS}
+        own = own_values(model.scene)
+        self.about = {name: about.get(name, 0.0) for name in FACTORS if name in own}
 
     @property
     def reach(self) -> float:
@@ -116,7 +117,8 @@ def around(
 def movable(scene: Scene) -> list[str]:
     """Factors that a model may be trained about: not such that one field would become two."""
     single = single_field(scene) is not None
-    return [name for name in FACTORS if not (single and name == "sheet_mismatch")]
+    factors = [name for name in own_values(scene) if name in FACTORS]
+    return [name for name in factors if not (single and name == "sheet_mismatch")]
 
 
 def checked_model(model: Model, scene: Scene, uneven: Uneven = EVEN) -> Model:

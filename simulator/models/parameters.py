@@ -29,6 +29,7 @@ class Variation:
     zeros for the scene's own. films: conductance of each contact's resistance over nominal, shape
     (contact,); nothing at ideal ones. capacitance: of the foam at rest over nominal, shape (rows,
     columns). loss: as it is, not a factor. beside: as capacitance, of foam that is no pixel's.
+    body, rim: capacitance of all bodies and along the outline over nominal.
     """
 
     top: NDArray[np.float64]
@@ -37,6 +38,8 @@ class Variation:
     capacitance: NDArray[np.float64]
     loss: Loss
     beside: float = 1.0
+    body: float = 1.0
+    rim: float = 1.0
 
     def foam(self, scene: Scene) -> NDArray[np.float64]:
         """Factors on the capacitance of each part, shape (part,), see `foam_parts`."""
@@ -87,6 +90,8 @@ FACTORS = {
     "sheet_mismatch": "the top sheet's resistance over the bottom's",
     "capacitance": "capacitance of all the foam",
     "contact_resistance": "resistance of all contacts",
+    "body": "capacitance of all bodies near the skin",
+    "rim": "capacitance along the outline",
 }
 """Parameters counted by the logarithm of a factor on the scene's own value."""
 
@@ -96,10 +101,22 @@ VALUES = {
     "lead_resistance": "ohm",
     "lead_inductance": "H",
     "stray_capacitance": "F",
+    "finger": "F",
 }
 """Parameters counted as they are, and their units."""
 
-PARAMETERS = (*FACTORS, *VALUES)
+EFFECTS = ("body", "rim", "finger")
+"""Parameters of `[surroundings]`: a scene has those of what it has around it, see `own_values`."""
+
+NEEDED = {
+    "body": "it needs [surroundings.body], not solved",
+    "rim": "it needs `rim` of [surroundings]",
+    "finger": "it needs [surroundings] without a body in front of the sheet that fingers touch",
+}
+"""What a scene needs to have each of EFFECTS."""
+
+PARAMETERS = tuple(name for name in (*FACTORS, *VALUES) if name not in EFFECTS)
+"""Parameters of every scene."""
 
 
 FOAM_WAVES = ("foam_x", "foam_y", "foam_xy")
@@ -111,28 +128,34 @@ TOP_WAVES, BOTTOM_WAVES = ("top_x", "top_y", "top_xy"), ("bottom_x", "bottom_y",
 
 SHEET_WAVES = (*TOP_WAVES, *BOTTOM_WAVES)
 SLOW_WAVES = (*FOAM_WAVES, *SHEET_WAVES)
-KNOWN = (*PARAMETERS, *SLOW_WAVES)
+KNOWN = (*PARAMETERS, *EFFECTS, *SLOW_WAVES)
 
 
 def own_values(scene: Scene) -> dict[str, float]:
     """The scene's own parameters."""
     foam, leads = scene.skin.foam, scene.leads
-    values = (
-        foam.loss_tangent,
-        foam.phase_exponent,
-        leads.resistance,
-        leads.inductance,
-        leads.unguarded,
-    )
-    return dict.fromkeys(FACTORS, 0.0) | dict(zip(VALUES, values, strict=True))
+    stated = {
+        "loss_tangent": foam.loss_tangent,
+        "phase_exponent": foam.phase_exponent,
+        "lead_resistance": leads.resistance,
+        "lead_inductance": leads.inductance,
+        "stray_capacitance": leads.unguarded,
+    }
+    return {name: stated.get(name, 0.0) for name in PARAMETERS}
 
 
 def all_values(scene: Scene, given: Mapping[str, float] | None) -> dict[str, float]:
-    """Those given, and the scene's own for the others. Raises InputError for an unknown name."""
+    """Those given, and the scene's own for the others.
+
+    Raises InputError for an unknown name, and for one of EFFECTS that the scene has not.
+    """
+    own = own_values(scene)
     for name in given or {}:
         if name not in KNOWN:
             raise InputError(f"`parameter` must be one of {', '.join(KNOWN)}, got {name!r}")
-    return own_values(scene) | dict(given or {})
+        if name in EFFECTS and name not in own:
+            raise InputError(f"{scene.name}: {name} changes nothing here; {NEEDED[name]}")
+    return own | dict(given or {})
 
 
 def loss_of(values: Mapping[str, float]) -> Loss:
@@ -161,6 +184,8 @@ def variation_of(scene: Scene, values: Mapping[str, float]) -> Variation:
         ),
         loss=loss_of(values),
         beside=math.exp(values["capacitance"]),
+        body=math.exp(values.get("body", 0.0)),
+        rim=math.exp(values.get("rim", 0.0)),
     )
 
 
@@ -178,11 +203,10 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
         for name, sheet, turn in (("top", skin.top, half), ("bottom", skin.bottom, -half))
     }
     foam = Foam(
-        capacitance_per_area=skin.foam.rest_capacitance_per_area * math.exp(values["capacitance"]),
+        **_capacitance(scene, math.exp(values["capacitance"])),
         loss_tangent=values["loss_tangent"],
         phase_exponent=values["phase_exponent"],
         map=skin.foam.map,
-        **_kept_mechanics(scene),
     )
     film = math.exp(values["contact_resistance"])
     contacts = tuple(
@@ -195,12 +219,18 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
     )
 
 
-def _kept_mechanics(scene: Scene) -> dict[str, Any]:
-    """What tells the strain under a factor, where sheets hang on it, or the factor of a depth."""
-    skin = scene.skin
-    if scene.press.plain and not (skin.top.piezoresistance or skin.bottom.piezoresistance):
-        return {}
-    return {"mechanics": skin.foam.mechanics, "thickness": skin.foam.thickness}
+def _capacitance(scene: Scene, factor: float) -> dict[str, Any]:
+    """That of the foam, F/m2, in the keys of a scene.
+
+    With it goes the thickness where something hangs on it: the strain under a press that changes
+    the sheets, or the factor of a depth.
+    """
+    foam, press, skin = scene.skin.foam, scene.press, scene.skin
+    c = foam.rest_capacitance_per_area * factor
+    pressed = not press.plain or skin.top.piezoresistance or skin.bottom.piezoresistance
+    if foam.mechanics is None or not pressed:
+        return {"capacitance_per_area": c}
+    return {"capacitance_per_area": c, "mechanics": foam.mechanics, "thickness": foam.thickness}
 
 
 def by_sheets(
