@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.answer import Answer
+from ..models.plain import require_static
 from ..models.solver import Solver
 from ..press.press import Press, check_press, press_on
 from ..scene.files import scene_text
@@ -54,6 +55,7 @@ def answered(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, 
     Raises InputError where a press does not fit the scene, ToleranceError where the tolerance is
     not reached.
     """
+    require_static(solver.scene, "a sweep")
     known: dict[Press, Answer] = {}
     for press in presses:
         if press not in known:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..models.parameters import WAVES, Variation, mode_values
 from ..press.pixels import cell_centres
+from ..scene.foam_in_time import AMBIENT, ambient_factors
 from ..scene.frequency import Loss
 from ..scene.meter import Leads
 from ..scene.randomisation import CUT, truncated_normal
@@ -37,12 +38,14 @@ def drawn_skin(
     common, top, bottom, c, loss, stray, lead = random.random(7)
     waves = random.random((2, len(WAVES) - 1))
     contacts = random.random(len(scene.contacts))
-    common_c = float(drawn.capacitance.at(c))
+    own_foam = _foam(scene, random, grid)
+    of_foam, of_sheets = _ambient(scene, random)
+    common_c = float(drawn.capacitance.at(c)) * of_foam
     variation = Variation(
-        _conductance(scene, common, top, waves[0], modes),
-        _conductance(scene, common, bottom, waves[1], modes),
+        _conductance(scene, common, top, waves[0], modes) / of_sheets,
+        _conductance(scene, common, bottom, waves[1], modes) / of_sheets,
         1 / drawn.contact_resistance.at(contacts),
-        common_c * _foam(scene, random, grid),
+        common_c * own_foam,
         Loss(foam.loss_tangent + float(drawn.loss_tangent.at(loss)), foam.phase_exponent),
         common_c,
     )
@@ -52,6 +55,20 @@ def drawn_skin(
         stray_capacitance=scene.leads.unguarded + float(drawn.stray_capacitance.at(stray)),
     )
     return DrawnSkin(variation, leads)
+
+
+def _ambient(scene: Scene, random: np.random.Generator) -> tuple[float, float]:
+    """Factors of the session's temperature and humidity on capacitance and on sheet resistance.
+
+    Drawn after all else, and only where they are named, so that no other draw changes by them.
+    """
+    both = np.ones(2)
+    for name in AMBIENT:
+        drawn = getattr(scene.dataset.session, name)
+        if drawn is not None:
+            table, state = getattr(scene.skin.foam, name), float(drawn.at(random.random()))
+            both *= ambient_factors(table, state, f"dataset.session.{name}")
+    return float(both[0]), float(both[1])
 
 
 def _conductance(

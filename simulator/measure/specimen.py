@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.mechanics.in_depths import depths_in_words
+from ..models.plain import require_static
 from ..models.solver import Solver
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press, press_on
@@ -46,7 +47,7 @@ class Specimen:
     """A scene at one of its interfaces."""
 
     def __init__(self, scene: Scene, interface: str) -> None:
-        self.scene = scene
+        self.scene = require_static(scene, "the virtual meter")
         self._number = interface_names(scene).index(interface)
         self._solved, self._pixels = Solved(scene), set(pixels_with_skin(scene))
 

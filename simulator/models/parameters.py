@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scene.foam_in_time import AMBIENT, IN_TIME
 from ..scene.frequency import Loss
 from ..scene.meter import Leads
 from ..scene.randomisation import AnyDistribution
@@ -207,6 +208,7 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
         loss_tangent=values["loss_tangent"],
         phase_exponent=values["phase_exponent"],
         map=skin.foam.map,
+        **{name: getattr(skin.foam, name) for name in IN_TIME},
     )
     film = math.exp(values["contact_resistance"])
     contacts = tuple(
@@ -223,12 +225,12 @@ def _capacitance(scene: Scene, factor: float) -> dict[str, Any]:
     """That of the foam, F/m2, in the keys of a scene.
 
     With it goes the thickness where something hangs on it: the strain under a press that changes
-    the sheets, or the factor of a depth.
+    the sheets or creeps, or the factor of a depth.
     """
     foam, press, skin = scene.skin.foam, scene.press, scene.skin
     c = foam.rest_capacitance_per_area * factor
-    pressed = not press.plain or skin.top.piezoresistance or skin.bottom.piezoresistance
-    if foam.mechanics is None or not pressed:
+    sheets = skin.top.piezoresistance or skin.bottom.piezoresistance
+    if foam.mechanics is None or (press.plain and not sheets and not foam.in_time):
         return {"capacitance_per_area": c}
     return {"capacitance_per_area": c, "mechanics": foam.mechanics, "thickness": foam.thickness}
 
@@ -261,11 +263,14 @@ QUANTILES = (np.arange(4001) + 0.5) / 4001
 def session_spreads(scene: Scene) -> dict[str, Spread]:
     """Of every one of PARAMETERS between sessions of [dataset.session]; 0 of those not drawn.
 
-    Each sheet has a factor of its own, of which half of each is both sheets' together, and each
-    contact that has a resistance has one, of which all have the mean.
+    Temperature and humidity count among both sheets' resistance and the foam's capacitance, each on
+    its own. Each sheet has a factor of its own, of which half of each is both sheets' together, and
+    each contact that has a resistance has one, of which all have the mean.
     """
     drawn = scene.dataset.session
-    both, own = _of_logarithm(drawn.sheet_resistance), _of_logarithm(drawn.sheet_mismatch)
+    weather = _of_ambient(scene)
+    both = _with(_of_logarithm(drawn.sheet_resistance), weather["sheet_resistance"])
+    own = _of_logarithm(drawn.sheet_mismatch)
     film = _of_logarithm(drawn.contact_resistance)
     films = sum(not contact.ideal for contact in scene.contacts)
     return dict.fromkeys(PARAMETERS, Spread(0.0, 0.0)) | {
@@ -273,12 +278,32 @@ def session_spreads(scene: Scene) -> dict[str, Spread]:
             both.shift + own.shift, math.hypot(both.deviation, own.deviation / math.sqrt(2))
         ),
         "sheet_mismatch": Spread(0.0, math.sqrt(2) * own.deviation),
-        "capacitance": _of_logarithm(drawn.capacitance),
+        "capacitance": _with(_of_logarithm(drawn.capacitance), weather["capacitance"]),
         "contact_resistance": Spread(film.shift, film.deviation / math.sqrt(max(films, 1))),
         "loss_tangent": _of_value(drawn.loss_tangent),
         "lead_resistance": _of_value(drawn.lead_resistance),
         "stray_capacitance": _of_value(drawn.stray_capacitance),
     }
+
+
+def _of_ambient(scene: Scene) -> dict[str, list[Spread]]:
+    """By the temperature and the humidity that are drawn, of capacitance and sheet resistance."""
+    drawn, foam = scene.dataset.session, scene.skin.foam
+    states = [(getattr(foam, name), getattr(drawn, name)) for name in AMBIENT]
+    return {
+        key: [
+            _spread(np.log1p(getattr(table, key) * (state.at(QUANTILES) - table.reference)))
+            for table, state in states
+            if state is not None
+        ]
+        for key in ("capacitance", "sheet_resistance")
+    }
+
+
+def _with(one: Spread, others: list[Spread]) -> Spread:
+    """Of a sum of what is drawn apart."""
+    every = [one, *others]
+    return Spread(sum(each.shift for each in every), math.hypot(*(e.deviation for e in every)))
 
 
 def _of_value(drawn: AnyDistribution) -> Spread:

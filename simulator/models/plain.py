@@ -60,7 +60,7 @@ def folded(scene: Scene, what: str) -> Scene:
 
     Places in m are those of the skin as it is stretched, if that leaves it plain. What a tension
     spreads stays as it is; where none does, a depth is the factor that it leaves. Raises InputError
-    where `what` cannot take how pixels are pressed.
+    where `what` cannot take how pixels are pressed, as `require_static` too.
     """
     mechanics, evenly = scene.skin.foam.mechanics, evenly_pressed(scene, what)
     spread = not scene.press.plain and mechanics is not None and mechanics.tension
@@ -69,6 +69,7 @@ def folded(scene: Scene, what: str) -> Scene:
 
 def evenly_pressed(scene: Scene, what: str) -> Scene:
     """As `folded`, but what a tension spreads beside applicators is left out everywhere."""
+    require_static(scene, what)
     if scene.press.plain:
         return electrical(scene)
     if scene.press.force is not None:
@@ -76,6 +77,19 @@ def evenly_pressed(scene: Scene, what: str) -> Scene:
     factor, spread = scene.pressed_factor, scene.press.factor_spread
     pressing = Pressing(capacitance_factor=factor, factor_spread=spread)
     return scene.model_copy(update={"press": pressing, "skin": form(scene.skin)})
+
+
+def require_static(scene: Scene, what: str) -> Scene:
+    """The same scene, for `what` that takes presses as they are at first.
+
+    Raises InputError naming the key by which its foam changes while it is pressed.
+    """
+    for key in scene.skin.foam.in_time:
+        raise InputError(
+            f"{scene.name}: {what} cannot take `{key}`: it takes presses as they are at once; "
+            "leave the key out"
+        )
+    return scene
 
 
 def require_plain(scene: Scene, what: str) -> Scene:

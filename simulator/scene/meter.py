@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
+from .foam_in_time import Celsius, Humid
 from .keys.tables import OrTable, OrText
 from .ranges import Capacitance, Frequency, Inductance, Phase, Resistance, Seed, Share
-from .validation import Number, Table, Whole, one_line
+from .validation import Number, Table, Whole, one_line, within
 
 METERS = Path(__file__).parents[1] / "meters"
 
@@ -114,12 +115,41 @@ MOST_REPETITIONS = 10**6
 """A press a second for eleven days."""
 
 
+Wait = Annotated[Number, within(0.0, 1e7, "s", "a season of measuring")]
+
+
+class Timing(Table):
+    """When presses come and how long their sweeps take, for foam that creeps.
+
+    A press is held for `before` [s] until its sweep begins, and let go as that ends; `pause` [s]
+    later the next press comes. speed, averaging: of the meter, which reads one frequency after the
+    other, lowest first, through one interface after the other.
+    """
+
+    before: Wait = 0.0
+    pause: Wait = 1.0
+    speed: Literal["FAST", "MEDIUM", "SLOW", "SLOW2"] = "MEDIUM"
+    averaging: Annotated[Whole, Field(ge=1, le=256)] = 1
+
+
 class Experiment(Table):
-    """How often every pixel is pressed, and whether the skin at rest is a class of its own."""
+    """How often every pixel is pressed, and whether the skin at rest is a class of its own.
+
+    timing: of presses and readings. temperature, humidity: at which all is simulated; the
+    references of the foam's tables unless given.
+    """
 
     repetitions: Annotated[Whole, Field(ge=1, le=MOST_REPETITIONS)] = 6
     unpressed: bool = True
     seed: Seed = 1
+    timing: Timing | None = None
+    temperature: Celsius | None = None
+    humidity: Humid | None = None
+
+    @property
+    def timed(self) -> Timing:
+        """Its timing, assumed where none is given."""
+        return self.timing or Timing()
 
 
 class Leads(Table):

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, model_validator
 
+from .foam_in_time import AMBIENT, ambient_factors
 from .validation import Bounds, Number, Table, Whole, one_line, within
+
+if TYPE_CHECKING:
+    from .skin import Foam
 
 Finite = Annotated[Number, within(-1e15, 1e15, "", "no quantity that is drawn is larger")]
 
@@ -236,7 +240,8 @@ class Session(Table):
     capacitance over the foam: of each pixel on its own or, where foam_pattern is smooth, of each
     slow wave. loss_tangent: added to the foam's own. contact_resistance: factor on each contact's
     resistance; ideal foils have none. stray_capacitance [F] and lead_resistance [ohm]: added to
-    those of the leads, beyond any guard.
+    those of the leads, beyond any guard. temperature [°C], humidity [%RH]: at which a session is
+    measured, where the foam has their tables; those of `experiment` unless given.
 
     The defaults are assumptions. Geometry of 3 % and contacts of 4 % a session are what simulations
     of electrical impedance tomography that were to be carried to real devices took; the sheets'
@@ -262,6 +267,24 @@ class Session(Table):
     lead_resistance: Annotated[
         Distribution, drawn_within(0.0, 1e12, "ohm", "no meter reads more")
     ] = Uniform(low=0.0, high=2.0)
+    temperature: (
+        Annotated[Distribution, drawn_within(-200.0, 1000.0, "°C", "no foam lasts beyond")] | None
+    ) = None
+    humidity: (
+        Annotated[Distribution, drawn_within(0.0, 100.0, "%RH", "air holds no more water")] | None
+    ) = None
+
+    def check_ambient(self, foam: Foam) -> None:
+        """Raises ValueError where a state is drawn that the foam has no table of, or is far off."""
+        for name in AMBIENT:
+            drawn, table = getattr(self, name), getattr(foam, name)
+            if drawn is None:
+                continue
+            key = f"dataset.session.{name}"
+            if table is None:
+                raise ValueError(f"`{key}` needs the table skin.foam.{name}")
+            for state in (drawn.low, drawn.high):
+                ambient_factors(table, state, key)
 
 
 class Randomisation(Table):

@@ -30,6 +30,7 @@ from .contacts import (
     taken,
 )
 from .design import Design
+from .foam_in_time import in_ambient
 from .foam_mechanics import Mechanics
 from .keys.changing import put
 from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
@@ -280,6 +281,12 @@ class Scene(Table):
     def _mechanics_for_depth_and_force(self) -> Self:
         if not self.press.plain and self.skin.foam.mechanics is None:
             raise ValueError("`press` depth and force need the table skin.foam.mechanics")
+        return self
+
+    @model_validator(mode="after")
+    def _in_its_ambient(self) -> Self:
+        object.__setattr__(self, "skin", in_ambient(self.skin, self.experiment))
+        self.dataset.session.check_ambient(self.skin.foam)
         return self
 
     @model_validator(mode="after")

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
+from .foam_in_time import Humidity, Hysteresis, Relaxations, Temperature
 from .foam_mechanics import Mechanics
 from .form.mesh_data import MeshData, read_along
 from .form.outline import Curve, Outline, check_outline
@@ -128,7 +129,9 @@ class Foam(Table):
     loss_tangent: of jwC (1 - j tan d). phase_exponent: a of a constant-phase capacitance (jw)^a,
     which has the size that is named at 1 kHz; 1 is an ideal one. map: factor by place on the
     capacitance. mechanics: what depth or force of a press do, for a foam of known thickness; the
-    permittivity then follows unless given.
+    permittivity then follows unless given. relaxation: one or two standard linear solids, by which
+    a pressed foam creeps and a released one recovers. hysteresis: share of the work of loading that
+    unloading does not give back; a foam that is let off stays more compressed by it.
     """
 
     capacitance_per_area: PerArea | None = None
@@ -138,6 +141,16 @@ class Foam(Table):
     phase_exponent: Annotated[Number, Field(gt=0.5, le=1)] = 1.0
     map: Map | None = None
     mechanics: Mechanics | None = None
+    relaxation: Relaxations | None = None
+    hysteresis: Hysteresis | None = None
+    temperature: Temperature | None = None
+    humidity: Humidity | None = None
+
+    @property
+    def in_time(self) -> list[str]:
+        """The keys by which it depends on when it was pressed, and for how long."""
+        keys = {"relaxation": self.relaxation, "hysteresis": self.hysteresis}
+        return [f"skin.foam.{name}" for name, value in keys.items() if value]
 
     @property
     def loss(self) -> Loss:

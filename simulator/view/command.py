@@ -144,6 +144,8 @@ def _stage(
     for one_terminal in scene.driven_by_touch:
         if one_terminal.interface == chosen:
             warn(f"{name}: {one_terminal}")
+    for key in scene.skin.foam.in_time:
+        note(f"{name}: fields are those at the moment of the press, before `{key}` counts")
     found = fields(scene, pressed, frequencies, chosen, rtol, progress)
     wiring = next(each for each in scene.interfaces if each.name == chosen)
     return Stage(scene, pressed, wiring, found)

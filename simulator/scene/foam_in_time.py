@@ -1,0 +1,143 @@
+"""How a foam changes: it creeps under a press and recovers after it, and follows the weather."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+from pydantic import Field
+
+from .ranges import Seconds
+from .validation import Number, Table, short, within
+
+if TYPE_CHECKING:
+    from .meter import Experiment
+    from .skin import Foam, Skin
+
+Creep = Annotated[
+    Number, within(1e-6, 10.0, "of the strain at once", "a foam that creeps more is a liquid")
+]
+
+Hysteresis = Annotated[
+    Number,
+    within(
+        0.0, 1 / 3, "of the work of loading", "beyond a third, foam would sink as it is let off"
+    ),
+]
+
+Celsius = Annotated[Number, within(-200.0, 1000.0, "°C", "no foam lasts beyond")]
+Humid = Annotated[Number, within(0.0, 100.0, "%RH", "air holds no more water")]
+PerKelvin = Annotated[Number, within(-0.1, 0.1, "1/K", "a tenth a kelvin is a thermistor")]
+PerPercent = Annotated[Number, within(-0.1, 0.1, "1/%RH", "a tenth a percent is a hygrometer")]
+
+LEAST_CHANGE, MOST_CHANGE = 0.1, 10.0
+"""Factors between which a straight line in temperature or humidity is taken at all."""
+
+
+class Relaxation(Table):
+    """One standard linear solid: strain that comes and goes with a time constant.
+
+    share: of the strain that a load causes at once, what creep adds to it in the end.
+    time_constant [s]: of that creep, and of the recovery after the load.
+    """
+
+    share: Creep
+    time_constant: Seconds
+
+
+class Temperature(Table):
+    """Relative changes of capacitance and sheet resistance per kelvin away from a reference.
+
+    The scene's numbers are those at the reference. The temperature is that of `experiment`, and
+    what `dataset.session` draws.
+    """
+
+    reference: Celsius = 23.0
+    capacitance: PerKelvin = 0.0
+    sheet_resistance: PerKelvin = 0.0
+
+
+class Humidity(Table):
+    """The same per percent of relative humidity."""
+
+    reference: Humid = 50.0
+    capacitance: PerPercent = 0.0
+    sheet_resistance: PerPercent = 0.0
+
+
+Relaxations = Annotated[tuple[Relaxation, ...], Field(min_length=1, max_length=2)]
+
+AMBIENT = ("temperature", "humidity")
+"""Tables of the foam, and keys of `experiment` and `dataset.session` that hold their state."""
+
+IN_TIME = ("relaxation", "hysteresis", *AMBIENT)
+"""Keys of the foam that say how it changes."""
+
+
+def ambient_factors(table: Temperature | Humidity, state: float, key: str) -> tuple[float, float]:
+    """Factors on capacitance and on sheet resistance away from the reference.
+
+    Raises ValueError, naming the key of the state, where one is no small change.
+    """
+    away = state - table.reference
+    factors = 1 + table.capacitance * away, 1 + table.sheet_resistance * away
+    for name, factor in zip(("capacitance", "sheet_resistance"), factors, strict=True):
+        if not LEAST_CHANGE <= factor <= MOST_CHANGE:
+            raise ValueError(
+                f"`{key}` must leave {name} from {LEAST_CHANGE:g} to {MOST_CHANGE:g} times that at "
+                f"the reference {table.reference:g}, got {state:g}, which leaves {factor:.3g}"
+            )
+    return factors
+
+
+def in_ambient(skin: Skin, experiment: Experiment) -> Skin:
+    """The skin at the temperature and humidity of an experiment, which are its references then.
+
+    Capacitance, sheet resistances and coefficients are those there, so that the same line in
+    temperature or humidity is written about another reference. Raises ValueError where `experiment`
+    names a state of which the foam has no table, as `ambient_factors`, and for a permittivity < 1.
+    """
+    for name in AMBIENT:
+        state, table = getattr(experiment, name), getattr(skin.foam, name)
+        if state is None:
+            continue
+        key = f"experiment.{name}"
+        if table is None:
+            raise ValueError(f"`{key}` needs the table skin.foam.{name}, got {state:g} alone")
+        if state != table.reference:
+            skin = _referred(skin, name, table, state, ambient_factors(table, state, key))
+    return skin
+
+
+def _referred(
+    skin: Skin, name: str, table: Temperature | Humidity, state: float, by: tuple[float, float]
+) -> Skin:
+    of_foam, of_sheets = by
+    there = table.model_copy(
+        update={
+            "reference": state,
+            "capacitance": table.capacitance / of_foam,
+            "sheet_resistance": table.sheet_resistance / of_sheets,
+        }
+    )
+    foam = with_capacitance(skin.foam, of_foam, f"experiment.{name}")
+    sheets = {
+        side: sheet.model_copy(update={"sheet_resistance": sheet.sheet_resistance * of_sheets})
+        for side, sheet in (("top", skin.top), ("bottom", skin.bottom))
+    }
+    return skin.model_copy(update={**sheets, "foam": foam.model_copy(update={name: there})})
+
+
+def with_capacitance(foam: Foam, factor: float, key: str) -> Foam:
+    """A foam of so many times the capacitance and the same thickness.
+
+    Raises ValueError naming the key that asks for it where the permittivity would be below 1.
+    """
+    if foam.relative_permittivity is None:
+        c = foam.rest_capacitance_per_area * factor
+        return foam.model_copy(update={"capacitance_per_area": c})
+    permittivity = foam.relative_permittivity * factor
+    if permittivity < 1:
+        raise ValueError(
+            f"`{key}` must leave skin.foam.relative_permittivity >= 1, got {short(permittivity)}"
+        )
+    return foam.model_copy(update={"relative_permittivity": permittivity})
