@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,42 +19,50 @@ from numpy.typing import NDArray
 from ..scene.contacts import Contact, Interface
 from ..scene.scene import Scene
 from ..scene.wiring import joined
+from .excitation import Combination, Drive, combination, through_virtual_earth
 
 SAME = 1e-12
+Low = Literal["floating", "virtual earth"] | None
 
 
 @dataclass(frozen=True)
 class Terminal:
-    """Foils of one field at one potential; without foils, the reference of a floating sheet."""
+    """Foils of one field at one potential; without foils, the reference of a floating sheet.
+
+    A conductor beside the skin, such as a guard, is a terminal without a sheet: its field is beyond
+    those of the circuit. faces: the field in front of such a conductor. follows: the terminal of
+    the meter that it is wired to, None where it floats.
+    """
 
     field: int
     contacts: tuple[Contact, ...]
-
-
-@dataclass(frozen=True)
-class Drive:
-    """The terminals an interface connects; an empty `low` is the zero of the one field."""
-
-    high: tuple[int, ...]
-    low: tuple[int, ...]
+    faces: int | None = None
+    follows: Literal["high", "low"] | None = None
 
 
 @dataclass(frozen=True)
 class Circuit:
-    """Fields, terminals and drives.
+    """Fields, terminals and the excitations that are solved for.
 
     conductance: 1 / sheet resistance of each field, S. coupling: how s c enters between fields.
+    low: the meter's low terminal where the scene has an earth, None where it has none.
     """
 
     conductance: tuple[float, ...]
     coupling: NDArray[np.float64]
     terminals: tuple[Terminal, ...]
     drives: tuple[Drive, ...]
+    low: Low = None
 
     @property
     def fields(self) -> int:
         """How many fields are solved for."""
         return len(self.conductance)
+
+    @property
+    def conductors(self) -> list[int]:
+        """The terminals that have no sheet."""
+        return [k for k, each in enumerate(self.terminals) if each.faces is not None]
 
     @property
     def told(self) -> str:
@@ -72,7 +81,12 @@ class Circuit:
 
     def read(self, interfaces: Sequence[Interface]) -> Circuit:
         """The same circuit, which is of two fields, driven by other interfaces."""
-        return replace(self, drives=_drives(self.terminals, interfaces))
+        return replace(self, drives=_drives(self.terminals, interfaces, self.low))
+
+    @property
+    def combination(self) -> Combination:
+        """How the excitations combine to interfaces."""
+        return combination(self.drives)
 
     def field_alone(self, field: int) -> NDArray[np.float64]:
         """What picks one field of all, shape (field, field)."""
@@ -128,12 +142,24 @@ def _terminal(scene: Scene, terminal_of: dict[str, int], index: int) -> Terminal
     return Terminal(("top", "bottom").index(contacts[0].electrode), contacts)
 
 
-def _drives(terminals: Sequence[Terminal], interfaces: Sequence[Interface]) -> tuple[Drive, ...]:
+def _drives(
+    terminals: Sequence[Terminal], interfaces: Sequence[Interface], low: Low = None
+) -> tuple[Drive, ...]:
     terminal_of = {c.name: k for k, terminal in enumerate(terminals) for c in terminal.contacts}
-    return tuple(
-        Drive(_indices(each.high, terminal_of), _indices(each.low, terminal_of))
+    wired = {
+        side: tuple(k for k, terminal in enumerate(terminals) if terminal.follows == side)
+        for side in ("high", "low")
+    }
+    driven = [
+        (
+            _indices(each.high, terminal_of) + wired["high"],
+            _indices(each.low, terminal_of) + wired["low"],
+        )
         for each in interfaces
-    )
+    ]
+    if low == "virtual earth":
+        return tuple(drive for each in driven for drive in through_virtual_earth(*each))
+    return tuple(Drive(*each, raised=low == "floating") for each in driven)
 
 
 def _indices(names: Sequence[str], terminal_of: dict[str, int]) -> tuple[int, ...]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU
 
-from .circuit import Drive
+from .excitation import Drive
 from .lanczos import Pencil, Pencils
 from .network import allowed_potentials
 

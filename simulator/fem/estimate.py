@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
-from .safety import MOST_GAINED, UNIFORM
+from .safety import UNIFORM
 
 ROUNDING = 1e-12
 LOST_SUSCEPTANCE = 1e-9
@@ -16,7 +14,8 @@ WINDOW = 2**0.5
 KRYLOV_SHARE = 1e-2
 """Of the tolerance: what the real solves of a sweep may leave."""
 Swept = tuple[NDArray[np.complex128], NDArray[np.float64]]
-"""Z in ohm and what the solves leave of relative error, both of shape (interface, frequency)."""
+"""Forms Q in S of the excitations, shape (excitation, frequency), and what the solves leave of
+relative error of the interfaces, shape (interface, frequency)."""
 
 
 def relative_difference(
@@ -59,7 +58,12 @@ def lost_digits(Y: NDArray[np.complex128], at_once: NDArray[np.complex128]) -> N
     ROUNDINGS: a few for each step of Lanczos' method; some hundred were seen. inf where nothing is
     left of one of them.
     """
-    rounding = ROUNDINGS * np.finfo(float).eps * np.abs(at_once - Y)
+    return rounded(Y, np.abs(at_once - Y))
+
+
+def rounded(Y: NDArray[np.complex128], delayed: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The same of Y whose delayed parts are so large in all, S."""
+    rounding = ROUNDINGS * np.finfo(float).eps * delayed
     known = np.minimum(np.abs(Y.real), told_susceptance(Y))
     return np.divide(rounding, known, out=np.full(known.shape, np.inf), where=known > 0)
 
@@ -84,23 +88,3 @@ def both(off: NDArray[np.float64]) -> NDArray[np.float64]:
     """Of errors of Rs and Cp, shape (2, ...): parts may cancel in one of them alone, which the
     geometric mean with the larger one covers."""
     return np.sqrt(off * off.max(axis=0))
-
-
-def checked(
-    sweep: Callable[[NDArray[np.float64], float], list[Swept]],
-    frequency: NDArray[np.float64],
-    rtol: float,
-) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
-    """Z in ohm, shape (interface, frequency), and its relative errors, shape (2, ...).
-
-    sweep: from frequencies in Hz and a tolerance of the solves to Z, to a finer one and perhaps to
-    a coarser one. frequency: Hz. rtol: the tolerance asked of Rs and Cp.
-    """
-    around = frequencies_around(frequency)
-    (Z, change), (finer, _), *coarser = sweep(around, KRYLOV_SHARE * rtol)
-    off = estimated_error(relative_difference(Z, finer))
-    for before, _ in coarser:
-        gained = estimated_error(relative_difference(before, Z))
-        off = np.maximum(off, gained / MOST_GAINED)
-    here = np.s_[:, : len(frequency)]
-    return Z[here], off + change[here] + ROUNDING

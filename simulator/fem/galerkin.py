@@ -18,8 +18,11 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU
 
-from .circuit import Circuit, Drive
+from .circuit import Circuit
+from .combined import respond_together
 from .driven import Driven, Unshifted, driven_by, potentials, shifted, unshifted_together
+from .estimate import Swept
+from .excitation import Combination, Drive, combination
 from .factors import Factors, factorised, without_zeros
 from .lanczos import MOST_STEPS, KeptSteps, Pencil, Pencils, Steps, respond
 from .network import Network
@@ -187,7 +190,8 @@ class Galerkin:
         first_of_field = [
             int(np.argmax(self.terminal_field == f)) for f in range(self.circuit.fields)
         ]
-        others = np.array([k for k in range(terminals) if k not in first_of_field], dtype=int)
+        apart = {*first_of_field, *self.circuit.conductors}
+        others = np.array([k for k in range(terminals) if k not in apart], dtype=int)
         inner = np.zeros((self.inner, terminals))
         conductance = np.zeros((terminals, terminals))
         if others.size:
@@ -224,31 +228,48 @@ def swept(
     s: NDArray[np.complex128],
     rtol: float,
     kept: KeptSteps | None = None,
-) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
-    """Z in ohm of each drive at each s in rad/s, and its relative error. mass: M in F."""
+) -> Swept:
+    """Forms of excitations at each s in rad/s, and relative errors of the interfaces that they
+    combine to, see `excitation.combination`. mass: M in F."""
     fits = MOST_STEPS * space.inner * len(drives) <= KEPT_NUMBERS
-    own = kept if fits else None
-    Y, change = zip(*(_driven(space, mass, drive, s, rtol, own) for drive in drives), strict=True)
-    return (1 / np.stack(Y)).astype(np.complex128), np.stack(change)
+    own, combined = kept if fits else None, combination(drives)
+    Q, error = np.empty((len(drives), len(s)), dtype=np.complex128), []
+    for weights, group in zip(combined.weights, combined.groups, strict=True):
+        some = [drives[k] for k in group]
+        Q[group], of_interface = _interface(space, mass, some, weights[group], s, rtol, own)
+        error.append(of_interface)
+    return Q, np.stack(error)
 
 
-def _driven(
+def _interface(
     space: Galerkin,
     mass: csc_matrix,
-    drive: Drive,
+    drives: Sequence[Drive],
+    weights: NDArray[np.float64],
     s: NDArray[np.complex128],
     rtol: float,
     kept: KeptSteps | None,
-) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
-    """Y and its relative error: real solves about zero, then about shifts for what those leave."""
-    steps = None if kept is None else Steps()
-    Y, error = respond(space.pencil(mass, drive, 0.0), s, rtol, kept=steps)
+) -> Swept:
+    """Forms of one interface and its relative error: real solves about zero, then about shifts for
+    what those leave."""
+    steps = None if kept is None else [Steps() for _ in drives]
+
+    def about(shift: float, s: NDArray[np.complex128], steps: list[Steps] | None = None) -> Swept:
+        pencils = [space.pencil(mass, drive, shift) for drive in drives]
+        if len(pencils) > 1:
+            return respond_together(pencils, Combination(weights[None]), s, rtol, steps)
+        Y, error = respond(pencils[0], s, rtol, kept=steps[0] if steps else None)
+        return Y[None], error
+
+    Q, error = about(0.0, s, steps)
     left = np.flatnonzero(error > rtol)
-    if kept is not None and steps is not None and steps.basis:
+    if kept is not None and steps is not None:
         reached = np.abs(s) < np.abs(s[left]).min(initial=np.inf)
-        kept.steps[drive] = steps, float(np.abs(s[reached]).max(initial=0.0))
+        for drive, own in zip(drives, steps, strict=True):
+            if own.basis:
+                kept.steps[drive] = own, float(np.abs(s[reached]).max(initial=0.0))
     while left.size:
         shift = REACH * float(s.imag[left[0]])
-        Y[left], error[left] = respond(space.pencil(mass, drive, shift), s[left], rtol)
+        Q[:, left], error[left] = about(shift, s[left])
         left = left[1:][error[left[1:]] > rtol]
-    return Y, error
+    return Q, error

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .circuit import Drive
 from .estimate import LOST_SUSCEPTANCE, lost_digits
+from .excitation import Drive
 from .warming import Warming
 
 MOST_STEPS = 60
@@ -102,11 +102,11 @@ def respond(
 
     unknown = np.full(len(s), np.inf)
     steps, Y, change, before, quiet = 0, at_once, unknown, unknown, False
-    for coefficients in itertools.islice(_coefficients(pencil), most_steps):
-        squared[steps], diagonal[steps], _ = coefficients
+    for step in itertools.islice(coefficients(pencil), most_steps):
+        squared[steps], diagonal[steps], _ = step
         steps += 1
         if kept is not None:
-            kept.add(*coefficients)
+            kept.add(*step)
         if steps < most_steps and (steps < FEWEST_STEPS or not settled(steps)):
             change = unknown
             continue
@@ -131,8 +131,8 @@ def potentials(
     Ends when the last step adds less than rtol to any, in the norm of K.
     """
     found = _Spanned(shifts)
-    for coefficients in itertools.islice(_coefficients(pencil), most_steps):
-        if found.settled(*coefficients, rtol):
+    for step in itertools.islice(coefficients(pencil), most_steps):
+        if found.settled(*step, rtol):
             break
     return found.potentials if found.steps.basis else np.zeros((len(pencil.start), len(shifts)))
 
@@ -193,6 +193,11 @@ class Steps:
         self._diagonal.append(diagonal)
         self.basis.append(q)
 
+    @property
+    def coefficients(self) -> list[tuple[float, float]]:
+        """b_0² and a_1, b_1² and a_2, ..."""
+        return list(zip(self.squared, self._diagonal, strict=True))
+
     def potentials(self, shifts: NDArray[np.float64]) -> NDArray[np.float64]:
         """u(s) - u(0) in V at real s >= 0, shape (unknown, s)."""
         return np.array(self.basis).T @ self.parts(shifts)
@@ -246,7 +251,7 @@ class _Spanned:
         return self.steps.potentials(self.shifts)
 
 
-def _coefficients(pencil: Pencil) -> Iterator[tuple[float, float, NDArray[np.float64]]]:
+def coefficients(pencil: Pencil) -> Iterator[tuple[float, float, NDArray[np.float64]]]:
     """b_0², a_1 and q_1, b_1², a_2 and q_2, ... until the space is exhausted; Q'KQ = 1."""
     beside, w, residual = 0.0, np.zeros_like(pencil.start), pencil.start
     while True:

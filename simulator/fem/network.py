@@ -7,13 +7,14 @@ a capacitance of femtofarads beside a conductance of siemens then loses no digit
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .circuit import Drive
+from .excitation import Drive
 
 
 @dataclass(frozen=True)
@@ -30,15 +31,19 @@ class Network:
 
     def impedance(self, drive: Drive) -> NDArray[np.complex128]:
         """Z in ohm between the driven terminals, the others floating, shape (frequency,)."""
+        return 1 / self.form(drive)
+
+    def form(self, drive: Drive) -> NDArray[np.complex128]:
+        """Q of an excitation in S, shape (frequency,)."""
         modes, common = allowed_potentials(tuple(self.field.tolist()), drive)
         conductance = modes.T @ self.conductance @ modes
         conductance[common, :] = 0.0
         conductance[:, common] = 0.0
         Y = conductance + modes.T @ self.dynamic @ modes
         if Y.shape[-1] == 1:
-            return 1 / Y[:, 0, 0]
+            return Y[:, 0, 0]
         floating = np.linalg.solve(Y[:, 1:, 1:], Y[:, 1:, :1])
-        return 1 / (Y[:, 0, 0] - (Y[:, :1, 1:] @ floating)[:, 0, 0])
+        return Y[:, 0, 0] - (Y[:, :1, 1:] @ floating)[:, 0, 0]
 
 
 @cache
@@ -47,25 +52,35 @@ def allowed_potentials(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Terminal potentials that the drive allows, as columns; which of them cost no current at DC.
 
-    field: the sheet that each terminal is on. The first potential is the driven one, 1 V between
-    high and low; in the others high is at 0 V. `low` is at 0 V in all of them.
+    field: the sheet that each terminal is on. The first potential is the driven one, high and low
+    at the drive's own potentials; in the others both are at 0 V, but for the last one of a drive
+    that is `raised`: there all that is connected to them is at 1 V.
     """
-    nodes = _nodes(len(field), drive)
-    low = nodes[1] if drive.low else None
+    nodes, count = _nodes(len(field), drive), len(field)
+    high, low = nodes[0], nodes[1] if drive.low else None
+    of_high, of_low = drive.potentials
+    driven, at_rest = np.zeros(count), True
     columns: list[NDArray[np.float64]] = []
     common: list[bool] = []
+    connected: list[tuple[int, ...]] = []
     for island in _islands(nodes, field):
-        grounded = low is not None and low in island
-        reference = low if grounded else island[0]
-        if not grounded:
-            columns.append(np.sum([_indicator(node, len(field)) for node in island], axis=0))
+        whole, floating = _indicator(island, count), [n for n in island if n not in (high, low)]
+        if floating == island:
+            columns.append(whole)
             common.append(True)
-        for node in island:
-            if node != reference:
-                columns.append(_indicator(node, len(field)))
-                common.append(False)
-    order = np.argsort([-column[drive.high[0]] for column in columns], kind="stable")
-    return np.stack(columns, axis=1)[:, order], np.array(common)[order]
+            del floating[0]
+        else:
+            connected += island
+            driven += (of_low if low in island else of_high) * whole
+        if high in island and low in island:
+            driven += (of_high - of_low) * _indicator([high], count)
+            at_rest = of_high == of_low
+        columns += [_indicator([node], count) for node in floating]
+        common += [False] * len(floating)
+    if drive.raised:
+        columns.append(_indicator(connected, count))
+        common.append(True)
+    return np.stack([driven, *columns]).T, np.array([at_rest, *common])
 
 
 def _nodes(count: int, drive: Drive) -> list[tuple[int, ...]]:
@@ -88,7 +103,7 @@ def _islands(nodes: list[tuple[int, ...]], field: tuple[int, ...]) -> list[list[
     return islands
 
 
-def _indicator(terminals: tuple[int, ...], count: int) -> NDArray[np.float64]:
+def _indicator(nodes: Sequence[tuple[int, ...]], count: int) -> NDArray[np.float64]:
     column = np.zeros(count)
-    column[list(terminals)] = 1.0
+    column[[terminal for node in nodes for terminal in node]] = 1.0
     return column

@@ -54,7 +54,9 @@ class Unknowns:
     resistive foils of each terminal, whosever unknown that is there; at_foils: coefficients of 1 V
     under the foils of each terminal, 0 V elsewhere; both of shape (inner + terminals, terminals).
     pattern: of matrices of all unknowns. slots: where in its values each pair of a cell's
-    coefficients goes, shape (cell, pair).
+    coefficients goes, shape (cell, pair). facing: where those of each conductor go with a cell's
+    coefficients of the field that it faces and back, shape (conductor, 2, cell, local), and with
+    itself, (conductor,).
     """
 
     inner: int
@@ -65,6 +67,7 @@ class Unknowns:
     at_foils: NDArray[np.float64]
     pattern: Pattern
     slots: NDArray[np.int64]
+    facing: tuple[NDArray[np.int64], NDArray[np.int64]]
 
 
 def quadrilateral_trial(mesh: MeshQuad, order: int) -> Trial:
@@ -95,7 +98,14 @@ def numbered(
 
     number, inner, degree = _numbers(circuit, trial, under_all)
     of_cells = np.concatenate([field[trial.dofs.element_dofs] for field in number])
-    pattern, slots = pattern_of_pairs(*element_pairs(of_cells), size=inner + len(circuit.terminals))
+    pairs, own = element_pairs(of_cells), _facing(circuit, trial, number, inner)
+    size = inner + len(circuit.terminals)
+    pattern, of_pairs = pattern_of_pairs(
+        *(np.concatenate([a.ravel(), b]) for a, b in zip(pairs, own, strict=True)), size=size
+    )
+    slots, facing = np.split(of_pairs, [pairs[0].size])
+    conductors, of_cell = len(circuit.conductors), trial.dofs.element_dofs.T.shape
+    coefficients, themselves = np.split(facing, [facing.size - conductors])
     under = _under_terminals(circuit, trial, number, pattern.size, under_all)
     return Unknowns(
         inner=inner,
@@ -105,7 +115,8 @@ def numbered(
         under=under,
         at_foils=_at_foils(under, inner),
         pattern=pattern,
-        slots=slots,
+        slots=slots.reshape(pairs[0].shape),
+        facing=(coefficients.reshape(conductors, 2, *of_cell), themselves),
     )
 
 
@@ -136,6 +147,8 @@ def _numbers(
     number = np.full((circuit.fields, len(trial.one)), free, dtype=np.int64)
     owner = np.full_like(number, DROPPED)
     for index, terminal in enumerate(circuit.terminals):
+        if terminal.faces is not None:
+            continue
         held = _held(terminal, trial, under_all)
         number[terminal.field, held] = DROPPED
         owner[terminal.field, held[trial.one[held] == 1]] = index
@@ -144,6 +157,21 @@ def _numbers(
     number[number == free] = np.arange(inner)
     number[owner != DROPPED] = inner + owner[owner != DROPPED]
     return number, inner, degree
+
+
+def _facing(
+    circuit: Circuit, trial: Trial, number: NDArray[np.int64], inner: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows and columns in which conductors meet the fields that they face, then themselves."""
+    rows, columns = [], []
+    for conductor in circuit.conductors:
+        faces = circuit.terminals[conductor].faces
+        own = number[faces][trial.dofs.element_dofs].T.ravel()
+        itself = np.full(own.shape, inner + conductor)
+        rows += [own, itself]
+        columns += [itself, own]
+    themselves = inner + np.array(circuit.conductors, dtype=np.int64)
+    return np.concatenate([*rows, themselves]), np.concatenate([*columns, themselves])
 
 
 def _held(
@@ -176,6 +204,8 @@ def _under_terminals(
     under = np.zeros((size, len(circuit.terminals)))
     for index, terminal in enumerate(circuit.terminals):
         coefficients = under_all([contact for contact in terminal.contacts if not contact.ideal])
+        if not coefficients.size:
+            continue
         indices = number[terminal.field, coefficients]
         under[indices[indices != DROPPED], index] = trial.one[coefficients[indices != DROPPED]]
     return under

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fem.circuit import Drive
+from ..fem.excitation import Drive
 from ..fem.galerkin import Galerkin
 from ..fem.network import allowed_potentials
 from ..press.press import Press

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from ..fem.circuit import Circuit
+from ..fem.estimate import Swept
 from ..fem.factors import one_blas_thread
 from ..fem.galerkin import Galerkin, swept
 from ..fem.network import Network
@@ -62,6 +63,13 @@ class Sheet:
         One pair for each of `spaces`, or for the whole space; of shape (interface, frequency).
         frequency: Hz. rtol: the error to end at.
         """
+        found, combined = self.forms(press, frequency, rtol, *spaces), self.circuit.combination
+        return [(combined.impedance(Q), error) for Q, error in found]
+
+    def forms(
+        self, press: Press, frequency: NDArray[np.float64], rtol: float, *spaces: Galerkin
+    ) -> list[Swept]:
+        """The same by the forms of the excitations in S."""
         mass, s = self.mass(press), self._s(frequency)
         with one_blas_thread():
             return [

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..fem.circuit import Circuit, one_field, two_fields
-from ..fem.estimate import ROUNDING, checked, relative_difference
+from ..fem.estimate import ROUNDING, relative_difference
+from ..fem.excitation import checked
 from ..fem.safety import UNIFORM
 from ..mesh.quadrilaterals import Resolution
 from ..press.press import Press
@@ -270,7 +271,8 @@ class Solver:
     def _element_rung(self, level: int, press: Press, frequency: NDArray[np.float64]) -> Rung:
         sheet = self._sheet(self._ladder.resolution(level, press, frequency[-1]))
         Z, error = checked(
-            lambda f, rtol: sheet.sweep(press, f, rtol, sheet.nested, sheet.space),
+            lambda f, rtol: sheet.forms(press, f, rtol, sheet.nested, sheet.space),
+            self._circuit.drives,
             frequency,
             self.rtol,
         )

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from ...fem.circuit import Drive
+from ...fem.excitation import Drive
 from ...fem.factors import one_blas_thread
 from ...fem.galerkin import Galerkin
 from ...fem.lanczos import Pencil, potentials, respond

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.circuit import Drive
+from ...fem.excitation import Drive
 from ...fem.network import allowed_potentials
 from ...press.batch import PressBatch
 from ...scene.contacts import Interface

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.circuit import Drive
+from ...fem.excitation import Drive
 from ...mesh.arcs import Arcs
 from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import Resolution
@@ -34,7 +34,7 @@ def save(reduced: Reduced, path: Path) -> None:
     told = {
         "scene": scene_text(reduced.scene),
         "fields": reduced.circuit.fields,
-        "drives": [asdict(drive) for drive in reduced.circuit.drives],
+        "drives": [drive.told() for drive in reduced.circuit.drives],
         **mesh,
         "modes": reduced.modes,
         "rtol": reduced.rtol,
@@ -86,7 +86,7 @@ def _read(path: Path) -> Reduced:
     if circuit.fields != told["fields"]:
         raise InputError(f"{path}: one field cannot tell what its scene's interfaces drive")
     if "drives" in told:
-        drives = tuple(Drive(tuple(own["high"]), tuple(own["low"])) for own in told["drives"])
+        drives = tuple(Drive.read(own) for own in told["drives"])
         circuit = replace(circuit, drives=drives)
     arrays["frequency"] = scene.frequencies if frequency is None else frequency
     _check_sizes(arrays, circuit.fields)

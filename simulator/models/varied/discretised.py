@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,6 @@ from ...fem.estimate import (
     Swept,
     both,
     frequencies_around,
-    relative_difference,
 )
 from ...fem.factors import one_blas_thread
 from ...fem.galerkin import Galerkin, swept
@@ -76,13 +76,15 @@ class Discretised:
     def rung(self, frequency: NDArray[np.float64], rtol: float) -> Rung:
         """The answer at these frequencies in Hz, and its error."""
         around = frequencies_around(frequency)
-        (Z, change), (finer, _), *lower = self._swept(around, KRYLOV_SHARE * rtol)
+        (Q, change), (finer, _), *lower = self._swept(around, KRYLOV_SHARE * rtol)
+        combined = self.circuit.combination
+        Z, steps = combined.impedance(Q), [combined.apart(Q, finer)]
         if lower:
-            order = self.coarse.space.order
-            off = by_orders(order, [finer, Z, *(each for each, _ in lower)])
+            each = [Q, *(of_lower for of_lower, _ in lower)]
+            steps += [combined.apart(low, high) for high, low in pairwise(each)]
+            off = by_orders(self.coarse.space.order, [evened(step) for step in steps])
         else:
-            shown = evened(relative_difference(Z, finer))
-            off = self.course.effect(frequency, Z, finer) * shown
+            off = self.course.effect(frequency, Z, combined.impedance(finer)) * evened(steps[0])
         here = np.s_[:, : len(frequency)]
         told = VARIED * both(off) + change[here] + ROUNDING
         told = told + self.error + self.felt
@@ -107,11 +109,11 @@ class Discretised:
         s, drives = laplace_variable(frequency, self.loss), self.circuit.drives
         other = own.under(self.circuit, raised)
         with one_blas_thread():
-            Z, moved = (
+            Q, moved = (
                 swept(each.space, each.system.mass, drives, s, KRYLOV_SHARE * rtol)[0]
                 for each in (own, other)
             )
-        return both(relative_difference(Z, moved))
+        return both(self.circuit.combination.apart(Q, moved))
 
     @cached_property
     def missed(self) -> NDArray[np.float64]:

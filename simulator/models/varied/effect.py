@@ -13,7 +13,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.estimate import relative_difference
 from ...fem.safety import (
     FORESEEN,
     LEAST,
@@ -128,13 +127,12 @@ def _told(
     return float(np.median(k, axis=1).max(initial=0.0))
 
 
-def by_orders(order: int, Z: list[Admittances]) -> NDArray[np.float64]:
-    """Relative errors of Rs and Cp of the second Z, shape (2, interface, frequency), unsafe still.
+def by_orders(order: int, steps: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Relative errors of Rs and Cp of that order, shape (2, interface, frequency), unsafe still.
 
-    Z: ohm, of orders order + 1, order, order - 1 and, where there is one, order - 2 on one mesh,
-    at `frequencies_around`. D falls like a power of the order, or faster.
+    steps: D of that order from order + 1, of order - 1 from it and, where there is one, of order -
+    2 from order - 1, all on one mesh. D falls like a power of the order, or faster.
     """
-    steps = [evened(relative_difference(low, high)) for high, low in zip(Z, Z[1:], strict=False)]
     latest, before, *first = (step.max(axis=0) for step in steps)
     gained = _ratio(before, latest)
     power = np.log(gained) / math.log(order / (order - 1)) - 1

@@ -16,7 +16,7 @@ from rcskin.simulator.fem.kernels import (
 )
 from rcskin.simulator.fem.lanczos import (
     Pencil,
-    _coefficients,
+    coefficients,
     last_change_readable,
     respond,
 )
@@ -111,7 +111,7 @@ def looking_at_all(pencil, s, rtol, most_steps):
     t, diagonal, squared = s - pencil.shift, [], []
     at_once = pencil.admittance + t * pencil.capacitance
     changes, Y = [np.full(len(s), np.inf)], at_once
-    for b, a, _ in islice(_coefficients(pencil), most_steps):
+    for b, a, _ in islice(coefficients(pencil), most_steps):
         squared.append(b)
         diagonal.append(a)
         if len(squared) >= 3 or len(squared) == most_steps:

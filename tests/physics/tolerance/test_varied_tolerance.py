@@ -98,8 +98,8 @@ def refined(kind, scene, press, f, rtol):
         if rung.error.max() <= rtol:
             break
     fine, s = discretised.fine, laplace_variable(f, scene.skin.foam.loss)
-    Z, _ = swept(fine.space, fine.system.mass, circuit.drives, s, 1e-9)
-    return rung, Z
+    Y, _ = swept(fine.space, fine.system.mass, circuit.drives, s, 1e-9)
+    return rung, 1 / Y
 
 
 def assert_kept(rung, Z, rtol, off):

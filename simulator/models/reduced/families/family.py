@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
-from ....fem.circuit import Circuit, Drive
-from ....fem.estimate import Swept, checked
+from ....fem.circuit import Circuit
+from ....fem.estimate import Swept
+from ....fem.excitation import Drive, checked
 from ....fem.factors import without_zeros
 from ....fem.galerkin import Galerkin, swept
 from ....fem.system import Films, System
@@ -117,7 +118,7 @@ class Family(ABC):
         frequency: NDArray[np.float64],
         drives: Sequence[Drive],
     ) -> tuple[NDArray[np.complex128], float]:
-        """Z in ohm at frequencies in Hz, shape (drive, frequency), and its error.
+        """Z in ohm at frequencies in Hz, shape (interface, frequency), and its error.
 
         factors: c over the scene's own at rest, shape (part,). The error is the largest of Rs and
         Cp, relatively, estimated by elements of one order more as `fidelity` does.
@@ -128,7 +129,7 @@ class Family(ABC):
             s = laplace_variable(around, loss)
             return [swept(space, mass, drives, s, tolerance) for space, mass in spaces]
 
-        Z, error = checked(sweep, frequency, rtol)
+        Z, error = checked(sweep, drives, frequency, rtol)
         return Z, float(self.told(error).max())
 
     def varied(self, weights: NDArray[np.float64]) -> System:

@@ -38,7 +38,7 @@ def impedance(found, coefficients, f):
     elements = found.coarse.elements
     system = pressed_system(found.circuit, elements, coefficients)
     space = Galerkin(system, found.circuit, elements.order)
-    return swept(space, system.mass, found.circuit.drives, laplace_variable(f), 1e-10)[0]
+    return 1 / swept(space, system.mass, found.circuit.drives, laplace_variable(f), 1e-10)[0]
 
 
 @pytest.mark.parametrize("part", [0.95, pytest.param(0.995, marks=pytest.mark.slow)])

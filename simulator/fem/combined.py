@@ -1,0 +1,69 @@
+"""Lanczos' method for the excitations of one interface together: as closely as their sum needs.
+
+What one of them is off by is measured at the interface: the part of earth may be next to nothing
+there, and is then told by a few steps.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .estimate import Swept, rounded
+from .excitation import Combination
+from .lanczos import FEWEST_STEPS, MOST_STEPS, Pencil, Steps, coefficients
+
+
+def respond_together(
+    pencils: Sequence[Pencil],
+    combined: Combination,
+    s: NDArray[np.complex128],
+    rtol: float,
+    kept: Sequence[Steps] | None = None,
+) -> Swept:
+    """Forms in S at each s in rad/s, shape (pencil, s), and the error of the interface in Rs and
+    Cp, relatively, shape (s,), as of `lanczos.respond`. combined: of one interface.
+
+    kept: take the steps.
+    """
+    steps = kept or [Steps() for _ in pencils]
+    found = [_Fraction(pencil, own, s) for pencil, own in zip(pencils, steps, strict=True)]
+    at_once = now = np.stack([each.form() for each in found])
+    before = change = np.full(len(s), np.inf)
+    for step in itertools.count(1):
+        if not any([each.advance() for each in found]):
+            before = change = np.zeros(len(s))
+            break
+        last, now = now, np.stack([each.form() for each in found])
+        if step < FEWEST_STEPS:
+            continue
+        before, change = change, combined.apart(last, now).max(axis=(0, 1))
+        if step == MOST_STEPS or max(before.max(), change.max()) <= rtol:
+            break
+    delayed = np.abs(combined.weights) @ np.abs(at_once - now)
+    return now, np.maximum(before, change) + rounded(combined.admittance(now), delayed)[0]
+
+
+class _Fraction:
+    """The continued fraction of one pencil, step by step, see `lanczos`."""
+
+    def __init__(self, pencil: Pencil, steps: Steps, s: NDArray[np.complex128]) -> None:
+        self._t, self._steps, self._going = s - pencil.shift, steps, coefficients(pencil)
+        self._at_once = pencil.admittance + self._t * pencil.capacitance
+
+    def advance(self) -> bool:
+        """One step more; False where the space is exhausted."""
+        step = next(self._going, None)
+        if step is not None:
+            self._steps.add(*step)
+        return step is not None
+
+    def form(self) -> NDArray[np.complex128]:
+        """Q in S by the steps so far, shape (s,)."""
+        t, value = self._t, np.zeros_like(self._t)
+        for squared, diagonal in reversed(self._steps.coefficients):
+            value = squared / (1 + t * diagonal - t**2 * value)
+        return self._at_once - t**2 * value
