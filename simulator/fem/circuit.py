@@ -94,7 +94,8 @@ class Circuit:
 
 
 def two_fields(scene: Scene) -> Circuit:
-    """The circuit of both sheets' potentials: always right."""
+    """The circuit of both sheets' potentials. Raises InputError where a scene has surroundings."""
+    scene.require_sheets_alone("a circuit")
     first = joined(scene.contacts, scene.skin)
     leaders = sorted(set(first))
     terminal_of = {

@@ -1,14 +1,15 @@
 """Pixels that show the same impedance when pressed, by the symmetry of a skin.
 
 A mapping of the skin onto itself that leaves sheets, foam, foils and what interfaces connect as
-they are gives Z of a pixel at its image as well. So does one that exchanges the two sheets, or the
-two sides of every interface.
+they are gives Z of a pixel at its image as well. So does one that exchanges the two sheets where
+their surroundings are alike, or the two sides of every interface: what flows into the low terminal
+at 0 V for 1 V at the high one is the same the other way round, unless a guard follows one of them.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -104,10 +105,23 @@ def _kept(scene: Scene, mapping: Mapping) -> bool:
     return (
         not mapping.none
         and _sides_kept(scene, mapping)
+        and (not mapping.exchanged or _alike_around(scene))
         and _layers_kept(scene.skin, mapping)
         and _outline_kept(scene.skin, mapping)
         and _wiring_kept(scene, mapping)
     )
+
+
+def _alike_around(scene: Scene) -> bool:
+    """Whether both sheets see the same around them, and no finger touches one of them."""
+    return scene.press.finger is None and (
+        scene.surroundings is None or scene.surroundings.even_handed
+    )
+
+
+def _guarded(scene: Scene) -> bool:
+    """Whether a guard follows a terminal of the meter, so that high and low are not alike."""
+    return scene.surroundings is not None and any(b.follows for b in scene.surroundings.body)
 
 
 def _sides_kept(scene: Scene, mapping: Mapping) -> bool:
@@ -193,6 +207,7 @@ class _Foil:
         return (
             mapping.electrode(self.contact.electrode) == other.contact.electrode
             and self.contact.resistance == other.contact.resistance
+            and self.contact.width == other.contact.width
             and _same(
                 mapping.place(self.places, self.skin.sides),
                 other.places,
@@ -221,12 +236,13 @@ def repeated(scene: Scene) -> list[tuple[str, str]]:
     group = joined(scene.contacts, scene.skin)
     terminal = dict(zip((contact.name for contact in scene.contacts), group, strict=True))
     images = _exchanged(scene)
-    seen: dict[frozenset[frozenset[int]], list[str]] = {}
+    kind = tuple if _guarded(scene) else frozenset
+    seen: dict[Collection[frozenset[int]], list[str]] = {}
     found = []
     for interface in scene.interfaces:
         sides = interface.high, interface.low
         alike = [
-            frozenset(frozenset(terminal[as_is[name]] for name in side) for side in sides)
+            kind(frozenset(terminal[as_is[name]] for name in side) for side in sides)
             for as_is in ({name: name for name in terminal}, *images)
         ]
         own = set(scene.reading.frequency_at(interface.name))
@@ -249,7 +265,8 @@ def repeated(scene: Scene) -> list[tuple[str, str]]:
 def _exchanged(scene: Scene) -> list[dict[str, str]]:
     """The image of every foil where the sheets can change places, or nothing."""
     exchange = Mapping(swapped=False, turned=(False, False), exchanged=True)
-    if scene.skin.mesh is not None or not _layers_kept(scene.skin, exchange):
+    alike = _layers_kept(scene.skin, exchange) and _alike_around(scene)
+    if scene.skin.mesh is not None or not alike:
         return []
     images = {name: image for name, image in _images(scene, exchange).items() if image is not None}
     return [images] if len(images) == len(scene.contacts) else []
@@ -269,7 +286,8 @@ def _wiring_kept(scene: Scene, mapping: Mapping) -> bool:
     if None in images.values():
         return False
     for interface in scene.interfaces:
-        sides = {frozenset(interface.high), frozenset(interface.low)}
-        if {frozenset(images[name] for name in side) for side in sides} != sides:
+        sides = [frozenset(interface.high), frozenset(interface.low)]
+        moved = [frozenset(images[name] for name in side) for side in sides]
+        if moved != sides and (_guarded(scene) or moved != sides[::-1]):
             return False
     return True

@@ -23,4 +23,4 @@ def factors_under(scene: Scene, press: str) -> list[float]:
     if whole.indented:
         under = scene.pressed_factors(np.array(pressed(scene, whole, FACTOR_RTOL).depth))
         known |= dict(zip(map(str, whole.indented), under.tolist(), strict=True))
-    return [known[str(parse_press(part, default))] for part in JOINT.split(press)]
+    return [known[str(parse_press(part, default, scene))] for part in JOINT.split(press)]

@@ -115,7 +115,7 @@ def polygonal(place: Place, sides: int) -> Angular:
     if not isinstance(place, Disc):
         return place
     corners = regular(place.x, place.y, place.radius, sides)
-    return Polygon(tuple((x, y) for x, y in corners.tolist()), place.factor)
+    return Polygon(tuple((x, y) for x, y in corners.tolist()), place.factor, place.finger)
 
 
 def closed(shape: Shape) -> Shape:

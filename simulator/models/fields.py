@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..press.press import Press
+from ..press.press import Press, check_fingers
 from ..progress import Progress, silent
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene, checked_interface, interface_names
@@ -67,6 +67,8 @@ def fields(
     InputError where the interface is none of the scene's, ToleranceError where the tolerance is not
     reached.
     """
+    scene.require_sheets_alone("a picture of fields")
+    check_fingers(press, scene)
     frequency = np.array(sorted(frequencies), dtype=np.float64)
     drive = interface_names(scene).index(checked_interface(interface, scene))
     discretised, Z = _resolved(scene, press, frequency, rtol, progress)

@@ -12,6 +12,7 @@ the coefficients of `materials`.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NoReturn, TypeVar
 
 from ..press.press import Press
@@ -97,6 +98,7 @@ def require_plain(scene: Scene, what: str) -> Scene:
 
     Raises InputError naming the key by which the scene is another one.
     """
+    scene.require_sheets_alone(what)
     for key in scene.skin.beyond_plain:
         raise InputError(
             f"{scene.name}: {what} cannot take `{key}`: it needs uniform sheets and foam on a "
@@ -176,8 +178,9 @@ def _thinned(foam: Foam, factor: float) -> Foam:
 
 def _moved(touch: AnyTouch, along: float, across: float) -> AnyTouch:
     match touch:
-        case Rectangle(x, y, width, height, factor):
-            return Rectangle(x * along, y * across, width * along, height * across, factor)
+        case Rectangle(x, y, width, height):
+            moved = {"width": width * along, "height": height * across}
+            return replace(touch, x=x * along, y=y * across, **moved)
         case _:
             assert isinstance(touch, Touch)
             return touch

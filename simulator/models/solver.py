@@ -21,7 +21,7 @@ from ..fem.estimate import ROUNDING, relative_difference
 from ..fem.excitation import checked
 from ..fem.safety import UNIFORM
 from ..mesh.quadrilaterals import Resolution
-from ..press.press import Press
+from ..press.press import Press, check_fingers
 from ..press.press import require_plain as require_plain_press
 from ..remembered import remembered
 from ..scene.scene import Scene
@@ -117,6 +117,7 @@ class Solver:
 
     def _of_skin(self, press: Press, frequency: NDArray[np.float64]) -> Answer:
         """The answer at the skin's own contacts."""
+        check_fingers(press, self.scene)
         on_error = self._outlook.of(str(press))
         progress = Progress(len(self.scene.interfaces), frequency, self.rtol, on_error)
         if self._applicators_reduce(press):

@@ -17,7 +17,7 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 from .batch import TouchedCells
 from .pixels import pixel_lines
-from .press import Press, pressed_factor, require_plain
+from .press import Press, check_fingers, pressed_factor, require_plain
 from .touch import AnyTouch, Box, Disc, Rectangle, Touch
 
 
@@ -80,7 +80,11 @@ def _even_lines(length: float, cells: int) -> NDArray[np.float64]:
 
 
 def touched_cells(scene: Scene, press: Press, grid: tuple[int, int] | None = None) -> TouchedCells:
-    """Of a uniform grid, by default of the pixels, where a press raises c; as `grid_map`."""
+    """Of a uniform grid, by default of the pixels, where a press raises c; as `grid_map`.
+
+    Raises InputError for a finger where the scene has no earth.
+    """
+    check_fingers(press, scene)
     if press.indented:
         return _under_applicators(scene, press)
     rises = grid_map(scene, press, *(grid or scene.pixels.shape)).ravel() - 1
@@ -139,7 +143,8 @@ def touched_box(scene: Scene, touch: AnyTouch) -> Box:
 
     Raises InputError where it is none.
     """
-    require_plain(Press((touch,)))
+    if not isinstance(touch, Touch | Rectangle):
+        require_plain(Press((touch,)))
     assert isinstance(touch, Touch | Rectangle)
     x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
     if isinstance(touch, Touch):

@@ -9,8 +9,10 @@ import numpy as np
 from ..scene.form.outline import check_simple
 from ..scene.planar import SAME_LINE
 from ..scene.scene import Pressing, Scene
+from ..scene.surroundings import NO_EARTH
 from ..sweeps import UNPRESSED, InputError
 from ..sweeps.press_text import WrittenStrength, WrittenTouch, parse_touches
+from .finger import finger_of
 from .pixels import pixels_with_skin
 from .touch import (
     AnyTouch,
@@ -45,8 +47,15 @@ class Press:
 
     @property
     def plain(self) -> bool:
-        """Whether it is nothing but factors of pixels and rectangles."""
-        return all(isinstance(touch, Touch | Rectangle) for touch in self.touches)
+        """Whether it is nothing but factors of pixels and rectangles, by rods."""
+        return not self.fingers and all(
+            isinstance(touch, Touch | Rectangle) for touch in self.touches
+        )
+
+    @property
+    def fingers(self) -> bool:
+        """Whether anything that touches has a capacitance to earth."""
+        return any(touch.finger for touch in self.touches)
 
     @property
     def sharp(self) -> Press:
@@ -75,29 +84,34 @@ def require_plain(press: Press) -> None:
     if not press.plain:
         raise InputError(
             f"press {press}: must be capacitance factors of pixels or rect here, "
-            "without depth, force, disc or poly"
+            "without depth, force, disc, poly or finger"
         )
 
 
-def parse_press(text: str, default: Strength) -> Press:
+def parse_press(text: str, default: Strength, scene: Scene | None = None) -> Press:
     """The press written as `text`, see `sweeps.press_text`.
 
-    `default` is how strongly touches are pressed that do not say so. Touches are put in order:
+    `default` is how strongly touches are pressed that do not say so; what touches is a finger of
+    the scene where that does not stand there, and a rod without a scene. Touches are put in order:
     those with factors before those with depths and forces, pixels before rectangles, discs and
-    polygons. Raises InputError as `parse_touches`.
+    polygons. Raises InputError as `parse_touches`, and for a finger of which no scene tells the
+    capacitance.
     """
-    touches = [
-        touch_at(_place(each), default if each.strength is None else _by(each.strength))
-        for each in parse_touches(text)
-    ]
+    touches = [_touch(each, default, scene) for each in parse_touches(text)]
     return Press(tuple(sorted(touches, key=order)))
+
+
+def _touch(written: WrittenTouch, default: Strength, scene: Scene | None) -> AnyTouch:
+    place = _place(written)
+    strength = default if written.strength is None else _by(written.strength)
+    return touch_at(place, strength, finger_of(place, written.finger, scene))
 
 
 def order(touch: AnyTouch) -> tuple:
     """What the touches of a press are sorted by."""
     place = place_of(touch)
     by = (touch.by.unit, touch.by.value) if isinstance(touch, Indentation) else ()
-    return bool(by), ORDER.index(type(place)), astuple(place), by
+    return bool(by), ORDER.index(type(place)), astuple(place), by, touch.finger
 
 
 def _place(touch: WrittenTouch) -> Place:
@@ -137,9 +151,9 @@ def pixel_pressed(scene: Scene, row: int, column: int, factor: float) -> AnyTouc
 
     Raises InputError where the foam cannot be pressed so far.
     """
-    if scene.press.plain:
-        return Touch(row, column, factor)
-    return touch_at(Touch(row, column, 1.0), Depth(scene.pressed_depth(factor)))
+    pixel = Touch(row, column, 1.0)
+    strength = factor if scene.press.plain else Depth(scene.pressed_depth(factor))
+    return touch_at(pixel, strength, finger_of(pixel, None, scene))
 
 
 def pressed_factor(scene: Scene, touch: AnyTouch) -> float:
@@ -153,7 +167,9 @@ def every_press(scene: Scene) -> list[Press]:
     """The skin at rest, then every pixel alone that has a part of the skin in it, row by row."""
     strength = strength_of(scene.press)
     pixels = [Touch(row, column, 1.0) for row, column in pixels_with_skin(scene)]
-    return [Press(), *(Press((touch_at(pixel, strength),)) for pixel in pixels)]
+    fingers = [finger_of(pixel, None, scene) for pixel in pixels]
+    pressed = [touch_at(p, strength, f) for p, f in zip(pixels, fingers, strict=True)]
+    return [Press(), *(Press((touch,)) for touch in pressed)]
 
 
 def press_on(scene: Scene, text: str) -> Press:
@@ -161,7 +177,7 @@ def press_on(scene: Scene, text: str) -> Press:
 
     Raises InputError as `parse_press` and `check_press`.
     """
-    press = parse_press(text, strength_of(scene.press))
+    press = parse_press(text, strength_of(scene.press), scene)
     return check_press(press, scene)
 
 
@@ -178,7 +194,16 @@ def check_press(press: Press, scene: Scene) -> Press:
         raise InputError(
             f"press {press}: depth and force need the table skin.foam.mechanics in {scene.name}"
         )
+    check_fingers(press, scene)
     return press
+
+
+def check_fingers(press: Press, scene: Scene) -> None:
+    """Raises InputError for fingers where the scene has no earth, or something is before them."""
+    around = scene.surroundings
+    told = NO_EARTH if around is None else around.rods_alone
+    if press.fingers and told is not None:
+        raise InputError(f"press {press} on {scene.name}: a finger {told}")
 
 
 def _check_polygon(touch: Polygon, press: Press, scene: Scene) -> None:

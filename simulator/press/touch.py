@@ -1,6 +1,7 @@
-"""One touch of the skin: a pixel or a place of any shape, and how strongly it is pressed.
+"""One touch of the skin: a pixel or a place of any shape, how strongly it is pressed, and by what.
 
-How strongly is a factor on the capacitance, or a depth or a force of which mechanics makes one.
+How strongly is a factor on the capacitance, or a depth or a force of which mechanics makes one. By
+what is a capacitance to earth, spread evenly over the place: 0 F of a rod, some pF of a finger.
 """
 
 from __future__ import annotations
@@ -20,7 +21,17 @@ class Box(NamedTuple):
     top: float
 
 
-class Placed:
+class Touched:
+    """What touches say alike. finger: the capacitance of what touches there to earth, F."""
+
+    finger: float
+
+    def _and_finger(self, text: str) -> str:
+        """The text of a touch; a rod, of 0 F, is not told."""
+        return f"{text}:{self.finger!r}F" if self.finger else text
+
+
+class Placed(Touched):
     """A place of the skin, and its capacitance over that at rest."""
 
     factor: float
@@ -31,7 +42,7 @@ class Placed:
         raise NotImplementedError
 
     def __str__(self) -> str:
-        return f"{self.where}:{self.factor!r}"
+        return self._and_finger(f"{self.where}:{self.factor!r}")
 
 
 @dataclass(frozen=True, order=True)
@@ -41,6 +52,7 @@ class Touch(Placed):
     row: int
     column: int
     factor: float
+    finger: float = 0.0
 
     @property
     def where(self) -> str:
@@ -56,6 +68,7 @@ class Rectangle(Placed):
     width: float
     height: float
     factor: float
+    finger: float = 0.0
 
     @property
     def box(self) -> Box:
@@ -76,6 +89,7 @@ class Disc(Placed):
     y: float
     radius: float
     factor: float
+    finger: float = 0.0
 
     @property
     def box(self) -> Box:
@@ -94,6 +108,7 @@ class Polygon(Placed):
 
     points: tuple[tuple[float, float], ...]
     factor: float
+    finger: float = 0.0
 
     @property
     def box(self) -> Box:
@@ -134,11 +149,12 @@ Strength = float | Depth | Force
 
 
 @dataclass(frozen=True)
-class Indentation:
-    """A rigid flat applicator of the shape of a place (of factor 1), pushed into the skin."""
+class Indentation(Touched):
+    """A rigid flat applicator of the shape of a place (of factor 1, 0 F), pushed into the skin."""
 
     place: Place
     by: Depth | Force
+    finger: float = 0.0
 
     @property
     def factor(self) -> NoReturn:
@@ -151,7 +167,7 @@ class Indentation:
         return self.place.where
 
     def __str__(self) -> str:
-        return f"{self.where}:{self.by}"
+        return self._and_finger(f"{self.where}:{self.by}")
 
 
 AnyTouch = Place | Indentation
@@ -167,8 +183,11 @@ def named(by: Depth | Force) -> str:
     return "depth" if isinstance(by, Depth) else "force"
 
 
-def touch_at(place: Place, strength: Strength) -> AnyTouch:
-    """The place touched by a factor, or pressed to a depth or by a force."""
+def touch_at(place: Place, strength: Strength, finger: float = 0.0) -> AnyTouch:
+    """The place touched by a factor, or pressed to a depth or by a force.
+
+    finger: the capacitance to earth of what touches it, F.
+    """
     if isinstance(strength, Depth | Force):
-        return Indentation(replace(place, factor=1.0), strength)
-    return replace(place, factor=strength)
+        return Indentation(replace(place, factor=1.0, finger=0.0), strength, finger)
+    return replace(place, factor=strength, finger=finger)

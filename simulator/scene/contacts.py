@@ -9,11 +9,18 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
 from .form.outline import Outline
 from .meter import ascending
-from .ranges import FilmResistance, Frequency
+from .ranges import FilmResistance, Frequency, Overlap
 from .skin import Electrode, Name, Skin, curves, on_skin
 from .validation import Number, Table, whole_within_rounding
 
@@ -135,7 +142,8 @@ class Contact(Table):
     """A foil strip on one electrode: an equipotential terminal along part of an edge.
 
     edge: left, right, bottom or top on a rectangle; "outline", "outline.3" (its third side),
-    "hole1" or "hole1.2" on an outline; the name of a group of boundary lines on a mesh.
+    "hole1" or "hole1.2" on an outline; the name of a group of boundary lines on a mesh. width [m]:
+    how far it overlaps the sheet, which has its potential there; 0 is a foil on the edge alone.
     """
 
     name: Name
@@ -143,6 +151,7 @@ class Contact(Table):
     edge: Name
     span: tuple[Fraction, Fraction] = (0.0, 1.0)
     resistance: FilmResistance = 0.0
+    width: Overlap = 0.0
 
     @property
     def ideal(self) -> bool:
@@ -170,6 +179,21 @@ class Contact(Table):
         if not self.span[0] < self.span[1]:
             raise ValueError(f"span must run from a lower to a higher fraction, got {self.span}")
         return self
+
+    @model_validator(mode="after")
+    def _wide_or_resistive(self) -> Self:
+        if self.width and self.resistance:
+            raise ValueError(
+                "takes width or resistance, got both: a foil with a width is ideal on all of it"
+            )
+        return self
+
+    @model_serializer(mode="wrap")
+    def _width_where_there_is_one(
+        self, everything: SerializerFunctionWrapHandler
+    ) -> dict[str, object]:
+        kept = everything(self)
+        return kept if self.width else {k: v for k, v in kept.items() if k != "width"}
 
 
 class Interface(Table):

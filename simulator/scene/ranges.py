@@ -7,11 +7,11 @@ linear, or double precision no longer holds both ends of the same skin.
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
-from .validation import Number, Whole, within
+from .validation import Bounds, Number, Whole, within
 
 LEAST_FILM = 1e-12
 """ohm m: a thousandth of what soldered metal has; its conductance is still a number."""
@@ -31,8 +31,21 @@ Thickness = Annotated[
     Number,
     within(1e-8, 10.0, "m", "thinner films leak by tunnelling, thicker foam is no sheet"),
 ]
+Distance = Annotated[
+    Number,
+    within(
+        1e-8, 1e3, "m", "it counts from the sheet away from the foam: no body lies inside the foam"
+    ),
+]
+Air = Annotated[Number, within(0.0, 10.0, "m", "a finger further off is none")]
+PerLength = Annotated[
+    Number, within(0.0, 1e-6, "F/m", "that of vacuum is 8.85e-12, and a rim has about as much")
+]
 SheetResistance = Annotated[
     Number, within(1e-6, 1e12, "ohm/sq", "from copper a centimetre thick to what insulates")
+]
+Overlap = Annotated[
+    Number, within(0.0, 1e3, "m", "it counts from the edge inwards, and no sheet is made as large")
 ]
 PerArea = Annotated[
     Number,
@@ -79,6 +92,30 @@ MapFactor = Annotated[
 ]
 Slope = Annotated[Number, within(-2e6, 2e6, "(relative)", "the factor must stay positive")]
 Seconds = Annotated[Number, within(1e-6, 1e7, "s", "from a reading to a season of measuring")]
+
+FINGERS = ("earthed", "floating")
+
+
+class FingerOrWithin(Bounds):
+    """A validator of what touches: one of FINGERS, or a capacitance to earth."""
+
+    def __call__(self, given: object) -> object:
+        if isinstance(given, str | bool) or not isinstance(given, int | float):
+            if given not in FINGERS:
+                named = " or ".join(map(repr, FINGERS))
+                raise ValueError(f"must be {named} or a capacitance in F, got {given!r}")
+            return given
+        self.check(given)
+        return float(given)
+
+
+Finger = Literal["earthed", "floating"] | float
+AnyFinger = Annotated[
+    Finger,
+    BeforeValidator(
+        FingerOrWithin(0.0, 1e-6, "F", "a finger has picofarad, a hand on a film nanofarad")
+    ),
+]
 
 MOST_SEED = 2**32 - 1
 """Seeds of scikit-learn end there; one range serves for all."""

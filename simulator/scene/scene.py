@@ -35,9 +35,10 @@ from .foam_mechanics import Mechanics
 from .keys.changing import put
 from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
 from .randomisation import Randomisation
-from .ranges import CapacitanceFactor, Force, Thickness
+from .ranges import AnyFinger, CapacitanceFactor, Force, Thickness
 from .readings import Reading
 from .skin import Name, Skin
+from .surroundings import NO_COVER, NO_EARTH, AnySurroundings
 from .validation import Number, Table, Whole, one_line
 from .wiring import DrivenByTouch, check_wiring, driven_by_touch
 
@@ -79,12 +80,15 @@ class Pressing(Table):
 
     factor_spread: standard deviation of the rise (factor - 1), as a fraction of that rise. depth
     [m] or force [N]: pixels are pressed mechanically, by a rigid flat applicator of their shape.
+    finger: what presses: the finger of a person who is earthed, or of one who floats (150 pF to
+    earth), or a capacitance to earth [F]; a rod where nothing is said. It needs [surroundings].
     """
 
     capacitance_factor: CapacitanceFactor = 2.0
     factor_spread: Annotated[Number, Field(ge=0, lt=1)] = 0.0
     depth: Thickness | None = None
     force: Force | None = None
+    finger: AnyFinger | None = None
 
     @property
     def plain(self) -> bool:
@@ -126,6 +130,7 @@ class Scene(Table):
         tuple[Interface, ...], Field(alias="interface", min_length=1, max_length=MOST_INTERFACES)
     ]
     readings: Annotated[Readings | None, AfterValidator(_spent), Field(exclude=True)] = None
+    surroundings: AnySurroundings | None = None
     pixels: Pixels
     press: Pressing = Pressing()
     leads: Leads = Leads()
@@ -169,7 +174,23 @@ class Scene(Table):
     @property
     def plain(self) -> bool:
         """Whether uniform sheets and foam on a rectangle at rest are all there is."""
-        return not self.skin.beyond_plain
+        return not self.beyond_plain
+
+    @property
+    def beyond_plain(self) -> list[str]:
+        """The keys by which it is more than that."""
+        return [*self.skin.beyond_plain, *self.beyond_sheets]
+
+    @property
+    def beyond_sheets(self) -> list[str]:
+        """The keys by which it is more than two sheets with foils on their edges alone."""
+        wide = [f"contact[{k + 1}].width" for k, foil in enumerate(self.contacts) if foil.width]
+        return [*(["surroundings"] if self.surroundings else []), *wide]
+
+    def require_sheets_alone(self, what: str) -> None:
+        """Raises InputError naming the key by which it has more, which `what` does not take."""
+        for key in self.beyond_sheets:
+            raise InputError(f"{self.name}: {what} cannot take `{key}`; leave it out here")
 
     @property
     def pressed_factor(self) -> float:
@@ -287,6 +308,18 @@ class Scene(Table):
     def _in_its_ambient(self) -> Self:
         object.__setattr__(self, "skin", in_ambient(self.skin, self.experiment))
         self.dataset.session.check_ambient(self.skin.foam)
+        return self
+
+    @model_validator(mode="after")
+    def _fingers_have_earth(self) -> Self:
+        finger, around = self.press.finger, self.surroundings
+        if finger is not None and around is None:
+            raise ValueError(f"`press.finger` {NO_EARTH}")
+        if finger is not None and around is not None:
+            if around.rods_alone:
+                raise ValueError(f"`press.finger` {around.rods_alone}")
+            if isinstance(finger, str) and around.finger_per_area is None:
+                raise ValueError(f"`press.finger` = {finger!r} {NO_COVER}")
         return self
 
     @model_validator(mode="after")

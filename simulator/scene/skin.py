@@ -92,6 +92,8 @@ LEAST_DEPTH = 1e-6
 At half of it answers still hold, after half a minute; at a tenth none comes within minutes."""
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
+ROUNDING = 1e-9
+"""Relative, of a capacitance that is that of vacuum."""
 
 Name = Annotated[str, Field(min_length=1), AfterValidator(single_line)]
 
@@ -129,9 +131,10 @@ class Foam(Table):
     loss_tangent: of jwC (1 - j tan d). phase_exponent: a of a constant-phase capacitance (jw)^a,
     which has the size that is named at 1 kHz; 1 is an ideal one. map: factor by place on the
     capacitance. mechanics: what depth or force of a press do, for a foam of known thickness; the
-    permittivity then follows unless given. relaxation: one or two standard linear solids, by which
-    a pressed foam creeps and a released one recovers. hysteresis: share of the work of loading that
-    unloading does not give back; a foam that is let off stays more compressed by it.
+    permittivity then follows unless given. It also follows from a thickness beside
+    capacitance_per_area, as where both are measured. relaxation: one or two standard linear solids,
+    by which a pressed foam creeps and a released one recovers. hysteresis: share of the work of
+    loading that unloading does not give back; a foam that is let off stays more compressed by it.
     """
 
     capacitance_per_area: PerArea | None = None
@@ -173,12 +176,23 @@ class Foam(Table):
         if self.mechanics is not None:
             self._one_way_of_a_foam_with(self.mechanics)
             return self
-        geometry = (self.thickness, self.relative_permittivity)
-        direct = self.capacitance_per_area is not None
-        if geometry.count(None) == 1 or direct == (None not in geometry):
+        direct, permittivity = self.capacitance_per_area, self.relative_permittivity
+        if (direct is None) == (permittivity is None) or (permittivity and not self.thickness):
             raise ValueError(
                 "needs either capacitance_per_area, or thickness with relative_permittivity"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _permittivity_of_a_dielectric(self) -> Self:
+        """What follows from capacitance and thickness is at least that of vacuum."""
+        if self.capacitance_per_area is not None and self.thickness is not None:
+            least = VACUUM_PERMITTIVITY / self.thickness
+            if self.capacitance_per_area < least * (1 - ROUNDING):
+                raise ValueError(
+                    f"capacitance_per_area must be >= {short(least)} F/m², that of vacuum of the "
+                    f"thickness {short(self.thickness)} m, got {short(self.capacitance_per_area)}"
+                )
         return self
 
     def _one_way_of_a_foam_with(self, mechanics: Mechanics) -> None:

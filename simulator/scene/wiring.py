@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .contacts import check_edge, section
 from .form.mesh_file import foil_lines
@@ -113,6 +114,7 @@ def check_wiring(contacts: Sequence[Contact], interfaces: Sequence[Interface], s
                 f"contacts {first.name!r} and {second.name!r} must touch, or end at least "
                 f"{LEAST_GAP:g} of the skin's longer side apart"
             )
+    check_widths(contacts, skin)
     names = [contact.name for contact in contacts]
     terminal = dict(zip(names, joined(contacts, skin), strict=True))
     for interface in interfaces:
@@ -184,6 +186,46 @@ def _check_length(number: int, contact: Contact, skin: Skin) -> None:
             f"`contact[{number + 1}].span` must leave a foil of at least {short(least)} m, "
             f"{LEAST_GAP:g} of the skin's longer side, got {short(along.stop - along.start)} m"
         )
+
+
+def check_widths(contacts: Sequence[Contact], skin: Skin) -> None:
+    """Raise ValueError for a foil that is wider than the skin, and for two that would overlap."""
+    for number, contact in enumerate(contacts):
+        across = min(skin.sides) if contact.edge not in ACROSS else skin.sides[ACROSS[contact.edge]]
+        if not contact.width < across:
+            raise ValueError(
+                f"`contact[{number + 1}].width` must be < {short(across)} m, the skin's extent "
+                f"from that edge, got {short(contact.width)} m"
+            )
+    group = joined(contacts, skin)
+    for (i, first), (j, second) in itertools.combinations(enumerate(contacts), 2):
+        apart = first.electrode != second.electrode or group[i] == group[j]
+        wide = skin.rectangular and max(first.width, second.width) > 0
+        if wide and not apart and _meet(first, second, skin):
+            raise ValueError(
+                f"contacts {first.name!r} and {second.name!r} overlap by `contact.width`: "
+                f"{short(first.width)} and {short(second.width)} m"
+            )
+
+
+ACROSS = {"left": 0, "right": 0, "bottom": 1, "top": 1}
+"""Which side of a rectangle a foil's width is counted along, by its edge."""
+
+
+def _strip(contact: Contact, skin: Skin) -> NDArray[np.float64]:
+    """What a foil covers of a rectangle: its lowest and its highest corner (x, y), m."""
+    axis = ACROSS[contact.edge]
+    inwards = contact.width if contact.edge in ("left", "bottom") else -contact.width
+    ends = np.array(contact.ends(skin))
+    ends[:, axis] += [0.0, inwards]
+    return np.sort(ends, axis=0)
+
+
+def _meet(first: Contact, second: Contact, skin: Skin) -> bool:
+    """Whether two foils on a rectangle share a place."""
+    one, other = _strip(first, skin), _strip(second, skin)
+    gaps = np.maximum(one[0], other[0]) - np.minimum(one[1], other[1])
+    return bool((gaps < LEAST_GAP * max(skin.sides)).all())
 
 
 def _lines(contact: Contact, skin: Skin) -> np.ndarray:

@@ -4,22 +4,32 @@ from __future__ import annotations
 
 import math
 import re
+from decimal import Decimal
 from typing import Literal, NamedTuple
 
 from .errors import InputError
 from .schema import UNPRESSED
-from .units import meant, plain_number
+from .units import PREFIXES, meant, plain_number
 
 SYNTAX = (
     "ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR], disc(X,Y,RADIUS)[:FACTOR] or "
-    "poly(X1,Y1,X2,Y2,X3,Y3,...)[:FACTOR], a depth (2mm, 0.2cm, 0.002m) or a force (5N) in place "
-    "of FACTOR, touches joined by '+', or 'none'"
+    "poly(X1,Y1,X2,Y2,X3,Y3,...)[:FACTOR], a depth (2mm, 0.2cm, 0.002m), a force (5N) or 'touch' "
+    "in place of FACTOR, what touches behind it (:finger, :rod or its capacitance :5.3pF), touches "
+    "joined by '+', or 'none'"
 )
+
+EARTHED: Literal["earthed"] = "earthed"
+FREE_TOUCH: Literal["touch"] = "touch"
+"""A touch without a press: by the finger of the scene, or an earthed one where it has none."""
+WrittenFinger = float | Literal["earthed", "touch"]
+"""What touches: a capacitance to earth in F, or of which finger that is."""
 
 LEAST_FACTOR, MOST_FACTOR = 1e-6, 1e6
 """Times the capacitance at rest: far beyond what foam can be lifted or pressed to."""
 MOST_FORCE = 1e6
 """N: a locomotive's weight."""
+MOST_FINGER = 1e-6
+"""F: a hand on a thin film has nanofarad."""
 
 JOINT = re.compile(r"(?<!\de)\+", re.IGNORECASE)
 TOUCH = re.compile(
@@ -30,6 +40,8 @@ TOUCH = re.compile(
 PIXEL = re.compile(r"(\d+),(\d+)", re.ASCII)
 MEASURED = re.compile(r"(?P<number>.*?)\s*(?P<unit>mm|cm|m|N)")
 PER_M = {"m": 1, "cm": 100, "mm": 1000}
+FARAD = re.compile(r"(?P<number>.*?)\s*(?P<prefix>[fpnuµm]?)F")
+FINGERS: dict[str, WrittenFinger] = {"finger": EARTHED, "rod": 0.0}
 LENGTH = re.compile(r"\s*(?P<number>.+?)\s*(?P<unit>mm|cm|m)\s*")
 SIZES = {"rect": ("WIDTH", "HEIGHT"), "disc": ("RADIUS",)}
 
@@ -48,12 +60,13 @@ class WrittenTouch(NamedTuple):
     """One touch as it is written.
 
     numbers: row and column of a pixel; X, Y and sizes of a rect or disc, X and Y of the corners of
-    a poly, in m. strength: None where the text does not say.
+    a poly, in m. strength, finger: None where the text does not say.
     """
 
     kind: Kind
     numbers: tuple[float, ...]
     strength: WrittenStrength | None
+    finger: WrittenFinger | None = None
 
     @property
     def pixel(self) -> tuple[int, int]:
@@ -66,7 +79,8 @@ def parse_touches(text: str) -> list[WrittenTouch]:
     """The touches of a press written as `text` in SYNTAX, in its order; none at rest.
 
     `none` is the skin at rest. Raises InputError on other syntax, a factor, depth, force
-    or size that is not finite and > 0, or a pixel named twice.
+    or size that is not finite and > 0, a capacitance of none that a finger has, or a pixel named
+    twice.
     """
     if text.strip() == UNPRESSED:
         return []
@@ -97,15 +111,52 @@ def _touch(part: str, text: str) -> WrittenTouch:
     match = TOUCH.fullmatch(part)
     if match is None:
         raise InputError(f"press {text!r}: must be {SYNTAX}")
-    given = match["strength"]
-    strength = None if given is None else _strength(given, text)
+    by = _by(match["strength"], text)
     if match["shape"] is None:
-        return WrittenTouch("pixel", _pixel(match["row"], match["column"], text), strength)
+        return WrittenTouch("pixel", _pixel(match["row"], match["column"], text), *by)
     numbers = list(map(_in_m, match["place"].split(",")))
     if match["shape"] == "poly":
-        return WrittenTouch("poly", _corners(numbers, text), strength)
+        return WrittenTouch("poly", _corners(numbers, text), *by)
     kind: Kind = "rect" if match["shape"] == "rect" else "disc"
-    return WrittenTouch(kind, _placed(numbers, SIZES[kind], text), strength)
+    return WrittenTouch(kind, _placed(numbers, SIZES[kind], text), *by)
+
+
+def _by(given: str | None, text: str) -> tuple[WrittenStrength | None, WrittenFinger | None]:
+    """How strongly is touched and by what, of what stands behind a place."""
+    if given is None:
+        return None, None
+    first, *others = (part.strip() for part in given.split(":"))
+    if len(others) > 1:
+        raise InputError(f"press {text!r}: must be {SYNTAX}")
+    if not others and _names_finger(first):
+        return None, _finger(first, text)
+    if first == FREE_TOUCH:
+        return WrittenStrength(1.0, ""), _finger(others[0], text) if others else FREE_TOUCH
+    return _strength(first, text), _finger(others[0], text) if others else None
+
+
+def _names_finger(given: str) -> bool:
+    return given in FINGERS or FARAD.fullmatch(given) is not None
+
+
+def _finger(given: str, text: str) -> WrittenFinger:
+    if given in FINGERS:
+        return FINGERS[given]
+    match = FARAD.fullmatch(given)
+    if match is None:
+        raise InputError(
+            f"press {text!r}: what touches must be finger, rod or a capacitance such as 5.3pF, "
+            f"got {given}"
+        )
+    _number(match["number"], f"capacitance in {match['prefix']}F", text)
+    power = PREFIXES.get(match["prefix"], 0)
+    farad = float(Decimal(match["number"].strip()).scaleb(power))
+    if not 0 <= farad <= MOST_FINGER:
+        raise InputError(
+            f"press {text!r}: the capacitance of what touches must be from 0 to {MOST_FINGER:g} F, "
+            f"got {given}"
+        )
+    return farad
 
 
 def _pixel(row: str, column: str, text: str) -> tuple[int, int]:

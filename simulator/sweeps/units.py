@@ -6,7 +6,8 @@ import math
 import re
 from decimal import Decimal, DecimalException
 
-PREFIXES = {"p": -12, "n": -9, "u": -6, "µ": -6, "m": -3, "c": -2, "k": 3, "K": 3, "M": 6, "G": 9}
+PREFIXES = {"f": -15, "p": -12, "n": -9, "u": -6, "µ": -6, "m": -3, "c": -2}
+PREFIXES |= {"k": 3, "K": 3, "M": 6, "G": 9}
 BASES = ("m", "ohm", "Ω", "F", "Hz", "H", "Pa", "N", "rad", "s", "V", "A")
 WRITTEN = re.compile(
     r"(?P<number>[-+]?[\d._]+(?:,\d+)?(?:[eE][-+]?\d+)?)\s*(?P<unit>[^\d\s,][^,]*)?"

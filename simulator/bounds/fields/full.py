@@ -56,6 +56,7 @@ class Fields:
 
     def __init__(self, scene: Scene, highest: float, cells: int = CELLS_PER_PIXEL) -> None:
         """cells: along each side of a pixel. highest: Hz."""
+        scene.require_sheets_alone("what readings tell")
         self.scene, self.cells, divided = scene, cells, scene.divided(cells)
         self.grid = divided.pixels.shape
         self._circuit = circuit_of(divided)

@@ -84,6 +84,7 @@ def trained(
     """Trained for touches alike, at frequencies up to `highest` in Hz, on the mesh that `Fields`
     takes. cells: along each side of a pixel. Raises ToleranceError where the scene does not reduce.
     """
+    scene.require_sheets_alone("what readings tell")
     grid, random = scene.divided(cells).pixels.shape, np.random.default_rng(0)
     driven, band = electrical(scene.on_grid(*grid)), np.array([scene.frequencies[0], highest])
     lines = Cells.of(scene.skin.length, scene.skin.width, grid)

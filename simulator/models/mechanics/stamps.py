@@ -108,5 +108,7 @@ def _areas(scene: Scene, press: Press, shapes: Shapes, apart: bool) -> NDArray[n
 
 def _sharp(press: Press, factor: NDArray[np.float64]) -> Press:
     """The press with factors in place of depths and forces."""
-    by_factor = [touch_at(t.place, float(f)) for t, f in zip(press.indented, factor, strict=True)]
+    by_factor = [
+        touch_at(t.place, float(f), t.finger) for t, f in zip(press.indented, factor, strict=True)
+    ]
     return Press(tuple(sorted([*press.sharp.touches, *by_factor], key=order)))

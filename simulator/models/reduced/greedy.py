@@ -87,6 +87,7 @@ def reduce(
     pixels are pressed by depth or force; as the scene presses them for None. Raises ToleranceError
     where mesh or basis do not get there, InputError where the pixels do not fit in memory.
     """
+    scene.require_sheets_alone("a reduced model")
     applied = spreading(scene, by_depth)
     scene = scene if applied else electrical(scene)
     draw = apart(draw or pixel_touches(scene), scene) if applied else draw or pixel_touches(scene)

@@ -59,6 +59,14 @@ class Surface:
         edges, count = np.unique(every, axis=1, return_counts=True)
         return edges[:, count == 1]
 
+    def area(self, group: str) -> float:
+        """Of the triangles of a group, in the plane or in space, m²."""
+        corners = self.p[:, self.t[:, self.triangle_groups[group]]]
+        one, other = (corners[:, k] - corners[:, 0] for k in (1, 2))
+        product = (one * other).sum(axis=0) ** 2
+        square = (one**2).sum(axis=0) * (other**2).sum(axis=0) - product
+        return float(np.sqrt(np.maximum(square, 0.0)).sum() / 2)
+
 
 def read_surface(path: str) -> Surface:
     """The triangles of a mesh file; raises InputError where it cannot be read or has none."""

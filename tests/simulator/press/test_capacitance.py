@@ -48,7 +48,7 @@ def test_capacitance_from_thickness_and_permittivity():
         {},
         {"thickness": 4e-3},
         {"relative_permittivity": 2.2},
-        {"capacitance_per_area": 5e-9, "thickness": 4e-3},
+        {"capacitance_per_area": 5e-9, "relative_permittivity": 2.2},
         {"capacitance_per_area": 5e-9, "thickness": 4e-3, "relative_permittivity": 2.2},
     ],
 )

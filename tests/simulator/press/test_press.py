@@ -6,23 +6,25 @@ from rcskin.simulator.press.press import Press, check_press, order, parse_press,
 from rcskin.simulator.press.touch import Depth, Disc, Force, Indentation, Polygon, Rectangle, Touch
 from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError
-from rcskin.simulator.sweeps.press_text import LEAST_FACTOR, MOST_FACTOR, MOST_FORCE
+from rcskin.simulator.sweeps.press_text import LEAST_FACTOR, MOST_FACTOR, MOST_FINGER, MOST_FORCE
 
 PLACE = st.floats(-1e3, 1e3)
 POSITIVE = st.floats(min_value=0, exclude_min=True, allow_infinity=False)
 FACTOR = st.floats(min_value=LEAST_FACTOR, max_value=MOST_FACTOR)
 FORCE = st.floats(min_value=0, max_value=MOST_FORCE, exclude_min=True)
-pixels = st.builds(Touch, st.integers(1, 1000), st.integers(1, 1000), FACTOR)
-rectangles = st.builds(Rectangle, PLACE, PLACE, POSITIVE, POSITIVE, FACTOR)
-discs = st.builds(Disc, PLACE, PLACE, POSITIVE, FACTOR)
+FINGER = st.just(0.0) | st.floats(min_value=0, max_value=MOST_FINGER)
+pixels = st.builds(Touch, st.integers(1, 1000), st.integers(1, 1000), FACTOR, FINGER)
+rectangles = st.builds(Rectangle, PLACE, PLACE, POSITIVE, POSITIVE, FACTOR, FINGER)
+discs = st.builds(Disc, PLACE, PLACE, POSITIVE, FACTOR, FINGER)
 polygons = st.builds(
-    Polygon, st.lists(st.tuples(PLACE, PLACE), min_size=3, max_size=6).map(tuple), FACTOR
+    Polygon, st.lists(st.tuples(PLACE, PLACE), min_size=3, max_size=6).map(tuple), FACTOR, FINGER
 )
 places = st.one_of(
     st.builds(Rectangle, PLACE, PLACE, POSITIVE, POSITIVE, st.just(1.0)),
     st.builds(Disc, PLACE, PLACE, POSITIVE, st.just(1.0)),
 )
-indentations = st.builds(Indentation, places, st.builds(Depth, POSITIVE) | st.builds(Force, FORCE))
+strengths = st.builds(Depth, POSITIVE) | st.builds(Force, FORCE)
+indentations = st.builds(Indentation, places, strengths, FINGER)
 presses = st.builds(
     lambda *touches: Press(tuple(sorted(sum(touches, []), key=order))),
     st.lists(pixels, unique_by=lambda touch: (touch.row, touch.column)),
@@ -104,13 +106,15 @@ def test_touches_that_do_not_say_how_strongly_press_as_the_scene_does():
         ("rect(1,1,1,1)", True),
         ("poly(0,0,1,0,1,1)", False),
         ("1,1:1mm", False),
+        ("1,1:2:5pF", False),
+        ("1,1:2:rod", True),
     ],
 )
 def test_plain_presses_are_factors_of_pixels_and_rectangles(text, plain):
     press = parse_press(text, 2.0)
     assert press.plain == plain
     if not plain:
-        with pytest.raises(InputError, match="without depth, force, disc or poly"):
+        with pytest.raises(InputError, match="without depth, force, disc, poly or finger"):
             require_plain(press)
 
 
@@ -158,6 +162,12 @@ def test_a_depth_has_no_factor():
         ("1,2:inf", "FACTOR must be finite and > 0, got inf"),
         ("1,2:two", "FACTOR must be finite and > 0, got two"),
         ("1,2+1,2:3", "a pixel is named twice"),
+        ("1,2:2:hand", "what touches must be finger, rod or a capacitance such as 5.3pF, got hand"),
+        ("1,2:2:3", "what touches must be finger, rod or a capacitance such as 5.3pF, got 3"),
+        ("1,2:2:finger:3", "must be ROW,COLUMN"),
+        ("1,2:-1pF", "the capacitance of what touches must be from 0 to 1e-06 F, got -1pF"),
+        ("1,2:5F", "the capacitance of what touches must be from 0 to 1e-06 F, got 5F"),
+        ("1,2:xpF", "capacitance in pF must be a finite number, got x"),
     ],
 )
 def test_bad_syntax_is_told(text, told):

@@ -119,7 +119,10 @@ def replaced(*pairs):
         (["length = 0.120", "length = 0"], "`skin.length` must be from 1e-5 to 1000 m, got 0"),
         (["width = 0.120", "width = nan"], "`skin.width` must be from 1e-5 to 1000 m, got nan"),
         ([FOAM, ""], "`skin.foam` needs either capacitance_per_area, or thickness with"),
-        ([FOAM, f"{FOAM}\nthickness = 4e-3"], "`skin.foam` needs either capacitance_per_area"),
+        (
+            [FOAM, f"{FOAM}\nthickness = 1e-4"],
+            "`skin.foam` capacitance_per_area must be >= 8.85419e-8 F/m², that of vacuum",
+        ),
         ([FOAM, "thickness = 4e-3"], "`skin.foam` needs either capacitance_per_area"),
         (
             [FOAM, "thickness = 4e-3\nrelative_permittivity = 0.5"],

@@ -51,7 +51,11 @@ def test_a_missing_key_does_not_hide_another_problem():
             "[skin]\nsheet_resistance = 1e3\n",
             "`skin.top.sheet_resistance` or `skin.bottom.sheet_resistance`?",
         ),
-        ("[skin]\n", "[skin]\nthicknes = 1e-3\n", "`skin.foam.thickness`?"),
+        (
+            "[skin]\n",
+            "[skin]\nthicknes = 1e-3\n",
+            "`skin.foam.thickness` or `surroundings.thickness`?",
+        ),
         ("[sweep]", "[sweep]\npoints = 3", "`sweep.frequencies.points` or `skin.outline.points`?"),
     ],
 )

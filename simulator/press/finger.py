@@ -1,0 +1,102 @@
+"""What touches a skin besides pressing it: the capacitance to earth of a finger on a patch.
+
+A finger on the cover is a plate as large as the patch that it touches:
+
+    C = eps0 A / (thickness / relative_permittivity + air)
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.planar import Circle, area, inside
+from ..scene.ranges import Finger
+from ..scene.scene import Scene
+from ..scene.skin import covers
+from ..scene.surroundings import NO_COVER, NO_EARTH
+from ..sweeps import InputError
+from ..sweeps.press_text import EARTHED, FREE_TOUCH, WrittenFinger
+from .touch import Disc, Place, Polygon, Touch
+
+PERSON = 150e-12
+"""F: of a standing person to earth, as in the test of IEC 61000-4-2."""
+LOOKED_AT = 256
+"""Places along each side of a touch at which it is looked whether there is skin: areas to 1e-3."""
+
+
+def finger_of(place: Place, written: WrittenFinger | None, scene: Scene | None) -> float:
+    """Capacitance to earth in F of what touches a place, by what its text says, or else the scene.
+
+    Raises InputError where it follows from no scene, or the scene has no earth or no cover.
+    """
+    given = scene.press.finger if scene else None
+    how = given if written is None else (given or EARTHED) if written == FREE_TOUCH else written
+    if how is None:
+        return 0.0
+    if isinstance(how, float | int):
+        return float(how)
+    if scene is None or scene.surroundings is None:
+        raise InputError(f"{place.where}: a finger {NO_EARTH}")
+    return finger_capacitance(scene, place, how)
+
+
+def finger_capacitance(scene: Scene, place: Place, how: Finger) -> float:
+    """That of a finger on a place of a scene with surroundings, F.
+
+    "floating": in series with PERSON. Raises InputError where there is neither cover nor air.
+    """
+    if isinstance(how, float | int):
+        return float(how)
+    around = scene.surroundings
+    assert around is not None
+    if around.finger_per_area is None:
+        raise InputError(f"{scene.name}: a finger on {place.where} {NO_COVER}")
+    earthed = around.finger_per_area * touched_area(scene, place)
+    return earthed if how == "earthed" else earthed * PERSON / (earthed + PERSON)
+
+
+def touched_area(scene: Scene, place: Place) -> float:
+    """Area of the skin that a place covers, as the skin is stretched, m².
+
+    Exact on a rectangle, and of pixels that are groups of a mesh. Else the part of the place that
+    has skin is sampled at LOOKED_AT² places around it; a mesh in space counts as seen along z.
+    """
+    skin, groups = scene.skin, scene.pixels.groups
+    stretched = np.prod(skin.stretch.ratios) if skin.stretch else 1.0
+    if isinstance(place, Touch) and groups is not None and skin.mesh is not None:
+        return float(stretched * skin.mesh.surface.area(groups[place.row - 1][place.column - 1]))
+    corner, extent = _around(scene, place)
+    whole = stretched * np.prod(extent)
+    if skin.rectangular:
+        return float(whole * _part(place, extent))
+    steps = (np.arange(LOOKED_AT) + 0.5) / LOOKED_AT
+    x = np.stack(np.meshgrid(*(corner + extent * steps[:, None]).T))
+    return float(whole * (covers(skin, x) & _within(place, x)).mean())
+
+
+def _around(scene: Scene, place: Place) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The rectangle around a place: its lowest corner, and its sides along x and y; m."""
+    if isinstance(place, Touch):
+        sides = np.array(scene.skin.sides) / scene.pixels.shape[::-1]
+        return sides * (place.column - 1, place.row - 1), sides
+    box = np.array(place.box)
+    return box[::2], box[1::2] - box[::2]
+
+
+def _part(place: Place, extent: NDArray[np.float64]) -> float:
+    """Of the rectangle around it that a place covers; extent: its sides, m."""
+    if isinstance(place, Disc):
+        return np.pi / 4
+    if isinstance(place, Polygon):
+        return abs(area(np.array(place.points))) / float(np.prod(extent))
+    return 1.0
+
+
+def _within(place: Place, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether positions x in the box around a place, m, shape (2, ...), lie in it."""
+    if isinstance(place, Disc):
+        return Circle(place.x, place.y, place.radius).holds(x)
+    if isinstance(place, Polygon):
+        return inside(np.array(place.points), x)
+    return np.ones(x.shape[1:], dtype=bool)

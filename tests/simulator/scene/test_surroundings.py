@@ -1,0 +1,192 @@
+"""What a scene says of its surroundings, and what it is refused."""
+
+import pytest
+from rcskin.simulator.measure.symmetry import representative
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.scene.files import builtin_names, load_scene, parse_scene, scene_text
+from rcskin.simulator.scene.skin import VACUUM_PERMITTIVITY
+from rcskin.simulator.scene.surroundings import Rim
+from rcskin.simulator.sweeps import InputError
+
+COVER = {"thickness": 1e-3, "relative_permittivity": 3.0}
+BELOW = {"distance": 5e-3}
+ABOVE = {"side": "top", "distance": 5e-3}
+
+
+def around(**changes):
+    return load_scene("sheet-5x5").with_({f"surroundings.{k}": v for k, v in changes.items()})
+
+
+@pytest.mark.parametrize("name", builtin_names())
+def test_a_scene_that_says_nothing_is_written_as_ever(name):
+    text = scene_text(load_scene(name))
+    contacts = text[text.index("[[contact]]") : text.index("[[interface]]")]
+    assert "surroundings" not in text
+    assert "finger" not in text
+    assert "width" not in contacts
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"surroundings": {}},
+        {"surroundings": "solved"},
+        {"surroundings": {"low": "floating", "rim": True, "thickness": True}},
+        {"surroundings": {"rim": 5e-12, "air": 1e-3}},
+        {"surroundings": {"rim": {"mutual": 5e-12, "top": 1e-11}}},
+        {"surroundings": {"body": {"distance": 5e-3, "potential": "floating"}}},
+        {"surroundings": {"body": [ABOVE, {"capacitance_per_area": 1e-9, "potential": "low"}]}},
+        {"surroundings": {"cover": COVER}, "press.finger": "floating"},
+        {"surroundings": {"cover": {"side": "bottom", **COVER}, "body": ABOVE}},
+        {"contact.top-left.width": 1e-3},
+    ],
+)
+def test_surroundings_are_read_back_as_they_were_written(changes):
+    scene = load_scene("sheet-5x5").with_(changes)
+    assert parse_scene(scene_text(scene), "again") == scene
+
+
+def test_the_short_form_is_an_lcr_meter_and_a_solve():
+    around = load_scene("sheet-5x5").with_({"surroundings": "solved"}).surroundings
+    assert (around.low, around.solved, around.rim, around.body) == (
+        "virtual earth",
+        True,
+        False,
+        (),
+    )
+
+
+def test_a_number_for_the_rim_is_that_between_the_sheets():
+    assert around(rim=5e-12).surroundings.rim == Rim(mutual=5e-12)
+
+
+def test_a_key_of_one_body_is_changed_by_its_name():
+    scene = around(body=BELOW).with_({"surroundings.body.distance": 7e-3})
+    (body,) = scene.surroundings.body
+    assert body.per_area == VACUUM_PERMITTIVITY / 7e-3
+    two = around(body=[BELOW, ABOVE]).with_({"surroundings.body.2.distance": 1e-3})
+    assert [each.distance for each in two.surroundings.body] == [5e-3, 1e-3]
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"surroundings": "solve"}, "`surroundings` must be a table or 'solved', got 'solve'"),
+        ({"surroundings.low": "earth"}, "`surroundings.low` must be 'virtual earth' or 'floating'"),
+        ({"surroundings.rim": "yes"}, "`surroundings.rim` must be true, false, a number in F/m"),
+        ({"surroundings.rim": -1.0}, "must be from 0 to 1e-6 F/m, got -1"),
+        ({"surroundings.rim": {"mutal": 1.0}}, "`mutal` is not a known key"),
+        ({"surroundings": {"rim": True, "solved": True}}, "takes solved or rim, got both"),
+        ({"surroundings.thickness": 1}, "`surroundings.thickness` must be true or false, got 1"),
+        ({"surroundings.air": -1e-3}, "`surroundings.air` must be from 0 to 10 m, got -0.001"),
+        ({"surroundings.body": {}}, "`surroundings.body[1]` needs either distance or capacitance"),
+        (
+            {"surroundings.body": {**BELOW, "capacitance_per_area": 1e-9}},
+            "`surroundings.body[1]` needs either distance or capacitance_per_area",
+        ),
+        (
+            {"surroundings.body": {"capacitance_per_area": 1e-9, "relative_permittivity": 2.0}},
+            "takes relative_permittivity with distance only",
+        ),
+        ({"surroundings.body.distance": -2e-3}, "no body lies inside the foam"),
+        ({"surroundings.body.distance": 0.0}, "no body lies inside the foam"),
+        (
+            {"surroundings.body": [BELOW, BELOW]},
+            "takes one body on each side, got two on the bottom",
+        ),
+        ({"surroundings.body": [BELOW, ABOVE, ABOVE]}, "at most 2 items, got 3"),
+        ({"surroundings.cover": {"thickness": 1e-3}}, "cover.relative_permittivity` is missing"),
+        ({"surroundings": {"cover": COVER, "body": ABOVE}}, "cannot touch the top sheet"),
+        ({"press.finger": "earthed"}, "`press.finger` needs the table [surroundings]"),
+        (
+            {"surroundings": {}, "press.finger": "earthed"},
+            "`press.finger` = 'earthed' needs surroundings.cover or surroundings.air",
+        ),
+        (
+            {"surroundings": {"body": ABOVE}, "press.finger": 5e-12},
+            "`press.finger` cannot touch the top sheet",
+        ),
+        ({"surroundings": {}, "press.finger": "hand"}, "must be 'earthed' or 'floating' or a cap"),
+        ({"surroundings": {}, "press.finger": True}, "must be 'earthed' or 'floating' or a cap"),
+        ({"surroundings": {}, "press.finger": -1.0}, "`press.finger` must be from 0 to 1e-6 F"),
+        ({"contact.top-left.width": -1e-3}, "`contact[1].width` must be from 0 to 1000 m"),
+        (
+            {"contact.top-left.width": 0.12},
+            "`contact[1].width` must be < 0.12 m, the skin's extent",
+        ),
+        (
+            {"contact.top-left.width": 1e-3, "contact.top-left.resistance": 1.0},
+            "`contact[1]` takes width or resistance, got both",
+        ),
+    ],
+)
+def test_what_cannot_be_is_told_in_one_line(changes, why):
+    with pytest.raises(InputError) as error:
+        load_scene("sheet-5x5").with_(changes)
+    assert why in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("contacts", "overlap"),
+    [
+        ({"top-left": {"width": 0.06}, "top-right": {"width": 0.03}}, False),
+        ({"top-left": {"width": 0.06}, "top-right": {"width": 0.04}}, True),
+        ({"top-left": {"width": 0.06}, "bottom-right": {"width": 0.06}}, False),
+        ({"top-left": {"width": 0.02}, "top-bottom": {"width": 0.02}}, False),
+        ({"top-left": {"span": [0.1, 1.0], "width": 0.02}, "top-bottom": {"width": 0.02}}, True),
+        ({"top-left": {"span": [0.5, 1.0], "width": 0.02}, "top-bottom": {"width": 0.02}}, False),
+        ({"top-left": {"width": 0.02}, "top-bottom": {"span": [0.3, 1.0]}}, False),
+        ({"top-left": {"width": 0.04}, "top-bottom": {"span": [0.3, 1.0]}}, True),
+    ],
+)
+def test_wide_foils_of_one_sheet_do_not_overlap_unless_they_are_one(make_scene, contacts, overlap):
+    """On 100 x 80 mm; those that meet at a corner are one terminal."""
+    every = {**contacts, "bottom-bottom": {}}
+    connected = {"meter": (next(iter(contacts)), "bottom-bottom")}
+    if overlap:
+        with pytest.raises(ValueError, match="overlap by `contact.width`"):
+            make_scene(every, connected)
+    else:
+        assert make_scene(every, connected).beyond_sheets
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"surroundings": {}}, "surroundings"),
+        ({"contact.top-left.width": 1e-3}, "contact[1].width"),
+    ],
+)
+def test_what_takes_two_bare_sheets_alone_says_so(changes, key):
+    scene = load_scene("sheet-3x3").with_(changes)
+    assert scene.beyond_plain == [key]
+    for model in ("line", "lumped", "auto", "sheet", "reduced"):
+        with pytest.raises(InputError, match="cannot take `" + key.replace("[", r"\[")):
+            Solver(scene, 1e-2, model).solve(Press())
+
+
+@pytest.mark.parametrize(
+    ("changes", "exchanged"),
+    [
+        ({}, True),
+        ({"surroundings": {}}, True),
+        ({"surroundings": {"body": [BELOW, ABOVE]}}, True),
+        ({"surroundings": {"body": BELOW}}, False),
+        ({"surroundings": {"rim": {"top": 1e-12}}}, False),
+        ({"surroundings": {}, "press.finger": 5e-12}, False),
+        (
+            {
+                "surroundings": {
+                    "body": [{**BELOW, "potential": "low"}, {**ABOVE, "potential": "low"}]
+                }
+            },
+            False,
+        ),
+    ],
+)
+def test_crossed_sheets_are_alike_where_their_surroundings_are(changes, exchanged):
+    """Pixels (1, 2) and (2, 1) of two equal sheets, one fed at the left, one at the bottom edge."""
+    of = representative(load_scene("sheet-5x5-crossed").with_(changes))
+    assert (of((2, 1)) == (1, 2)) == exchanged
