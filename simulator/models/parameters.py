@@ -15,8 +15,9 @@ from ..scene.frequency import Loss
 from ..scene.meter import Leads
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
-from ..scene.skin import Foam
+from ..scene.skin import VACUUM_PERMITTIVITY, Foam
 from ..sweeps import InputError
+from .effects import EFFECTS, NEEDED, effects_of, with_effects
 
 WAVES = ((0, 0), (1, 0), (0, 1), (1, 1))
 """Half waves along x and along y of the modes of a sheet's conductance; the first is its mean."""
@@ -106,16 +107,6 @@ VALUES = {
 }
 """Parameters counted as they are, and their units."""
 
-EFFECTS = ("body", "rim", "finger")
-"""Parameters of `[surroundings]`: a scene has those of what it has around it, see `own_values`."""
-
-NEEDED = {
-    "body": "it needs [surroundings.body], not solved",
-    "rim": "it needs `rim` of [surroundings]",
-    "finger": "it needs [surroundings] without a body in front of the sheet that fingers touch",
-}
-"""What a scene needs to have each of EFFECTS."""
-
 PARAMETERS = tuple(name for name in (*FACTORS, *VALUES) if name not in EFFECTS)
 """Parameters of every scene."""
 
@@ -133,7 +124,7 @@ KNOWN = (*PARAMETERS, *EFFECTS, *SLOW_WAVES)
 
 
 def own_values(scene: Scene) -> dict[str, float]:
-    """The scene's own parameters."""
+    """The scene's own parameters, with those of EFFECTS that change it."""
     foam, leads = scene.skin.foam, scene.leads
     stated = {
         "loss_tangent": foam.loss_tangent,
@@ -142,7 +133,8 @@ def own_values(scene: Scene) -> dict[str, float]:
         "lead_inductance": leads.inductance,
         "stray_capacitance": leads.unguarded,
     }
-    return {name: stated.get(name, 0.0) for name in PARAMETERS}
+    of_every_scene = {name: stated.get(name, 0.0) for name in PARAMETERS}
+    return of_every_scene | dict.fromkeys(effects_of(scene), 0.0)
 
 
 def all_values(scene: Scene, given: Mapping[str, float] | None) -> dict[str, float]:
@@ -216,23 +208,25 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
         for contact in scene.contacts
     )
     changed = skin.model_copy(update={**sheets, "foam": foam})
-    return scene.model_copy(
-        update={"skin": changed, "contacts": contacts, "leads": leads_of(values)}
-    )
+    update = {"skin": changed, "contacts": contacts, "leads": leads_of(values)}
+    return scene.model_copy(update=update | with_effects(scene, values))
 
 
 def _capacitance(scene: Scene, factor: float) -> dict[str, Any]:
     """That of the foam, F/m2, in the keys of a scene.
 
     With it goes the thickness where something hangs on it: the strain under a press that changes
-    the sheets or creeps, or the factor of a depth.
+    the sheets or creeps, the factor of a depth, or the field around the skin. Foam of less
+    capacitance than vacuum of its thickness is thicker.
     """
     foam, press, skin = scene.skin.foam, scene.press, scene.skin
     c = foam.rest_capacitance_per_area * factor
     sheets = skin.top.piezoresistance or skin.bottom.piezoresistance
-    if foam.mechanics is None or (press.plain and not sheets and not foam.in_time):
+    mechanics = None if press.plain and not sheets and not foam.in_time else foam.mechanics
+    if foam.thickness is None or not (mechanics or scene.surroundings):
         return {"capacitance_per_area": c}
-    return {"capacitance_per_area": c, "mechanics": foam.mechanics, "thickness": foam.thickness}
+    thickness = max(foam.thickness, VACUUM_PERMITTIVITY / c)
+    return {"capacitance_per_area": c, "mechanics": mechanics, "thickness": thickness}
 
 
 def by_sheets(

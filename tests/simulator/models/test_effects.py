@@ -1,0 +1,78 @@
+"""What surrounds a skin as parameters: which scenes have them, and a scene with other values."""
+
+import math
+
+import pytest
+from rcskin.simulator.models.effects import EFFECTS
+from rcskin.simulator.models.parameters import PARAMETERS, all_values, own_values, scene_with
+from rcskin.simulator.scene.files import load_scene, parse_scene, scene_text
+from rcskin.simulator.sweeps import InputError
+
+BODY, RIM = {"distance": 5e-3}, {"mutual": 5e-12, "top": 4e-12, "bottom": 3e-12}
+
+
+@pytest.fixture
+def scene():
+    return load_scene("sheet-3x3")
+
+
+def test_a_scene_without_surroundings_has_none_of_them(scene):
+    assert tuple(own_values(scene)) == PARAMETERS
+
+
+@pytest.mark.parametrize(
+    ("surroundings", "there"),
+    [
+        ({}, ("finger",)),
+        ({"body": BODY}, ("body", "finger")),
+        ({"body": BODY, "rim": RIM}, EFFECTS),
+        ({"body": BODY | {"side": "top"}}, ("body",)),
+        ({"body": BODY, "solved": True}, ("finger",)),
+    ],
+)
+def test_a_scene_has_those_of_what_is_around_it(scene, surroundings, there):
+    around = scene.with_({"surroundings": surroundings})
+    assert tuple(own_values(around)) == (*PARAMETERS, *there)
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_what_a_scene_has_not_is_refused(scene, name):
+    with pytest.raises(InputError, match=f"{name} changes nothing here; it needs"):
+        all_values(scene, {name: 0.1})
+
+
+def test_the_scene_with_other_values_has_so_much_more_around_it(scene):
+    around = scene.with_(
+        {
+            "surroundings": {"body": BODY, "rim": RIM},
+            "press.finger": 2e-12,
+            "press.factor_spread": 0,
+        }
+    )
+    twice = math.log(2)
+    found = scene_with(around, {"body": twice, "rim": twice, "finger": 1e-12})
+    assert parse_scene(scene_text(found), "found") == found
+    assert found.surroundings.body[0].distance == pytest.approx(BODY["distance"] / 2)
+    assert found.surroundings.rim.bottom == pytest.approx(2 * RIM["bottom"])
+    assert found.press.finger == pytest.approx(3e-12)
+    by_area = around.with_({"surroundings": {"body": {"capacitance_per_area": 1e-9}}})
+    other = scene_with(by_area, {"body": twice}).surroundings
+    assert other.body[0].capacitance_per_area == pytest.approx(2e-9)
+
+
+def test_a_rim_that_is_computed_takes_no_factor(scene):
+    around = scene.with_({"surroundings": {"rim": True}})
+    with pytest.raises(InputError, match="must be given in F/m to take a factor, got True"):
+        scene_with(around, {"rim": 0.1})
+
+
+@pytest.mark.parametrize("factor", [2.0, 0.1])
+def test_foam_keeps_its_thickness_where_the_field_around_it_counts(scene, factor):
+    """Of less capacitance than vacuum it would be thicker."""
+    given = {"skin.foam": {"thickness": 4e-3, "relative_permittivity": 2.0}}
+    around = scene.with_(given | {"surroundings": {"thickness": True}})
+    changed = {"capacitance": math.log(factor)}
+    foam, plain = (scene_with(each, changed).skin.foam for each in (around, scene.with_(given)))
+    assert plain.thickness is None
+    assert foam.thickness == pytest.approx(4e-3 * max(1.0, 1 / (2 * factor)))
+    assert foam.rest_capacitance_per_area == plain.rest_capacitance_per_area
