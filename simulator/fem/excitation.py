@@ -90,6 +90,10 @@ class Combination:
         """Y in S, or any other form's sum, shape (interface, ...)."""
         return Q if self.alone else np.tensordot(self.weights, Q, axes=1)
 
+    def bound(self, dQ: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What admittances are off by where forms are by so much, S, shape (interface, ...)."""
+        return dQ if self.alone else np.tensordot(np.abs(self.weights), dQ, axes=1)
+
     def impedance(self, Q: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Z in ohm, shape (interface, ...)."""
         return (1 / self.admittance(Q)).astype(np.complex128)

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..press.parts import foam_parts, parts_of
 from ..scene.foam_in_time import AMBIENT, IN_TIME
 from ..scene.frequency import Loss
 from ..scene.meter import Leads
@@ -47,16 +48,18 @@ class Variation:
         """Factors on the capacitance of each part, shape (part,), see `foam_parts`."""
         return of_parts(scene, np.asarray(self.capacitance, dtype=np.float64), self.beside)
 
+    def factors(self, scene: Scene) -> NDArray[np.float64]:
+        """Factors on each part of M, shape (part,), see `Parts`; 1 of a finger."""
+        parts, foam = parts_of(scene), self.foam(scene)
+        fixed = [getattr(self, name) for name in parts.fixed]
+        across = foam if parts.thickness else foam[:0]
+        return np.concatenate([foam, np.ones(parts.fingers), across, fixed])
+
     @property
     def alike(self) -> bool:
         """Whether both sheets vary over the skin in the same way."""
         top, bottom = self.top / self.top[0], self.bottom / self.bottom[0]
         return bool(np.allclose(top, bottom, rtol=1e-12, atol=1e-12))
-
-
-def foam_parts(scene: Scene) -> int:
-    """Parts of the foam: pixels row by row, and on a mesh what is left beside them."""
-    return scene.pixels.rows * scene.pixels.columns + (scene.skin.mesh is not None)
 
 
 def of_parts(scene: Scene, map_of: NDArray[np.float64], beside: float) -> NDArray[np.float64]:

@@ -6,7 +6,7 @@ by the part that it takes of each cell's area, and what is solved for discs has 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -16,9 +16,10 @@ from ..scene.planar import NO_LINES, SAME_EDGE, SAME_LINE, Lines, disc_fraction,
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .batch import TouchedCells
+from .parts import parts_of
 from .pixels import pixel_lines
 from .press import Press, check_fingers, pressed_factor, require_plain
-from .touch import AnyTouch, Box, Disc, Rectangle, Touch
+from .touch import AnyTouch, Box, Disc, Rectangle, Touch, place_of
 
 
 @dataclass(frozen=True)
@@ -82,14 +83,29 @@ def _even_lines(length: float, cells: int) -> NDArray[np.float64]:
 def touched_cells(scene: Scene, press: Press, grid: tuple[int, int] | None = None) -> TouchedCells:
     """Of a uniform grid, by default of the pixels, where a press raises c; as `grid_map`.
 
-    Raises InputError for a finger where the scene has no earth.
+    Fingers follow, as `Parts` numbers them. Raises InputError for a finger where the scene has no
+    earth.
     """
     check_fingers(press, scene)
-    if press.indented:
-        return _under_applicators(scene, press)
-    rises = grid_map(scene, press, *(grid or scene.pixels.shape)).ravel() - 1
+    shape = grid or scene.pixels.shape
+    raised = _under_applicators(scene, press) if press.indented else _raised(scene, press, shape)
+    if not press.fingers:
+        return raised
+    fingers = [_finger(scene, touch, shape) for touch in press.touches if touch.finger]
+    return TouchedCells(*map(np.concatenate, zip(raised, *fingers, strict=True)))
+
+
+def _raised(scene: Scene, press: Press, grid: tuple[int, int]) -> TouchedCells:
+    rises = grid_map(scene, press, *grid).ravel() - 1
     cells = np.flatnonzero(rises)
     return TouchedCells(cells, rises[cells])
+
+
+def _finger(scene: Scene, touch: AnyTouch, grid: tuple[int, int]) -> TouchedCells:
+    """The finger of one touch, spread evenly over what it covers."""
+    cells, covered = _raised(scene, Press((replace(place_of(touch), factor=2.0),)), grid)
+    share = touch.finger * covered / covered.sum()
+    return TouchedCells(parts_of(scene, grid).finger(cells), share)
 
 
 def _under_applicators(scene: Scene, press: Press) -> TouchedCells:

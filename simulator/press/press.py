@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
@@ -56,6 +56,11 @@ class Press:
     def fingers(self) -> bool:
         """Whether anything that touches has a capacitance to earth."""
         return any(touch.finger for touch in self.touches)
+
+    @property
+    def by_rods(self) -> Press:
+        """The same touches by what has no capacitance to earth."""
+        return Press(tuple(replace(touch, finger=0.0) for touch in self.touches))
 
     @property
     def sharp(self) -> Press:

@@ -18,15 +18,17 @@ from .touches import AtRest, by_touches
 
 
 class Wiring(NamedTuple):
-    """Potentials that readings allow the terminals, see `allowed_potentials`, the driven first.
+    """Potentials that excitations allow the terminals, see `allowed_potentials`, the driven first.
 
-    potentials: shape (reading, N, most). conductance: between them at zero frequency, S, shape
-    (reading, most, most). counts: how many there are, shape (reading,).
+    potentials: shape (excitation, N, most). conductance: between them at zero frequency, S, shape
+    (excitation, most, most). counts: how many there are, shape (excitation,). weights: how they
+    combine to readings, see `Combination`.
     """
 
     potentials: NDArray[np.float64]
     conductance: NDArray[np.float64]
     counts: NDArray[np.int64]
+    weights: NDArray[np.float64]
 
 
 def admittances(
@@ -74,7 +76,7 @@ def _alike(cells: NDArray, starts: NDArray, press: int) -> int:  # pragma: no co
 
 @compiled()
 def impedances(Y: NDArray, wiring: Wiring) -> NDArray:  # pragma: no cover
-    """Z in ohm of every reading, shape (press, reading, s); Y: of `admittances`.
+    """Z in ohm of every excitation, shape (press, excitation, s); Y: of `admittances`.
 
     What floats is eliminated one potential after the other.
     """

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.excitation import Drive
+from ...fem.excitation import Combination, Drive, combination
 from ...fem.network import allowed_potentials
 from ...press.batch import PressBatch
 from ...scene.contacts import Interface
@@ -41,7 +41,7 @@ class NetworkSkin:
 
     def admittances(self, batch: PressBatch) -> NDArray[np.complex128]:
         """Y in S beyond `conductance` of presses on pixels, shape (press, s, N, N)."""
-        weighted = batch.weighted(self.skin.rest_factors)
+        weighted = self.skin.parts.followed(batch).weighted(self.skin.rest_factors)
         return admittances(self.skin.rest, self._at_rest, weighted, self.s)
 
     @property
@@ -56,13 +56,16 @@ class NetworkSkin:
 
     def impedances(self, wiring: Wiring, Y: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Z in ohm of every reading, shape (press, reading, s). Y: of `admittances`."""
-        return impedances(Y, wiring)
+        Z, combination = impedances(Y, wiring), Combination(wiring.weights)
+        if combination.alone:
+            return Z
+        return np.moveaxis(combination.impedance(1 / np.moveaxis(Z, 1, 0)), 0, 1)
 
 
 def wiring_of(
     drives: Sequence[Drive], terminal_field: NDArray[np.int64], conductance: NDArray[np.float64]
 ) -> Wiring:
-    """Potentials that drives allow, and the conductance between them without rounding."""
+    """Potentials that excitations allow, and the conductance between them without rounding."""
     found = [allowed_potentials(tuple(terminal_field.tolist()), drive) for drive in drives]
     counts = np.array([len(common) for _, common in found])
     potentials = np.zeros((len(drives), len(conductance), counts.max()))
@@ -73,4 +76,4 @@ def wiring_of(
         own[common, :] = 0.0
         own[:, common] = 0.0
         between[k, : counts[k], : counts[k]] = own
-    return Wiring(potentials, between, counts)
+    return Wiring(potentials, between, counts, combination(drives).weights)

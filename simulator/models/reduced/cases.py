@@ -8,10 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...press.finger import finger_of
+from ...press.parts import foam_parts, parts_of
+from ...press.pixels import pixels_with_skin
 from ...press.press import Press
 from ...press.touch import Touch
 from ...scene.scene import Scene
-from ..parameters import Variation, foam_parts
+from ..parameters import Variation
 from ..varied.materials import gauged
 
 TWICE = 2
@@ -21,7 +24,8 @@ TWICE = 2
 class Case:
     """A press on a skin of the family: the touched pixels and by how much c rises there.
 
-    variation: None for the scene's own skin. cells: row * columns + column, from 0.
+    variation: None for the scene's own skin. cells: row * columns + column, from 0; fingers and
+    what else a press may change beyond the pixels as `Parts` numbers them.
     """
 
     variation: Variation | None
@@ -29,15 +33,26 @@ class Case:
     rises: NDArray[np.float64]
 
     def map_on(self, scene: Scene) -> NDArray[np.float64]:
-        """c over the scene's own at rest, shape (part,), see `foam_parts`."""
-        factors = touched(scene, self.cells, self.rises)
-        return factors if self.variation is None else factors * self.variation.foam(scene)
+        """How much of each part of M there is over the scene's own, shape (part,), see `Parts`."""
+        pressed = parts_of(scene).pressed(self.cells, self.rises)
+        return pressed if self.variation is None else pressed * self.variation.factors(scene)
 
     def press_on(self, scene: Scene) -> Press:
-        """Of its pixels by capacitance factors."""
-        columns = scene.pixels.columns
-        touched = zip(self.cells.tolist(), self.rises.tolist(), strict=True)
-        return Press(tuple(Touch(c // columns + 1, c % columns + 1, 1 + r) for c, r in touched))
+        """Of its pixels by capacitance factors, with the fingers on them."""
+        columns, parts = scene.pixels.columns, parts_of(scene)
+        of = dict(zip(self.cells.tolist(), self.rises.tolist(), strict=True))
+        pixels = dict.fromkeys(k if k < parts.foam else k - parts.foam for k in of)
+        return Press(
+            tuple(
+                Touch(
+                    k // columns + 1,
+                    k % columns + 1,
+                    1 + of.get(k, 0.0),
+                    of.get(parts.foam + k, 0.0),
+                )
+                for k in pixels
+            )
+        )
 
 
 def touched(
@@ -45,7 +60,8 @@ def touched(
 ) -> NDArray[np.float64]:
     """By what touches multiply c, shape (part,), see `foam_parts`."""
     factors = np.ones(foam_parts(scene))
-    np.add.at(factors, cells, rises)
+    on_foam = cells < len(factors)
+    np.add.at(factors, cells[on_foam], rises[on_foam])
     return factors
 
 
@@ -55,16 +71,34 @@ MOST_AT_ONCE = 2
 """Pixels that one press touches."""
 
 
+LARGEST_FINGER = 10e-12
+"""F: twice that of a finger on 576 mm² behind as much as 1 mm of air, eps0 A / t = 5.1 pF;
+a model is trained for as much, or for what its scene names beyond it."""
+
+
 def pixel_touches(scene: Scene, factor: tuple[float, float] = (1.0, 3.0)) -> Draw:
-    """One or several pixels pressed at random on the scene's own skin, factors within a range."""
-    pixels = scene.pixels.rows * scene.pixels.columns
+    """One or several pixels pressed at random on the scene's own skin, factors within a range; by
+    fingers of any capacitance up to the `strongest_finger` where the scene has an earth."""
+    pixels, parts = scene.pixels.rows * scene.pixels.columns, parts_of(scene)
+    strongest = strongest_finger(scene) if parts.fingers else 0.0
 
     def draw(random: np.random.Generator) -> Case:
         touches = random.integers(1, min(MOST_AT_ONCE, pixels), endpoint=True)
         cells = random.choice(pixels, touches, replace=False)
-        return Case(None, cells, random.uniform(*factor, touches) - 1)
+        rises = random.uniform(*factor, touches) - 1
+        if not parts.fingers:
+            return Case(None, cells, rises)
+        fingers = random.uniform(0.0, strongest, touches)
+        both = np.concatenate([cells, parts.finger(cells)])
+        return Case(None, both, np.concatenate([rises, fingers]))
 
     return draw
+
+
+def strongest_finger(scene: Scene) -> float:
+    """The largest capacitance of a finger that a scene names or LARGEST_FINGER, F."""
+    pixels = (Touch(row, column, 1.0) for row, column in pixels_with_skin(scene))
+    return max(LARGEST_FINGER, *(finger_of(pixel, None, scene) for pixel in pixels))
 
 
 def covering(draw: Draw, random: np.random.Generator, cells: int, idle: int) -> list[Case]:
@@ -76,8 +110,9 @@ def covering(draw: Draw, random: np.random.Generator, cells: int, idle: int) -> 
     while vain < idle and touched.min() < TWICE:
         case = draw(random)
         vain += 1
-        if not kept or touched[case.cells].min(initial=TWICE) < TWICE:
-            touched[case.cells] += 1
+        pressed = case.cells[case.cells < cells]
+        if not kept or touched[pressed].min(initial=TWICE) < TWICE:
+            touched[pressed] += 1
             kept.append(case)
             vain = 0
     return kept

@@ -1,8 +1,8 @@
 """A bound on what a reduced skin leaves out of Rs and Cp: from the residual, of second order.
 
-With r = (K + s M) u of the reduced potentials u at 1 V, |Y - Y_r| <= sqrt(2) r*(K + omega M)^-1 r,
-of which K^-1 in place of the inverse is an upper bound, and K of the scene's own skin over the
-least factor on its conductance another.
+With r = (K + s M) u of the reduced potentials u of an excitation, |Q - Q_r| <= sqrt(2) r*(K + omega
+M)^-1 r, of which K^-1 in place of the inverse is an upper bound, and K of the scene's own skin over
+the least factor on its conductance another. Interfaces are sums of excitations, and bounds add.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from scipy.sparse import csc_matrix
 
 from ...fem.circuit import Circuit
 from ...fem.estimate import certified
+from ...fem.excitation import Combination
 from ...fem.galerkin import Galerkin
 from ...sweeps import InputError
 from .families.family import Weights
@@ -25,19 +26,28 @@ def certificate(
     masses: Sequence[csc_matrix],
     potential: NDArray[np.float64],
     current: NDArray[np.float64],
-    Y: NDArray[np.complex128],
+    Q: NDArray[np.complex128],
     s: NDArray[np.complex128],
     least: float,
+    combination: Combination,
 ) -> NDArray[np.float64]:
     """Bounds on the relative errors of Rs and Cp, shape (2, press, interface, s); of the reduction.
 
-    masses: M of each press in the space, F. potential: of 1 V in the full space, real parts beside
-    imaginary ones, V, shape (unknown, 2 * press * interface * s). current: K of the skin times that
-    inside, A. Y: S, shape (press, interface, s). s: rad/s. least: as `least_conductance`.
+    masses: M of each press in the space, F. potential: of each excitation in the full space, real
+    parts beside imaginary ones, V, shape (unknown, 2 * press * excitation * s). current: K of the
+    skin times that inside, A. Q: S, shape (press, excitation, s). s: rad/s. least: as
+    `least_conductance`.
     """
     charge = _charges(masses, potential)[: space.inner]
-    power = residual_power(space, current, charge, np.tile(s, Y.size // len(s)))
-    return certified(Y, power.reshape(Y.shape) / least)
+    power = residual_power(space, current, charge, np.tile(s, Q.size // len(s)))
+    power = power.reshape(Q.shape) / least
+    if combination.alone:
+        return certified(Q, power)
+    of_interfaces = (
+        combination.admittance(np.moveaxis(Q, 1, 0)),
+        combination.bound(np.moveaxis(power, 1, 0)),
+    )
+    return certified(*(np.moveaxis(each, 0, 1) for each in of_interfaces))
 
 
 def _charges(masses: Sequence[csc_matrix], potential: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.estimate import relative_difference
+from ...press.parts import parts_of
 from .cases import Case
 from .families.masses import thinned
 from .model import Reduced
@@ -23,7 +24,7 @@ def compressed(reduced: Reduced, cases: list[Case]) -> Reduced:
     exact = _impedances(reduced, cases)
     share = COMPRESSED_SHARE * reduced.rtol
     while True:
-        factors = thinned(reduced.factors, typical(reduced), share)
+        factors = thinned(reduced.factors, typical(reduced), share, parts_of(reduced.scene))
         candidate = replace(reduced, factors=factors)
         change = relative_difference(_impedances(candidate, cases), exact)
         if change.max() <= COMPRESSED_SHARE * reduced.rtol:
@@ -42,7 +43,8 @@ def _impedances(reduced: Reduced, cases: list[Case]) -> NDArray[np.complex128]:
     found = []
     for skin, case in zip(_skins(reduced, cases), cases, strict=True):
         own = case.cells, case.rises
-        found.append([1 / Y for _, Y in skin.under(*own).solved(*own, skin.s)])
+        Q = [Q for _, Q in skin.under(*own).solved(*own, skin.s)]
+        found.append(skin.combination.impedance(np.stack(Q)))
     return np.array(found)
 
 

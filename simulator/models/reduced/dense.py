@@ -29,7 +29,7 @@ class Feed(NamedTuple):
 
     conductance: at zero frequency, S. driven: shape (terminal,). tied: of floating ones, shape
     (floating, terminal), with the inverse of their conductance, shape (floating, floating).
-    common: of a sheet that floats as a whole, shape (0 or 1, terminal).
+    common: of what floats as a whole, such as a sheet, shape (floating, terminal).
     """
 
     conductance: float

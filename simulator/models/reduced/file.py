@@ -26,6 +26,8 @@ from .model import Reduced
 
 OF_DOMAIN = ("p", "t", "pixel", "covered", "seams")
 ARRAYS = ("terminal_field", "conductance", "basis", "stiffness", "factors")
+FIXED = "fixed"
+"""Of a scene with surroundings alone."""
 
 
 def save(reduced: Reduced, path: Path) -> None:
@@ -41,6 +43,7 @@ def save(reduced: Reduced, path: Path) -> None:
         "mesh_error": reduced.mesh_error,
     }
     arrays = {name: getattr(reduced, name) for name in ("frequency", *ARRAYS)} | of_mesh
+    arrays |= {FIXED: reduced.fixed} if reduced.fixed.size else {}
     arrays |= arrays_of(reduced) if isinstance(reduced, Indented) else {}
     with kept_file(path) as unfinished:
         with unfinished.open("wb") as file:
@@ -77,6 +80,7 @@ def _read(path: Path) -> Reduced:
     with np.load(path, allow_pickle=False) as archive:
         told = json.loads(str(archive["told"]))
         arrays: dict[str, Any] = {name: archive[name] for name in ARRAYS}
+        arrays |= {FIXED: archive[FIXED]} if FIXED in archive else {}
         frequency = archive.get("frequency")
         mesh = _mesh(told, archive)
         beside = beside_from(archive)

@@ -14,6 +14,7 @@ from ...fem.factors import one_blas_thread
 from ...press.at_random import random_presses
 from ...press.batch import PressBatch, TouchedCells
 from ...press.capacitance import touched_cells
+from ...press.parts import Parts, parts_of
 from ...press.press import Press
 from ...progress import Progress, silent
 from ...scene.frequency import laplace_variable, slopes_of_s
@@ -91,6 +92,7 @@ class Forward:
         Raises InputError for an unknown name, ToleranceError where the scene does not reduce.
         """
         values = all_values(self.scene, given)
+        cells, rises = self._with_finger(cells, rises, values)
         s, skin = self._s(values), self._skin(values).under(cells, rises)
         asked = [np.empty((0, *skin.stiffness.shape)) if beside is None else beside]
         if _waved(values):
@@ -121,10 +123,12 @@ class Forward:
         All of the response has an axis (press,) first; by_cell is of the touched ones, shape
         (press, interface, frequency, touch). Only where presses are `alike`.
         """
-        values = all_values(self.scene, given)
-        skin = self._skin(values)
+        values, count = all_values(self.scene, given), cells.shape[1]
+        skin, touched = self._skin(values), self._with_finger(cells, rises, values)
         with one_blas_thread():
-            found = sensitivities(skin, cells, rises, self._s(values))
+            found = sensitivities(skin, *touched, self._s(values))
+        if touched[0].shape[1] > count:
+            found = replace(found, by_cell=found.by_cell[..., :count])
         return self._at_meter(found, skin, values)
 
     def _at_meter(
@@ -140,6 +144,8 @@ class Forward:
         by_weight, by_term, by_wave = np.split(found.by_weight, ends, axis=-1)
         of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
         by_name = {name: found.by_s * slope for name, slope in of_s.items()}
+        by_name["capacitance"] = found.of_foam * of_s["capacitance"]
+        by_name |= self._by_surroundings(found, skin, values)
         assert skin.variation is not None and skin.weights is not None
         by_name |= self._by_weights(by_weight * skin.weights, skin.variation)
         by_name |= self._terms.by_waves(by_weight, skin.weights, values)
@@ -156,6 +162,8 @@ class Forward:
     ) -> NDArray[np.complex128]:
         """Z in ohm of many presses, shape (press, interface, frequency)."""
         values = all_values(self.scene, given)
+        if values.get("finger"):
+            batch = PressBatch.of(self._with_finger(*own, values) for own in batch.each())
         Z = self._skin(values).sweeps(batch, self._s(values))
         return leads_of(values).seen_through(Z, self.scene.frequencies)
 
@@ -167,7 +175,8 @@ class Forward:
     ) -> float:
         """Largest bound on the relative error of Rs and Cp of one press, at the skin."""
         values = all_values(self.scene, given)
-        bound = self._skin(values).certificate(cells, rises, self._s(values))
+        touched = self._with_finger(cells, rises, values)
+        bound = self._skin(values).certificate(*touched, self._s(values))
         return float(bound.max()) + self.reduced.mesh_error
 
     @cached_property
@@ -237,6 +246,34 @@ class Forward:
         of_sheets = by_sheets(energy, top / variation.top[0], bottom / variation.bottom[0])
         return of_sheets | {"contact_resistance": -films.sum(axis=-1)}
 
+    def _with_finger(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64], values: Mapping[str, float]
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Touches of one press or of many, (press, touch), with the `finger` among the values on
+        each touched pixel, beside what is there."""
+        finger, parts = values.get("finger", 0.0), self._parts
+        if not finger:
+            return cells, rises
+        pixels, first = parts.pixels(np.atleast_2d(cells))
+        each = finger / self.cells_per_pixel**2
+        added = parts.finger(pixels), np.where(first, each, 0.0)
+        both = (np.atleast_2d(cells), np.atleast_2d(rises)), added
+        found = [np.hstack(own) for own in zip(*both, strict=True)]
+        return tuple(own if cells.ndim == 2 else own[0] for own in found)
+
+    def _by_surroundings(
+        self, found: Sensitivity, skin: ReducedSkin, values: Mapping[str, float]
+    ) -> dict[str, NDArray[np.complex128]]:
+        """dY by the logarithms of factors on what surrounds the skin, and by the finger in F."""
+        by_name = {"finger": found.by_finger / self.cells_per_pixel**2}
+        fixed, names = found.by_fixed * skin.fixed_factors, np.array(skin.parts.fixed)
+        by_name |= {name: fixed[..., names == name].sum(axis=-1) for name in set(skin.parts.fixed)}
+        return {name: slope for name, slope in by_name.items() if name in values}
+
+    @cached_property
+    def _parts(self) -> Parts:
+        return parts_of(self.divided)
+
     @cached_property
     def _waves(self) -> Waved:
         return Waved(self.reduced)
@@ -246,8 +283,9 @@ class Forward:
         return uneven_sheets(variation_of(self.divided, values), values, self.modes)
 
     def factors_at_rest(self, values: Mapping[str, float]) -> NDArray[np.float64]:
-        """c of each cell at rest over that of the scene, but for slow waves, shape (cell,)."""
-        return self._even(all_values(self.scene, values)).foam(self.divided)
+        """What rises of each cell count in, over the scene's own: c at rest but for slow waves, and
+        1 of a finger; shape (cell,)."""
+        return self._even(all_values(self.scene, values)).factors(self.divided)
 
     @cached_property
     def _terms(self) -> Terms:

@@ -21,6 +21,7 @@ from ...fem.factors import one_blas_thread, without_zeros
 from ...fem.galerkin import Galerkin
 from ...fem.lanczos import potentials_of_all
 from ...fem.system import check_grid_fits
+from ...press.parts import parts_of
 from ...progress import Progress, silent
 from ...scene.contacts import Interface
 from ...scene.frequency import laplace_variable
@@ -233,8 +234,11 @@ class Basis:
         terms = [W.T @ (term @ W) for term in self._sheets]
         terms += [family.space.film_energy(W, term) for term in family.film_terms]
         size = sizes(len(family.space.conductance), self.vectors.shape[1], self._most)
-        factors = family.masses.factors(W, size, TRAINED_SHARE * COMPRESSED_SHARE * self.rtol)
+        parts, share = parts_of(family.scene), TRAINED_SHARE * COMPRESSED_SHARE * self.rtol
+        factors = family.masses.factors(W, size, share, parts)
+        fixed = [*family.masses.energies(W, slice(parts.touched, None))]
         reduced = replace(reduced, stiffness=np.stack(terms), factors=factors)
+        reduced = replace(reduced, fixed=np.stack(fixed)) if fixed else reduced
         return indented(reduced) if isinstance(family, IndentedFamily) else reduced
 
 

@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 
 from ...compiled import compiled
 from ...fem.estimate import LOST_SUSCEPTANCE
+from ...fem.excitation import Combination
 from ...fem.kernels import continued_fractions, next_convergent
 from ...fem.lanczos import FEWEST_STEPS, MOST_STEPS
 from ...press.batch import PressBatch
 from .dense import Feed, Rest
 
-ROOM = 7
-"""Vectors that Lanczos' method works with."""
+ROOM = 5
+"""Vectors that Lanczos' method works with, beside two for each of what floats in common."""
 
 
 @compiled()
@@ -42,7 +43,7 @@ def swept(
         square = s[k] * s[k]
         parts[0, k], parts[1, k] = s[k].real, s[k].imag
         parts[2, k], parts[3, k] = square.real, square.imag
-    room, fractions = np.empty((ROOM, rest.rows.shape[1])), np.empty((2, len(s)))
+    room, fractions = room_for(rest, feed), np.empty((2, len(s)))
     diagonal, squared = np.empty(MOST_STEPS), np.empty(MOST_STEPS)
     basis = np.empty((0, rest.rows.shape[1]))
     for press in range(len(starts) - 1):
@@ -65,14 +66,22 @@ def swept(
 def impedances(
     rest: Rest,
     feeds: Sequence[Feed],
+    combination: Combination,
     batch: PressBatch,
     s: NDArray[np.complex128],
     rtol: float,
 ) -> NDArray[np.complex128]:
-    """Z in ohm of every drive, shape (press, drive, s); arguments as of `swept`."""
+    """Z in ohm of every interface, shape (press, interface, s); arguments as of `swept`."""
     contiguous = np.ascontiguousarray(batch.cells)  # or else another `swept` is compiled
     Y = [swept(rest, feed, batch._replace(cells=contiguous), s, rtol) for feed in feeds]
+    Y = Y if combination.alone else [*combination.admittance(np.stack(Y))]
     return (1 / np.stack(Y, axis=1)).astype(np.complex128)
+
+
+@compiled()
+def room_for(rest: Rest, feed: Feed) -> NDArray:  # pragma: no cover
+    """What `lanczos_steps` works in, shape (vector, m)."""
+    return np.empty((ROOM + 2 * len(feed.common), rest.rows.shape[1]))
 
 
 @compiled()
@@ -99,26 +108,28 @@ def lanczos_steps(
 ) -> tuple[int, float]:  # pragma: no cover
     """Lanczos' steps until two in a row change neither Rs nor Cp at s by rtol.
 
-    touched: cells and their rises. room: for vectors, shape (ROOM, m); the first one is then what
-    is driven at s = 0, in V. diagonal, squared: filled as `continued_fraction` takes them. basis:
+    touched: cells and their rises. room: of `room_for`; its first vector is then what is driven at
+    s = 0, in V. diagonal, squared: filled as `continued_fraction` takes them. basis:
     filled with the vector of each step, shape (MOST_STEPS, m); none are kept where it is empty.
     Returns how many steps, and the capacitance at once in F.
     """
     terminals, m = rest.rows.shape
-    for vector in range(ROOM):
+    for vector in range(len(room)):
         for k in range(m):
             room[vector, k] = 0.0
-    potential, charge, common, w = room[0], room[1], room[2], room[3]
-    residual, product, solution = room[4], room[5], room[6]
-    own, driven, floating = 1.0, terminals > 0, len(feed.tied) + len(feed.common) > 0
+    potential, w, residual, product, solution = room[0], room[1], room[2], room[3], room[4]
+    count = len(feed.common)
+    common, charge, own = room[ROOM : ROOM + count], room[ROOM + count :], np.empty(count)
+    driven, floating = terminals > 0, len(feed.tied) + count > 0
     for k in range(terminals):
         potential[k] = feed.driven[k]
-    if len(feed.common):
+    for each in range(count):
         for k in range(terminals):
-            common[k] = feed.common[0, k]
-        _charge(rest, touched, common, charge, driven)
-        own = _dot(feed.common[0], charge[:terminals])
-        _neutralise(feed, charge, own, potential)
+            common[each, k] = feed.common[each, k]
+        _neutralise(common, charge, own, each, terminals, common[each])
+        _charge(rest, touched, common[each], charge[each], driven)
+        own[each] = _dot(common[each, :terminals], charge[each, :terminals])
+    _neutralise(common, charge, own, count, terminals, potential)
     _charge(rest, touched, potential, residual, driven)
     capacitance = _dot(potential, residual)
     now = feed.conductance + s * capacitance
@@ -126,8 +137,7 @@ def lanczos_steps(
     steps, change_before, beside = 0, np.inf, 0.0
     while steps < MOST_STEPS:
         _solve(feed, residual, solution)
-        if len(feed.common):
-            _neutralise(feed, charge, own, solution)
+        _neutralise(common, charge, own, count, terminals, solution)
         square = _dot(residual, solution)
         if not square > 0.0:
             break
@@ -204,11 +214,18 @@ def _dot(u: NDArray, v: NDArray) -> float:  # pragma: no cover
 
 
 @compiled()
-def _neutralise(feed: Feed, charge: NDArray, own: float, v: NDArray) -> None:  # pragma: no cover
-    """Shift a floating sheet so that it keeps its charge; own: its capacitance, F."""
-    shift = _dot(charge, v) / own
-    for k in range(len(feed.driven)):
-        v[k] -= shift * feed.common[0, k]
+def _neutralise(
+    common: NDArray, charge: NDArray, own: NDArray, count: int, terminals: int, v: NDArray
+) -> None:  # pragma: no cover
+    """Shift what floats as a whole, the first `count` of them, so that each keeps its charge.
+
+    common: their potentials, of which none charges another. charge: M times those, C. own: their
+    capacitances, F.
+    """
+    for each in range(count):
+        shift = _dot(charge[each], v) / own[each]
+        for k in range(terminals):
+            v[k] -= shift * common[each, k]
 
 
 @compiled()

@@ -30,7 +30,9 @@ class Projection:
     share. frequency: Hz, ascending; rtol is kept at these and between them. terminal_field: shape
     (N,). conductance: between terminals, S, shape (N, N). basis: V in the full space's inner
     unknowns, shape (inner, n). stiffness: of each term of K, S, shape (term, N + n, N + n).
-    factors: F of each part of the foam at rest, M = F'F in F, shape (part, rank, N + n).
+    factors: F of each part of M that a press may change, M = F'F in F, shape (part, rank, N + n);
+    of a finger for each F that it has. fixed: M of each of the others, F, shape (part, N + n, N +
+    n). The parts are numbered as by `Parts`.
     """
 
     scene: Scene
@@ -45,6 +47,7 @@ class Projection:
     basis: NDArray[np.float64]
     stiffness: NDArray[np.float64]
     factors: NDArray[np.float64]
+    fixed: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0, 0)))
     built: Family | None = field(default=None, repr=False, compare=False)
 
     @property

@@ -14,7 +14,7 @@ from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
 from ...sweeps import InputError
 from ..answer import Rung
-from .cases import pixel_touches
+from .cases import pixel_touches, strongest_finger
 from .greedy import reduce
 from .skin import KRYLOV_SHARE, ReducedSkin
 
@@ -33,9 +33,9 @@ class OfPixels:
 
         Raises InputError for touches unlike those that it is trained on.
         """
-        _check_trained(press)
+        _check_trained(press, self.scene)
         skin, (cells, rises) = self._skin, touched_cells(self.scene, press)
-        if not skin.reduced.on_skin[cells].all():
+        if not skin.reduced.on_skin[skin.parts.pixels(cells[None])[0]].all():
             raise InputError(f"press {press}: there is no skin at that place")
         return rung_of(skin, cells, rises, frequency)
 
@@ -58,10 +58,13 @@ def rung_of(
     return Rung(told, model.size, skin.sweep(cells, rises, s), at_most + model.mesh_error)
 
 
-def _check_trained(press: Press) -> None:
+def _check_trained(press: Press, scene: Scene) -> None:
     if not all(isinstance(touch, Touch) for touch in press.touches):
         raise InputError(f"answers whole pixels, got {press}")
     low, high = TRAINED
     for touch in press.touches:
         if not low <= touch.factor <= high:
             raise InputError(f"trained on factors from {low} to {high}, got {touch}")
+        if touch.finger and touch.finger > strongest_finger(scene):
+            strongest = f"{strongest_finger(scene):g} F"
+            raise InputError(f"trained on fingers up to {strongest}, got {touch}")

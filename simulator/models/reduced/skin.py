@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.driven import driven_by
+from ...fem.estimate import told_susceptance
 from ...fem.factors import one_blas_thread
-from ...press.batch import PressBatch
+from ...press.batch import NOTHING, PressBatch
+from ...press.parts import parts_of
 from ...scene.frequency import laplace_variable
 from ...sweeps import ToleranceError
 from ..parameters import Variation, foam_parts, nominal
@@ -23,6 +25,10 @@ from .families.resolving import finer_families
 from .projection import Projection
 
 KRYLOV_SHARE = 0.03
+CANCELLED_UNDER_PRESS, MOST_CANCELLED = 3.0, 1e6
+"""Of digits lost between excitations over those lost at rest: strong presses change either two or
+three times. What is lost beyond the most is left to the certificate: Lanczos' method ends at
+rounding."""
 
 
 class ReducedSkin:
@@ -30,7 +36,7 @@ class ReducedSkin:
 
     turn: from this skin's coordinates, in which K is 1 and M at rest diagonal but for terminals, to
     those of the model, shape (N + n, N + n). conductance: between terminals, S, shape (N, N).
-    rest_factors: c of each pixel over the scene's own.
+    rest_factors: of each part of M over the scene's own, see `Parts`; what rises count in.
     """
 
     def __init__(
@@ -45,11 +51,14 @@ class ReducedSkin:
         told = reduced.scene, reduced.circuit, reduced.modes
         self.weights = weights_under(variation, *told, factors)
         own = nominal(reduced.scene, reduced.modes) if variation is None else variation
-        self.loss, self.rest_factors = own.loss, own.foam(reduced.scene)
-        self.s = laplace_variable(reduced.frequency, own.loss)
+        self.loss, self.rest_factors = own.loss, own.factors(reduced.scene)
+        self.s, self.parts = laplace_variable(reduced.frequency, own.loss), parts_of(reduced.scene)
         K = self.stiffness
-        rows = (np.sqrt(self.rest_factors)[:, None, None] * reduced.factors).reshape(-1, len(K))
+        at_rest = (self.rest_factors * self.parts.resting)[: len(reduced.factors), None, None]
+        rows = (np.sqrt(at_rest) * reduced.factors).reshape(-1, len(K))
         M = rows.T @ rows
+        if len(reduced.fixed):
+            M += np.tensordot(self.fixed_factors, reduced.fixed, axes=1)
         self.conductance, self.turn = own_coordinates(K, M, reduced.terminal_field)
         terminals, M = len(self.conductance), self.turn.T @ M @ self.turn
         self._own = M[:terminals].copy(), M.diagonal()[terminals:].copy()
@@ -58,6 +67,12 @@ class ReducedSkin:
             for drive in reduced.circuit.drives
         ]
         self.feeds = [feed_of(driven) for driven in self.drives]
+        self.combination = reduced.circuit.combination
+
+    @property
+    def fixed_factors(self) -> NDArray[np.float64]:
+        """Of what no press changes, over the scene's own, shape (part,)."""
+        return self.rest_factors[self.parts.touched :]
 
     @cached_property
     def rest(self) -> Rest:
@@ -101,7 +116,8 @@ class ReducedSkin:
 
     def _one_by_one(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """As `sweeps`, K another one for each press."""
-        found = np.empty((batch.count, len(self.feeds), len(s)), dtype=np.complex128)
+        interfaces = len(self.combination.weights)
+        found = np.empty((batch.count, interfaces, len(s)), dtype=np.complex128)
         with one_blas_thread():
             for press, own in enumerate(batch.each()):
                 found[[press]] = self.under(*own)._swept(PressBatch.of([own]), s)
@@ -110,8 +126,20 @@ class ReducedSkin:
     def _swept(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         from .kernel import impedances
 
-        weighted, rtol = batch.weighted(self.rest_factors), KRYLOV_SHARE * self.reduced.rtol
-        return impedances(self._aligned, self.feeds, weighted, s, rtol)
+        weighted = self.parts.followed(batch).weighted(self.rest_factors)
+        rtol = KRYLOV_SHARE * self.reduced.rtol / self._cancelled
+        return impedances(self._aligned, self.feeds, self.combination, weighted, s, rtol)
+
+    @cached_property
+    def _cancelled(self) -> float:
+        """How much larger excitations are than what they leave of Rs or Cp; 1 where each is an
+        interface of its own."""
+        if self.combination.alone:
+            return 1.0
+        Q = np.stack([Y for _, Y in self.solved(*NOTHING, self.s)])
+        Y, size = self.combination.admittance(Q), self.combination.bound(np.abs(Q))
+        of_Rs, of_B = np.abs(Y) ** 2 / size / np.abs(Y.real), size / told_susceptance(Y)
+        return CANCELLED_UNDER_PRESS * float(np.clip([1 / of_Rs, of_B], 1.0, MOST_CANCELLED).max())
 
     def certificate(
         self,
@@ -147,12 +175,12 @@ class ReducedSkin:
         from .spanned import spanned_by_all
 
         family, W = self.reduced.family, self.reduced.coordinates
-        u, Y = spanned_by_all(self.feeds, [self.touched(*press) for press in presses], s)
+        u, Q = spanned_by_all(self.feeds, [self.touched(*press) for press in presses], s)
         u = self.turn @ u[: len(self.turn)]
         potential = W @ np.hstack([u.real, u.imag])
         current = family.currents(self.weights, potential)
         masses = [family.mass_inside(foam) for foam in foams]
-        told = potential, current, Y, s, self.least_conductance
+        told = potential, current, Q, s, self.least_conductance, self.combination
         return certificate(family.space, masses, *told)
 
     def by_mesh(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> float:
@@ -196,15 +224,14 @@ class ReducedSkin:
         yield from finer_families(*asked, [press], reduced.frequency)
 
     def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
-        """c of a pressed skin over the scene's own at rest, shape (part,), see `foam_parts`."""
-        factors = np.ones(len(self.rest_factors))
-        np.add.at(factors, cells, rises)
-        return factors * self.rest_factors
+        """How much of each part of M there is over the scene's own, shape (part,), see `Parts`."""
+        return self.parts.pressed(cells, rises) * self.rest_factors
 
     def solved(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
     ) -> list[tuple[NDArray[np.complex128], NDArray[np.complex128]]]:
-        """Potentials of each drive at 1 V in the model's coordinates, shape (N + n, s), and Y in S.
+        """Potentials of each drive in the model's coordinates, V, shape (N + n, s), and its form
+        in S.
 
         Sheets are as they are here, see `under`.
         """
@@ -216,14 +243,18 @@ class ReducedSkin:
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> tuple[Rest, NDArray[np.int64], NDArray[np.float64]]:
         """What one press adds to M: which of which factors, and how much of each."""
+        cells, rises = self.parts.with_thickness(cells, rises)
         rest = self.pressed_by(self.reduced.factors[cells] @ self.turn)
         return rest, np.arange(len(cells)), rises * self.rest_factors[cells]
 
     def charges(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]
     ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-        """u'Mu by c of each part over the scene's own, shape (s, part), and whole, (s,); F V²."""
+        """u'Mu by each part over the scene's own, shape (s, part), and whole, (s,); F V²."""
         squares = ((self.reduced.factors @ u) ** 2).sum(axis=1).T
+        if len(self.reduced.fixed):
+            fixed = [((M @ u) * u).sum(axis=0) for M in self.reduced.fixed]
+            squares = np.column_stack([squares, *fixed])
         return squares, squares @ self.map_of(cells, rises)
 
     @property

@@ -1,17 +1,20 @@
 """How the admittance of a reduced skin changes with its parameters, without any further solve.
 
-K + s M is symmetric, so the problem is its own adjoint: dY = u'(dK + s dM) u with the potentials u
-of 1 V, transposed and not conjugated; floating terminals carry no net current and add nothing.
+K + s M is symmetric, so the problem is its own adjoint: dQ = u'(dK + s dM) u with the potentials u
+of an excitation, transposed and not conjugated; floating terminals carry no net current and add
+nothing. Interfaces are sums of excitations, and so are their derivatives.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .dense import Solved, solved
+from ...press.parts import Parts
+from .dense import Rest, solved
 from .skin import ReducedSkin
 
 
@@ -22,12 +25,18 @@ class Sensitivity:
     Y: S, shape (interface, s). by_cell: S, to c of each pixel over the scene's own at rest, shape
     (interface, s, pixel). by_weight: S, to the weight of each term of K (see `family.weights_of`)
     and of terms beside them, shape (interface, s, term). by_s: F, to s, shape (interface, s).
+    of_foam: F, what of that is of the foam alone. by_finger: S/F, to a finger on every touched
+    pixel, shape (interface, s). by_fixed: S, to each part that no press changes over the scene's
+    own, shape (interface, s, part).
     """
 
     Y: NDArray[np.complex128]
     by_cell: NDArray[np.complex128]
     by_weight: NDArray[np.complex128]
     by_s: NDArray[np.complex128]
+    of_foam: NDArray[np.complex128]
+    by_finger: NDArray[np.complex128]
+    by_fixed: NDArray[np.complex128]
 
 
 def sensitivity(
@@ -44,22 +53,43 @@ def sensitivity(
     own = skin.reduced.stiffness
     stiffness = own if beside is None else np.concatenate([own, beside])
     found = [
-        _alone(skin.charges(cells, rises, u), stiffness, u, s, Y)
-        for u, Y in skin.solved(cells, rises, s)
+        _alone(skin, cells, rises, stiffness, u, s, Y) for u, Y in skin.solved(cells, rises, s)
     ]
-    return Sensitivity(*(np.stack(each) for each in zip(*found, strict=True)))
+    return _of_interfaces(skin, found, axis=0)
+
+
+def _of_interfaces(
+    skin: ReducedSkin, found: Iterable[tuple[NDArray[np.complex128], ...]], axis: int
+) -> Sensitivity:
+    """Forms and their derivatives of each excitation, combined along an axis of their own."""
+    each = zip(*found, strict=True)
+    if skin.combination.alone:
+        return Sensitivity(*(np.stack(own, axis=axis) for own in each))
+    combined = (skin.combination.admittance(np.stack(own)) for own in each)
+    return Sensitivity(*(np.moveaxis(own, 0, axis) for own in combined))
 
 
 def _alone(
-    charges: tuple[NDArray[np.complex128], NDArray[np.complex128]],
+    skin: ReducedSkin,
+    cells: NDArray[np.int64],
+    rises: NDArray[np.float64],
     stiffness: NDArray[np.float64],
     u: NDArray[np.complex128],
     s: NDArray[np.complex128],
     Y: NDArray[np.complex128],
 ) -> tuple[NDArray[np.complex128], ...]:
-    by_cell, whole = charges
+    (squares, whole), parts = skin.charges(cells, rises, u), skin.parts
     by_weight = np.stack([((term @ u) * u).sum(axis=0) for term in stiffness], axis=1)
-    return Y, s[:, None] * by_cell, by_weight, whole
+    foam, fingers, across = (squares[:, kind] for kind in parts.kind)
+    fixed, of_foam, each = squares[:, parts.touched :], whole, s[:, None]
+    if parts.around:
+        held = cells >= parts.foam
+        of_foam = whole - squares[:, cells[held]] @ rises[held] - fixed @ skin.fixed_factors
+    if parts.thickness:
+        foam = foam - across / parts.pressed(cells, rises)[parts.kind[0]] ** 2
+    pixels, first = parts.pixels(cells[None])
+    by_finger = s * fingers[:, pixels[first] if parts.fingers else []].sum(axis=1)
+    return Y, each * foam, by_weight, whole, of_foam, by_finger, each * fixed
 
 
 def sensitivities(
@@ -73,33 +103,83 @@ def sensitivities(
     Shapes as of `Sensitivity` with an axis (press,) first; by_cell of the touched ones alone,
     shape (press, interface, s, touch).
     """
-    weights = rises * skin.rest_factors[cells]
-    terms = skin.turn.T @ skin.reduced.stiffness @ skin.turn
-    found = [
-        _of_many(skin, cells, weights, terms, s, potentials)
-        for potentials in solved(skin.drives, skin.rest, cells, weights, s)
-    ]
-    return Sensitivity(*(np.stack(each, axis=1) for each in zip(*found, strict=True)))
+    every, all_rises = _with_thickness(skin.parts, cells, rises)
+    weights, turn = all_rises * skin.rest_factors[every], skin.turn
+    terms = turn.T @ skin.reduced.stiffness @ turn
+    fixed = turn.T @ skin.reduced.fixed @ turn if len(skin.reduced.fixed) else terms[:0]
+    found = []
+    for u, Y in solved(skin.drives, skin.rest, every, weights, s):
+        squares = _squares(u, skin.rest.factors, every)
+        whole, of_fixed = _stored(u, skin.rest, squares, weights), _forms(u, fixed)
+        by_cell, beyond, by_finger = _of_touched(skin, cells, rises, u, squares)
+        of_foam = whole - beyond - of_fixed @ skin.fixed_factors if skin.parts.around else whole
+        each = s[:, None]
+        derived = each * by_cell, _forms(u, terms), whole, of_foam, s * by_finger, each * of_fixed
+        found.append((Y, *derived))
+    return _of_interfaces(skin, found, axis=1)
 
 
-def _of_many(
+def _with_thickness(
+    parts: Parts, cells: NDArray[np.int64], rises: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Touches, and as many for each press again where the field across the foam goes with them."""
+    if not parts.thickness:
+        return cells, rises
+    across = parts.kind[2].start + parts.pixels(cells)[0]
+    follow = 1 / (1 + np.where(cells < parts.foam, rises, 0.0)) - 1
+    return np.hstack([cells, across]), np.hstack([rises, follow])
+
+
+def _of_touched(
     skin: ReducedSkin,
     cells: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    terms: NDArray[np.float64],
-    s: NDArray[np.complex128],
-    potentials: Solved,
+    rises: NDArray[np.float64],
+    u: NDArray[np.complex128],
+    squares: NDArray[np.complex128],
 ) -> tuple[NDArray[np.complex128], ...]:
-    (u, Y), (rows, diagonal, factors) = potentials, skin.rest
+    """u'Mu by each touch, shape (press, s, touch), of fingers whole, and by a finger on each of
+    the touched pixels, both of shape (press, s); F V²."""
+    parts, count = skin.parts, cells.shape[1]
+    by_cell, none = squares[:, :, :count], np.zeros(squares.shape[:2], dtype=np.complex128)
+    if not parts.around:
+        return by_cell, none, none
+    on_foam = (cells < parts.foam)[:, None]
+    beyond = np.where(on_foam, 0.0, by_cell * rises[:, None]).sum(axis=2)
+    if parts.thickness:
+        factor = np.where(on_foam, 1 + rises[:, None], 1.0)
+        by_cell = np.where(on_foam, by_cell - squares[:, :, count:] / factor**2, by_cell)
+    if not parts.fingers:
+        return by_cell, beyond, none
+    pixels, first = parts.pixels(cells)
+    fingers = _squares(u, skin.rest.factors, parts.finger(pixels))
+    return by_cell, beyond, (fingers * first[:, None]).sum(axis=2)
+
+
+def _stored(
+    u: NDArray[np.complex128],
+    rest: Rest,
+    squares: NDArray[np.complex128],
+    weights: NDArray[np.float64],
+) -> NDArray[np.complex128]:
+    """u'Mu of each press, F V², shape (press, s)."""
+    rows, diagonal, _ = rest
     U, V = u[:, :, : len(rows)], u[:, :, len(rows) :]
-    own = factors[cells].reshape(len(cells), -1, factors.shape[2]).transpose(0, 2, 1)
-    squares = _summed((u @ own) ** 2, factors.shape[1])
     whole = (U * (u @ rows.T)).sum(axis=2) + (U * (V @ rows[:, len(rows) :].T)).sum(axis=2)
-    whole += V**2 @ diagonal + (squares * weights[:, None]).sum(axis=2)
-    by_weight = np.stack([((u @ term) * u).sum(axis=2) for term in terms], axis=2)
-    return Y, s[:, None] * squares, by_weight, whole
+    return whole + (V**2 @ diagonal + (squares * weights[:, None]).sum(axis=2))
 
 
-def _summed(squares: NDArray[np.complex128], rank: int) -> NDArray[np.complex128]:
-    """Over the rows of each cell's factor, shape (press, s, cell)."""
-    return squares.reshape(*squares.shape[:2], -1, rank).sum(axis=3)
+def _forms(u: NDArray[np.complex128], terms: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """u'(term)u of each press, shape (press, s, term)."""
+    found = np.empty((*u.shape[:2], len(terms)), dtype=np.complex128)
+    for k, term in enumerate(terms):
+        found[:, :, k] = ((u @ term) * u).sum(axis=2)
+    return found
+
+
+def _squares(
+    u: NDArray[np.complex128], factors: NDArray[np.float64], cells: NDArray[np.int64]
+) -> NDArray[np.complex128]:
+    """u'Mu of each touched part, shape (press, s, touch)."""
+    own = factors[cells].reshape(len(cells), -1, factors.shape[2]).transpose(0, 2, 1)
+    squares = (u @ own) ** 2
+    return squares.reshape(*squares.shape[:2], -1, factors.shape[1]).sum(axis=3)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...compiled import compiled
 from ...fem.lanczos import MOST_STEPS
 from .dense import Feed, Rest, aligned
-from .kernel import ROOM, farthest_of, lanczos_steps
+from .kernel import farthest_of, lanczos_steps, room_for
 
 RTOL = 1e-12
 """What Lanczos' method may leave of Rs and Cp; of the potentials it leaves the square root."""
@@ -45,7 +45,7 @@ def spanned(
     touched, s, rtol: cells and their rises, and the others as of `swept`.
     """
     m = rest.rows.shape[1]
-    room, basis = np.zeros((ROOM, m)), np.empty((MOST_STEPS, m))
+    room, basis = room_for(rest, feed), np.empty((MOST_STEPS, m))
     diagonal, squared = np.empty(MOST_STEPS), np.empty(MOST_STEPS)
     steps, capacitance = lanczos_steps(
         rest, feed, touched, farthest_of(s), rtol, room, diagonal, squared, basis

@@ -1,4 +1,4 @@
-"""M of a skin as a sum over parts of its foam, each weighed by its c over that at rest."""
+"""M of a skin as a sum over its parts, of the foam and of what surrounds it, see `Parts`."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from scipy.sparse import csc_matrix, csr_matrix
 
 from ....fem.dropped import DROPPED
 from ....fem.system import System
+from ....press.parts import Parts
 
 ROUNDING = 1e-14
 Part = tuple[NDArray[np.int64], NDArray[np.float64]]
@@ -46,7 +47,7 @@ class Masses:
         self._by_slot = self._values.tocsr()
 
     def mass(self, factors: NDArray[np.float64]) -> csc_matrix:
-        """M in F, in the system's pattern. factors: c over that at rest, shape (part,)."""
+        """M in F, in the system's pattern. factors: how much of each part there is, (part,)."""
         return self._system.pattern.matrix(self._by_slot @ factors)
 
     def at(self, entries: NDArray[np.int64] | slice) -> csr_matrix:
@@ -54,17 +55,21 @@ class Masses:
         return self._by_slot[entries]
 
     def factors(
-        self, W: NDArray[np.float64], size: NDArray[np.float64], share: float
+        self, W: NDArray[np.float64], size: NDArray[np.float64], share: float, parts: Parts
     ) -> NDArray[np.float64]:
-        """F of each part, W'MW = F'F in F, shape (part, rank, k), as of `thinned`.
+        """F of each part that a press may change, W'MW = F'F in F, shape (part, rank, k), as of
+        `thinned`.
 
         W: V, shape (inner + terminals of the space, k).
         """
-        return thinned([part.factor(W) for part in self._parts], size, share)
+        touched = self._parts[: parts.touched]
+        return thinned([part.factor(W) for part in touched], size, share, parts)
 
-    def energies(self, W: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
-        """W'MW in F of each part, shape (k, k); it need not be above zero. W: as of `factors`."""
-        return (W[part.own].T @ (part.mass @ W[part.own]) for part in self._parts)
+    def energies(
+        self, W: NDArray[np.float64], which: slice = slice(None)
+    ) -> Iterator[NDArray[np.float64]]:
+        """W'MW in F of some parts, shape (k, k); it need not be above zero. W: as of `factors`."""
+        return (W[part.own].T @ (part.mass @ W[part.own]) for part in self._parts[which])
 
     def plus(self, weights: NDArray[np.float64], others: Sequence[Masses]) -> Masses:
         """With so much of others in each part."""
@@ -96,22 +101,34 @@ class Masses:
 
 
 def thinned(
-    factors: Iterable[NDArray[np.float64]], size: NDArray[np.float64], share: float
+    factors: Sequence[NDArray[np.float64]] | NDArray[np.float64],
+    size: NDArray[np.float64],
+    share: float,
+    parts: Parts,
 ) -> NDArray[np.float64]:
     """Factors of as few rows as a share of their energy allows, filled up with zeros.
 
     size: of the potentials in each column, in V, by which energies are weighed. share: of a
-    factor's largest energy, below which its directions are left out.
+    factor's largest energy, below which its directions are left out; of the field across a part of
+    the foam, of the larger one of that part.
     """
-    found = [_thin(F, size, share) for F in factors]
+    each = [_energies(F * size) for F in factors]
+    most = np.array([power.max(initial=0.0) for power, _ in each])
+    foam, _, across = parts.kind
+    if parts.thickness:
+        most[across] = np.maximum(most[across], most[foam])
+    found = [
+        turn[:, power > share * own].T @ F
+        for F, (power, turn), own in zip(factors, each, most, strict=True)
+    ]
     rank = max(len(F) for F in found)
     return np.stack([np.pad(F, ((0, rank - len(F)), (0, 0))) for F in found])
 
 
-def _thin(F: NDArray[np.float64], size: NDArray[np.float64], share: float) -> NDArray[np.float64]:
-    weighed = F * size
-    power, turn = np.linalg.eigh(weighed @ weighed.T)
-    return turn[:, power > share * power.max(initial=0.0)].T @ F
+def _energies(F: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Of a factor's own directions, and these."""
+    power, turn = np.linalg.eigh(F @ F.T)
+    return power, turn
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import product
 from typing import TypeVar
 
@@ -15,6 +16,7 @@ from ....mesh.held import held
 from ....mesh.quadrilaterals import Resolution
 from ....mesh.refining.untangled import finer
 from ....press.batch import NOTHING
+from ....press.parts import Parts, parts_of
 from ....press.press import Press
 from ....press.touch import Touch
 from ....scene.scene import Scene
@@ -54,11 +56,24 @@ def resolved(
 
     frequency: Hz, ascending. Raises ToleranceError where none does.
     """
-    rise = max(float(case.rises.max(initial=0)) for case in cases)
-    presses = [_everywhere(scene, rise)] if scene.plain else _in_turns(scene, rise)
+    parts = parts_of(scene)
+    rise = max(_most(case, case.cells < parts.foam) for case in cases)
+    finger = max(_most(case, case.cells >= parts.foam) for case in cases)
+    presses = [_everywhere(scene, rise)] if scene.plain else _in_turns(scene, rise, finger)
     families = finer_families(scene, circuit, modes, rtol, presses, frequency)
     each = [] if scene.plain else alone(held(scene).numbers, rise, MOST_ALONE)
-    return coarsest(families, [*cases, *each], rtol, frequency)
+    touched = [_by_finger(case, parts, finger) for case in each] if finger else each
+    return coarsest(families, [*cases, *touched], rtol, frequency)
+
+
+def _most(case: Case, which: NDArray[np.bool_]) -> float:
+    return float(case.rises[which].max(initial=0))
+
+
+def _by_finger(case: Case, parts: Parts, finger: float) -> Case:
+    """The press with so many F on each of its pixels."""
+    cells = np.concatenate([case.cells, parts.finger(case.cells)])
+    return replace(case, cells=cells, rises=np.append(case.rises, np.full(len(case.cells), finger)))
 
 
 def coarsest(
@@ -168,10 +183,12 @@ def alone(pixels: NDArray[np.int64], rise: float, most: int) -> list[Case]:
     return [Case(None, pixels[[k]], np.array([rise])) for k in some]
 
 
-def _in_turns(scene: Scene, rise: float) -> list[Press]:
+def _in_turns(scene: Scene, rise: float, finger: float) -> list[Press]:
     """Every second pixel, then the others: between them c jumps at every edge."""
     rows, columns = scene.pixels.shape
     every = [*product(range(rows), range(columns))]
     turns = [[(i, j) for i, j in every if (i + j) % 2 == turn] for turn in (0, 1)]
-    presses = [Press(tuple(Touch(i + 1, j + 1, 1 + rise) for i, j in turn)) for turn in turns]
+    presses = [
+        Press(tuple(Touch(i + 1, j + 1, 1 + rise, finger) for i, j in turn)) for turn in turns
+    ]
     return [press for press in presses if press.touches]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
+from itertools import repeat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,13 +13,18 @@ from scipy.sparse import csc_matrix
 from ....fem.estimate import both
 from ....fem.safety import SINGULAR
 from ....fem.system import Films, System, films
-from ...parameters import foam_parts, mode_values
-from ...varied.coefficients import Coefficients
+from ....press.parts import foam_parts, parts_of
+from ....scene.skin import Electrode
+from ...parameters import mode_values
+from ...varied.coefficients import ELECTRODES, Coefficients
 from ...varied.elements import Elements, triangles
 from ...varied.materials import Materials, gauged
 from ...varied.system import add_foam, add_sheet, film_of, pressed_system
 from .family import Checking, Family, Triangulation, Weights, resistive
 from .masses import Masses, Part, taken
+
+NOTHING: Part = (np.zeros(0, dtype=np.int64), np.zeros(0))
+"""Of a part that is not there."""
 
 
 class UnevenFamily(Family):
@@ -56,7 +62,7 @@ class UnevenFamily(Family):
     def masses_in(self, mode: int) -> Masses:
         """As of `Family`."""
         wave = mode_values(self.scene, self.elements.surface.x, mode + 1)[mode]
-        return Masses(self.system, self.order, self._parts(wave))
+        return Masses(self.system, self.order, [*self._parts(wave), *self._around(mode)])
 
     @cached_property
     def sheet_terms(self) -> list[csc_matrix]:
@@ -97,6 +103,25 @@ class UnevenFamily(Family):
         pixel, (rows, columns) = self.mesh.domain.pixel, self.scene.pixels.shape
         part_of = np.where(pixel < 0, rows * columns, pixel)
         return [part_of == part for part in range(foam_parts(self.scene))]
+
+    def _around(self, mode: int) -> Iterator[Part]:
+        """Of what is around the foam, see `Parts`; nothing of it goes with waves of the foam."""
+        if mode:
+            yield from repeat(NOTHING, parts_of(self.scene).count - foam_parts(self.scene))
+        elif self.scene.surroundings is not None:
+            yield from self._fingers(self.scene.surroundings.touched)
+
+    def _fingers(self, electrode: Electrode) -> Iterator[Part]:
+        """M of the touched sheet for each F that is spread evenly over the skin of a pixel."""
+        elements, slots = self.elements, self.system.unknowns.slots
+        alone = self.circuit.field_alone(ELECTRODES.index(electrode))
+        area = elements.surface.area * elements.rule.weights
+        values = np.zeros(len(self.system.pattern.indices))
+        for within in self._cells_of_parts[: parts_of(self.scene).fingers]:
+            if within.any():
+                c = np.full(area.shape, 1 / area[within].sum())
+                add_foam(values, alone, elements, self.system.unknowns, c, within)
+            yield taken(values, slots[within])
 
     def _parts(self, wave: NDArray[np.float64]) -> Iterator[Part]:
         elements, unknowns = self.elements, self.system.unknowns

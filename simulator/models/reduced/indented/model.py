@@ -114,7 +114,7 @@ class IndentedSkin(ReducedSkin):
         found = self.solved(cells, rises, s)
         Y = np.stack([each for _, each in found])
         more = s * np.stack([self._doubted(cells, rises, u) for u, _ in found])
-        Z, raised = (each.astype(np.complex128) for each in (1 / Y, 1 / (Y + more)))
+        Z, raised = (self.combination.impedance(each) for each in (Y, Y + more))
         return both(relative_difference(raised, Z))
 
     def charges(
@@ -138,19 +138,20 @@ class IndentedSkin(ReducedSkin):
         from ..kernel import impedances
 
         self._check(batch.rises)
-        found = np.empty((batch.count, len(self.feeds), len(s)), dtype=np.complex128)
+        interfaces, read = len(self.combination.weights), (self.feeds, self.combination)
+        found = np.empty((batch.count, interfaces, len(s)), dtype=np.complex128)
         rtol, each = KRYLOV_SHARE * self.reduced.rtol, list(batch.each())
         coupled = np.array([self._feel_each_other(own.cells) for own in each], dtype=bool)
         for press in np.flatnonzero(coupled):
             rest, which, weights = self.touched(*each[press])
             touches = PressBatch.of([(which, weights)])
-            found[[press]] = impedances(rest, self.feeds, touches, s, rtol)
+            found[[press]] = impedances(rest, *read, touches, s, rtol)
         for some in _parts(np.flatnonzero(~coupled), batch.starts):
             own = PressBatch.of(each[press] for press in some)
             factors = self._factors(own.cells, own.rises)
             rest = self.pressed_by(factors)
             touches = PressBatch(np.arange(len(factors)), np.ones(len(factors)), own.starts)
-            found[some] = impedances(rest, self.feeds, touches, s, rtol)
+            found[some] = impedances(rest, *read, touches, s, rtol)
         return found
 
     def _feel_each_other(self, cells: NDArray[np.int64]) -> bool:

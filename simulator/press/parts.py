@@ -1,0 +1,125 @@
+"""How the parts that M of a skin is a sum of are numbered; presses say by these numbers what rises.
+
+The foam's parts come first. Where a scene has surroundings, others follow: what a finger holds to
+earth on each pixel, what a field across the foam that is not straight adds in each part of it, and
+what no press changes: bodies, and the field along the outline.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.scene import Scene
+from .batch import PressBatch, TouchedCells
+
+
+@dataclass(frozen=True)
+class Parts:
+    """So many of each kind, one kind after the other.
+
+    foam: see `foam_parts`; they rise by fractions of c at rest. fingers: one on each pixel, or
+    none; they rise by F from nothing. thickness: of the field across each part of the foam, or
+    none; they go with 1 over the factor of that part, whoever presses it. fixed: the factor of a
+    `Variation` that each of the others goes with.
+    """
+
+    foam: int
+    fingers: int = 0
+    thickness: int = 0
+    fixed: tuple[str, ...] = ()
+
+    @property
+    def touched(self) -> int:
+        """How many a press may change."""
+        return self.foam + self.fingers + self.thickness
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return self.touched + len(self.fixed)
+
+    @cached_property
+    def kind(self) -> tuple[slice, slice, slice]:
+        """Which those of the foam are, of fingers, and of the field across the foam."""
+        ends = self.foam, self.foam + self.fingers, self.touched
+        return slice(0, ends[0]), slice(ends[0], ends[1]), slice(ends[1], ends[2])
+
+    @property
+    def around(self) -> bool:
+        """Whether there is anything but the foam."""
+        return self.count > self.foam
+
+    def finger(self, pixel: NDArray[np.int64]) -> NDArray[np.int64]:
+        """The part of a finger on a pixel, counted row by row from 0."""
+        return self.foam + pixel
+
+    def pixels(self, cells: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """The pixel of each touch on the foam or by a finger, and whether it is the first one there
+        of its press; both of shape (press, touch)."""
+        pixels = np.where(cells < self.foam, cells, cells - self.foam)
+        same = pixels[:, :, None] == pixels[:, None, :]
+        return pixels, ~np.tril(same, -1).any(axis=2)
+
+    @cached_property
+    def resting(self) -> NDArray[np.float64]:
+        """How much of each there is without a press, shape (part,): a finger is not there."""
+        found = np.ones(self.count)
+        found[self.kind[1]] = 0.0
+        return found
+
+    def pressed(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How much of each there is under a press, shape (part,)."""
+        found = self.resting.copy()
+        np.add.at(found, cells, rises)
+        foam, _, thickness = self.kind
+        if self.thickness:
+            found[thickness] = 1 / found[foam]
+        return found
+
+    def with_thickness(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> TouchedCells:
+        """One press with what it does to the field across the foam."""
+        if not self.thickness:
+            return TouchedCells(cells, rises)
+        return self.followed(PressBatch.of([(cells, rises)])).one(0)
+
+    def followed(self, batch: PressBatch) -> PressBatch:
+        """The same presses with what they do to the field across the foam."""
+        if not self.thickness:
+            return batch
+        press = np.repeat(np.arange(batch.count), np.diff(batch.starts))
+        on_foam = batch.cells < self.foam
+        keys, place = np.unique(
+            press[on_foam] * self.foam + batch.cells[on_foam], return_inverse=True
+        )
+        factor = 1 + np.bincount(place, batch.rises[on_foam], len(keys))
+        of = np.concatenate([press, keys // self.foam])
+        cells = np.concatenate([batch.cells, self.kind[2].start + keys % self.foam])
+        rises = np.concatenate([batch.rises, 1 / factor - 1])
+        order = np.argsort(of, kind="stable")
+        starts = np.searchsorted(of[order], np.arange(batch.count + 1))
+        return PressBatch(cells[order], rises[order], starts)
+
+
+def foam_parts(scene: Scene, grid: tuple[int, int] | None = None) -> int:
+    """Parts of the foam: cells of a grid row by row, by default the pixels, and on a mesh what is
+    left beside them."""
+    rows, columns = grid or scene.pixels.shape
+    return rows * columns + (scene.skin.mesh is not None)
+
+
+def parts_of(scene: Scene, grid: tuple[int, int] | None = None) -> Parts:
+    """Of a scene with cells of a grid, by default its pixels."""
+    foam, around = foam_parts(scene, grid), scene.surroundings
+    if around is None:
+        return Parts(foam)
+    rows, columns = grid or scene.pixels.shape
+    return Parts(
+        foam,
+        fingers=0 if around.rods_alone else rows * columns,
+        thickness=foam if around.thickness else 0,
+        fixed=(*("body" for _ in around.body), *(("rim",) if around.rim else ())),
+    )
