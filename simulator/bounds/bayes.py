@@ -25,6 +25,7 @@ from ..press.batch import PressBatch
 from ..progress import Progress, silent, tracked
 from ..remembered import remembered
 from ..scene.randomisation import AnyDistribution
+from ..scene.scene import Scene
 from ..sweeps import InputError
 from .posterior import Templates, axes_of, posterior, starts_of
 from .readings import Hypothesis, Readings
@@ -78,9 +79,8 @@ def bayes(
     readings.train(progress)
     random = np.random.default_rng(seed)
     drawn = Draws(among, presses, random, draws, _enough(readings, among, presses))
-    columns = readings.scene.pixels.columns
     each = [
-        readings.of_each(drawn.batch([own], columns))
+        readings.of_each(drawn.batch([own], readings.scene))
         for own in tracked(among, "readings", progress)
     ]
     nodes = np.stack(each)
@@ -93,14 +93,12 @@ def _enough(readings: Readings, among: Sequence[Hypothesis], presses: AnyDistrib
     low, high = float(presses.low), float(presses.high)
     if low == high:
         return 1
-    columns = readings.scene.pixels.columns
-    pixels = sorted({pixel for each in among for pixel in each.pixels})
-    cells = np.array([i * columns + j for i, j in pixels], dtype=np.int64)
+    alone = {single for each in among for single in each.singles}
+    ordered = sorted(alone, key=lambda each: (each.pixels, each.fingers))
 
     def values(factors: Array) -> Array:
-        every = np.repeat(factors, len(cells))[:, None] - 1
-        batch = PressBatch.even(np.tile(cells, len(factors))[:, None], every)
-        return readings.of_each(batch).reshape(len(factors), len(cells), -1)
+        each = (own.on(readings.scene, f) for f in factors[:, None] - 1 for own in ordered)
+        return readings.of_each(PressBatch.of(each)).reshape(len(factors), len(ordered), -1)
 
     def close(found: Array, truth: Array) -> bool:
         return bool(np.linalg.norm(found - truth, axis=-1).max() <= LEFT_OUT)
@@ -136,13 +134,10 @@ class Draws:
     def __len__(self) -> int:
         return len(self._which)
 
-    def batch(self, among: Sequence[Hypothesis], columns: int) -> PressBatch:
-        """Each hypothesis pressed at nodes in all ways. columns: of pixels."""
+    def batch(self, among: Sequence[Hypothesis], scene: Scene) -> PressBatch:
+        """Each hypothesis pressed at nodes in all ways, on the pixels of a scene."""
         ways = np.array(list(itertools.product(self._nodes, repeat=self._touches)))
-        cells = [[i * columns + j for i, j in each.pixels] for each in among]
-        return PressBatch.of(
-            (np.array(own, dtype=np.int64), way[: len(own)] - 1) for own in cells for way in ways
-        )
+        return PressBatch.of(each.on(scene, way) for each in among for way in ways - 1)
 
     def judged(self, nodes: Array, errors: Array) -> Judged:
         """nodes: whitened readings of `batch` of all, shape (hypothesis, way, number). errors: of

@@ -75,7 +75,7 @@ class CommonDraws:
     def _whitened(self, skin: ReducedSkin, reading: Reading, told: NDArray[np.bool_]) -> Array:
         """Readings of every hypothesis in all ways, shape (hypothesis, way, number)."""
         frequency = reading.frequency
-        batch = self._draws.batch(self._among, self._scene.pixels.columns)
+        batch = self._draws.batch(self._among, self._scene)
         Z = skin.sweeps(batch, laplace_variable(frequency, skin.loss))
         seen = observed(reading.leads.seen_through(Z, frequency))
         numbers = np.moveaxis(seen.reshape(-1, 2, *reading.shape), 1, 2)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, get_args
 
@@ -19,14 +18,23 @@ from ..models.plain import evenly_pressed
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.indented.draws import felt_beside
 from ..models.reduced.model import Reduced
-from ..press.batch import PressBatch
+from ..press.batch import PressBatch, TouchedCells
+from ..press.finger import finger_capacitance
+from ..press.parts import parts_of
+from ..press.touch import Place, Rectangle, Touch
 from ..progress import Progress, silent, tracked
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.space import check_memory
-from .touches.about_pixels import AboutPixels, DeepOnes, about_pixels
+from .touches.about_pixels import (
+    AboutPixels,
+    DeepOnes,
+    about_pixels,
+    laid_with_fingers,
+    middles,
+)
 from .touches.errors import LaidErrors, laid_errors, some
 
 Target = Literal["column", "row", "pixel", "pair", "touches"]
@@ -43,19 +51,56 @@ NONE = (-1, -1)
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """Pixels pressed, (row, column) from 0; the answer that is right then; how likely it is."""
+    """Pixels touched, (row, column) from 0; the answer that is right then; how likely it is.
+
+    fingers: capacitance of each touch to earth, F; none of rods. presses: whether touches press,
+    too.
+    """
 
     pixels: tuple[Pixel, ...]
     answer: tuple[int, ...]
     chance: float
+    fingers: tuple[float, ...] = ()
+    presses: bool = True
+
+    def on(self, scene: Scene, rises: NDArray[np.float64]) -> TouchedCells:
+        """What it touches where it presses by these rises, shape (touch,), see `Parts`."""
+        columns = scene.pixels.columns
+        cells = np.array([i * columns + j for i, j in self.pixels], dtype=np.int64)
+        rises = rises[: len(cells)] * self.presses
+        if not self.fingers:
+            return TouchedCells(cells, rises)
+        own = parts_of(scene).finger(cells)
+        return TouchedCells(np.concatenate([cells, own]), np.concatenate([rises, self.fingers]))
+
+    @property
+    def singles(self) -> list[Hypothesis]:
+        """Each of its touches that press, by itself."""
+        fingers = self.fingers or (0.0,) * len(self.pixels)
+        each = zip(self.pixels, fingers, strict=True)
+        return [
+            Hypothesis((pixel,), (), 1.0, (finger,) if finger else ())
+            for pixel, finger in each
+            if self.presses
+        ]
 
 
-def hypotheses(scene: Scene, target: str) -> list[Hypothesis]:
-    """Every one of a target, ordered by answers.
+def by_rod(hypothesis: Hypothesis) -> Hypothesis:
+    """The same pressed by what has no capacitance to earth."""
+    return replace(hypothesis, fingers=())
+
+
+def touched_alone(hypothesis: Hypothesis) -> Hypothesis:
+    """The same touched by fingers that do not press."""
+    return replace(hypothesis, presses=False)
+
+
+def hypotheses(scene: Scene, target: str, size: float | None = None) -> list[Hypothesis]:
+    """Every one of a target, ordered by answers, with the finger of the scene's `press`.
 
     column, row, pixel: any one pixel, or none where the skin at rest is a class of the scene's;
-    pair: any two; touches: none, one or two, how many being as likely. Raises InputError for
-    another target, or too few pixels.
+    pair: any two; touches: none, one or two, how many being as likely. size: as of `Readings`.
+    Raises InputError for another target, or too few pixels.
     """
     if target not in TARGETS:
         raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
@@ -63,7 +108,37 @@ def hypotheses(scene: Scene, target: str) -> list[Hypothesis]:
     if target in ("pair", "touches") and len(pixels) < 2:
         raise InputError(f"`target` {target} needs two pixels or more, {scene.name} has one")
     found = _pressed(scene, target, pixels)
+    if scene.press.finger:
+        found = [_with_fingers(scene, each, size) for each in found]
     return sorted(found, key=lambda each: each.answer)
+
+
+def kinds(scene: Scene, size: float | None = None) -> list[Hypothesis]:
+    """Any one pixel touched by a rod that presses, by a finger that does, or by one that does not;
+    the answer is which of these. size: as of `Readings`."""
+    pixels = [each for each in hypotheses(scene, "pixel", size) if each.pixels]
+    ways = by_rod, lambda each: each, touched_alone
+    return [
+        replace(way(each), answer=(number,), chance=1 / (len(ways) * len(pixels)))
+        for number, way in enumerate(ways)
+        for each in pixels
+    ]
+
+
+def _with_fingers(scene: Scene, hypothesis: Hypothesis, size: float | None) -> Hypothesis:
+    how = scene.press.finger
+    assert how is not None
+    places = [place_about(scene, pixel, size) for pixel in hypothesis.pixels]
+    fingers = tuple(finger_capacitance(scene, place, how) for place in places)
+    return replace(hypothesis, fingers=fingers)
+
+
+def place_about(scene: Scene, pixel: Pixel, size: float | None) -> Place:
+    """A whole pixel, or a square of a size in m about its middle."""
+    if size is None:
+        return Touch(pixel[0] + 1, pixel[1] + 1, 1.0)
+    x, y = middles(scene)[pixel[0] * scene.pixels.columns + pixel[1]]
+    return Rectangle(x, y, size, size, 1.0)
 
 
 def _pressed(scene: Scene, target: str, pixels: list[Pixel]) -> list[Hypothesis]:
@@ -131,13 +206,12 @@ class Readings:
         for _ in tracked([self.scene.name], "training", progress):
             _ = self._reduced
 
-    def of(self, pixels: Sequence[Pixel], factors: NDArray[np.float64]) -> NDArray[np.float64]:
+    def of(self, pressed: Hypothesis, factors: NDArray[np.float64]) -> NDArray[np.float64]:
         """Readings of the same pixels pressed in many ways, shape (press, number).
 
-        pixels: (row, column) from 0. factors: of each, shape (pixel, press).
+        factors: of each, shape (pixel, press).
         """
-        cells = np.array([i * self.scene.pixels.columns + j for i, j in pixels], dtype=np.int64)
-        return self.of_each(PressBatch.even(cells, factors.T - 1))
+        return self.of_each(PressBatch.of(pressed.on(self.scene, own) for own in factors.T - 1))
 
     def of_each(self, batch: PressBatch) -> NDArray[np.float64]:
         """Readings of many presses, shape (press, number)."""
@@ -167,7 +241,9 @@ class Readings:
 
     def _laid(self, batch: PressBatch) -> PressBatch:
         """Touches about the middles of pixels as cells."""
-        return self._touches.laid(batch)
+        assert self._size is not None
+        grid = self.scene.divided(CELLS).pixels.shape
+        return laid_with_fingers(self.scene, grid, self._touches, batch, self._size)
 
     @cached_property
     def _divided(self) -> Scene:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scene.scene import Scene
 from ..sweeps.schema import DIMENSIONS, LABELS, QUANTITIES
 from .plan import Plan, readings
 from .presses import MOST_TOUCHES
@@ -52,8 +53,8 @@ def variables(plan: Plan) -> list[Variable]:
             Variable(name, (SWEEP,), "str" if name == "press" else "int64", meaning)
             for name, meaning in LABELS.items()
         ),
-        *TOUCHES,
-        *DRAWN,
+        *touch_variables(plan.scene),
+        *drawn_variables(plan.scene),
     ]
 
 
@@ -63,6 +64,7 @@ TOUCHES = [
     Variable("touch_y", (SWEEP, "touch"), "float32", "centre of a touch, 0 if none", "m"),
     Variable("touch_factor", (SWEEP, "touch"), "float32", "capacitance over that at rest", "1"),
 ]
+FINGER = Variable("touch_finger", (SWEEP, "touch"), "float32", "capacitance to earth", "F")
 DRAWN = [
     Variable(
         f"drawn_{name}",
@@ -81,8 +83,22 @@ DRAWN = [
         ("lead_resistance", (), "resistance of the leads, in series", "ohm"),
         ("meter_gain", ("interface",), "the meter's factor on |Z|", "1"),
         ("meter_turn", ("interface",), "the meter's addition to the phase", "rad"),
+        ("body", (), "bodies' capacitance over nominal", "1"),
+        ("rim", (), "the rim's capacitance over nominal", "1"),
     )
 ]
+
+
+def touch_variables(scene: Scene) -> list[Variable]:
+    """Of touches, with their fingers where a scene has earth."""
+    return TOUCHES if scene.surroundings is None else [*TOUCHES, FINGER]
+
+
+def drawn_variables(scene: Scene) -> list[Variable]:
+    """What is drawn for each session, of the surroundings where a scene has them."""
+    if scene.surroundings is not None:
+        return DRAWN
+    return [each for each in DRAWN if each.name not in ("drawn_body", "drawn_rim")]
 
 
 def readings_along(plan: Plan) -> dict[str, int]:
@@ -126,6 +142,8 @@ def values(session: Drawn) -> dict[str, NDArray]:
         "lead_resistance": skin.leads.resistance,
         "meter_gain": session.meter.gain[:, 0],
         "meter_turn": session.meter.turn[:, 0],
+        "body": skin.variation.body,
+        "rim": skin.variation.rim,
     }
     return {
         **session.shown,
@@ -137,6 +155,7 @@ def values(session: Drawn) -> dict[str, NDArray]:
         "touch_x": presses.x,
         "touch_y": presses.y,
         "touch_factor": presses.factor,
+        "touch_finger": presses.finger,
         **{f"drawn_{name}": np.asarray(value)[None] for name, value in drawn.items()},
     }
 

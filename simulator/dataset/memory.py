@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..fem.factors import one_blas_thread
 from ..scene.files import scene_text
 from ..sweeps import build
-from .layout import TOUCHES, joined, values
+from .layout import joined, touch_variables, values
 from .model import Family, reduced
 from .plan import Plan
 from .session import drawn_sessions
@@ -43,5 +43,6 @@ def in_memory(plan: Plan, family: Family | None = None) -> xr.Dataset:
             "software": plan.software,
         },
     )
-    numbers = {each.name: (each.dimensions, arrays[each.name]) for each in TOUCHES}
+    told = touch_variables(plan.scene)
+    numbers = {each.name: (each.dimensions, arrays[each.name]) for each in told}
     return sweeps.assign(numbers)

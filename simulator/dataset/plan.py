@@ -19,6 +19,7 @@ from ..scene.files import parse_scene, scene_text
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.inputs import objects
+from .fingers import check_surroundings
 
 LAYOUT = 6
 """To be raised whenever the same plan would give other bytes."""
@@ -51,6 +52,7 @@ class Plan:
             raise InputError(f"`rtol` must be between 0 and 1, got {self.rtol}")
         _check_size(self.scene)
         _check_presses(self.scene)
+        check_surroundings(self.scene)
         _check_depths(self.scene)
 
     @property

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..mesh.fingers import with_fingers_at, with_fingers_on
 from ..mesh.held import held
 from ..press.batch import PressBatch
 from ..press.rasterized import Footprints
@@ -15,6 +16,7 @@ from ..scene.scene import Scene
 from .anywhere.deep import raised_on_cells, strengths_anywhere
 from .anywhere.places import drawn_places
 from .anywhere.places import texts as texts_anywhere
+from .fingers import OWN_FINGERS, Fingers, drawn_fingers
 from .strengths import drawn_strengths, texts, told
 
 MOST_TOUCHES = 2
@@ -29,9 +31,9 @@ class Presses:
     """Presses as a model takes them, as labels, and as numbers to learn.
 
     batch: on cells. text, row, column: as in the schema of sweeps.
-    touches: how many, shape (press,). x, y [m], factor: centre and strength of each touch, shape
-    (press, MOST_TOUCHES); 0, 0 and 1 where there is none. placed: where touches that are no whole
-    pixels came to lie.
+    touches: how many, shape (press,). x, y [m], factor, finger [F]: centre, strength and
+    capacitance to earth of each touch, shape (press, MOST_TOUCHES); 0, 0, 1 and 0 where there is
+    none. placed: where touches that are no whole pixels came to lie.
     """
 
     batch: PressBatch
@@ -42,6 +44,7 @@ class Presses:
     x: NDArray[np.float64]
     y: NDArray[np.float64]
     factor: NDArray[np.float64]
+    finger: NDArray[np.float64]
     placed: Footprints | None = None
 
 
@@ -71,12 +74,14 @@ def _drawn(
     touches = np.where(at_rest, 0, _counts(drawn, random.random(count)))
     chances = random.random((4, count, MOST_TOUCHES))
     factor = drawn_strengths(scene, random.random((count, MOST_TOUCHES)))
+    if drawn.place == "anywhere" and not scene.skin.rectangular:
+        again = random.random((2 * TRIES, count, MOST_TOUCHES))
+        chances = np.concatenate([chances, again])
+    fingers = drawn_fingers(scene, random, factor.shape)
+    factor = np.where(fingers.alone, 1.0, factor)
     if drawn.place == "anywhere":
-        if not scene.skin.rectangular:
-            again = random.random((2 * TRIES, count, MOST_TOUCHES))
-            chances = np.concatenate([chances, again])
-        return presses_anywhere(scene, touches, chances, factor, grid)
-    return _on_pixels(scene, touches, chances, factor, grid)
+        return presses_anywhere(scene, touches, chances, factor, grid, fingers)
+    return _on_pixels(scene, touches, chances, factor, grid, fingers)
 
 
 def _at_rest(every: int, count: int) -> NDArray[np.bool_]:
@@ -98,11 +103,13 @@ def _on_pixels(
     chances: NDArray[np.float64],
     factor: NDArray[np.float64],
     grid: tuple[int, int],
+    fingers: Fingers,
 ) -> Presses:
     """Touches of whole pixels, two never on one; in the order of pixels, as texts have it."""
     pixels = held(scene).numbers
     pixel = pixels[_distinct_pixels(touches, chances[0], len(pixels))]
-    return _on(scene, touches, pixel, factor, truncated_normal(chances[2:], CUT), grid)
+    aside = truncated_normal(chances[2:], CUT)
+    return _on(scene, touches, pixel, factor, aside, grid, fingers)
 
 
 def pressed_pixels(
@@ -111,14 +118,14 @@ def pressed_pixels(
     factor: NDArray[np.float64],
     grid: tuple[int, int],
 ) -> Presses:
-    """One pixel in each press, in its middle: row and column from 0, negative for none, shape
-    (press, 2). factor: shape (press,)."""
+    """One pixel in each press, in its middle, with the finger of the scene's `press`: row and
+    column from 0, negative for none, shape (press, 2). factor: shape (press,)."""
     row, column = pixels.T
     touches = (row >= 0).astype(np.int64)
     number = np.maximum(row * scene.pixels.columns + column, 0)
     pixel = np.repeat(number[:, None], MOST_TOUCHES, axis=1)
     factor = np.repeat(factor[:, None], MOST_TOUCHES, axis=1)
-    return _on(scene, touches, pixel, factor, np.zeros((2, *pixel.shape)), grid)
+    return _on(scene, touches, pixel, factor, np.zeros((2, *pixel.shape)), grid, OWN_FINGERS)
 
 
 def _on(
@@ -128,6 +135,7 @@ def _on(
     factor: NDArray[np.float64],
     aside: NDArray[np.float64],
     grid: tuple[int, int],
+    fingers: Fingers,
 ) -> Presses:
     """Touches of pixels by number, shape (press, MOST_TOUCHES). aside: as of `pressed_beside`."""
     columns = scene.pixels.columns
@@ -137,18 +145,21 @@ def _on(
     whole = scene.skin.rectangular or scene.dataset.press.laid
     middle = _centres(scene, row, column) if whole else held(scene).middle[:, pixel]
     x, y = np.where(there, middle, 0.0)
+    finger = fingers.of_pixels(scene, pixel, there)
     inside = cells_of_pixels(scene, grid)
     starts = np.concatenate([[0], np.cumsum(touches * inside.shape[1])])
     rises = np.repeat(factor[there] - 1, inside.shape[1])
+    batch = PressBatch(inside[pixel[there]].ravel(), rises, starts)
     presses = Presses(
-        batch=PressBatch(inside[pixel[there]].ravel(), rises, starts),
-        text=texts(touches, row + 1, column + 1, *told(scene, factor)),
+        batch=with_fingers_on(scene, batch, finger, inside[pixel], grid),
+        text=texts(touches, row + 1, column + 1, *told(scene, factor), finger),
         row=single_label(touches, row[:, 0] + 1),
         column=single_label(touches, column[:, 0] + 1),
         touches=touches,
         x=x,
         y=y,
         factor=factor,
+        finger=finger,
     )
     return pressed_beside(scene, presses, aside, grid) if scene.dataset.press.laid else presses
 
@@ -193,15 +204,18 @@ def presses_anywhere(
     chances: NDArray[np.float64],
     factor: NDArray[np.float64],
     grid: tuple[int, int],
+    fingers: Fingers,
 ) -> Presses:
-    """Presses of so many touches; factors multiply where two of them overlap.
+    """Presses of so many touches; factors multiply where two of them overlap, and fingers add.
 
     chances, factor: as of `drawn_places`.
     """
-    placed = drawn_places(scene, touches, chances, factor, grid)
+    placed = drawn_places(scene, touches, chances, factor, grid, fingers)
     there = np.arange(MOST_TOUCHES) < touches[:, None]
     return Presses(
-        batch=raised_on_cells(scene, touches, placed, grid),
+        batch=with_fingers_at(
+            scene, raised_on_cells(scene, touches, placed, grid), touches, placed, grid
+        ),
         text=texts_anywhere(touches, placed, *strengths_anywhere(scene, placed)),
         row=np.where(touches == 0, 0, -1),
         column=np.where(touches == 0, 0, -1),
@@ -209,6 +223,7 @@ def presses_anywhere(
         x=np.where(there, placed.x, 0.0),
         y=np.where(there, placed.y, 0.0),
         factor=np.where(there, placed.factor, 1.0),
+        finger=placed.finger,
         placed=placed,
     )
 
@@ -219,7 +234,7 @@ def pressed_beside(
     """The presses, told as they were meant, with their touches where they came to lie.
 
     aside: of each touch along x and y, in standard deviations, shape (2, press, MOST_TOUCHES). What
-    would lie beyond the skin is cut off.
+    would lie beyond the skin is cut off, with its part of a finger.
     """
     skin, pixels = scene.skin, scene.pixels
     sides = np.array([skin.length / pixels.columns, skin.width / pixels.rows])
@@ -231,6 +246,8 @@ def pressed_beside(
     there = np.arange(meant.x.shape[1]) < meant.touches[:, None]
     x, y = np.where(there, (low + high) / 2, 0.0)
     width, height = high - low
-    placed = Footprints.rectangles(x, y, width, height, meant.factor)
+    left = width * height / np.prod(sides)
+    placed = Footprints.rectangles(x, y, width, height, meant.factor, meant.finger * left)
     batch = raised_on_cells(scene, meant.touches, placed, grid)
-    return replace(meant, batch=batch, x=x, y=y, placed=placed)
+    batch = with_fingers_at(scene, batch, meant.touches, placed, grid)
+    return replace(meant, batch=batch, x=x, y=y, finger=placed.finger, placed=placed)

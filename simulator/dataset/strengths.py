@@ -16,6 +16,8 @@ FACTOR_DECIMALS = 6
 """Factors are drawn to so many decimals, so that a press as text is the press that was solved."""
 DEPTH_DECIMALS = 9
 """Depths in m are drawn to the nanometre, for the same reason."""
+FINGER_DECIMALS = 16
+"""Capacitances of fingers in F are drawn to a tenth of a femtofarad, for the same reason."""
 
 
 def drawn_strengths(scene: Scene, chances: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -36,13 +38,21 @@ def texts(
     column: NDArray[np.int64],
     strength: NDArray[np.float64],
     unit: str,
+    finger: NDArray[np.float64],
 ) -> list[str]:
-    """Each press as `Press` writes it."""
+    """Each press as `Press` writes it. finger: capacitance to earth of each touch, F."""
     there = np.arange(row.shape[1]) < touches[:, None]
     rows, columns, strengths = (each[there].tolist() for each in (row, column, strength))
     numbers = repr(strengths)[1:-1].split(", ")  # all at once takes half the time
-    told = map("".join, zip(map(_place, rows, columns), numbers, repeat(unit), strict=False))
-    return joined(touches, told)
+    parts = map(_place, rows, columns), numbers, repeat(unit), finger_texts(finger[there])
+    return joined(touches, map("".join, zip(*parts, strict=False)))
+
+
+def finger_texts(finger: NDArray[np.float64]) -> Iterable[str]:
+    """What the text of each touch ends with: the capacitance to earth in F, nothing for 0 F."""
+    if not finger.any():
+        return repeat("")
+    return [f":{each!r}F" if each else "" for each in finger.tolist()]
 
 
 def joined(touches: NDArray[np.int64], told: Iterable[str]) -> list[str]:

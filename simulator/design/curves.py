@@ -93,10 +93,9 @@ def _expected(
 
 def _presses(scene: Scene, among: Sequence[Hypothesis], signs: NDArray[np.float64]) -> PressBatch:
     """Each hypothesis in all ways in turn."""
-    press, columns = scene.press, scene.pixels.columns
+    press = scene.press
     rises = (press.capacitance_factor - 1) * (1 + press.factor_spread * signs)
-    cells = [np.array([i * columns + j for i, j in e.pixels], dtype=np.int64) for e in among]
-    return PressBatch.of((own, rise[: len(own)]) for own in cells for rise in rises)
+    return PressBatch.of(each.on(scene, rise) for each in among for rise in rises)
 
 
 def _nearest(

@@ -24,6 +24,7 @@ from ..progress import Progress, silent, tracked
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import CUT, AnyDistribution, truncated_normal
 from ..scene.scene import Scene
+from ..sweeps import InputError
 
 RTOL = 1e-3
 
@@ -50,7 +51,12 @@ class Hand:
         offset: float = 0.0,
         against_rest: int = 0,
     ) -> None:
-        """Raises InputError for a meter without noise."""
+        """Raises InputError for a meter without noise, and for a scene that presses by fingers."""
+        if scene.press.finger:
+            raise InputError(
+                f"{scene.name}: limits of a hand that misses take presses by a rod alone; leave "
+                "out `press.finger`, or ask for the limit of pixels hit whole"
+            )
         skin, pixels = scene.skin, scene.pixels
         self.scene, self._presses, self._offset = scene, presses, offset
         self._sides, self._extent = np.array(size), np.array([skin.length, skin.width])

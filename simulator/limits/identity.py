@@ -22,6 +22,7 @@ from ..progress import Progress, silent
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
+from .ways import Ways, by_finger, digits, numbers, percent, ways
 
 STRENGTHS = 16
 """Equally likely ones that a hypothesis is told in."""
@@ -61,7 +62,7 @@ def distances(
     """
     factor = np.linspace(presses.low, presses.high, LOOKED_AT if presses.low < presses.high else 1)
     off = np.zeros_like(factor) if spread is None else ((factor - factor.mean()) / spread) ** 2
-    curves = [readings.of(each.pixels, np.tile(factor, (len(each.pixels), 1))) for each in among]
+    curves = [readings.of(each, np.tile(factor, (len(each.pixels), 1))) for each in among]
     apart = np.zeros((len(among), len(among)))
     for i, j in itertools.combinations(range(len(among)), 2):
         square = cdist(curves[i], curves[j], "sqeuclidean") + off[:, None] + off
@@ -75,7 +76,7 @@ def _curve(
     touches = len(hypothesis.pixels)
     each = round(STRENGTHS ** (1 / max(1, touches)))
     factor = together([quantiles(presses, each)] * touches).factor
-    return readings.of(hypothesis.pixels, factor)
+    return readings.of(hypothesis, factor)
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,8 @@ class Identity:
     """Bayes' accuracy and the pairwise bound on it by target; distances between pixels' sweeps.
 
     apart: in the meter's errors, strengths unknown, shape (pixel, pixel); names: of the pixels.
-    asked: what is known and what is not, in words. laid: of touches by depth.
+    asked: what is known and what is not, in words. laid: of touches by depth. ways: of pixels that
+    are touched otherwise, where fingers press.
     """
 
     accuracy: dict[str, Accuracy]
@@ -122,42 +124,47 @@ class Identity:
     names: list[str]
     asked: str
     laid: LaidErrors | None = None
+    ways: Ways | None = None
 
     def summary(self) -> dict[str, Any]:
         """As it is written to a file."""
-        laid = {} if self.laid is None else self.laid.summary()
-        return {"asked": self.asked, **laid} | {
-            target: {
-                "best_possible": float(f"{found.share:.6g}"),
-                "standard_error": float(f"{found.error:.2g}"),
-                "pairwise_upper_bound": float(f"{self.bound[target]:.6g}"),
-            }
+        own = {
+            target: {**numbers(found), "pairwise_upper_bound": digits(self.bound[target], 6)}
             for target, found in self.accuracy.items()
         }
+        laid, ways = ({} if e is None else e.summary() for e in (self.laid, self.ways))
+        return {"asked": self.asked, **laid, **own, **ways}
 
     def lines(self) -> list[str]:
         """As it is printed."""
         laid = [] if self.laid is None else [f"  {self.laid.told}"]
-        return [f"of a press: {self.asked}", *laid] + [
-            f"  {target}s right: at most {100 * found.share:.1f} ± {100 * found.error:.1f} % "
+        own = [
+            f"  {target}s right: at most {percent(found)} "
             f"by any classifier (pairwise bound {100 * self.bound[target]:.1f} %)"
             for target, found in self.accuracy.items()
         ]
+        ways = [] if self.ways is None else self.ways.lines()
+        return [f"of a press: {self.asked}", *laid, *own, *ways]
 
 
 def identity(scene: Scene, sampling: Sampling, progress: Progress = silent) -> Identity:
     """Of a known skin, pressed as the scene's experiment does."""
     presses = own_presses(scene)
-    readings = sampling.readings(scene, presses)
-    among = {target: hypotheses(scene, target) for target in TARGETS}
+    readings, size = sampling.readings(scene, presses), sampling.size
+    among = {target: hypotheses(scene, target, size) for target in TARGETS}
     pixels = [each for each in among["pixel"] if each.pixels]
+
+    def accuracy(own: Sequence[Hypothesis]) -> Accuracy:
+        return sampling.bayes(readings, own, presses, progress)
+
     return Identity(
-        {t: sampling.bayes(readings, each, presses, progress) for t, each in among.items()},
+        {target: accuracy(own) for target, own in among.items()},
         {t: upper_bound(readings, each, presses) for t, each in among.items()},
         distances(readings, pixels, presses),
         [",".join(map(str, each.answer)) for each in pixels],
-        _asked(scene, sampling.size),
+        _asked(scene, size),
         readings.laid_errors(presses),
+        ways(scene, among, size, accuracy),
     )
 
 
@@ -165,7 +172,7 @@ def _asked(scene: Scene, size: float | None) -> str:
     """What a classifier that errs so little knows, and what it does not."""
     press, rest = scene.press, " or none" if scene.experiment.unpressed else ""
     where = "whole" if size is None else f"{1e3 * size:.3g} mm about its middle"
-    factor = f"times {scene.pressed_factor:g}"
+    factor = f"times {scene.pressed_factor:g}{by_finger(scene, size)}"
     spread = f", give or take {100 * press.factor_spread:.3g} % of the rise"
     return (
         f"known are the skin, that one pixel{rest} is pressed, {where}, and how strongly, {factor}"
@@ -221,7 +228,7 @@ def counted(
 ) -> Count:
     """The best accuracy with n pixels along the side with more of them."""
     divided = with_pixels(scene, n)
-    presses, among = own_presses(divided), hypotheses(divided, target)
+    presses, among = own_presses(divided), hypotheses(divided, target, sampling.size)
     readings = sampling.readings(divided, presses)
     readings.train(progress)
     bound = upper_bound(readings, among, presses)

@@ -12,7 +12,7 @@ from ..press.pixels import cell_centres
 from ..scene.foam_in_time import AMBIENT, ambient_factors
 from ..scene.frequency import Loss
 from ..scene.meter import Leads
-from ..scene.randomisation import CUT, truncated_normal
+from ..scene.randomisation import CUT, AnyDistribution, truncated_normal
 from ..scene.scene import Scene
 from .streams import SKIN, stream
 
@@ -48,6 +48,7 @@ def drawn_skin(
         common_c * own_foam,
         Loss(foam.loss_tangent + float(drawn.loss_tangent.at(loss)), foam.phase_exponent),
         common_c,
+        *(_factor(each, random) for each in (drawn.body, drawn.rim)),
     )
     leads = Leads(
         resistance=scene.leads.resistance + float(drawn.lead_resistance.at(lead)),
@@ -69,6 +70,11 @@ def _ambient(scene: Scene, random: np.random.Generator) -> tuple[float, float]:
             table, state = getattr(scene.skin.foam, name), float(drawn.at(random.random()))
             both *= ambient_factors(table, state, f"dataset.session.{name}")
     return float(both[0]), float(both[1])
+
+
+def _factor(drawn: AnyDistribution | None, random: np.random.Generator) -> float:
+    """A draw; 1, and no random number, of what is not drawn."""
+    return 1.0 if drawn is None else float(drawn.at(random.random()))
 
 
 def _conductance(

@@ -51,6 +51,11 @@ class PressBatch(NamedTuple):
         """How many presses."""
         return len(self.starts) - 1
 
+    @property
+    def press(self) -> NDArray[np.int64]:
+        """To which press each cell belongs, shape (cell,)."""
+        return np.repeat(np.arange(self.count), np.diff(self.starts))
+
     def one(self, press: int) -> TouchedCells:
         """What one of them touches."""
         here = slice(self.starts[press], self.starts[press + 1])
@@ -59,6 +64,20 @@ class PressBatch(NamedTuple):
     def each(self) -> Iterator[TouchedCells]:
         """What one after the other touches."""
         return map(self.one, range(self.count))
+
+    def where(self, kept: NDArray[np.bool_]) -> PressBatch:
+        """The same presses of some of their cells; kept: shape (cell,)."""
+        starts = np.concatenate([[0], np.cumsum(kept)])[self.starts]
+        return PressBatch(self.cells[kept], self.rises[kept], starts)
+
+    def and_(self, other: PressBatch) -> PressBatch:
+        """Each press with what another batch adds to it."""
+        if not other.cells.size:
+            return self
+        order = np.argsort(np.concatenate([self.press, other.press]), kind="stable")
+        cells = np.concatenate([self.cells, other.cells])[order]
+        rises = np.concatenate([self.rises, other.rises])[order]
+        return PressBatch(cells, rises, self.starts + other.starts)
 
     def weighted(self, rest_factors: NDArray[np.float64]) -> PressBatch:
         """Of a skin whose cells are by such factors above what rises refer to, shape (cell,)."""

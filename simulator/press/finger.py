@@ -52,7 +52,16 @@ def finger_capacitance(scene: Scene, place: Place, how: Finger) -> float:
     assert around is not None
     if around.finger_per_area is None:
         raise InputError(f"{scene.name}: a finger on {place.where} {NO_COVER}")
-    earthed = around.finger_per_area * touched_area(scene, place)
+    return float(finger_over(scene, np.array(touched_area(scene, place)), how))
+
+
+def finger_over(scene: Scene, area: NDArray[np.float64], how: Finger | None) -> NDArray[np.float64]:
+    """The same of areas in m², of a scene with surroundings, and with cover or air where that
+    tells it; 0 of a rod."""
+    if not isinstance(how, str):
+        return np.full(area.shape, float(how or 0.0))
+    assert scene.surroundings is not None and scene.surroundings.finger_per_area is not None
+    earthed = scene.surroundings.finger_per_area * area
     return earthed if how == "earthed" else earthed * PERSON / (earthed + PERSON)
 
 

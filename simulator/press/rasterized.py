@@ -21,7 +21,7 @@ class Footprints(NamedTuple):
     """Rectangles and discs, those of each press first in their row, shape (press, touch).
 
     disc: else a rectangle. x, y: of the centre, width, height: of the box around it, m. factor: c
-    over that without the touch.
+    over that without the touch. finger: capacitance to earth, F.
     """
 
     disc: NDArray[np.bool_]
@@ -30,6 +30,7 @@ class Footprints(NamedTuple):
     width: NDArray[np.float64]
     height: NDArray[np.float64]
     factor: NDArray[np.float64]
+    finger: NDArray[np.float64]
 
     @classmethod
     def rectangles(
@@ -39,10 +40,11 @@ class Footprints(NamedTuple):
         width: ArrayLike,
         height: ArrayLike,
         factor: ArrayLike,
+        finger: ArrayLike = 0.0,
     ) -> Self:
         """Of shape (press, touch), or what broadcasts to it."""
-        width, height, factor = (np.broadcast_to(each, x.shape) for each in (width, height, factor))
-        return cls(np.zeros(x.shape, dtype=bool), x, y, width, height, factor)
+        told = (np.broadcast_to(each, x.shape) for each in (width, height, factor, finger))
+        return cls(np.zeros(x.shape, dtype=bool), x, y, *told)
 
 
 def rasterized(

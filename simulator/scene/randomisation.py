@@ -49,7 +49,7 @@ class Fixed(_Drawn):
 
 
 class Uniform(_Drawn):
-    """Any value between `low` and `high` alike."""
+    """Any value between `low` and `high` alike; a table of these two alone means this."""
 
     distribution: Literal["uniform"] = "uniform"
     low: Finite
@@ -135,10 +135,16 @@ def _chosen(given: object) -> object:
         raise ValueError(f"must be a number or a table with a distribution, got {given!r}")
     if not isinstance(given, dict):
         return Fixed(value=given)
+    if given.keys() == {"low", "high"}:
+        return _of_kind(Uniform, given)
     kind = KINDS.get(given.get("distribution"))
     if kind is None:
         named = given.get("distribution")
         raise ValueError(f"distribution must be one of {', '.join(KINDS)}, got {named!r}")
+    return _of_kind(kind, given)
+
+
+def _of_kind(kind: type[AnyDistribution], given: dict) -> AnyDistribution:
     try:
         return kind.model_validate(given)
     except ValidationError as error:
@@ -178,6 +184,10 @@ Relative = Annotated[
 
 Length = Annotated[Distribution, drawn_within(1e-8, 1e3, "m", "no touch is larger, or as small")]
 
+Finger = Annotated[
+    Distribution, drawn_within(0.0, 1e-9, "F", "a whole hand has tens of picofarad to a sheet")
+]
+
 Spread = Annotated[Number, Field(ge=0, le=MOST_UNEVEN)]
 
 Shape = Literal["rectangle", "disc"]
@@ -198,7 +208,9 @@ class DrawnPress(Table):
     scene presses by depth, that under the applicator, unless depth [m] is drawn. shape and size [m]
     (sides of a rectangle, diameter of a disc) count only anywhere. cells_per_pixel: along each
     side, where touches are no whole pixels; each cell rises by the part of it that is covered, or
-    by the mean of what a tension spreads.
+    by the mean of what a tension spreads. finger: capacitance of a touch to earth, spread evenly
+    over it; else that of the scene's `press.finger`. without_press: share of touches that do not
+    press, but only have a finger.
     """
 
     touches: Annotated[
@@ -211,6 +223,8 @@ class DrawnPress(Table):
     cells_per_pixel: Annotated[Whole, Field(ge=1, le=20)] = 4
     factor: Factor = Uniform(low=1.3, high=3.0)
     depth: Length | None = None
+    finger: Finger | None = None
+    without_press: Annotated[Number, Field(ge=0, le=1)] | None = None
 
     @property
     def cells(self) -> int:
@@ -241,7 +255,9 @@ class Session(Table):
     slow wave. loss_tangent: added to the foam's own. contact_resistance: factor on each contact's
     resistance; ideal foils have none. stray_capacitance [F] and lead_resistance [ohm]: added to
     those of the leads, beyond any guard. temperature [°C], humidity [%RH]: at which a session is
-    measured, where the foam has their tables; those of `experiment` unless given.
+    measured, where the foam has their tables; those of `experiment` unless given. body, rim:
+    factors on the capacitance of the scene's `surroundings.body` and of its rim; without them these
+    are as the scene has them.
 
     The defaults are assumptions. Geometry of 3 % and contacts of 4 % a session are what simulations
     of electrical impedance tomography that were to be carried to real devices took; the sheets'
@@ -267,6 +283,8 @@ class Session(Table):
     lead_resistance: Annotated[
         Distribution, drawn_within(0.0, 1e12, "ohm", "no meter reads more")
     ] = Uniform(low=0.0, high=2.0)
+    body: Relative | None = None
+    rim: Relative | None = None
     temperature: (
         Annotated[Distribution, drawn_within(-200.0, 1000.0, "°C", "no foam lasts beyond")] | None
     ) = None

@@ -68,7 +68,7 @@ def at_the_worst(scene):
     factor = np.ones_like(x)
     depths = np.array([2.1e-3, 2e-3, 1e-3, 2.2e-3, 1.2e-3])
     factor[[0, 1, 2, 3, 3], [0, 0, 0, 0, 1]] = scene.pressed_factors(depths)
-    return np.array([1, 1, 1, 2]), Footprints(disc, x, y, width, height, factor)
+    return np.array([1, 1, 1, 2]), Footprints(disc, x, y, width, height, factor, 0 * factor)
 
 
 trained = cache(REDUCED.train)

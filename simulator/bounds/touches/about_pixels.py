@@ -12,11 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...chebyshev import Interpolant, refined
+from ...mesh.fingers import with_fingers_at
 from ...mesh.held import held
 from ...models.mechanics.lattice.presses import Applied, Window, apart, raised
 from ...models.mechanics.lattice.skin import Lattice
 from ...models.reduced.indented.draws import felt_beside
 from ...press.batch import PressBatch
+from ...press.parts import parts_of
 from ...press.rasterized import Footprints, rasterized
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
@@ -46,6 +48,32 @@ def about_pixels(scene: Scene, grid: tuple[int, int], size: float, strongest: fl
     return SharpOnes(scene, grid, size)
 
 
+def laid_with_fingers(
+    scene: Scene, grid: tuple[int, int], touches: AboutPixels, batch: PressBatch, size: float
+) -> PressBatch:
+    """As `AboutPixels.laid`, of presses that may have fingers, see `Parts`. size: of a side, m."""
+    foam = parts_of(scene).foam
+    finger = batch.cells >= foam
+    laid = touches.laid(batch.where(~finger))
+    if not finger.any():
+        return laid
+    own = batch.where(finger)
+    pixel, held_to_earth = by_touch(own)
+    x, y = np.moveaxis(np.array(middles(scene))[pixel - foam], -1, 0)
+    squares = Footprints.rectangles(x, y, size, size, 1.0, held_to_earth)
+    return with_fingers_at(scene, laid, np.diff(own.starts), squares, grid)
+
+
+def by_touch(batch: PressBatch) -> tuple[Index, Array]:
+    """Cells and rises of each press in a row, shape (press, touch); some cell and 0 of none."""
+    touches = np.diff(batch.starts)
+    there = np.arange(touches.max(initial=0)) < touches[:, None]
+    cells = np.full(there.shape, batch.cells.min(initial=0), dtype=np.int64)
+    rises = np.zeros(there.shape)
+    cells[there], rises[there] = batch.cells, batch.rises
+    return cells, rises
+
+
 def middles(scene: Scene) -> list[Place]:
     """Of the skin of each pixel, m."""
     if not scene.skin.rectangular:
@@ -67,13 +95,10 @@ class SharpOnes:
 
     def laid(self, batch: PressBatch) -> PressBatch:
         """As of `AboutPixels`."""
-        touches = np.diff(batch.starts)
-        there = np.arange(touches.max(initial=0)) < touches[:, None]
-        pixel, factor = np.zeros(there.shape, dtype=np.int64), np.ones(there.shape)
-        pixel[there], factor[there] = batch.cells, 1 + batch.rises
+        pixel, rises = by_touch(batch)
         x, y = np.moveaxis(self._middles[pixel], -1, 0)
-        squares = Footprints.rectangles(x, y, self._size, self._size, factor)
-        return rasterized(self._scene, touches, squares, self._grid)
+        squares = Footprints.rectangles(x, y, self._size, self._size, 1 + rises)
+        return rasterized(self._scene, np.diff(batch.starts), squares, self._grid)
 
 
 class _Depths(NamedTuple):
@@ -94,7 +119,7 @@ class DeepOnes:
     def laid(self, batch: PressBatch) -> PressBatch:
         """As of `AboutPixels`. Raises InputError where the foam cannot be pressed so far, and
         ToleranceError where rises are not told by few depths."""
-        press, depth = _presses(batch), self._scene.pressed_depths(1 + batch.rises)
+        press, depth = batch.press, self._scene.pressed_depths(1 + batch.rises)
         rises = np.zeros((batch.count, *self._deep.lattice.grid))
         for pixel in np.unique(batch.cells).tolist():
             own, known = np.flatnonzero(batch.cells == pixel), self._of(pixel)
@@ -151,8 +176,3 @@ class DeepOnes:
         """Rises of the cells of a window at depths in m, shape (depth, row, column)."""
         rise = (self._scene.pressed_factors(depth) - 1).tolist()
         return np.stack([self._deep.rises(place, own, here) for own in rise])
-
-
-def _presses(batch: PressBatch) -> Index:
-    """To which press each touch belongs."""
-    return np.repeat(np.arange(batch.count), np.diff(batch.starts))

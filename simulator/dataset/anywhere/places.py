@@ -10,7 +10,8 @@ from ...models.reduced.indented.draws import spreading
 from ...press.rasterized import Footprints
 from ...scene.scene import Scene
 from ...scene.skin import covers
-from ..strengths import joined
+from ..fingers import Fingers
+from ..strengths import finger_texts, joined
 
 LENGTH_DECIMALS = 6
 """Places and sizes are drawn to the micrometre, so that a press as text is the one solved."""
@@ -24,6 +25,7 @@ def drawn_places(
     chances: NDArray[np.float64],
     factor: NDArray[np.float64],
     grid: tuple[int, int],
+    fingers: Fingers,
 ) -> Footprints:
     """So many touches of each press with their middles on the skin, in the order of texts.
 
@@ -40,7 +42,8 @@ def drawn_places(
     which = _first_on_skin(scene, x, y, grid)[None]
     x, y = (np.take_along_axis(places, which, axis=0)[0] for places in (x, y))
     there = np.arange(factor.shape[1]) < touches[:, None]
-    placed = Footprints(disc, x, y, width, height, np.where(there, factor, 1.0))
+    finger = fingers.over(scene, width * height * np.where(disc, np.pi / 4, 1.0), there)
+    placed = Footprints(disc, x, y, width, height, np.where(there, factor, 1.0), finger)
     return _in_order(placed, touches)
 
 
@@ -55,9 +58,10 @@ def texts(
         f"disc({x!r},{y!r},{width / 2!r}):{by!r}{unit}"
         if disc
         else f"rect({x!r},{y!r},{width!r},{height!r}):{by!r}{unit}"
-        for disc, x, y, width, height, by in rows
+        for disc, x, y, width, height, by, _ in rows
     )
-    return joined(touches, told)
+    parts = zip(told, finger_texts(placed.finger[there]), strict=False)
+    return joined(touches, map("".join, parts))
 
 
 def _first_on_skin(

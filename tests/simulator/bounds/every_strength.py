@@ -5,6 +5,7 @@ import math
 import numpy as np
 from rcskin.simulator.bounds.bayes import FIRST_LOOK, STEP, Accuracy
 from rcskin.simulator.bounds.posterior import Templates, axes_of, posterior, starts_of
+from rcskin.simulator.bounds.readings import Hypothesis
 from rcskin.simulator.measure.experiment import strengths, together
 from rcskin.simulator.press.batch import PressBatch
 
@@ -23,7 +24,7 @@ def compared(readings, among, presses, seed, draws):
     found, chance = [], []
     for each in among:
         every = together([strengths(presses, steps[pixel]) for pixel in each.pixels])
-        found.append(readings.of(each.pixels, every.factor))
+        found.append(readings.of(each, every.factor))
         chance.append(each.chance * every.weight)
     starts = starts_of([each.answer for each in among], [len(each) for each in chance])
     whole = np.concatenate(found)
@@ -36,15 +37,14 @@ def _steps(readings, pixel, presses):
     look = strengths(presses, FIRST_LOOK).factor
     if look.size == 1:
         return 1
-    speed = np.linalg.norm(np.diff(readings.of([pixel], look[None]), axis=0), axis=1).max()
+    alone = Hypothesis((pixel,), (), 1.0)
+    speed = np.linalg.norm(np.diff(readings.of(alone, look[None]), axis=0), axis=1).max()
     return max(1, math.ceil(float(speed) * FIRST_LOOK / STEP))
 
 
 def _drawn(readings, among, presses, random, draws):
-    columns = readings.scene.pixels.columns
     which = random.choice(len(among), draws, p=[each.chance for each in among])
     factors = presses.at(random.random((draws, max(len(each.pixels) for each in among) or 1)))
-    cells = [np.array([i * columns + j for i, j in e.pixels], dtype=np.int64) for e in among]
-    pressed = ((cells[k], f[: len(cells[k])] - 1) for k, f in zip(which, factors, strict=True))
+    pressed = (among[k].on(readings.scene, f - 1) for k, f in zip(which, factors, strict=True))
     clean = readings.of_each(PressBatch.of(pressed))
     return clean + random.standard_normal(clean.shape)

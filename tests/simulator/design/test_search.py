@@ -117,10 +117,8 @@ class CastReadings:
     def of_each(self, batch):
         return self.model.whitened(self._on.observed(batch, self._frequency))
 
-    def of(self, pixels, factors):
-        columns = self.scene.pixels.columns
-        cells = np.array([i * columns + j for i, j in pixels], dtype=np.int64)
-        return self.of_each(PressBatch.even(cells, factors.T - 1))
+    def of(self, pressed, factors):
+        return self.of_each(PressBatch.of(pressed.on(self.scene, own) for own in factors.T - 1))
 
 
 def test_common_draws_judge_a_lossy_cast_behind_leads_as_draws_of_its_own_do(strip):

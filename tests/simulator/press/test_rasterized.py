@@ -25,7 +25,7 @@ def placed(draw):
     low = rng.integers(0, steps // 2, (2, *shape)) * SIDE / steps
     x, y = (np.round(each + side / 2, 7) for each, side in zip(low, (width, height), strict=True))
     factor = np.round(rng.uniform(0.5, 3.0, shape), 6)
-    return rng.integers(0, 3, presses), Footprints(disc, x, y, width, height, factor)
+    return rng.integers(0, 3, presses), Footprints(disc, x, y, width, height, factor, 0 * factor)
 
 
 @pytest.mark.kernel
@@ -46,7 +46,7 @@ def test_all_at_once_is_press_by_press(placed, grid):
 
 def test_no_cell_beside_a_touch_is_counted():
     one = np.ones((1, 1))
-    disc = Footprints(one > 0, 0.06 * one, 0.06 * one, 0.04 * one, 0.04 * one, 2 * one)
+    disc = Footprints(one > 0, 0.06 * one, 0.06 * one, 0.04 * one, 0.04 * one, 2 * one, 0 * one)
     on_lines = disc._replace(disc=one < 0)
     count = np.ones(1, dtype=np.int64)
     assert rasterized(SCENE, count, on_lines, (12, 12)).cells.size == 4 * 4

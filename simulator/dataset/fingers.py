@@ -1,0 +1,111 @@
+"""Fingers of a data set's touches: what they hold to earth, and which touches have nothing else."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..press.finger import finger_capacitance, finger_over
+from ..press.pixels import pixels_with_skin
+from ..press.touch import Touch
+from ..scene.scene import Scene
+from ..scene.surroundings import NO_EARTH
+from ..sweeps import InputError
+from .strengths import FINGER_DECIMALS
+
+
+class Fingers(NamedTuple):
+    """What is drawn of the touches of many presses, shape (press, touch).
+
+    drawn: capacitance to earth, F; None where fingers are as the scene's `press` has them. alone:
+    touches that do not press.
+    """
+
+    drawn: NDArray[np.float64] | None
+    alone: NDArray[np.bool_]
+
+    def over(
+        self, scene: Scene, area: NDArray[np.float64], there: NDArray[np.bool_]
+    ) -> NDArray[np.float64]:
+        """Capacitance to earth in F of touches of these areas in m², 0 where there is none."""
+        how = scene.press.finger
+        return self._told(finger_over(scene, area, how) if self.drawn is None else None, there)
+
+    def of_pixels(
+        self, scene: Scene, pixel: NDArray[np.int64], there: NDArray[np.bool_]
+    ) -> NDArray[np.float64]:
+        """The same of whole pixels by number."""
+        own = self.drawn is None and scene.press.finger
+        return self._told(_on_pixels(scene)[pixel] if own else None, there)
+
+    def _told(
+        self, own: NDArray[np.float64] | None, there: NDArray[np.bool_]
+    ) -> NDArray[np.float64]:
+        """own: as the scene's `press` has them, F; None where they are drawn, or rods."""
+        finger = (0.0 if self.drawn is None else self.drawn) if own is None else own
+        return np.where(there, np.round(finger, FINGER_DECIMALS), 0.0)
+
+
+def _on_pixels(scene: Scene) -> NDArray[np.float64]:
+    """Of the finger of the scene's `press` on each pixel, F; 0 where there is no skin."""
+    how, found = scene.press.finger, np.zeros(scene.pixels.rows * scene.pixels.columns)
+    assert how is not None
+    for row, column in pixels_with_skin(scene):
+        touch = Touch(row, column, 1.0)
+        found[(row - 1) * scene.pixels.columns + column - 1] = finger_capacitance(scene, touch, how)
+    return found
+
+
+def drawn_fingers(scene: Scene, random: np.random.Generator, shape: tuple[int, ...]) -> Fingers:
+    """Of touches of a shape (press, touch); what is not drawn takes no random number."""
+    drawn = scene.dataset.press
+    finger = None if drawn.finger is None else drawn.finger.at(random.random(shape))
+    share = drawn.without_press
+    alone = random.random(shape) < share if share else np.zeros(shape, dtype=bool)
+    return Fingers(finger, alone)
+
+
+OWN_FINGERS = Fingers(None, np.zeros((1, 1), dtype=bool))
+"""As the scene's `press` has them, and every touch presses."""
+
+
+def check_surroundings(scene: Scene) -> None:
+    """Raises InputError where fingers, bodies or rims are drawn that the scene does not have."""
+    press, session, around = scene.dataset.press, scene.dataset.session, scene.surroundings
+    drawn = {
+        "press.finger": press.finger,
+        "press.without_press": press.without_press,
+        "session.body": session.body,
+        "session.rim": session.rim,
+    }
+    named = [f"{scene.name}: `dataset.{key}`" for key, each in drawn.items() if each is not None]
+    if not named:
+        return
+    if around is None:
+        fingers = press.finger is not None or press.without_press is not None
+        raise InputError(f"{named[0]} {NO_EARTH if fingers else 'needs the table [surroundings]'}")
+    if press.finger is not None and around.rods_alone:
+        raise InputError(f"{named[0]}: {around.rods_alone}")
+    if session.body is not None and not around.body:
+        raise InputError(f"{scene.name}: `dataset.session.body` needs a `surroundings.body`")
+    if session.rim is not None and not around.rim:
+        raise InputError(f"{scene.name}: `dataset.session.rim` needs `surroundings.rim`")
+    if press.without_press:
+        _check_touching(scene)
+
+
+def _check_touching(scene: Scene) -> None:
+    drawn = scene.dataset.press.finger
+    fingers = scene.press.finger if drawn is None else drawn.high
+    if not fingers:
+        raise InputError(
+            f"{scene.name}: `dataset.press.without_press` needs fingers, without which such a "
+            "touch changes nothing: give `dataset.press.finger`"
+        )
+    if not scene.press.plain:
+        raise InputError(
+            f"{scene.name}: `dataset.press.without_press` needs `press.capacitance_factor` in "
+            "place of `press.depth` or `press.force`"
+        )

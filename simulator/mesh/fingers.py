@@ -1,0 +1,63 @@
+"""Fingers laid on the cells of a grid: each is spread evenly over what it covers of the skin."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..press.batch import PressBatch
+from ..press.parts import parts_of
+from ..press.rasterized import Footprints, rasterized
+from ..scene.scene import Scene
+from .held import held
+
+
+def with_fingers_at(
+    scene: Scene,
+    batch: PressBatch,
+    touches: NDArray[np.int64],
+    placed: Footprints,
+    grid: tuple[int, int],
+) -> PressBatch:
+    """The presses with the fingers of their touches, as parts of M that rise by F, see `Parts`.
+
+    touches: how many each press has, shape (press,). grid: rows and columns of cells.
+    """
+    for number in range(placed.finger.shape[1] if placed.finger.any() else 0):
+        own = Footprints._make(each[:, number : number + 1] for each in placed)
+        there = (touches > number) & (own.finger[:, 0] > 0)
+        twice = own._replace(factor=np.full_like(own.factor, 2.0))
+        covered = rasterized(scene, there.astype(np.int64), twice, grid)
+        batch = batch.and_(_spread(scene, covered, own.finger[:, 0], grid))
+    return batch
+
+
+def with_fingers_on(
+    scene: Scene,
+    batch: PressBatch,
+    finger: NDArray[np.float64],
+    cells: NDArray[np.int64],
+    grid: tuple[int, int],
+) -> PressBatch:
+    """As `with_fingers_at`, of touches that cover as many whole cells each.
+
+    finger: F, shape (press, touch); 0 where there is none. cells: shape (press, touch, cell).
+    """
+    for own, under in zip(finger.T, np.moveaxis(cells, 1, 0), strict=True):
+        there = own > 0
+        starts = np.concatenate([[0], np.cumsum(there * under.shape[1])])
+        covered = PressBatch(under[there].ravel(), np.ones(starts[-1]), starts)
+        batch = batch.and_(_spread(scene, covered, own, grid))
+    return batch
+
+
+def _spread(
+    scene: Scene, covered: PressBatch, finger: NDArray[np.float64], grid: tuple[int, int]
+) -> PressBatch:
+    """Of one touch a press. covered: cells, and what part of each. finger: F, shape (press,)."""
+    press, area = covered.press, covered.rises
+    if not scene.skin.rectangular:
+        area = area * held(scene.on_grid(*grid)).part[covered.cells]
+    whole = np.bincount(press, area, covered.count)
+    cells = parts_of(scene, grid).finger(covered.cells)
+    return PressBatch(cells, finger[press] * area / whole[press], covered.starts)
